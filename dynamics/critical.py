@@ -105,11 +105,6 @@ def solid_shaft_stiffness(diameter: float, length: float, shear_modulus: float) 
     float
         C_np [N m/rad].
 
-    Raises
-    ------
-    InputError
-        If a value is not a finite number above zero.
-
     Notes
     -----
     C_np = G J / L_np with J = pi d_b^4 / 32, (10) in Makushev, Polyakova, Omsk Scientific Bulletin
@@ -136,11 +131,6 @@ def two_mass_frequency(stiffness: float, inertia_1: float, inertia_2: float) -> 
     -------
     float
         w_c1 [rad/s].
-
-    Raises
-    ------
-    InputError
-        If a value is not a finite number above zero.
 
     Notes
     -----
@@ -321,9 +311,9 @@ def critical_speeds(
         "speed_range", speed_range, "rad/s", "a critical speed is that of a turning shaft"
     )
     if limits.size != 2 or not limits[0] < limits[1]:
-        given = ", ".join(f"{limit:g}" for limit in limits)
+        shown = ", ".join(f"{limit:g}" for limit in limits)
         raise InputError(
-            f"speed_range: given ({given}) rad/s; allowed is the lowest speed and then a higher "
+            f"speed_range: given ({shown}) rad/s; allowed is the lowest speed and then a higher "
             "one, because critical speeds are looked for between them."
         )
     meetings = (
@@ -331,8 +321,8 @@ def critical_speeds(
         for mode, frequency in enumerate(natural.tolist())
         for order in excited.tolist()
     )
-    found = (meeting for meeting in meetings if within(meeting.speed, *limits.tolist()))
-    return tuple(sorted(found, key=lambda item: (item.speed, item.mode, item.order)))
+    within_range = (meeting for meeting in meetings if within(meeting.speed, *limits.tolist()))
+    return tuple(sorted(within_range, key=lambda item: (item.speed, item.mode, item.order)))
 
 
 def vector_sums(
@@ -354,11 +344,6 @@ def vector_sums(
     ndarray of shape (K,)
         | sum over j of w_j exp(i order angle_j) |; the number of cylinders at a major order when
         all weights are 1.
-
-    Raises
-    ------
-    InputError
-        If an order is not above zero, a value is not finite, or the lengths differ.
     """
     excited = positive_vector("orders", orders, "", "they count cycles per revolution")
     angles = finite_vector("firing_angles", firing_angles)
@@ -391,11 +376,6 @@ def major_orders(orders: ArrayLike, firing_angles: ArrayLike) -> FloatArray:
     ndarray of shape (L,)
         The major orders, in the sequence given; for even firing, the multiples of the number of
         ignitions per revolution.
-
-    Raises
-    ------
-    InputError
-        As `vector_sums`.
     """
     sums = vector_sums(orders, firing_angles)
     cylinders = np.size(firing_angles)

@@ -192,8 +192,6 @@ class Harmonics:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         unit : str, optional
             Of the samples, such as "N m".
         highest_order : float, optional
@@ -201,10 +199,6 @@ class Harmonics:
         show : {"amplitudes", "curves"}
             "curves": each harmonic over the crank angle, with its amplitude and phase, the six
             largest if there are more.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -225,16 +219,6 @@ class Harmonics:
         ----------
         unit : str, optional
             Of the samples.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
         """
         return table(
             {
@@ -257,8 +241,6 @@ def harmonics(
     samples : array_like of shape (m,)
         At least 3 values over one cycle: 720 deg of crank angle for a four-stroke engine, 360 deg
         for a two-stroke one. The closing sample, which repeats the first, is left out.
-    strokes : int
-        Strokes per cycle, 2 or 4.
     angles_deg : array_like of shape (m,), optional
         Crank angles of the samples [deg], to be checked. They may start anywhere: phases
         count from crank angle zero. By default the first sample is at zero.
@@ -379,32 +361,11 @@ class TorqueTable:
         return harmonics(self.torque, self.strokes, angles_deg=self.crank_angle_deg)
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the samples, and the sum of their harmonics between them.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the samples, and the sum of their harmonics between them."""
         return draw_samples(axes, self.torque, self.harmonics(), title="Torque of one throw")
 
     def to_pandas(self) -> DataFrame:
-        """Return crank angles and torques, a row for each sample.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return crank angles and torques, a row for each sample."""
         return table({"crank_angle": (self.crank_angle_deg, "deg"), "torque": (self.torque, "N m")})
 
 
@@ -418,8 +379,6 @@ def read_torque_table(path: GivenFile, *, strokes: int | None = None) -> TorqueT
 
     Parameters
     ----------
-    path : path
-        The file.
     strokes : int, optional
         Strokes per cycle, 2 or 4. Crank angles determine it; for cycle angles it is 4
         by default.
@@ -428,12 +387,6 @@ def read_torque_table(path: GivenFile, *, strokes: int | None = None) -> TorqueT
     -------
     TorqueTable
         Crank angles [deg], torques [N m], source and strokes.
-
-    Raises
-    ------
-    InputError
-        With file and line, if the file cannot be read, the header or a number is wrong, the angles
-        are not evenly spaced over one cycle, or the closing sample differs from the first.
     """
     cycles = possible_cycles(strokes)
     rows = read_sample_rows(path, TABLE)
@@ -445,17 +398,19 @@ def read_torque_table(path: GivenFile, *, strokes: int | None = None) -> TorqueT
         )
     if rows.angle_name == CYCLE_ANGLE:
         cycles = {4 if strokes is None else strokes: 360.0}
-    found = rows.strokes(
+    cycle_strokes = rows.strokes(
         cycles,
         lambda angles, cycle: covers_cycle(angles, cycle) or has_closing_sample(angles, cycle),
     )
     used = rows.angles.size
-    if has_closing_sample(rows.angles, cycles[found]):
+    if has_closing_sample(rows.angles, cycles[cycle_strokes]):
         rows.check_closing(rows.values, CLOSING_TOLERANCE)
         used -= 1
     return TorqueTable(
-        crank_angle_deg=read_only(cycle_degrees(found) / cycles[found] * rows.angles[:used]),
+        crank_angle_deg=read_only(
+            cycle_degrees(cycle_strokes) / cycles[cycle_strokes] * rows.angles[:used]
+        ),
         torque=read_only(rows.values[:used].copy()),
         source=rows.source,
-        strokes=found,
+        strokes=cycle_strokes,
     )

@@ -16,13 +16,7 @@ AT_END = 8.0 * float(np.finfo(np.float64).eps)
 
 
 def node_index(field: str, node: object, count: int) -> int:
-    """Return the index of a node of a chain of `count` nodes, from 0.
-
-    Raises
-    ------
-    InputError
-        If the node is not a whole number from 0 to count - 1.
-    """
+    """Return the index of a node of a chain of `count` nodes, from 0."""
     return whole_within(field, node, 0, count - 1, f"the chain has {count} nodes")
 
 
@@ -33,17 +27,8 @@ def values_at_nodes(
 
     Parameters
     ----------
-    field, unit, reason : str
-        Name of the values in messages, their unit, and why none may be negative.
     values : array_like of shape (count,), mapping or None
         Nodes missing in a mapping, and all nodes for None, get zero.
-    count : int
-        Number of nodes.
-
-    Raises
-    ------
-    InputError
-        If the length or a node number does not fit, or a value is negative or not finite.
     """
     if values is None:
         return np.zeros(count)
@@ -62,29 +47,14 @@ def values_at_nodes(
     return array
 
 
-def index_of_name(field: str, given: object, names: Sequence[str], what: str, reason: str) -> int:
-    """Return the index, from 0, of an item given by its name or that index.
-
-    Parameters
-    ----------
-    field : str
-        Name of the item in the message.
-    given : object
-    names : sequence of str
-    what, reason : str
-        Owner of the names, and why it has to be one of them.
-
-    Raises
-    ------
-    InputError
-        If there is no such name or number.
-    """
-    if isinstance(given, str) and given in names:
-        return names.index(given)
-    if is_whole_within(given, 0, len(names) - 1):
-        return int(given)
+def index_of_name(field: str, node: object, names: Sequence[str], what: str, reason: str) -> int:
+    """Return the index, from 0, of an item given by its name or that index."""
+    if isinstance(node, str) and node in names:
+        return names.index(node)
+    if is_whole_within(node, 0, len(names) - 1):
+        return int(node)
     raise InputError(
-        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the "
+        f"{field}: given {quoted(node)}; allowed are the whole numbers 0 to {len(names) - 1} and the "
         f"names of {what}, because {reason}."
     )
 
@@ -106,6 +76,6 @@ def within(speeds: float | FloatArray, low: float, high: float) -> NDArray[np.bo
     return np.asarray(at_most(low, speeds) & at_most(speeds, high))
 
 
-def at_most(one: float | FloatArray, other: float | FloatArray) -> NDArray[np.bool_]:
+def at_most(speed: float | FloatArray, limit: float | FloatArray) -> NDArray[np.bool_]:
     """Return whether a speed is at most another, within a few units in the last place."""
-    return np.asarray(one <= other * (1.0 + AT_END))
+    return np.asarray(speed <= limit * (1.0 + AT_END))

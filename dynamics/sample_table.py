@@ -96,15 +96,6 @@ class SampleRows:
         ----------
         cycles : mapping of int to float
             Length of the cycle [deg] for each number of strokes that is possible.
-        fits : callable
-            Whether angles cover a cycle, with or without closing sample.
-        also : str, optional
-            Further allowed values, for the message.
-
-        Raises
-        ------
-        InputError
-            If they cover none.
         """
         for strokes, cycle in cycles.items():
             if fits(self.angles, cycle):
@@ -118,12 +109,7 @@ class SampleRows:
         )
 
     def check_closing(self, values: FloatArray, tolerance: float) -> None:
-        """Refuse a closing sample that differs from the first by more than a share of the largest.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse a closing sample that differs from the first by more than a share of the largest."""
         if abs(values[-1] - values[0]) > tolerance * np.max(np.abs(values)):
             raise self.value_error(
                 -1,
@@ -138,28 +124,9 @@ def possible_cycles(strokes: int | None) -> dict[int, float]:
     return {number: cycle_degrees(number) for number in possible}
 
 
-def read_sample_rows(given: GivenFile, kind: TableKind) -> SampleRows:
-    """Read comment lines, header and rows of two numbers.
-
-    Parameters
-    ----------
-    given : path-like or InputFile
-        The file: UTF-8 text with commas between cells and decimal points.
-    kind : TableKind
-        The allowed headers, and the words for messages.
-
-    Returns
-    -------
-    SampleRows
-        The columns as given; the range of the values is not checked.
-
-    Raises
-    ------
-    InputError
-        With file and line, if the file cannot be read, the header or a number is wrong, there are
-        fewer than three samples, or the angles do not increase.
-    """
-    file = InputFile.of(given)
+def read_sample_rows(path: GivenFile, kind: TableKind) -> SampleRows:
+    """Read comment lines, header and rows of two numbers."""
+    file = InputFile.of(path)
     path = file.path
     text = file.text(LARGEST_TABLE_FILE, f"a {kind.name}", f"a {kind.name} (CSV)", CSV)
     names = ("", "")

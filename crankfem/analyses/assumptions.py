@@ -9,7 +9,7 @@ from crankfem.analyses.shaft.chains import bearing_stiffness, flywheel_overhang
 from crankfem.files.engine.engine_file import SECTIONS, EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.reading.toml_file import InputRecord
-from crankfem.files.sections.cylinder_pressures import USUAL_PRESSURE_RISE, assumed_cycle
+from crankfem.files.sections.cylinder_pressures import assumed_cycle
 from dynamics.assessment.limit_rules import (
     BASE_STRENGTH,
     BASE_YIELD,
@@ -18,6 +18,7 @@ from dynamics.assessment.limit_rules import (
     crankshaft_material_factors,
 )
 from dynamics.gas.cycle_values import USUAL_VALUES, name_of_field
+from dynamics.gas.gas_cycle import USUAL_PRESSURE_RISE
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 from fem.material import STEEL
 

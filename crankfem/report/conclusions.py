@@ -15,13 +15,12 @@ from crankfem.report.text_filters import (
     sentence,
     with_three_digits,
 )
-from dynamics.assessment.wording import limit_at
+from dynamics.assessment.wording import VERDICTS, limit_at
 
 Record = Mapping[str, Any]
 RESONANT = ("at resonance", "near resonance")
 # Of what orders at resonance make together, the share from which a mode is named.
 LEAST_SHARE = 0.1
-NOT_JUDGED, NOT_ACCEPTABLE = "Not judged: no gas pressure is given", "Not acceptable"
 DIGITS = 3
 
 
@@ -33,10 +32,18 @@ def headline(results: Record) -> str:
     results : mapping
         Content of results.json.
     """
-    said = _of_vibration(results["vibration"])
-    if too_weak(results) and said != NOT_ACCEPTABLE:
-        return f"{said}; the crankshaft is not strong enough by UR M53"
-    return said
+    words = _of_vibration(results["vibration"])
+    if too_weak(results) and verdict_status(results["vibration"]) != "not acceptable":
+        return f"{words}; the crankshaft is not strong enough by UR M53"
+    return words
+
+
+def verdict_status(vibration: Record) -> str:
+    """Return which of `VERDICTS` a vibration record comes to with all cylinders firing."""
+    assessment = vibration["assessment"]
+    if assessment is None:
+        return "not judged"
+    return "undecided" if undecided(assessment) else str(assessment["status"])
 
 
 def too_weak(results: Record) -> bool:
@@ -46,22 +53,21 @@ def too_weak(results: Record) -> bool:
 
 def _of_vibration(vibration: Record) -> str:
     assessment = vibration["assessment"]
+    status = verdict_status(vibration)
+    words = VERDICTS[status]
     if assessment is None:
-        return NOT_JUDGED
-    # Results of older runs have no headline.
-    told = assessment.get("headline") or assessment["status"].capitalize()
-    said = "Undecided" if undecided(assessment) else told
+        return words
+    if status != "undecided":  # results of older runs have no headline
+        words = assessment.get("headline") or words
+    misfiring = misfiring_decides(vibration)
     if assessment["status"] == "not acceptable":
-        misfiring = misfiring_decides(vibration)
         exceeded = "; with the values used, limits are exceeded, also while a cylinder misfires"
-        return f"{said}{exceeded}" if misfiring else said
-    fine = assessment["status"] == "fine" and not undecided(assessment)
-    if misfiring_decides(vibration):
-        normal = " with all cylinders firing" if fine else ""
-        said = f"{said}{normal}; limits are exceeded while a cylinder misfires"
-    return (
-        said if _axial_judged(assessment) or not fine else f"{said}; axial vibration is not judged"
-    )
+        return f"{words}{exceeded}" if misfiring else words
+    if misfiring:
+        normal = " with all cylinders firing" if status == "fine" else ""
+        words = f"{words}{normal}; limits are exceeded while a cylinder misfires"
+    unjudged = status == "fine" and not _axial_judged(assessment)
+    return f"{words}; axial vibration is not judged" if unjudged else words
 
 
 def misfiring_decides(vibration: Record) -> bool:
@@ -86,18 +92,17 @@ def verdict_line(results: Record) -> str:
     """
     assessment = results["vibration"]["assessment"]
     if assessment is None:
-        return f"Verdict: {NOT_JUDGED}."
+        return f"Verdict: {VERDICTS['not judged']}."
     worst = _worst(assessment)
     used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
-    said = headline(results)
-    of = ""
+    status, of = verdict_status(results["vibration"]), ""
     if misfiring_decides(results["vibration"]):
         of = ". With all cylinders firing"
-    elif said == "Undecided":
-        of = ". With the values used"
-    elif too_weak(results) and said != NOT_ACCEPTABLE:
+    elif too_weak(results) and status != "not acceptable":
         of = ". Vibration"
-    return f"Verdict: {said}{of}: {worst['limit']} {used}."
+    elif status == "undecided":
+        of = ". With the values used"
+    return f"Verdict: {headline(results)}{of}: {worst['limit']} {used}."
 
 
 def conclusions(results: Record) -> list[str]:

@@ -122,7 +122,8 @@ def uncertain_sentence(vibration: Record, kind: str) -> str:
 
 
 def _bounds(ends: Mapping[str, float]) -> str:
-    return f"{_hertz(ends['low'])} to {_hertz(ends['high'])} Hz"
+    low, high = _hertz(ends["low"]), _hertz(ends["high"])
+    return f"{low} Hz" if low == high else f"{low} to {high} Hz"
 
 
 def _swept(vibration: Mapping[str, Any], kind: str) -> str:

@@ -14,7 +14,7 @@ from crankbase.tables.frames import Row
 from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
-from dynamics.assessment.wording import shown_range
+from dynamics.assessment.wording import barred_sentence, shown_range, speed_text
 from dynamics.indices import at_most, within
 
 Position = Literal["below", "running", "above"]
@@ -70,17 +70,7 @@ class BarredRange:
     @property
     def sentence(self) -> str:
         """Whether it may be barred or passed, and why not; without its full stop."""
-        why = f": {'; '.join(self.refusals)}" if self.refusals else ""
-        if self.position == "above":
-            return f"{self.shown}, above the running range{why}"
-        if self.full_load:
-            return (
-                f"{self.shown} is passed on every start, without the full load of this calculation, so it "
-                "is not judged"
-            )
-        if self.position == "below":
-            return f"{self.shown} is passed on every start{', too severely' if why else ''}{why}"
-        return f"{self.shown} {'cannot' if why else 'may'} be barred{why}"
+        return barred_sentence(self.low, self.high, self.position, self.refusals, self.full_load)
 
     def row(self) -> Row:
         """Return what a table of ranges shows, each value with its unit; see `table_of`."""
@@ -224,13 +214,18 @@ def exceeded_ranges(
     for first, last in _runs(used > 1.0):
         if not at_most(speeds[first], highest):
             break
+        judged = [
+            place for place in range(first, last + 1) if at_most(float(speeds[place]), highest)
+        ]
         found.append(
             ExceededRange(
                 low=_crossing(limit, curve, used, first, -1),
                 high=min(_crossing(limit, curve, used, last, 1), highest),
                 peaks=_peaks_to(curve, tops[(tops >= first) & (tops <= last)], highest),
-                cut_off=first == 0 or last == curve.speeds.size - 1,
-                used=float(np.max(used[first : last + 1])),
+                cut_off=bool(
+                    first == 0 or (last == speeds.size - 1 and at_most(speeds[last], highest))
+                ),
+                used=float(np.max(used[judged])),
             )
         )
     return tuple(found)
@@ -324,21 +319,21 @@ def _barred(
         most = max(group, key=lambda item: item.exceeded.used)
         refusals.append(
             f"{most.limit.name} reaches {_used(most)} of its limit, which applies up to "
-            f"{_speed(limit_end_speed(most.limit, running_range))}; the engine does not run there, so that "
-            "only less vibration or another critical speed helps"
+            f"{speed_text(limit_end_speed(most.limit, running_range))}; the engine does not run there, so "
+            "that only less vibration or another critical speed helps"
         )
     elif not at_most(high, end):
         # What counts is where the engine runs: a range goes on above it as far as a limit applies.
         top = min(high, running_range[1]) if at_most(end, running_range[1]) else high
         rated = at_most(low, rule.rated_speed) and at_most(rule.rated_speed, top)
         reaches = (
-            f"it holds the rated speed of {_speed(rule.rated_speed)}"
+            f"it holds the rated speed of {speed_text(rule.rated_speed)}"
             if rated
             else f"it reaches {top / rule.rated_speed:.2f} of the rated speed"
         )
         refusals.append(
             f"{reaches}, and nothing may be barred above {end / rule.rated_speed:.2f} "
-            f"{'of it ' if rated else ''}({_speed(end)})"
+            f"{'of it ' if rated else ''}({speed_text(end)})"
         )
     unjudged = position == "above" or (position == "below" and full_load)
     for limit, curve in () if unjudged else findings:
@@ -361,7 +356,7 @@ def _barred(
         if share[worst] > 1.0:
             said = (
                 f"{curve.name} reaches {_amount(values[worst], limit.unit)} at "
-                f"{_speed(float(speeds[worst]))}, where "
+                f"{speed_text(float(speeds[worst]))}, where "
                 f"{_amount(passing[worst], limit.unit)} may be passed"
             )
             too_much.append((bool(runs[worst]), float(share[worst]), said))
@@ -394,31 +389,27 @@ def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
     reached = np.maximum.accumulate([high for _, high in spans])
     gaps = any(low > high for (low, _), high in zip(spans[1:], reached, strict=False))
     said = [
-        f"limits are exceeded from {_speed(first.exceeded.low)} ({first.place}) to "
-        f"{_speed(last.exceeded.high)} ({last.place}), {'not throughout, ' if gaps else ''}"
+        f"limits are exceeded from {speed_text(first.exceeded.low)} ({first.place}) to "
+        f"{speed_text(last.exceeded.high)} ({last.place}), {'not throughout, ' if gaps else ''}"
         f"{_used(max(group, key=lambda item: item.exceeded.used))} is used at most"
     ]
     lowest = min(group, key=lambda item: item.low)
     if lowest.low < first.exceeded.low:
         said.append(
-            f"the range begins at 16 n/(18 - r) below the peak at n = {_speed(lowest.exceeded.peaks[0])}"
+            f"the range begins at 16 n/(18 - r) below the peak at n = {speed_text(lowest.exceeded.peaks[0])}"
         )
     highest = max(group, key=lambda item: item.high)
     if highest.high > last.exceeded.high:
         peak = max(own for own in highest.exceeded.peaks if at_most(own, rule.rated_speed))
-        said.append(f"it ends at (18 - r) n/16 above the peak at n = {_speed(peak)}")
+        said.append(f"it ends at (18 - r) n/16 above the peak at n = {speed_text(peak)}")
     if len(said) > 1:
-        said.append(f"r is n divided by the rated speed of {_speed(rule.rated_speed)}")
+        said.append(f"r is n divided by the rated speed of {speed_text(rule.rated_speed)}")
     return "; ".join(said)
 
 
 def _used(item: _Widened) -> str:
     used = item.exceeded.used
     return format_usage(None if np.isinf(used) else used)
-
-
-def _speed(value: float) -> str:
-    return format_quantity(value, "rad/s", 4)
 
 
 def _amount(value: float, unit: str) -> str:

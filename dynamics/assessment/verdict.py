@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import groupby, pairwise
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -30,7 +30,15 @@ from dynamics.assessment.limits import (
     usage,
     worst_use,
 )
-from dynamics.assessment.wording import limit_at, shown_range, use_in_words
+from dynamics.assessment.wording import (
+    check_sentence,
+    limit_at,
+    shown_range,
+    speed_text,
+    use_in_words,
+    values_sentence,
+    verdict_headline,
+)
 from dynamics.indices import at_most, within
 from dynamics.plots.curves import draw_barred, set_speed_axis
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
@@ -119,15 +127,10 @@ class LimitCheck:
     @property
     def sentence(self) -> str:
         """The finding with its numbers and the limit's source."""
-        source = self.limit.source + (", assumed" if self.limit.assumed else "")
-        found, reasons = self.use, "" if self.cause is None else self.cause.reasons
-        if self.running and not at_most(self.worst_speed, self.highest_running):
-            running = use_in_words(self.limit, *self.running)
-            found = f"{running} at running speeds; above them {found}"
-            # The cause is that of one of the two.
-            reasons = reasons and f"at {format_quantity(self.worst_speed, 'rad/s', 4)}, {reasons}"
-        text = f"{limit_at(self.limit.name, self.curve.name)}: {found} ({source})."
-        return f"{text} {reasons[0].upper()}{reasons[1:]}." if reasons else text
+        worst = (self.worst_speed, self.worst_value, self.permitted)
+        running = None if at_most(self.worst_speed, self.highest_running) else self.running
+        reasons = "" if self.cause is None else self.cause.reasons
+        return check_sentence(self.limit, self.curve.name, worst, running, reasons)
 
     @property
     def use(self) -> str:
@@ -266,11 +269,8 @@ class Verdict:
     @property
     def headline(self) -> str:
         """The status in words, with the running range or the ranges to bar."""
-        if self.status == "fine":
-            return f"Fine from {shown_range(*self.running_range)}"
-        if self.status == "not acceptable":
-            return "Not acceptable"
-        return f"Barred range needed, {', '.join(one.shown for one in self.barred)}"
+        ranges = [barred.shown for barred in self.barred]
+        return verdict_headline(self.status, self.running_range, ranges)
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the share of each limit that is used over the speed, with barred ranges shaded.
@@ -378,7 +378,7 @@ def judge(
     noted += [f"{one.shown}: {text}" for one in ranges for text in one.remarks]
     for limit, _ in findings:
         if not at_most(high, limit.continuous.high):
-            stated = format_quantity(limit.continuous.high, "rad/s", 4)
+            stated = speed_text(limit.continuous.high)
             noted.append(f"{limit.name}: not judged above {stated}, where the limit ends")
         if limit.remark:
             noted.append(f"{limit.name}: {limit.remark}")
@@ -418,8 +418,8 @@ def _check(
     remarks = []
     if not at_most(end, curve.speeds[-1]):
         remarks.append(
-            f"the limit goes on to {format_quantity(end, 'rad/s', 4)}, the calculation to "
-            f"{format_quantity(float(curve.speeds[-1]), 'rad/s', 4)}"
+            f"the limit goes on to {speed_text(end)}, the calculation to "
+            f"{speed_text(float(curve.speeds[-1]))}"
         )
     return LimitCheck(
         limit=limit,
@@ -545,59 +545,37 @@ def decide(status: Status, trials: Iterable[Trial]) -> Decision:
     """
     tried = tuple(trials)
     by_field = [
-        sorted((one for one in tried if one.field == field), key=lambda one: one.value)
-        for field in dict.fromkeys(one.field for one in tried)
+        sorted((trial for trial in tried if trial.field == field), key=lambda trial: trial.value)
+        for field in dict.fromkeys(trial.field for trial in tried)
     ]
     accepted = status != "not acceptable"
-    flipped = [own for own in by_field if any(one.acceptable != accepted for one in own)]
-    if flipped:
-        said = [
-            f"acceptable with {_values([one.acceptable for one in own], own)}" for own in flipped
-        ]
-        return Decision("undecided", "; ".join(said), tried)
-    if not accepted:
-        return Decision("not acceptable", "", tried)
-    barred = [own for own in by_field if any(one.status != status for one in own)]
-    said = [
-        f"no speeds need be barred with {_values([one.status == 'fine' for one in own], own)}"
-        for own in barred
+    conclusion: Acceptance = "acceptable" if accepted else "not acceptable"
+    deciding = [
+        (field, [trial.acceptable for trial in field])
+        for field in by_field
+        if any(trial.acceptable != accepted for trial in field)
     ]
-    return Decision("acceptable", "; ".join(said), tried)
+    holds = "acceptable"
+    if deciding:
+        conclusion = "undecided"
+    elif accepted:
+        holds = "no speeds need be barred"
+        deciding = [
+            (field, [trial.status == "fine" for trial in field])
+            for field in by_field
+            if any(trial.status != status for trial in field)
+        ]
+    sentence = "; ".join(f"{holds} with {_values(field, kept)}" for field, kept in deciding)
+    return Decision(conclusion, sentence, tried)
 
 
-def _values(kept: Sequence[bool], trials: Sequence[Trial]) -> str:
-    """State with which values something holds and with which it does not: the two on either side."""
-    runs = [list(own) for _, own in groupby(zip(kept, trials, strict=True), key=lambda one: one[0])]
-    if len(runs) == 2:
-        ends = dict(own for runs_own in (runs[0][-1:], runs[1][:1]) for own in runs_own)
-        shown = {holds: _shown(one) for holds, one in ends.items()}
-    else:
-        shown = {
-            holds: " or ".join(
-                _shown(one) for own, one in zip(kept, trials, strict=True) if own == holds
-            )
-            for holds in (True, False)
-        }
-    first = trials[0]
-    taken = [one for one in trials if one.taken]
-    word = _word(first)
-    told = f"{word})" in "".join(shown.values())
-    beside = "" if told or not taken else f" ({taken[0].shown} {word})"
-    remedy = f"within {first.why}, set by" if first.why else "give"
-    article = "an" if first.name[0] in "aeiou" else "a"
-    return f"{article} {first.name} of {shown[True]}, not with {shown[False]}{beside}: {remedy} {first.field}"
-
-
-def _shown(trial: Trial) -> str:
-    return f"{trial.shown} ({_word(trial)})" if trial.taken else trial.shown
-
-
-def _word(trial: Trial) -> str:
-    """Label of the value used."""
-    return "used" if trial.why else "assumed"
+def _values(trials: Sequence[Trial], holds: Sequence[bool]) -> str:
+    first, shown = trials[0], [trial.shown for trial in trials]
+    taken = next((place for place, trial in enumerate(trials) if trial.taken), None)
+    return values_sentence(first.field, first.name, first.why, shown, holds, taken)
 
 
 def changes(trials: Sequence[Trial]) -> list[tuple[Trial, Trial]]:
     """Return the adjacent values between which the engine becomes acceptable, or stops being so."""
-    ordered = sorted(trials, key=lambda one: one.value)
+    ordered = sorted(trials, key=lambda trial: trial.value)
     return [pair for pair in pairwise(ordered) if pair[0].acceptable != pair[1].acceptable]

@@ -97,13 +97,7 @@ class Gear:
 
 
 def checked_pairs(connections: Sequence[tuple[int, int]] | None, count: int) -> Pairs:
-    """Return the pairs of nodes that springs join; by default the neighbors in a row.
-
-    Raises
-    ------
-    InputError
-        If a pair does not consist of different nodes.
-    """
+    """Return the pairs of nodes that springs join; by default the neighbors in a row."""
     if connections is None:
         return tuple(pairwise(range(count)))
     return tuple(
@@ -112,13 +106,7 @@ def checked_pairs(connections: Sequence[tuple[int, int]] | None, count: int) -> 
 
 
 def check_links(dashpots: Sequence[Dashpot], gears: Sequence[Gear], count: int) -> None:
-    """Check the nodes of dashpots and gears.
-
-    Raises
-    ------
-    InputError
-        If one is no Dashpot or Gear, a node does not exist, or both ends are one.
-    """
+    """Check the nodes of dashpots and gears."""
     for field, links, kind, example in (
         ("dashpots", dashpots, Dashpot, "Dashpot(left=0, right=1, damping=20.0)"),
         ("gears", gears, Gear, "Gear(driver=1, driven=2, ratio=-0.6)"),
@@ -149,24 +137,12 @@ def speed_ratios(
 ) -> tuple[NDArray[np.int64], FloatArray]:
     """Find which nodes springs and gears connect, and their relative speeds in rigid motion.
 
-    Parameters
-    ----------
-    pairs : tuple of pairs of int
-    gears : sequence of Gear
-    count : int
-        Number of nodes.
-
     Returns
     -------
     parts : ndarray of shape (n,)
         Number of the part of each node, from 0, in the order of first nodes.
     ratios : ndarray of shape (n,)
         Motion of each node per motion of its part's first node.
-
-    Raises
-    ------
-    InputError
-        If two paths through gears require different ratios of the same node.
     """
     neighbors: list[list[tuple[int, float]]] = [[] for _ in range(count)]
     for left, right in pairs:
@@ -198,13 +174,7 @@ def speed_ratios(
 
 
 def check_connected(parts: NDArray[np.int64], dashpots: Sequence[Dashpot]) -> None:
-    """Refuse a chain that is not connected.
-
-    Raises
-    ------
-    InputError
-        Naming the nodes that are not connected to the first one.
-    """
+    """Refuse a chain that is not connected."""
     reached = {0}
     pairs = [(int(parts[d.left]), int(parts[d.right])) for d in dashpots]
     for _ in pairs:

@@ -98,8 +98,6 @@ class Modes:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         count : int, optional
             How many modes.
 
@@ -129,41 +127,19 @@ class Modes:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return one row for each mode: name, frequency, number of nodes, modal inertia.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return one row for each mode: name, frequency, number of nodes, modal inertia."""
         return table(
             {
                 "mode": (list(self.names), ""),
                 "frequency": (self.frequencies, "Hz"),
                 "angular_frequency": (self.angular_frequencies, "rad/s"),
-                "nodes": ([len(found) for found in self.node_positions], "1"),
+                "nodes": ([len(positions) for positions in self.node_positions], "1"),
                 "modal_inertia": (self.modal_inertia, "kg m^2 or kg"),
             }
         )
 
     def to_xarray(self) -> Dataset:
-        """Return shapes and energy shares over mode, node and spring, with the frequencies.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
+        """Return shapes and energy shares over mode, node and spring, with the frequencies."""
         over, of_springs = ("node", "mode"), ("spring", "mode")
         return grid(
             {
@@ -190,8 +166,6 @@ def elastic_modes(rows: FloatArray, mass: FloatArray, count: int) -> tuple[Float
         C: one row for each spring, the root of its stiffness times its elongation.
     mass : ndarray of shape (q, q)
         M, positive definite.
-    count : int
-        Number of elastic modes: q less the number of rigid-body modes.
 
     Returns
     -------

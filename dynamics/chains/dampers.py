@@ -167,12 +167,7 @@ TorsionalDamper = ViscousDamper | RubberDamper
 
 
 def check_torsional(damper: TorsionalDamper) -> None:
-    """Refuse what is no torsional damper.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse what is no torsional damper."""
     if not isinstance(damper, TorsionalDamper):
         names = " and ".join(f"a {kind.__name__}" for kind in get_args(TorsionalDamper))
         raise InputError(
@@ -181,12 +176,7 @@ def check_torsional(damper: TorsionalDamper) -> None:
 
 
 def check_axial(damper: AxialDamper) -> None:
-    """Refuse what is no axial damper.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse what is no axial damper."""
     if not isinstance(damper, AxialDamper):
         raise InputError(
             f"damper: given {damper!r}; allowed is an AxialDamper, because the chain is axial."
@@ -333,8 +323,6 @@ def main_inertia(chain: Chain, node: str | int, mode: int = 1) -> tuple[float, f
 
     Parameters
     ----------
-    chain : Chain
-    node : str or int
     mode : int, optional
         Elastic mode, from 1.
 

@@ -27,20 +27,7 @@ class Attachable(Protocol):
 
 
 def find_node(chain: Chain, node: str | int, field: str = "node") -> int:
-    """Return the number of a node, given by its name or its number from 0.
-
-    Parameters
-    ----------
-    chain : Chain
-    node : str or int
-    field : str, optional
-        Name of the node in messages.
-
-    Raises
-    ------
-    InputError
-        If there is no such node.
-    """
+    """Return the number of a node, given by its name or its number from 0."""
     if not isinstance(node, str):
         return node_index(field, node, len(chain.names))
     if node not in chain.names:
@@ -67,7 +54,6 @@ def add_node(
 
     Parameters
     ----------
-    chain : Chain
     name : str
         Of the new node.
     inertia : float
@@ -273,12 +259,7 @@ def with_names(chain: Chain, names: Sequence[str]) -> Chain:
 
 
 def check_new_names(taken: Sequence[str], names: Sequence[str]) -> None:
-    """Refuse a name that a node already has.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a name that a node already has."""
     for name in names:
         if name in taken:
             raise InputError(

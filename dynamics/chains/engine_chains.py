@@ -93,8 +93,10 @@ class EngineChain:
 
         Modes of a coupling, a damper's ring or a shaft line are skipped. None if there is no other.
         """
-        own = np.flatnonzero(self.crankshaft_shares(modes)[modes.rigid :] >= CRANKSHAFT_MODE)
-        return modes.rigid + int(own[0]) if own.size else None
+        shaft_modes = np.flatnonzero(
+            self.crankshaft_shares(modes)[modes.rigid :] >= CRANKSHAFT_MODE
+        )
+        return modes.rigid + int(shaft_modes[0]) if shaft_modes.size else None
 
     def with_chain(self, chain: Chain) -> "EngineChain":
         """Return the same engine with its chain changed by the functions that edit chains.
@@ -336,20 +338,14 @@ def _with_machine(chain: Chain, machine: DrivenMachine) -> Chain:
 
 
 def throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:
-    """Return the names of the cranks' nodes, from the free end.
-
-    Raises
-    ------
-    InputError
-        If the numbers of cylinders are not one for each throw, or one of them is below 1.
-    """
-    given = [cylinders] * count if isinstance(cylinders, int | np.integer) else list(cylinders)
-    if len(given) != count:
+    """Return the names of the cranks' nodes, from the free end."""
+    counts = [cylinders] * count if isinstance(cylinders, int | np.integer) else list(cylinders)
+    if len(counts) != count:
         raise InputError(
-            f"cylinders: given {len(given)} values; allowed are {count}, or one for all, because "
+            f"cylinders: given {len(counts)} values; allowed are {count}, or one for all, because "
             "there is one for each throw."
         )
-    on_each = [whole_number("cylinders", value, 1, "a throw carries cylinders") for value in given]
+    on_each = [whole_number("cylinders", value, 1, "a throw carries cylinders") for value in counts]
     word = "cylinder" if max(on_each) == 1 else "throw"
     return [f"{word} {number}" for number in range(1, count + 1)]
 
@@ -477,8 +473,8 @@ def throw_inertias(
         "every throw has inertia",
         zero_allowed=False,
     )
-    own = _half_shares(engine) if reciprocating == "half" else _means(engine)
-    shares = [sum(own[number - 1] for number in group) for group in groups]
+    inertias = _half_shares(engine) if reciprocating == "half" else _means(engine)
+    shares = [sum(inertias[number - 1] for number in group) for group in groups]
     return np.asarray(solids + np.array(shares))
 
 
@@ -489,11 +485,6 @@ def cylinder_inertia(
 
     Parameters
     ----------
-    engine : EngineLayout
-    number : int
-        Of the cylinder, from 1.
-    rod : ConnectingRod or RodModel
-        Model of its rod.
     angles : ndarray of shape (m,)
         Of the shaft [rad].
 
@@ -529,7 +520,7 @@ def _means(engine: EngineLayout) -> list[float]:
 
 def _masses(field: str, masses: ArrayLike) -> FloatArray:
     why = "it adds to the inertia of the throw"
-    given = finite_array(field, masses)
-    if given.ndim == 0:
-        return np.array([nonnegative_number(field, float(given), "kg", why)])
-    return nonnegative_vector(field, given, "kg", why)
+    checked = finite_array(field, masses)
+    if checked.ndim == 0:
+        return np.array([nonnegative_number(field, float(checked), "kg", why)])
+    return nonnegative_vector(field, checked, "kg", why)

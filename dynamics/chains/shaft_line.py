@@ -381,7 +381,6 @@ def shaft_cylinder(
         Diameter of the bore [m].
     material : optional
         Anything with youngs_modulus, shear_modulus and density; steel by default.
-    name : str, optional
 
     Raises
     ------
@@ -409,7 +408,6 @@ def shaft_flange(
         Diameter of the bore [m].
     material : optional
         Anything with youngs_modulus, shear_modulus and density; steel by default.
-    name : str, optional
 
     Raises
     ------
@@ -667,10 +665,10 @@ class _Row:
         self.elements: list[tuple[float, float, float, float]] = []
 
     def add_shaft(self, part: ShaftCone, kind: Motion, loss: float, *, lumped: bool) -> None:
-        own = part.polar_inertia if kind == "torsional" else part.mass
-        ends = own / 2.0 if lumped else 0.0
+        spread = part.polar_inertia if kind == "torsional" else part.mass
+        ends = spread / 2.0 if lumped else 0.0
         self.inertia[-1] += ends
-        self._element(1.0 / _compliance(part, kind), 0.0, loss, 0.0 if lumped else own, ends)
+        self._element(1.0 / _compliance(part, kind), 0.0, loss, 0.0 if lumped else spread, ends)
 
     def add_coupling(self, piece: Coupling, kind: Motion) -> None:
         torsional = kind == "torsional"
@@ -695,8 +693,8 @@ class _Row:
             ground_damping=self.ground_damping,
             distributed_inertia=spread,
             names=[
-                ", ".join(own) if own else f"{name} {number}"
-                for number, own in enumerate(self.names)
+                ", ".join(bodies) if bodies else f"{name} {number}"
+                for number, bodies in enumerate(self.names)
             ],
         )
 

@@ -451,7 +451,10 @@ class FlywheelTilt:
         found = " and ".join(
             f"{one:.1f}" for one in sorted(filter(None, (self.shaft, self.further)))
         )
-        return f"{name} from {self.without:.1f} Hz without to {found} Hz with it"
+        # Inertia raises no frequency in its place of the row: a mode told higher has changed places.
+        passed = self.shown and self.further is None and self.shaft > self.without
+        below = " (which brings another mode below it)" if passed else ""
+        return f"{name} from {self.without:.1f} Hz without to {found} Hz with it{below}"
 
 
 def _elastic(chain: EngineChain, mode: int) -> float:

@@ -22,41 +22,31 @@ MOST_CYLINDERS = 48
 
 
 def check_firing_order(firing_order: Sequence[int], cylinders: int) -> None:
-    """Refuse an order that repeats or omits a cylinder.
-
-    Raises
-    ------
-    InputError
-        Also if a number is not whole by its type.
-    """
-    given = list(firing_order)
-    fault = _order_fault(given, cylinders)
+    """Refuse an order that repeats or omits a cylinder."""
+    order = list(firing_order)
+    fault = _order_fault(order, cylinders)
     if fault is not None:
         raise InputError(
-            f"firing_order: given {given}; allowed is each cylinder number from 1 to {cylinders} "
+            f"firing_order: given {order}; allowed is each cylinder number from 1 to {cylinders} "
             f"once, because {fault}."
         )
 
 
-def _order_fault(given: list[int], cylinders: int) -> str | None:
+def _order_fault(order: list[int], cylinders: int) -> str | None:
     """Return what is wrong with an order, or None."""
-    for number in given:
+    for number in order:
         if not is_whole(number):
             return "cylinders have whole numbers"
         if not 1 <= number <= cylinders:
             return f"the engine has no cylinder {number}"
-        if given.count(number) > 1:
+        if order.count(number) > 1:
             return f"it repeats cylinder {number}"
-    missing = [number for number in range(1, cylinders + 1) if number not in given]
+    missing = [number for number in range(1, cylinders + 1) if number not in order]
     return f"it omits cylinder {missing[0]}" if missing else None
 
 
 def firing_order_from_text(text: str) -> tuple[int, ...]:
     """Return the cylinders of a firing order written in the usual way.
-
-    Raises
-    ------
-    InputError
 
     Examples
     --------
@@ -79,12 +69,8 @@ def firing_angles_of_order(
 
     Parameters
     ----------
-    firing_order : sequence of n int
-        Cylinder numbers from 1.
     top_angles : sequence of n float
         A shaft angle at which each cylinder's crank is along its axis, away from the shaft [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
 
     Returns
     -------
@@ -92,12 +78,6 @@ def firing_angles_of_order(
         Firing angles by cylinder [rad], from that of the first to fire, which is within the first
         revolution, to less than one cycle more. Each cylinder fires at the first of its tops after the
         preceding cylinder has fired.
-
-    Raises
-    ------
-    InputError
-        If the order repeats or omits a cylinder, or its tops do not follow within one cycle in that
-        order.
     """
     tops = finite_vector("top_angles", list(top_angles)).tolist()
     check_firing_order(firing_order, len(tops))
@@ -126,7 +106,6 @@ def firing_intervals(firing_angles: Sequence[float], strokes: int) -> tuple[floa
     ----------
     firing_angles : sequence of n float
         In any order, all within one cycle [rad].
-    strokes : int
 
     Returns
     -------
@@ -162,7 +141,10 @@ def repeating_intervals(intervals_deg: Sequence[float]) -> tuple[float, ...]:
     period = next(
         size
         for size in sizes
-        if all(math.isclose(one, steps[k % size], abs_tol=0.01) for k, one in enumerate(steps))
+        if all(
+            math.isclose(interval, steps[k % size], abs_tol=0.01)
+            for k, interval in enumerate(steps)
+        )
     )
     return steps[:period]
 
@@ -176,8 +158,6 @@ def even_firing_order(firing_angles: Sequence[float], strokes: int) -> tuple[int
     ----------
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires now [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
 
     Returns
     -------
@@ -193,7 +173,7 @@ def even_firing_order(firing_angles: Sequence[float], strokes: int) -> tuple[int
     count, first = len(firing_angles), min(firing_angles)
     step = math.radians(cycle_degrees(strokes)) / count
     slots: dict[int, int] = {}
-    for number in sorted(range(1, count + 1), key=lambda one: firing_angles[one - 1]):
+    for number in sorted(range(1, count + 1), key=lambda cylinder: firing_angles[cylinder - 1]):
         for turn in range(strokes // 2):
             place = (firing_angles[number - 1] - first + turn * 2.0 * math.pi) / step
             slot = round(place)
@@ -214,8 +194,6 @@ def least_uneven_order(
     ----------
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires now [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
 
     Returns
     -------
@@ -254,7 +232,9 @@ def least_uneven_order(
     even = np.flatnonzero(spread <= np.min(spread) + EVEN)
 
     def rank(row: int) -> tuple[int, float, tuple[int, ...]]:
-        repeated = repeating_intervals([round(math.degrees(one), 1) for one in steps[row]])
+        repeated = repeating_intervals(
+            [round(math.degrees(interval), 1) for interval in steps[row]]
+        )
         return len(repeated), round(float(np.sum(steps[row] ** 2)), 6), _order_of(angles[row])
 
     best = min(even.tolist(), key=rank)
@@ -280,16 +260,8 @@ def check_order_of_angles(
 
     Parameters
     ----------
-    firing_order : sequence of n int
-        Each cylinder number from 1 once.
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires, in any cycle [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
-
-    Raises
-    ------
-    InputError
     """
     cycle = math.radians(cycle_degrees(strokes))
     angles = [firing_angles[number - 1] for number in firing_order]
@@ -313,15 +285,6 @@ def firing_order_of_angles(
     ----------
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires, in any cycle [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
-    first : int
-        Number of the cylinder to begin with.
-
-    Returns
-    -------
-    tuple of n int
-        Lower numbers first where several fire at the same angle.
     """
     cycle, start = math.radians(cycle_degrees(strokes)), firing_angles[first - 1]
     later = [round(_angle_after(start, angle, cycle), 9) for angle in firing_angles]
@@ -329,7 +292,7 @@ def firing_order_of_angles(
     return (first, *sorted(others, key=lambda number: (later[number - 1], number)))
 
 
-def _angle_after(one: float, other: float, cycle: float) -> float:
+def _angle_after(earlier: float, later: float, cycle: float) -> float:
     """Return how much later in the cycle the other angle is; zero within round-off if together."""
-    apart = (other - one) % cycle
+    apart = (later - earlier) % cycle
     return apart - cycle if cycle - apart < IN_LINE else apart

@@ -1,9 +1,9 @@
-"""Forces in the mechanism of every cylinder, by equilibrium of pistons and rods."""
+"""Gas pressures and forces in the mechanism of every cylinder, by equilibrium of pistons and rods."""
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,7 +26,10 @@ from dynamics.engine import RodModelName
 from dynamics.engine.layout import EngineCylinder, EngineLayout
 from dynamics.engine.motions import CylinderMotion, checked_cylinder, parts_motion
 from dynamics.engine.rods import RodModel
-from dynamics.gas.pressure import ATMOSPHERE
+from dynamics.gas.cycle_values import GasCycle
+from dynamics.gas.cylinder_volume import Position
+from dynamics.gas.gas_cycle import FullLoad, GasCycleResult, gas_cycle
+from dynamics.gas.pressure import ATMOSPHERE, GasPressure
 from dynamics.plots.curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.quantities import KILO, angle_axis, number_axis
 
@@ -103,17 +106,6 @@ class MechanismForces:
     def plot(self, axes: Axes | None = None, cylinder: int = 1) -> Axes:
         """Draw gas force, tangential force and side force of a cylinder over its cycle.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-        cylinder : int, optional
-            Its number, from 1.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError
@@ -140,19 +132,7 @@ class MechanismForces:
         )
 
     def to_xarray(self) -> Dataset:
-        """Return all forces over cylinder and shaft angle, with the speed.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-            Vectors are complex, in the frames given in the class description.
-        """
+        """Return all forces over cylinder and shaft angle, with the speed."""
         over = ("cylinder", "shaft_angle")
         return grid(
             {
@@ -187,7 +167,6 @@ def mechanism_forces(
 
     Parameters
     ----------
-    engine : EngineLayout
     speed : float or ndarray of shape (m,)
         Of the shaft [rad/s].
     gas : array_like of shape (n, m), (m,) or a number
@@ -200,10 +179,6 @@ def mechanism_forces(
         Force on each piston along its axis, positive away from the shaft [N].
     crank_acceleration : float or ndarray of shape (m,), optional
         [rad/s^2]
-
-    Returns
-    -------
-    MechanismForces
 
     Raises
     ------
@@ -271,22 +246,14 @@ def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: 
 
     Parameters
     ----------
-    field, reason : str
-        Name of the values in messages, and why they must fit.
     values : number or array_like
-    shape : tuple of int
-
-    Raises
-    ------
-    InputError
-        If a value is not finite, or the values cannot be broadcast.
     """
-    given = finite_array(field, values)
+    array = finite_array(field, values)
     try:
-        return np.array(np.broadcast_to(given, shape))
+        return np.array(np.broadcast_to(array, shape))
     except ValueError:
         raise InputError(
-            f"{field}: given an array of shape {given.shape}; allowed is a number or an array that fits "
+            f"{field}: given an array of shape {array.shape}; allowed is a number or an array that fits "
             f"{shape}, because {reason}."
         ) from None
 
@@ -362,7 +329,6 @@ def gas_forces(
 
     Parameters
     ----------
-    engine : EngineLayout
     pressure : GasPressure or sequence of n GasPressure
         One for all cylinders, each counted from its own firing top, or one for each cylinder.
     crankcase_pressure : float, optional
@@ -390,26 +356,20 @@ def gas_forces(
             "for each cylinder, because each piston has its own force."
         )
     forces = []
-    for cylinder, firing, own in zip(
+    for cylinder, firing, curve in zip(
         engine.cylinders, np.radians(engine.firing_deg), pressures, strict=True
     ):
-        if own.strokes != engine.strokes:
+        if curve.strokes != engine.strokes:
             raise InputError(
-                f"pressure: given a cycle of {own.strokes} strokes; allowed is {engine.strokes}, because "
+                f"pressure: given a cycle of {curve.strokes} strokes; allowed is {engine.strokes}, because "
                 "that is the engine's."
             )
-        forces.append(cylinder.area * (own.at(angle_deg=np.degrees(angles - firing)) - under))
+        forces.append(cylinder.area * (curve.at(angle_deg=np.degrees(angles - firing)) - under))
     return np.array(forces)
 
 
-def piston_position(engine: EngineLayout, number: int) -> Callable[[FloatArray], FloatArray]:
+def piston_position(engine: EngineLayout, number: int) -> Position:
     """Return the position of a cylinder's piston over the angle from its firing top.
-
-    Parameters
-    ----------
-    engine : EngineLayout
-    number : int
-        Of the cylinder, from 1.
 
     Returns
     -------
@@ -422,6 +382,65 @@ def piston_position(engine: EngineLayout, number: int) -> Callable[[FloatArray],
     InputError
         If the engine has no such cylinder.
     """
-    own = checked_cylinder(engine, number)
-    firing = np.radians(engine.firing_deg[own - 1])
-    return lambda angle: parts_motion(engine, own, firing + angle).piston.place.real
+    checked = checked_cylinder(engine, number)
+    firing = np.radians(engine.firing_deg[checked - 1])
+    return lambda angle: parts_motion(engine, checked, firing + angle).piston.place.real
+
+
+Result = TypeVar("Result")
+
+
+def for_each_cylinder(
+    engine: EngineLayout, calculate: Callable[[Position, float], Result]
+) -> tuple[Result, ...]:
+    """Calculate something of each cylinder's piston and area, once for all whose pistons move alike."""
+    results: dict[object, Result] = {}
+    places = []
+    for number, cylinder in enumerate(engine.cylinders, start=1):
+        main = engine.cylinders[engine.main_of(number) - 1]
+        turned = round(math.radians(cylinder.bank_angle_deg - main.bank_angle_deg), 12)
+        pin = None if cylinder.slave_pin is None else cylinder.slave_pin.place
+        alike = (cylinder.bore, cylinder.rod, cylinder.pin_offset, main.rod, turned, pin)
+        if alike not in results:
+            results[alike] = calculate(piston_position(engine, number), cylinder.area)
+        places.append(alike)
+    return tuple(results[alike] for alike in places)
+
+
+def full_load_parameters(load: FullLoad, engine: EngineLayout) -> tuple[GasCycle, tuple[str, ...]]:
+    """Return the cycle's parameters in all cylinders, from the first main one, and remarks on them."""
+    number = engine.main_of(1)
+    return load.parameters(
+        engine.strokes, piston_position(engine, number), engine.cylinders[number - 1].area
+    )
+
+
+def full_load_cycles(load: FullLoad, engine: EngineLayout) -> tuple[GasCycleResult, ...]:
+    """Return the cycle in each cylinder that reaches the pressures of full load, (n,)."""
+    cycle, remarks = full_load_parameters(load, engine)
+
+    def fired(position: Position, area: float) -> GasCycleResult:
+        result = gas_cycle(
+            cycle,
+            position,
+            area,
+            peak_pressure=load.peak_pressure,
+            mean_effective_pressure=load.mean_effective_pressure,
+        )
+        return replace(result, pressure=_with_remarks(result.pressure, remarks))
+
+    return for_each_cylinder(engine, fired)
+
+
+def motored_pressures(load: FullLoad, engine: EngineLayout) -> tuple[GasPressure, ...]:
+    """Return the pressure in each cylinder of the engine turned without combustion, (n,)."""
+    cycle, remarks = full_load_parameters(load, engine)
+
+    def motored(position: Position, area: float) -> GasPressure:
+        return _with_remarks(gas_cycle(cycle, position, area, heat=0.0).pressure, remarks)
+
+    return for_each_cylinder(engine, motored)
+
+
+def _with_remarks(pressure: GasPressure, remarks: tuple[str, ...]) -> GasPressure:
+    return replace(pressure, remarks=remarks + pressure.remarks)

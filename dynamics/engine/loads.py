@@ -110,18 +110,12 @@ class LoadDiagram:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         frame : {"crank", "engine"}, optional
             "crank": the locus of the force vector in the frame that turns with the crank, tangential
             force to the right, radial force (towards the shaft) down. "engine": in the fixed frame,
             seen from the free end. By default the magnitude of the force over the shaft angle.
         mark_step_deg : float, optional
             Interval of the dots on the locus in shaft angle [deg]; only with a frame.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -144,20 +138,9 @@ class LoadDiagram:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return the force in both frames, a row for each shaft angle.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return the force in both frames, a row for each shaft angle."""
         forces = {
-            name[:-2]: (own, "N") for name, own in self.columns().items() if name[-2:] == "_N"
+            name[:-2]: (force, "N") for name, force in self.columns().items() if name[-2:] == "_N"
         }
         return table({"shaft_angle": (self.angles_deg, "deg"), **forces})
 

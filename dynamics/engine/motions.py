@@ -54,9 +54,6 @@ def cylinder_motion(
 
     Parameters
     ----------
-    engine : EngineLayout
-    number : int
-        Of the cylinder, from 1.
     shaft_angles_deg : array_like of shape (m,)
         [deg]
 
@@ -99,7 +96,6 @@ def reduced_inertia(
 
     Parameters
     ----------
-    engine : EngineLayout
     models : tuple of n RodModel
         Of each cylinder's rod.
     shaft_angles_deg : array_like of shape (m,)
@@ -154,8 +150,6 @@ def turn_spectrum(
     ----------
     function : callable
         Takes shaft angles (m,) [rad] and returns values (..., m).
-    highest : int
-        The highest order required.
 
     Returns
     -------
@@ -163,11 +157,6 @@ def turn_spectrum(
         c_k in the order of the fast Fourier transform: 0, 1 ... N/2 - 1, -N/2 ... -1. The number of
         samples N over a revolution is so large that orders from 3/8 of it are round-off. The aliases of
         all required orders are beyond these, so they are round-off, too.
-
-    Raises
-    ------
-    InputError
-        If this takes too many samples: the crank is nearly as long as the rod.
     """
     count = FEWEST
     while count * 3 // 8 <= highest:
@@ -186,31 +175,19 @@ def turn_spectrum(
 
 
 def checked_orders(orders: Sequence[int]) -> tuple[int, ...]:
-    """Return orders as integers.
-
-    Raises
-    ------
-    InputError
-        If there is none, or one is not a whole number of 1 or more, or is given twice.
-    """
-    given = list(orders)
-    whole = [order for order in given if is_whole(order) and order >= 1]
-    if not given or len(whole) != len(given) or len(set(given)) != len(given):
+    """Return orders as integers."""
+    numbers = list(orders)
+    whole = [order for order in numbers if is_whole(order) and order >= 1]
+    if not numbers or len(whole) != len(numbers) or len(set(numbers)) != len(numbers):
         raise InputError(
-            f"orders: given {given}; allowed are different whole numbers of 1 or more, because "
+            f"orders: given {numbers}; allowed are different whole numbers of 1 or more, because "
             "inertia forces repeat every turn."
         )
-    return tuple(int(order) for order in given)
+    return tuple(int(order) for order in numbers)
 
 
 def checked_cylinder(engine: EngineLayout, number: int) -> int:
-    """Return the number of a cylinder.
-
-    Raises
-    ------
-    InputError
-        If the engine has no such cylinder.
-    """
+    """Return the number of a cylinder."""
     count = len(engine.cylinders)
     return whole_within("cylinder", number, 1, count, f"the engine has {count} cylinders")
 
@@ -222,7 +199,6 @@ def piston_acceleration(
 
     Parameters
     ----------
-    engine : EngineLayout
     number : int
         Of the cylinder, from 1; its rod may be hinged to another.
     speed : float
@@ -257,9 +233,6 @@ def acceleration_orders(
 
     Parameters
     ----------
-    engine : EngineLayout
-    number : int
-        Of the cylinder, from 1.
     speed : float
         Of the shaft [rad/s].
     highest : int, optional
@@ -301,9 +274,10 @@ def acceleration_orders(
     return harmonics(piston_acceleration(engine, number, speed, angles_deg=angles), strokes=2)
 
 
-def order_part(found: Harmonics, order: int, angles: FloatArray) -> FloatArray:
+def order_part(spectrum: Harmonics, order: int, angles: FloatArray) -> FloatArray:
     """Return one order of an acceleration at crank angles (m,) [rad], shape (m,) [m/s^2]."""
-    place = found.index_of(order)
+    place = spectrum.index_of(order)
     return np.asarray(
-        found.cosine[place] * np.cos(order * angles) + found.sine[place] * np.sin(order * angles)
+        spectrum.cosine[place] * np.cos(order * angles)
+        + spectrum.sine[place] * np.sin(order * angles)
     )

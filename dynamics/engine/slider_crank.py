@@ -116,9 +116,9 @@ def _acceleration(
 
 def _at_places(field: str, values: float | FloatArray, places: Any) -> FloatArray:
     """Check values that are one for all positions or one for each."""
-    given = finite_array(field, values)
-    check_shape(field, given, (), np.shape(places))
-    return given
+    array = finite_array(field, values)
+    check_shape(field, array, (), np.shape(places))
+    return array
 
 
 def crankpin_motion(crank_radius: float, angle: FloatArray) -> PointMotion:
@@ -139,16 +139,6 @@ def rod_turn(foot: PointMotion, length: float, pin_offset: float) -> TurnMotion:
         Distance L of the two pins [m].
     pin_offset : float
         The piston pin runs on n = e [m].
-
-    Returns
-    -------
-    TurnMotion
-        The angle is -beta of the papers: sin beta = (n_foot - e) / L.
-
-    Raises
-    ------
-    InputError
-        If the rod cannot reach its line because the foot is too far aside.
 
     Notes
     -----
@@ -172,10 +162,6 @@ def carried_point(foot: PointMotion, turn: TurnMotion, place: complex) -> PointM
 
     Parameters
     ----------
-    foot : PointMotion
-        The rod's end at the crank.
-    turn : TurnMotion
-        Its rotation, zero when it is along the cylinder axis.
     place : complex
         Position on the rod, u + i v: u from the foot towards the piston pin, v across [m].
 
@@ -307,13 +293,7 @@ class SliderCrank:
 
 
 def check_reach(field: str, crank_radius: float, rod_length: float, pin_offset: float) -> None:
-    """Refuse a crank that cannot complete a revolution.
-
-    Raises
-    ------
-    InputError
-        If the crank radius is not shorter than the rod less the offset.
-    """
+    """Refuse a crank that cannot complete a revolution."""
     offset = abs(float(finite_array("pin_offset", pin_offset)))
     if not crank_radius < rod_length - offset:
         raise InputError(

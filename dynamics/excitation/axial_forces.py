@@ -71,7 +71,7 @@ class AxialForceComparison:
         Zero where no throw has a force of this order.
         """
         apart, most = (
-            np.max(np.abs(found), axis=2) for found in (self.alone - self.in_shaft, self.in_shaft)
+            np.max(np.abs(forces), axis=2) for forces in (self.alone - self.in_shaft, self.in_shaft)
         )
         share: FloatArray = np.divide(apart, most, out=np.zeros_like(most), where=most > 0.0)
         return share
@@ -102,8 +102,6 @@ class AxialForceComparison:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         throw : int, optional
             Its number, from 1 at the free end.
         main_orders : int, optional
@@ -121,7 +119,7 @@ class AxialForceComparison:
         """
         whole_within("throw", throw, 1, self.alone.shape[2], "the shaft has that many")
         alone, in_shaft = (
-            KILO * np.abs(found[:, :, throw - 1]) for found in (self.alone, self.in_shaft)
+            KILO * np.abs(forces[:, :, throw - 1]) for forces in (self.alone, self.in_shaft)
         )
         most = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
         axes = new_axes(axes)
@@ -152,7 +150,6 @@ def compare_axial_forces(
 
     Parameters
     ----------
-    forces : CylinderForces
     compliances : array_like of shape (n,)
         e of each throw, as in the axial chain [m/N].
     own : array_like of shape (n,)
@@ -166,10 +163,6 @@ def compare_axial_forces(
         Pin of each cylinder, from 0.
     shapes : array_like of shape (q, n + 1), optional
         Axial mode shapes at the sections, to show the effect of the difference on each mode.
-
-    Returns
-    -------
-    AxialForceComparison
 
     Raises
     ------
@@ -246,17 +239,7 @@ class AxialForceOverCycle:
         )
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the force on the thrust bearing, and on held ends, over the shaft angle.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the force on the thrust bearing, and on held ends, over the shaft angle."""
         axes = new_axes(axes)
         draw_curves(axes, self.curves())
         legend_below(axes, 2)
@@ -265,29 +248,18 @@ class AxialForceOverCycle:
 
     def columns(self) -> dict[str, FloatArray]:
         """Return all forces over the shaft angle, units in the names, each (m,)."""
-        found = {"shaft_angle_deg": self.shaft_angles_deg}
+        columns = {"shaft_angle_deg": self.shaft_angles_deg}
         if self.thrust_bearing is not None:
-            found["thrust_bearing_N"] = self.thrust_bearing
-        found["held_N"] = self.held
-        for place, own in enumerate(self.throws.T, start=1):
-            found[f"throw_{place}_N"] = own
-        return found
+            columns["thrust_bearing_N"] = self.thrust_bearing
+        columns["held_N"] = self.held
+        for place, force in enumerate(self.throws.T, start=1):
+            columns[f"throw_{place}_N"] = force
+        return columns
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each shaft angle.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each shaft angle."""
         angles, *forces = self.columns().items()
-        named = {name.removesuffix("_N"): (own, "N") for name, own in forces}
+        named = {name.removesuffix("_N"): (force, "N") for name, force in forces}
         return table({"shaft_angle": (angles[1], "deg")} | named)
 
 
@@ -316,10 +288,6 @@ def axial_force_over_cycle(
         Lengthening of throw i per Z and T on pin j, the shaft axially free [m/N].
     thrust_bearing : ndarray of shape (m,), optional
         Force on the thrust bearing, if known [N].
-
-    Returns
-    -------
-    AxialForceOverCycle
 
     Raises
     ------

@@ -93,11 +93,11 @@ class PropellerForces:
                 "",
                 "they are amplitudes",
             )
-            given = getattr(self, f"{kind}_phases_deg")
+            phases = getattr(self, f"{kind}_phases_deg")
             phases = (
                 np.zeros(shares.size)
-                if given is None
-                else finite_vector(f"propeller_forces.{kind}_phases", given)
+                if phases is None
+                else finite_vector(f"propeller_forces.{kind}_phases", phases)
             )
             if phases.size != shares.size:
                 raise InputError(
@@ -132,7 +132,6 @@ def propeller_excitation(
 
     Parameters
     ----------
-    propeller : PropellerForces
     chain : Chain
         Torsional or axial, with node 0 in the crankshaft.
     node : int

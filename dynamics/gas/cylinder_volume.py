@@ -86,19 +86,6 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
         axis. It is smooth and repeats every revolution.
     area : float
         Piston area [m^2].
-    compression_ratio : float
-        Largest over smallest volume, above 1.
-
-    Returns
-    -------
-    CylinderVolume
-        Its clearance follows from the highest and lowest position, wherever they are.
-
-    Raises
-    ------
-    InputError
-        If area or ratio is out of range, the position is not finite, does not repeat every
-        revolution, does not move, or is highest more than 30 deg away from the angle zero.
 
     Examples
     --------
@@ -118,16 +105,16 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
         )
     step = 2.0 * math.pi / SEARCH_PLACES
     places = step * np.arange(SEARCH_PLACES + 1, dtype=np.float64)
-    found = finite_array("position", position(places))
-    way = float(np.ptp(found))
-    if way <= 0.0 or abs(found[-1] - found[0]) > RETURN_TOLERANCE * way:
+    positions = finite_array("position", position(places))
+    way = float(np.ptp(positions))
+    if way <= 0.0 or abs(positions[-1] - positions[0]) > RETURN_TOLERANCE * way:
         raise InputError(
-            f"position: given {found[0]:g} m at 0 deg, {found[-1]:g} m at 360 deg and a way of "
+            f"position: given {positions[0]:g} m at 0 deg, {positions[-1]:g} m at 360 deg and a way of "
             f"{way:g} m between; allowed is a piston that moves and is back after one turn, because "
             "its volume repeats with the turn."
         )
-    top_angle, highest = _extreme(position, places[int(np.argmax(found[:-1]))], step, 1.0)
-    bottom_angle, lowest = _extreme(position, places[int(np.argmin(found[:-1]))], step, -1.0)
+    top_angle, highest = _extreme(position, places[int(np.argmax(positions[:-1]))], step, 1.0)
+    bottom_angle, lowest = _extreme(position, places[int(np.argmin(positions[:-1]))], step, -1.0)
     top_angle_deg = math.remainder(math.degrees(top_angle), 360.0)
     if abs(top_angle_deg) > FARTHEST_TOP:
         raise InputError(
@@ -147,11 +134,9 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
 
 
 def _extreme(position: Position, place: float, step: float, sign: float) -> tuple[float, float]:
-    """Return angle and value of the highest (sign 1) or lowest (-1) position near an angle.
-
-    The vertex of the parabola through three points about the angle is the next angle. Four rounds,
-    each ten times closer, leave the angle within 1e-8 rad and the value within round-off.
-    """
+    """Return angle and value of the highest (sign 1) or lowest (-1) position near an angle."""
+    # The vertex of the parabola through three points about the angle is the next angle. Four rounds,
+    # each ten times closer, leave the angle within 1e-8 rad and the value within round-off.
     angle = float(place)
     for _ in range(4):
         values = sign * position(np.array([angle - step, angle, angle + step]))
@@ -175,8 +160,6 @@ def indicated_work(pressure: ArrayLike, volume_slope: ArrayLike, strokes: int = 
     volume_slope : array_like of shape (m,)
         Derivative of the volume by the crank angle there [m^3/rad]: piston area times the
         piston's travel towards the shaft per radian.
-    strokes : int, optional
-        Strokes per cycle, 2 or 4.
 
     Returns
     -------
@@ -219,11 +202,6 @@ def indicated_mean_effective_pressure(work: float, swept: float) -> float:
     -------
     float
         Mean effective pressure [Pa].
-
-    Raises
-    ------
-    InputError
-        If the volume is not above zero.
     """
     return work / positive_number("swept", swept, "m^3", "the work is taken per swept volume")
 
@@ -235,8 +213,6 @@ def periodic_slope(values: FloatArray, period: float) -> FloatArray:
     ----------
     values : ndarray of shape (m,)
         Samples over one period, without the closing one.
-    period : float
-        Length of the period.
 
     Returns
     -------

@@ -1,7 +1,7 @@
 """The pressure over a whole cycle by the cycle model, from heat, peak or mean pressure."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
@@ -17,8 +17,15 @@ from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
+from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
-from dynamics.gas.cycle_values import BOTTOM, GasCycle, assumption_remarks, name_of_field
+from dynamics.gas.cycle_values import (
+    BOTTOM,
+    GasCycle,
+    assumption_remarks,
+    name_of_field,
+    usual_gas_cycle,
+)
 from dynamics.gas.cylinder_volume import (
     CylinderVolume,
     Position,
@@ -29,6 +36,8 @@ from dynamics.gas.cylinder_volume import (
 from dynamics.gas.pressure import HIGHEST_PEAK, GasPressure, gas_pressure
 from dynamics.plots.quantities import MEGA
 
+# Peak pressure over that without combustion, usual for diesel engines at rated load: 1.4 to 1.8.
+USUAL_PRESSURE_RISE = 1.6
 # The combustion is integrated over r, where r^4 is the share of its duration: the rate of heat
 # release, which may begin as any power of the share, begins smoothly over r. Parts besides those
 # between the angles asked for, and Gauss points in each, bring the integral to 1e-12 for
@@ -98,17 +107,8 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles_deg: FloatArra
 
     Parameters
     ----------
-    cycle : GasCycle
-        Its parameters.
-    volume : CylinderVolume
-        The volume over the piston.
     angles_deg : ndarray of shape (m,)
         Even crank angles from zero over the cycle, the closing one left out.
-
-    Returns
-    -------
-    CycleSamples
-        Pressure and volume slope there.
     """
     # 1 where the cylinder is closed, 0 where it is open, between in the blow-down.
     share = 1.0 - _smooth_step(angles_deg, cycle.exhaust_opens_deg, BOTTOM)
@@ -146,10 +146,6 @@ def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle_deg: ArrayLi
 
     Parameters
     ----------
-    cycle : GasCycle
-        Intake pressure, intake closing and ratio of heat capacities g.
-    volume : CylinderVolume
-        Volume V over the piston.
     angle_deg : array_like of any shape
         Crank angles within the closed part.
 
@@ -169,10 +165,6 @@ def pressure_rise_per_heat(
 
     Parameters
     ----------
-    cycle : GasCycle
-        Combustion and ratio of heat capacities g.
-    volume : CylinderVolume
-        Volume V over the piston.
     angle_deg : array_like of shape (m,)
         Crank angles within the closed part, in any order.
 
@@ -181,11 +173,6 @@ def pressure_rise_per_heat(
     ndarray of shape (m,)
         (g - 1) / V(angle)^g times the integral of V^(g - 1) dx from the start of the combustion, x
         the burnt share [Pa/J].
-
-    Raises
-    ------
-    InputError
-        If an angle is not a finite number.
 
     Notes
     -----
@@ -212,11 +199,9 @@ def pressure_rise_per_heat(
 
 
 def _part_integrals(cycle: GasCycle, volume: CylinderVolume, ends: FloatArray) -> FloatArray:
-    """Return the integrals of (V / V_closing)^(g - 1) dx between neighboring ends of shape (n,).
-
-    The ends are roots r of the share t = r^q of the duration; dx = a (m + 1) t^m exp(-a t^(m + 1))
-    dt / c and dt = q r^(q - 1) dr.
-    """
+    """Return the integrals of (V / V_closing)^(g - 1) dx between neighboring ends of shape (n,)."""
+    # The ends are roots r of the share t = r^q of the duration; dx = a (m + 1) t^m exp(-a t^(m + 1))
+    # dt / c and dt = q r^(q - 1) dr.
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     half = 0.5 * np.diff(ends)[:, np.newaxis]
     root = ends[:-1, np.newaxis] + half * (1.0 + nodes)
@@ -236,12 +221,7 @@ def _part_integrals(cycle: GasCycle, volume: CylinderVolume, ends: FloatArray) -
 
 
 def allowed_heat(state: CycleSamples, heat: float) -> float:
-    """Return a heat [J] whose peak is not above that of real engines.
-
-    Raises
-    ------
-    InputError
-    """
+    """Return a heat [J] whose peak is not above that of real engines."""
     nonnegative_number("heat", heat, "J", "combustion releases heat")
     most = state.heat_for_peak(HIGHEST_PEAK)
     if heat > most:
@@ -253,23 +233,13 @@ def allowed_heat(state: CycleSamples, heat: float) -> float:
 
 
 def heat_for_peak(state: CycleSamples, peak_pressure: float) -> float:
-    """Return the heat [J] that gives a peak pressure [Pa].
-
-    Raises
-    ------
-    InputError
-    """
+    """Return the heat [J] that gives a peak pressure [Pa]."""
     peak = checked_peak(peak_pressure, state.peak(0.0))
     return max(state.heat_for_peak(peak), 0.0)
 
 
 def checked_peak(peak: float, lowest: float) -> float:
-    """Return a peak [Pa] from the lowest, that of compression alone, to the highest of real engines.
-
-    Raises
-    ------
-    InputError
-    """
+    """Return a peak [Pa] from the lowest, that of compression alone, to the highest of real engines."""
     # The lowest peak is found to round-off, and it may be what is asked for.
     if not is_number(peak) or not lowest * (1.0 - 1e-12) <= peak <= HIGHEST_PEAK:
         raise InputError(
@@ -281,12 +251,7 @@ def checked_peak(peak: float, lowest: float) -> float:
 
 
 def heat_for_mean_pressure(state: CycleSamples, mean_pressure: float) -> float:
-    """Return the heat [J] that gives an indicated mean effective pressure [Pa].
-
-    Raises
-    ------
-    InputError
-    """
+    """Return the heat [J] that gives an indicated mean effective pressure [Pa]."""
     lowest = state.mean_pressure(0.0)
     if state.work_per_heat <= 0.0:
         raise no_work_error(mean_pressure)
@@ -392,14 +357,8 @@ class GasCycleResult:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         show : {"indicator diagram", "pressure"}, optional
             Pressure over volume, or over the crank angle.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -428,18 +387,7 @@ class GasCycleResult:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return crank angle, volume and pressure, a row for each sample.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return crank angle, volume and pressure, a row for each sample."""
         return table(
             {
                 "crank_angle": (self.pressure.angles_deg, "deg"),
@@ -527,13 +475,13 @@ def gas_cycle(
         )
     remarks: list[str] = []
     if peak_pressure is not None and mean_effective_pressure is not None:
-        given = cycle
+        before = cycle
         cycle = _solved_combustion(
             cycle, volume, angles_deg, peak_pressure, mean_effective_pressure, solve_for
         )
         remarks.append(
             f"Solved: {name_of_field(solve_for)} {getattr(cycle, solve_for):.4g} deg in place of "
-            f"{getattr(given, solve_for):.4g} deg."
+            f"{getattr(before, solve_for):.4g} deg."
         )
     _check_resolved(cycle, count)
     state = cycle_samples(cycle, volume, angles_deg)
@@ -566,6 +514,50 @@ def gas_cycle(
         mean_effective_pressure=work / volume.swept,
         compression_pressure=float(motored_pressure(cycle, volume, volume.top_angle_deg)),
     )
+
+
+@dataclass(frozen=True)
+class FullLoad:
+    """What is known of the cycle of an engine at full load.
+
+    Parameters
+    ----------
+    compression_ratio : float
+        Largest over smallest volume.
+    known : mapping of str to float
+        Further parameters of `GasCycle`; the others are the usual ones.
+    peak_pressure : float, optional
+        Highest absolute pressure [Pa].
+    mean_effective_pressure : float, optional
+        Indicated [Pa]; it or the peak is required.
+    """
+
+    compression_ratio: float
+    known: Mapping[str, float]
+    peak_pressure: float | None = None
+    mean_effective_pressure: float | None = None
+
+    def parameters(
+        self, strokes: int, position: Position, area: float
+    ) -> tuple[GasCycle, tuple[str, ...]]:
+        """Return the cycle's parameters, and remarks on an intake pressure that suits the peak.
+
+        Position and area are those of one cylinder; all breathe from one receiver.
+        """
+        cycle = usual_gas_cycle(self.compression_ratio, strokes, **self.known)
+        if "intake_pressure" in self.known or self.peak_pressure is None:
+            return cycle, ()
+        plain = gas_cycle(cycle, position, area, heat=0.0)
+        rise = self.peak_pressure / plain.compression_pressure
+        intake = cycle.intake_pressure * rise / USUAL_PRESSURE_RISE
+        suited = usual_gas_cycle(
+            self.compression_ratio, strokes, **(dict(self.known) | {"intake_pressure": intake})
+        )
+        remark = (
+            f"Assumed: intake_pressure {format_quantity(intake, 'Pa', 4)}, so that combustion raises the "
+            f"pressure {USUAL_PRESSURE_RISE:g} times, as is usual for diesel engines at rated load."
+        )
+        return suited, (remark,)
 
 
 def _shortest_duration(cycle: GasCycle, samples: int) -> float:
@@ -633,18 +625,16 @@ def _solved_combustion(
     from scipy.optimize import brentq  # here: loading it takes a quarter second
 
     first = int(below[0])
-    found = brentq(
-        lambda value: peak_at(value) - peak, places[first], places[first + 1], xtol=1e-15
-    )
-    return changed(float(found))
+    root = brentq(lambda value: peak_at(value) - peak, places[first], places[first + 1], xtol=1e-15)
+    return changed(float(root))
 
 
 def _search_angles(cycle: GasCycle, samples: int, name: Solved) -> FloatArray:
     """Return the angles at which to search for the start or the duration of the combustion [deg]."""
     if name == "combustion_start_deg":
-        given = cycle.combustion_start_deg
+        start = cycle.combustion_start_deg
         low = max(EARLIEST_START, cycle.intake_closes_deg)
         high = min(LATEST_START, cycle.exhaust_opens_deg - cycle.combustion_duration_deg)
-        return np.linspace(min(low, given), max(high, given), SEARCH_PLACES, dtype=np.float64)
+        return np.linspace(min(low, start), max(high, start), SEARCH_PLACES, dtype=np.float64)
     high = min(LONGEST_DURATION, cycle.exhaust_opens_deg - cycle.combustion_start_deg)
     return np.linspace(_shortest_duration(cycle, samples), high, SEARCH_PLACES, dtype=np.float64)

@@ -55,8 +55,8 @@ def antiderivative(samples: FloatArray) -> FloatArray:
     spectrum = np.fft.rfft(samples)
     spectrum[1:] /= 1j * np.arange(1, spectrum.size)
     spectrum[0] = 0.0
-    found = np.fft.irfft(spectrum, samples.size)
-    return np.asarray(found - found[0])
+    integral = np.fft.irfft(spectrum, samples.size)
+    return np.asarray(integral - integral[0])
 
 
 def periodic_spline(samples: FloatArray) -> "CubicSpline":
@@ -174,7 +174,6 @@ def piston_gas_force(
 
     Parameters
     ----------
-    engine : CrossheadEngine
     pressure : GasPressure
         Two-stroke, over the angle from the top.
     pressure_below : float, optional
@@ -204,7 +203,6 @@ def two_stroke_cycle(
 
     Parameters
     ----------
-    engine : CrossheadEngine
     compression_ratio : float
         Largest over smallest volume.
     peak_pressure, mean_effective_pressure, intake_pressure : float
@@ -252,22 +250,11 @@ def read_gas_force(path: GivenFile) -> GasForce:
     dead center and cover a revolution, wherever it starts, in steps of up to 10 deg; the force is positive
     towards the shaft. A closing sample that repeats the first is dropped.
 
-    Parameters
-    ----------
-    path : path
-
     Returns
     -------
     callable
         Force [N] at crank angles [rad] from the top: the periodic cubic spline through the
         samples.
-
-    Raises
-    ------
-    InputError
-        With file and, where there is one, line: if the file cannot be read, the header or a number is
-        wrong, angles do not increase, do not cover one revolution or leave a gap wider than 10 deg, or the
-        closing sample differs from the first by more than a thousandth of the largest force.
     """
     rows = read_sample_rows(path, TABLE)
     rows.strokes(
@@ -330,7 +317,6 @@ def reduced_crank(
 
     Parameters
     ----------
-    engine : CrossheadEngine
     kinematics : str, optional
         "exact"; "series", in which velocities end at the second harmonic; or "printed", the series
         with the sign of the rod's second harmonic as printed in the source.

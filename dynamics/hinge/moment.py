@@ -93,17 +93,7 @@ class HingeMoment:
         return reduced, gas + reduced.weight_moment - self.load
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the moments of hinge, gas and driven machine over the crank angle.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the moments of hinge, gas and driven machine over the crank angle."""
         curves = {
             "hinge": KILO * self.moment,
             "gas": KILO * self.gas_moment,
@@ -120,18 +110,7 @@ class HingeMoment:
         )
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each crank angle: gas force, moments, energy, the engine reduced to its crank.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each crank angle: gas force, moments, energy, the engine reduced to its crank."""
         return table(
             {
                 "crank_angle": (self.angles_deg, "deg"),
@@ -159,7 +138,6 @@ def hinge_moment(
 
     Parameters
     ----------
-    engine : CrossheadEngine
     gas_force : callable or array_like of shape (k,)
         Force on the piston towards the shaft [N]: a function of an array of crank angles [rad] from
         the top dead center, or values at even angles over one revolution from the top, without the
@@ -170,10 +148,6 @@ def hinge_moment(
         "exact", "series" or "printed"; see `reduced_crank`.
     samples : int, optional
         Number of angles over the revolution.
-
-    Returns
-    -------
-    HingeMoment
 
     Raises
     ------
@@ -227,19 +201,13 @@ def hinge_moment(
 
 
 def as_function(gas_force: GasForce | ArrayLike) -> GasForce:
-    """Return a gas force as a function of angles [rad]; samples are interpolated by a periodic spline.
-
-    Raises
-    ------
-    InputError
-        If samples are too few or not finite.
-    """
+    """Return a gas force as a function of angles [rad]; samples are interpolated by a periodic spline."""
     if callable(gas_force):
         return gas_force
-    given = finite_vector("gas_force", gas_force)
-    if given.size < FEWEST_SAMPLES:
+    forces = finite_vector("gas_force", gas_force)
+    if forces.size < FEWEST_SAMPLES:
         raise InputError(
-            f"gas_force: given {given.size} values; allowed are {FEWEST_SAMPLES} or more at even angles "
+            f"gas_force: given {forces.size} values; allowed are {FEWEST_SAMPLES} or more at even angles "
             "over a turn, because fewer do not show the rise of the pressure."
         )
-    return periodic_spline(given)
+    return periodic_spline(forces)

@@ -286,7 +286,8 @@ def _peaks(
     top = np.max(samples, axis=1)
     half = 0.5 * (top - np.min(samples, axis=1))
     margin = 2.0 * half * (1.0 / np.cos(np.pi * multiples[-1] / size) - 1.0)
-    row, column = np.nonzero(samples >= (top - margin)[:, np.newaxis])
+    # Of the flat array: several times as fast as of rows and columns.
+    row, column = np.divmod(np.flatnonzero(samples >= (top - margin)[:, np.newaxis]), size)
     own = samples[row, column]
     # A sum that is zero throughout has no peaks.
     summit = (own >= samples[row, column - 1]) & (own >= samples[row, (column + 1) % size])
@@ -298,15 +299,16 @@ def _peaks(
     found = samples[row, column].copy()
     # Value, slope and bend of a sum are the real, imaginary and real part of its moments.
     powers = multiples.astype(np.complex128) ** np.arange(3)[:, np.newaxis]
+    rises = np.unique(np.diff(multiples, prepend=0), return_inverse=True)
     for _ in range(NEWTON_STEPS + 1):
-        value, slope, bend = powers @ (waves * _turned(multiples, angle))
+        value, slope, bend = powers @ (waves * _turned(*rises, angle))
         found = np.maximum(found, value.real)
         move = np.divide(-slope.imag, bend.real, out=np.zeros_like(angle), where=bend.real > 0.0)
         before = angle
         angle = np.clip(angle + move, start - step, start + step)
         if np.all(np.abs(angle - before) <= SETTLED * step):
             break
-    highest, angles = top.copy(), step * np.argmax(samples, axis=1)
+    highest, angles = top.copy(), np.zeros(top.shape)
     np.maximum.at(highest, row, found)
     equal = np.flatnonzero(found >= highest[row] - SAME_PEAK)
     backwards = equal[
@@ -316,13 +318,12 @@ def _peaks(
     return highest, angles
 
 
-def _turned(multiples: NDArray[np.int64], angle: FloatArray) -> ComplexArray:
-    """Return exp(i k phi) of multiples k (K,), ascending, and angles phi (p,), (K, p)."""
-    steps, which = np.unique(np.diff(multiples, prepend=0), return_inverse=True)
-    factors = np.exp(1j * np.outer(steps, angle))
-    turned = np.empty((multiples.size, angle.size), dtype=np.complex128)
+def _turned(rises: NDArray[np.int64], which: NDArray[np.intp], angle: FloatArray) -> ComplexArray:
+    """Return exp(i k phi) at angles phi (p,) for k ascending from 0 by some of the rises, (K, p)."""
+    factors = np.exp(1j * np.outer(rises, angle))
+    turned = np.empty((which.size, angle.size), dtype=np.complex128)
     turned[0] = factors[which[0]]
-    for row in range(1, multiples.size):
+    for row in range(1, which.size):
         np.multiply(turned[row - 1], factors[which[row]], out=turned[row])
     return turned
 

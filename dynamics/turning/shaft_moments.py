@@ -52,43 +52,28 @@ def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
     ----------
     function : callable
         Takes angles (m,) [rad] and returns the curves' values (c, m).
-
-    Raises
-    ------
-    InputError
-        If a curve's harmonics do not decay.
     """
     largest = np.max(
         np.abs(function(even_angles(2.0 * np.pi, SIZE_SAMPLES))), axis=1, keepdims=True
     )
     # Each curve by its own size: inertias and lengths are not to be compared.
     scale = np.where(largest > 0.0, largest, 1.0)
-    found = scale * turn_spectrum(lambda angles: function(angles) / scale, 1)
-    half = found.shape[1] // 2
-    terms = 2.0 * found[:, 1:half]
+    spectrum = scale * turn_spectrum(lambda angles: function(angles) / scale, 1)
+    half = spectrum.shape[1] // 2
+    terms = 2.0 * spectrum[:, 1:half]
     above = np.flatnonzero(np.max(np.abs(terms) / scale, axis=0) > NEGLIGIBLE)
     needed = int(above[-1]) + 1 if above.size else 0
-    return TurnCurves(found[:, 0].real.copy(), terms[:, :needed].copy())
+    return TurnCurves(spectrum[:, 0].real.copy(), terms[:, :needed].copy())
 
 
 def engine_curves(engine: EngineLayout, models: tuple[RodModel, ...]) -> TurnCurves:
     """Return the curves of an engine: positions of the n pistons, inertia, static moment upwards.
-
-    Parameters
-    ----------
-    engine : EngineLayout
-    models : tuple of n RodModel
 
     Returns
     -------
     TurnCurves
         c = n + 2: s of each piston pin [m]; inertia reduced to the shaft [kg m^2]; sum of masses
         times heights [kg m], which determines the work of gravity.
-
-    Raises
-    ------
-    InputError
-        If a rod is so short that no reasonable number of harmonics describes the motion.
     """
     return turn_curves(functools.partial(_engine_samples, engine, models))
 
@@ -135,13 +120,7 @@ class PistonGas:
 
 
 def piston_gas(engine: EngineLayout, gas: Gas, crankcase_pressure: float) -> PistonGas:
-    """Return the gas forces from pressures, or from a function of the piston's position and direction.
-
-    Raises
-    ------
-    InputError
-        If there is not one pressure for each cylinder, or its cycle has other strokes.
-    """
+    """Return the gas forces from pressures, or from a function of the piston's position and direction."""
     if gas is None:
         return PistonGas(_no_forces, False)
     if callable(gas):
@@ -164,14 +143,14 @@ def _from_pressures(
     firing = np.radians(engine.firing_deg)
     # Cylinders with the same pressure are asked for together.
     groups: dict[int, tuple[Pressure, list[int]]] = {}
-    for place, own in enumerate(pressures):
-        groups.setdefault(id(own), (own, []))[1].append(place)
+    for place, diagram in enumerate(pressures):
+        groups.setdefault(id(diagram), (diagram, []))[1].append(place)
 
     def forces(angle: float, _places: FloatArray, _directions: FloatArray) -> FloatArray:
-        found = np.empty(count)
+        absolute = np.empty(count)
         for pressure, members in groups.values():
-            found[members] = pressure.at(angle_deg=np.degrees(angle - firing[members]))
-        return np.asarray(areas * (found - crankcase_pressure))
+            absolute[members] = pressure.at(angle_deg=np.degrees(angle - firing[members]))
+        return np.asarray(areas * (absolute - crankcase_pressure))
 
     return forces
 
@@ -243,11 +222,6 @@ class ShaftMoments:
         directions : ndarray of shape (n,), optional
             Of the pistons, positive away from the shaft, if known better than from the
             angle: at the end of a stroke.
-
-        Raises
-        ------
-        InputError
-            If gas, load or friction are not finite moments, or the inertia vanishes.
         """
         values, slopes = self.curves.at(angle)
         ways = slopes[:-2] if directions is None else directions
@@ -266,13 +240,7 @@ class ShaftMoments:
         return moments, self._checked_inertia(values, angle), float(slopes[-2])
 
     def inertia(self, angle: float) -> float:
-        """Return the reduced inertia [kg m^2].
-
-        Raises
-        ------
-        InputError
-            If it vanishes.
-        """
+        """Return the reduced inertia [kg m^2]."""
         return self._checked_inertia(self.curves.at(angle)[0], angle)
 
     def _checked_inertia(self, values: FloatArray, angle: float) -> float:
@@ -292,8 +260,8 @@ class ShaftMoments:
         ends = []
         for place, cylinder in np.argwhere(ways[1:] != ways[:-1]).tolist():
             slope = functools.partial(self._slope, cylinder)
-            found = brentq(slope, grid[place], grid[place + 1], xtol=1e-15)
-            ends.append(float(found) % (2.0 * math.pi))
+            reversal = brentq(slope, grid[place], grid[place + 1], xtol=1e-15)
+            ends.append(float(reversal) % (2.0 * math.pi))
         ordered = np.sort(ends)
         return ordered[np.diff(ordered, prepend=-1.0) > SAME_ANGLE]
 
@@ -310,13 +278,7 @@ def shaft_moments(
     model: RodModelName,
     crankcase_pressure: float,
 ) -> ShaftMoments:
-    """Collect the moments on an engine's shaft; arguments as for `turn_freely`.
-
-    Raises
-    ------
-    InputError
-        If a number is not finite, or pressures do not fit the engine.
-    """
+    """Collect the moments on an engine's shaft; arguments as for `turn_freely`."""
     return ShaftMoments(
         curves=engine_curves(engine, rod_models(engine, model)),
         gas=piston_gas(engine, gas, crankcase_pressure),
@@ -326,10 +288,10 @@ def shaft_moments(
     )
 
 
-def _resistance(field: str, given: Resistance | float) -> Resistance:
-    if callable(given):
-        return given
-    constant = float(finite_array(field, given))
+def _resistance(field: str, resistance: Resistance | float) -> Resistance:
+    if callable(resistance):
+        return resistance
+    constant = float(finite_array(field, resistance))
 
     def always(_speed: float, _angle: float) -> float:
         return constant

@@ -26,13 +26,7 @@ MOST_EVALUATIONS, MOST_MOMENTS = 150_000, 500_000
 
 
 def run_time(field: str, value: float) -> float:
-    """Return the duration of a motion [s], checked.
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number above zero, or more than a day.
-    """
+    """Return the duration of a motion [s], checked."""
     time = positive_number(field, value, "s", "time runs forward")
     if time > LONGEST_RUN:
         raise InputError(
@@ -43,13 +37,7 @@ def run_time(field: str, value: float) -> float:
 
 
 def turns_followed(field: str, turns: float) -> float:
-    """Return a number of revolutions of a motion, checked.
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number above zero, or too large.
-    """
+    """Return a number of revolutions of a motion, checked."""
     number = positive_number(field, turns, "", "the shaft turns forward")
     if number > MOST_TURNS:
         raise InputError(
@@ -62,15 +50,7 @@ def turns_followed(field: str, turns: float) -> float:
 def evaluation_counter(
     refusal: Callable[[float], InputError], most: int
 ) -> Callable[[float], None]:
-    """Return what an integration calls at each evaluation, and what ends it after too many.
-
-    Parameters
-    ----------
-    refusal : callable
-        Returns the error for the time or angle at which the last evaluation is.
-    most : int
-        Evaluations that are allowed.
-    """
+    """Return what an integration calls at each evaluation, and what ends it after too many."""
     left = iter(range(most))
 
     def evaluated(reached: float) -> None:
@@ -80,22 +60,13 @@ def evaluation_counter(
     return evaluated
 
 
-def work_counter(field: str, given: float, unit: str, most: int) -> Callable[[float], None]:
-    """Return an `evaluation_counter` whose error is that a motion is followed too far.
-
-    Parameters
-    ----------
-    field : str
-        How far it is followed; the counter is called with how far it has come.
-    given : float
-    unit : str
-    most : int
-    """
+def work_counter(field: str, reach: float, unit: str, most: int) -> Callable[[float], None]:
+    """Return an `evaluation_counter` whose error is that a motion is followed too far."""
 
     def refusal(reached: float) -> InputError:
         allowed = f"{0.99 * reached:.4g} {unit}".strip()
         return InputError(
-            f"{field}: given {f'{given:g} {unit}'.strip()}; allowed is {allowed} or less here, because a "
+            f"{field}: given {f'{reach:g} {unit}'.strip()}; allowed is {allowed} or less here, because a "
             "calculation has a limit of evaluations; another one can continue from there."
         )
 
@@ -111,7 +82,7 @@ def too_many_turns(field: str, time: float, turns: float) -> InputError:
 
 
 def checked_moment(
-    field: str, given: float, speed: float, angle: float, largest: float = math.inf
+    field: str, returned: float, speed: float, angle: float, largest: float = math.inf
 ) -> float:
     """Return a moment [N m] that a given function has returned.
 
@@ -120,24 +91,17 @@ def checked_moment(
 
     Parameters
     ----------
-    field : str
-        Whose moment it is.
     given : float
         [N m]
     speed, angle : float
         Where the function was asked [rad/s, rad].
     largest : float, optional
         [N m]
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number, or larger than that.
     """
-    moment = _number(given)
+    moment = _number(returned)
     if not (math.isfinite(moment) and abs(moment) <= largest):
         raise InputError(
-            f"{field}: given a moment of {quoted(given)} N m at {speed:.6g} rad/s and a shaft angle of "
+            f"{field}: given a moment of {quoted(returned)} N m at {speed:.6g} rad/s and a shaft angle of "
             f"{math.degrees(angle):.6g} deg; allowed are finite numbers"
             f"{'' if largest == math.inf else f' of up to {largest:g}'}, because the speed follows from the "
             "moments."
@@ -145,28 +109,22 @@ def checked_moment(
     return moment
 
 
-def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
-    """Return an inertia [kg m^2] at an angle [rad].
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number above `least`.
-    """
-    inertia = _number(given)
+def checked_inertia(returned: float, angle: float, least: float = 0.0) -> float:
+    """Return an inertia [kg m^2] at an angle [rad]."""
+    inertia = _number(returned)
     if not least < inertia < math.inf:
         raise InputError(
-            f"inertia: given {quoted(given)} kg m^2 at a shaft angle of {math.degrees(angle):.6g} deg; "
+            f"inertia: given {quoted(returned)} kg m^2 at a shaft angle of {math.degrees(angle):.6g} deg; "
             "allowed are finite numbers clearly above zero, because a shaft without inertia has no speed "
             "that follows from the moments."
         )
     return inertia
 
 
-def _number(given: float) -> float:
+def _number(returned: float) -> float:
     """Return the value of a user function as a float, NaN if it is none."""
     try:
-        return float(given)
+        return float(returned)
     except (TypeError, ValueError, OverflowError):
         return math.nan
 
@@ -305,17 +263,7 @@ class SpeedOverAngle:
         return float((self.speed.max() - self.speed.min()) / self.mean_speed)
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the speed over the shaft angle.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the speed over the shaft angle."""
         axes = new_axes(axes)
         draw_over_angle(
             axes,
@@ -328,18 +276,7 @@ class SpeedOverAngle:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each angle: speed, time, kinetic energy.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each angle: speed, time, kinetic energy."""
         return table(
             {
                 "angle": (self.angle_deg, "deg"),
@@ -369,8 +306,6 @@ def speed_over_angle(
         (speed [rad/s], angle [rad]) -> Q [N m], all moments reduced to the shaft, positive when
         they drive, without the part of the inertia. It may jump with the angle, not with
         the speed.
-    start_angle_deg : float
-        [deg]
     start_speed : float
         Above zero [rad/s].
     turns : float
@@ -478,14 +413,12 @@ def _integrate_speed(
 def _energy_after_step(
     shaft: _Shaft, begin: float, step: float, energy: float, halvings: int
 ) -> tuple[float, float]:
-    """Return the energy after a step and its duration, halving the step if necessary.
-
-    An energy that falls to zero does not prove that the shaft stops: too long a step with a
-    steep moment does the same. Near a true stop the steps become short, and at rest this remains.
-    """
-    found = _collocated(shaft, begin, step, energy)
-    if found is not None:
-        return found
+    """Return the energy after a step and its duration, halving the step if necessary."""
+    # An energy that falls to zero does not prove that the shaft stops: too long a step with a
+    # steep moment does the same. Near a true stop the steps become short, and at rest this remains.
+    after = _collocated(shaft, begin, step, energy)
+    if after is not None:
+        return after
     if halvings > 0:
         middle, first = _energy_after_step(shaft, begin, 0.5 * step, energy, halvings - 1)
         end, second = _energy_after_step(
@@ -586,14 +519,8 @@ def steady_turning(
         Angle of the period divided by its time [rad/s].
     turns : float
         Period of inertia and moment, in revolutions of the shaft: 2 for a four-stroke engine.
-    start_angle_deg : float, optional
-        [deg]
     samples : int, optional
         Per turn.
-
-    Returns
-    -------
-    SteadyTurning
 
     Raises
     ------
@@ -612,7 +539,7 @@ def steady_turning(
     wanted = positive_number("mean_speed", mean_speed, "rad/s", "the shaft turns")
     period = 2.0 * math.pi * turns_followed("turns", turns)
     first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
-    told = whole_number(
+    shown = whole_number(
         "samples", samples, 1, "results are given at this many angles per revolution"
     )
     guess, start_energy, comes_round = _beginning(inertia, moment, wanted, first, period)
@@ -626,7 +553,7 @@ def steady_turning(
         energy = start_energy + scale * (float(unknowns[1]) - 1.0)
         if energy <= 0.0:
             return None
-        found = speed_over_angle(
+        trial = speed_over_angle(
             inertia,
             lambda speed, angle: moment(speed, angle) - load,
             start_angle_deg=math.degrees(first),
@@ -634,42 +561,40 @@ def steady_turning(
             turns=turns,
             samples=samples,
         )
-        return SteadyTurning(load, found) if found.stopped_at_deg is None else None
+        return SteadyTurning(load, trial) if trial.stopped_at_deg is None else None
 
     def residual(unknowns: FloatArray) -> list[float]:
         try:
-            found = turned(unknowns)
+            trial = turned(unknowns)
         except UnsettledError:  # close to rest: a trial like those that stop
-            found = None
-        if found is None:
+            trial = None
+        if trial is None:
             return [STOPPED, STOPPED]
-        turning = found.turning
+        turning = trial.turning
         gained = float(turning.energy[-1] - turning.energy[0])
         return [gained / scale, turning.mean_speed / wanted - 1.0]
 
     # The full output, as otherwise a search that finds nothing warns.
     solved = fsolve(residual, [1.0, 1.0], xtol=1e-12, maxfev=TRIALS, full_output=True)[0]
     steady = max(abs(miss) for miss in residual(solved)) <= STEADY
-    found = turned(solved, told) if steady else None
-    if found is None:
+    trial = turned(solved, shown) if steady else None
+    if trial is None:
         raise InputError(
             f"mean_speed: given {wanted:g} rad/s; allowed is a speed at which the shaft turns "
             "steadily, because none was found here."
             if comes_round
             else _too_slow(wanted)
         )
-    if found.turning.energy.min() < LEAST_ENERGY * np.ptp(found.turning.energy):
+    if trial.turning.energy.min() < LEAST_ENERGY * np.ptp(trial.turning.energy):
         raise InputError(_too_slow(wanted))
-    return found
+    return trial
 
 
 def _beginning(
     inertia: Inertia, moment: Moment, speed: float, first: float, period: float
 ) -> tuple[float, float, bool]:
-    """Return load and initial energy from the moments at the mean speed, and whether it can turn.
-
-    Energies are sums over even angles, which is accurate for smooth curves.
-    """
+    """Return load and initial energy from the moments at the mean speed, and whether it can turn."""
+    # Energies are sums over even angles, which is accurate for smooth curves.
     count = max(1, round(SEARCH_SAMPLES * period / (2.0 * math.pi)))
     angles = (first + even_angles(period, count)).tolist()
     inertias = np.array([checked_inertia(inertia(angle), angle) for angle in angles])

@@ -51,8 +51,8 @@ QUICK = 0.05  # seconds of processor time that a call takes which is made often
 ROOT = Path(__file__).resolve().parents[2]
 # Tests whose calls are given again, wrongly.
 RECORDED = ("tests/test_dynamics", "tests/test_regression/test_law.py",
-"tests/test_regression/test_axial_formulas.py",
-            "tests/test_regression/test_torsional_formulas.py")  # fmt: skip
+"tests/test_regression/test_formulas.py",
+            "tests/test_regression/test_formulas.py")  # fmt: skip
 QUIET = ("-q", "-p", "no:cacheprovider", "-n", "0", "-m", "not slow")
 Try = Callable[[Any], Outcome]
 

@@ -1,17 +1,46 @@
-"""What `crankfem check` says of files of every kind."""
+"""What `crankfem check` says of files of every kind, of wrong and of new ones."""
 
+import math
 import re
+from collections import Counter
 from contextlib import suppress
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
 
 import crankfem as cf
 from comparing import close
+from crankbase.errors import InputError
 from crankfem.analyses.file_check import check_file
-from crankfem.analyses.vibration.engine_limits import engine_limits, unmodeled_plant
+from crankfem.analyses.shaft.chains import shaft_surroundings
+from crankfem.analyses.strength.cycle_loads import supported_throws
+from crankfem.analyses.strength.element_factors import shrink_fit, throw_webs
+from crankfem.analyses.vibration import run as vibration_run
+from crankfem.analyses.vibration.engine_excitation import (
+    engine_harmonics,
+    engine_load,
+    forces_over_speeds,
+)
+from crankfem.analyses.vibration.engine_limits import (
+    compared_quantities,
+    engine_limits,
+    rule_of,
+    unmodeled_plant,
+)
+from crankfem.files.chain.chain_file import load_chain
+from crankfem.files.engine.engine_file import SECTIONS, load_engine
+from crankfem.files.engine.file_kinds import FIRING_ORDERS, engine_template
+from crankfem.files.engine.mechanism_file import load_mechanism
+from crankfem.files.engine.throw_file import load_throw_file
 from crankfem.files.engine.usual_sizes import SHARP
+from crankfem.files.hinge_file import load_hinge
+from crankfem.files.reading.data_files import input_path
+from crankfem.files.reading.toml_file import read_toml
+from crankfem.jobs.run_computation import read_inputs
+from strategies.engine_changes import WHOLE, changed_engines
 
 ENGINES = Path(__file__).resolve().parents[2] / "data" / "engines"
 
@@ -249,3 +278,438 @@ def test_a_missing_field_is_told_once_with_file_and_section(call, tmp_path):
     assert answer.err.count("firing_order") == 1
     assert answer.err.startswith("Error: engine.firing_order: missing; give cylinder numbers in")
     assert answer.err.endswith("(mine.toml, section [engine], line 6).\n")
+
+
+UNEQUAL = Path(__file__).parents[1] / "data" / "unequal-three.toml"
+NODES = """
+[chain]
+name = "x"
+kind = "torsional"
+[[chain.nodes]]
+name = "a"
+inertia = "1 kg m^2"
+[[chain.nodes]]
+name = "b"
+inertia = "1 kg m^2"
+[[chain.elements]]
+stiffness = "3 N m/rad"
+"""
+
+
+@pytest.fixture
+def told(tmp_path):
+    """Load a file with changes, and return the field that each sentence begins with."""
+
+    def fields(load, text, changes, name="mine.toml"):
+        for old, new in changes.items():
+            assert old in text, old
+            text = text.replace(old, new)
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(InputError) as raised:
+            load(path)
+        return [line.removeprefix(f"{name}: ").split(": ")[0] for line in raised.value.sentences]
+
+    return fields
+
+
+IN_THROWS = {
+    'pin_diameter = "70 mm"': "pin_diameter = 70",
+    'web_width = "100 mm"': 'web_with = "100 mm"',
+    'angle = "120 deg"': 'angle = "120 kg"',
+}
+THROWS_TOLD = [
+    *(f"throws.plain.{name}" for name in ("pin_diameter", "web_with", "web_width")),
+    "throws.heavy.counterweight.angle",
+]
+
+
+@pytest.mark.parametrize("load", [load_engine, load_mechanism])
+def test_throws_by_name_and_sections(told, load):
+    changes = IN_THROWS | {'stroke = "128 mm"': 'stroke = "128 K"'}
+    found = told(load, UNEQUAL.read_text(encoding="utf-8"), changes)
+    # What a throw takes from the other is told of that one, once.
+    assert sorted(found) == sorted([*THROWS_TOLD, "engine.stroke"])
+
+
+def test_throws_of_a_file_without_an_engine(told):
+    text = UNEQUAL.read_text(encoding="utf-8")
+    throws = text[text.index("[throws.plain]") : text.index("[shaft]")]
+    changes = IN_THROWS | {"[throws.plain]": "[shat]\n[throws.plain]"}
+    unknown, *found = told(load_throw_file, throws, changes)
+    assert unknown.startswith("[shat] is an unknown section; ")
+    assert sorted(found) == sorted(THROWS_TOLD)
+
+
+def test_unknown_and_missing_sections(told):
+    text = UNEQUAL.read_text(encoding="utf-8")
+    unknown = told(load_engine, text, {"[flywheel]": "[flywhel]", "[free_end]": "[freeend]"})
+    assert [line.split(" ")[0] for line in unknown] == ["[flywhel]", "[freeend]"]
+    # A missing one may be an unknown one with another name.
+    missing = told(load_chain, '[material]\ndensity = "7850"\n', {})
+    assert "the section [chain] is missing; required are chain." in missing
+    assert "material.density" in missing
+
+
+def test_sections_nodes_and_elements_of_a_chain(told):
+    text = NODES + '[material]\ndensity = 7850\nyoungs_modulus = "200 GPa"\npoisson_ratio = 0.3\n'
+    units = {"1 kg m^2": "1", "3 N m/rad": "3 kg", 'name = "x"': 'name = "x"\ndamping = "-"'}
+    assert told(load_chain, text, units) == [
+        "chain.damping",
+        "chain.nodes[0].inertia",
+        "chain.nodes[1].inertia",
+        "chain.elements[0].stiffness",
+        "material.density",
+    ]
+    assert told(load_chain, text, {"torsional": "bending"}) == ["chain.kind", "material.density"]
+
+
+def test_what_does_not_fit_within_a_chain(told):
+    joined = 'nodes = ["a", "c"]\nstiffness = "3 N m/rad"\n[[chain.elements]]\n'
+    gear = '[[chain.gears]]\ndriver = "d"\ndriven = "a"\nratio = 2\n'
+    assert told(load_chain, NODES + gear, {'stiffness = "3 N m/rad"\n': joined}) == [
+        "chain.elements[0].nodes",
+        "chain.elements[1].nodes",
+        "chain.gears[0].driver",
+    ]
+
+
+def test_lines_of_a_chain_in_text(told):
+    text = "torsional: x\na  60\n  1e6 N\nb  7 kg m^2  grond 3\n"
+    found = told(load_chain, text, {}, "mine.txt")
+    assert found == ["line 2", "line 3", "line 4"]
+    text = "torsional\na  60 kg m^2\n  1 N m/rad  to c\nb  7 kg m^2\n  1 N m/rad\n"
+    assert told(load_chain, text, {}, "mine.txt") == ["line 3", "line 5"]
+
+
+def test_sections_and_running_points_of_a_hinge_file(told):
+    text = input_path("crosshead-30-100", "hinge").read_text(encoding="utf-8")
+    changes = {
+        '"1550 mm"': '"1550"',
+        'peak_pressure = { value = "8 MPa"': 'peak_pressure = { value = "8"',
+        'height = { value = "400 mm"': 'height = { value = "400"',
+    }
+    found = told(load_hinge, text, changes)
+    assert found[0] == "rod.length"
+    assert "comparison.sizes[1].height" in found
+    assert any(one.startswith("operation.points[") for one in found)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[throw]\nweb_width = 9 in\n", 'line 2, web_width = 9 in: given 9 in without.*"9 in"'),
+        (
+            '[piston]\nmass = { value = 17 kg, source = "5 in a row" }\n',
+            'line 2, .*: given 17 kg without quotes.*"17 kg"',
+        ),
+        ('[engine]\nangles = ["0 deg", 120 deg]\n', '"120 deg"'),
+        (
+            '[a]\nx = 1\n\n[b]\nx = 1\ny = 2\nx = "3 mm"\n',
+            r'line 7, x = "3 mm": given twice, in line 5',
+        ),
+        ("[a]\nx = 1\n[b]\n[a]\n", r"line 4, \[a\]: given twice, in line 1"),
+        ('[a]\nx = "1 mm\n', "line 2, x = .*: given an opening quote without a closing one"),
+        ("[a]\nx = '1 mm\n", "line 2, x = .*: given an opening quote without a closing one"),
+        ("[a]\nx = \u201c1 mm\u201d\n", "line 2, x = .*: given typographic quotes"),
+        (
+            '[a]\nx = { value = 0,5, source = "b" }\n',
+            "line 2, .*: given 0,5; write a decimal point and no separators, like 0.5",
+        ),
+        ("[a]\nx = 82,5 mm\n", 'line 2, .*: given 82,5 mm .*"82.5 mm"'),
+        ("[a]\nx = 1.200,5 mm\n", 'line 2, .*: given 1.200,5 mm .*"1200.5 mm"'),
+        ("[a]\nx = 1,200 mm\n", 'line 2, .*: given 1,200 mm .*"1.2 mm" or "1200 mm", whichever'),
+        ("[a]\nx = 1 200 mm\n", 'line 2, .*: given 1 200 mm .*"1200 mm"'),
+        ("[a]\nx = 1'200'000 um\n", 'line 2, .*: given 1.200.000 um .*"1200000 um"'),
+        ("[a]\nx = [82,5 mm, 9 mm]\n", "line 2, .*: given 82,5 mm in a list .* each quantity"),
+        # A list of whole numbers is not at fault for what is wrong after it.
+        ("[a]\nx = [1,5,3]]\n", r"line 2, x = \[1,5,3\]\]: is not TOML"),
+        ("[a]\nx = [1,5]\ny = '3 mm\n", "line 3, y = .*: given an opening quote"),
+        ("[имя]\nx = 1\n", r"line 1, \[имя\]: given a name with other letters than A to Z"),
+        ("[a]\nимя = 1\n", "line 2, имя = 1: given a name with other letters than A to Z"),
+        ("[a\nx = 1\n", r"line 1, \[a: given a section without its closing bracket"),
+        ("[a]\nx: 3\n", "line 2, x: 3: given a colon behind a name; write ="),
+        ('[a]\nx = "3 mm",\n', "line 2, .*: given a comma or a semicolon at its end"),
+        ("[a]\nx = My Diesel\n", "line 2, .*: given text without quotes; write it in quotes"),
+        ("[a]\nx y z\n", r"line 2, x y z: is not TOML \(.*\); allowed is a TOML file"),
+    ],
+)
+def test_what_is_no_toml_is_told_with_its_line(tmp_path, text, message):
+    path = tmp_path / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=message) as raised:
+        read_toml(path)
+    assert "(at line" not in str(raised.value)
+
+
+def test_misspelled_section_is_told(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("[rood]\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"\[rood\] is an unknown section; did you mean \[rod\]\?"):
+        read_toml(path).check_sections({"rod": False, "piston": False})
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[a]\nx = " + "1" * 5000, "digits; allowed are numbers of 64 bits"),
+        ("[a]\nx = 0x" + "f" * 5000, r"a\.x: given a whole number of 20000 bits"),
+        ("[a]\nx = 1e400", r"a\.x: given inf, which is not finite"),
+        ("[a]\nx = [1, nan]", r"a\.x\[1\]: given nan, which is not finite"),
+        ("[sources]\n" + "".join(f's{n} = "b"\n' for n in range(20_000)), "more than 10000 values"),
+        ("a." * 20_000 + "b = 1", "line 1, .*a key of more than 30 names"),
+        ("x=1\n[" + "'a' . " * 100_000 + "b]", "line 2, .*a key of more than 30 names"),
+        ("[a]\nx = " + "[" * 100 + "]" * 100, "within more than 30 others"),
+        ("[a]\nx = " + "[" * 100_000, "within more than 30 others"),
+        ('[a]\nx = "' + "a" * 500_000 + '"', r"a\.x: given .* of 500000 characters"),
+        ("[a]\n" + "k" * 20_000 + " = 1", "of 20000 characters"),
+        ('[a]\nx = "' + "a" * 10**7 + '"', "given a file of 10 MB"),
+        ("[" + " " * 200_000, "without its closing bracket"),
+    ],
+)
+def test_what_is_too_long_is_refused_in_a_short_sentence(tmp_path, text, message):
+    path = tmp_path / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=message) as raised:
+        read_toml(path)
+    assert len(str(raised.value)) < 500
+
+
+def test_the_smallest_integer_of_toml_is_read(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(f"[a]\nx = {-(2**63)}\n", encoding="utf-8")
+    assert read_toml(path).sections["a"]["x"] == -(2**63)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"SQLite format 3\0" + bytes(100), "is the store of a study"),
+        (b'\n{"about": 1}', "is a JSON file, such as the results of a run"),
+        (b"<!DOCTYPE html>", "is a web page"),
+        (b"speed,twist\n1,2\n", r"is a table \(CSV\)"),
+        (b"PK\x03\x04", "is a packed file"),
+        ("[engine]".encode("utf-16"), "is text in UTF-16; save it as UTF-8"),
+        ("# ok\nname = 'Двигатель'".encode("cp1251"), "because line 2 is not UTF-8"),
+    ],
+)
+def test_other_files_are_named(tmp_path, content, said):
+    for name in ("mine.toml", "mine.txt"):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(InputError, match=said):
+            read_toml(tmp_path / name)
+
+
+QUICK = tuple(path for path in WHOLE if path.stem in ("6chn18-22", "6chn18-22-set", "cat-3116"))
+
+
+class ReachedError(Exception):
+    """All that comes before the finite elements was accepted."""
+
+
+def reached(_):
+    raise ReachedError
+
+
+def cheap_part(path):
+    """Do what a run does before and after finite elements, without them."""
+    inputs = read_inputs(path)
+    engine = inputs.engine_file
+    with pytest.raises(ReachedError):
+        vibration_run.engine_vibration(engine, mechanism=inputs.mechanism)
+    masses = SimpleNamespace(inertia_about_shaft=1.0)
+    shaft_surroundings(engine, dict.fromkeys(engine.named_throws, SimpleNamespace(masses=masses)))
+    compared_quantities(engine)
+    assert rule_of(engine.engine)
+    if engine.ranges is not None:
+        assert isinstance(
+            (*engine.ranges.axial_spreads(), *engine.ranges.torsional_spreads()), tuple
+        )
+    if inputs.with_gas is None and engine.gas_map is None:
+        return
+    harmonics = engine_harmonics(engine, inputs.mechanism)
+    rated = engine.engine.rated_speed
+    forces_over_speeds(engine, harmonics, np.array([0.9, 1.0]) * rated)
+    engine_load(engine, inputs.mechanism)
+    if engine.strength is not None:
+        supported_throws(engine, mechanism=inputs.mechanism)
+        for throw in engine.crank_throws:
+            throw_webs(throw, engine.strength)
+            shrink_fit(throw, engine.strength, 1.0, engine.material.youngs_modulus)
+
+
+def outcome(read, path):
+    try:
+        read(path)
+    except InputError as error:
+        return str(error)
+    return "accepted"
+
+
+def compare(monkeypatch, tmp_path, engines, examples):
+    """Read drawn engines both ways, and count what was accepted and refused."""
+    monkeypatch.setattr(vibration_run, "analyze_throws", reached)
+    counts, path = Counter(), tmp_path / "engine.toml"
+
+    @settings(
+        max_examples=examples,
+        deadline=None,
+        derandomize=True,
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(changed_engines(engines))
+    def same(text):
+        path.write_text(text, encoding="utf-8")
+        told = outcome(lambda file: check_file(str(file)), path)
+        assert outcome(cheap_part, path) == told, text
+        counts[told == "accepted"] += 1
+
+    same()
+    return counts
+
+
+@pytest.mark.slow
+def test_check_accepts_and_refuses_what_a_run_does(monkeypatch, tmp_path):
+    counts = compare(monkeypatch, tmp_path, QUICK, 20)
+    assert counts[True] >= 5
+    assert counts[False] >= 2
+
+
+@pytest.mark.further
+def test_check_accepts_and_refuses_what_a_run_does_of_every_engine(monkeypatch, tmp_path):
+    counts = compare(monkeypatch, tmp_path, WHOLE, 400)
+    assert counts[True] >= 100
+    assert counts[False] >= 50
+
+
+TEMPLATE = engine_template()
+OPTIONAL = re.compile(r"(?m)^#: ")
+
+
+def optional_examples(text: str) -> list[str]:
+    """Return what stands in comments to be used, each example on its own: a section, or single fields.
+
+    Sections that only continue another, such as ``[study.factors]``, belong to it.
+    """
+    found: list[list[str]] = []
+    before = ""
+    for line in text.splitlines():
+        if OPTIONAL.match(line):
+            if OPTIONAL.match(before):
+                found[-1].append(line)
+            else:
+                found.append([line])
+        before = line
+    return ["\n".join(lines) for lines in found]
+
+
+def with_example(text: str, example: str) -> str:
+    """Return the text with one of its examples put to use."""
+    return text.replace(example, OPTIONAL.sub("", example))
+
+
+EXAMPLES = {one.splitlines()[0].removeprefix("#: "): one for one in optional_examples(TEMPLATE)}
+
+
+def test_a_template_is_written_and_valid(call, tmp_path):
+    answer = call("new", "mine.toml")
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.rstrip().endswith("crankfem run mine.toml")
+    read = load_engine(tmp_path / "mine.toml")
+    # All that stands for an engine is assumed; names, numbers of cylinders and choices are not.
+    given = {record.field for record in read.records if not record.assumed}
+    assert given == {
+        "engine.name",
+        "engine.cylinders",
+        "engine.strokes",
+        "vibration.axial_source",
+        "vibration.torsional_source",
+        "vibration.highest_order",
+        "vibration.reciprocating",
+    }
+    assert read.gas is not None
+
+
+def test_the_template_explains_every_section():
+    # Hinged rods and chains behind the flywheel start from a shipped file, which it names; throws by name
+    # cannot stand beside the one throw, not even in an example.
+    for section in set(SECTIONS) - {"hinged_rods", "shaft_line", "throws"}:
+        assert f"\n[{section}]" in TEMPLATE or f"\n#: [{section}]" in TEMPLATE, section
+    assert "[shaft_line]" in TEMPLATE
+    assert "[throws.a]" in TEMPLATE
+    assert "--from 8chn13-14" in TEMPLATE
+
+
+@pytest.mark.parametrize("example", [one for one in EXAMPLES if one != "[study]"])
+def test_what_stands_in_comments_is_valid(tmp_path, example):
+    text = with_example(TEMPLATE, EXAMPLES[example])
+    assert text != TEMPLATE
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    load_engine(tmp_path / "mine.toml")
+
+
+def test_a_study_stands_in_comments(call, tmp_path):
+    text = with_example(TEMPLATE, EXAMPLES["[study]"])
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    assert "doe" in call("check", "mine.toml", "--json").json()["commands"]
+
+
+@pytest.mark.parametrize("strokes", FIRING_ORDERS)
+def test_cylinders_fire_evenly(tmp_path, strokes):
+    for cylinders in FIRING_ORDERS[strokes]:
+        path = tmp_path / f"{cylinders}.toml"
+        path.write_text(engine_template(path.name, cylinders, strokes), encoding="utf-8")
+        angles = sorted(load_engine(path).engine.firing_angles)
+        cycle = math.pi * strokes
+        expected = [place * cycle / cylinders for place in range(cylinders)]
+        # Angles of seven cylinders stand in the file with ten digits.
+        assert angles == close(expected, abs=1e-8)
+
+
+def test_hinges_and_chains_are_copied(call, tmp_path):
+    answer = call("new", "hinge.toml", "--from", "crosshead-30-100")
+    assert answer.code == 0
+    assert "crankfem hinge hinge.toml" in answer.out
+    assert (tmp_path / "hinge.toml").read_bytes() == input_path(
+        "crosshead-30-100", "hinge"
+    ).read_bytes()
+    record = call("new", "chain.toml", "--from", "mwm-six", "--json").json()
+    assert record["next"] == "crankfem vibration chain.toml"
+    assert call("new", "v.toml", "--from", "buick-3800", "--json").json()["kind"] == "mechanism"
+
+
+def test_the_list_of_what_is_shipped(call, tmp_path):
+    shipped = call("new", "--list", "--json").json()["shipped"]
+    kinds = {one["name"]: one["kind"] for one in shipped}
+    assert kinds["6chn25-34"] == "engine"
+    assert kinds["2ch85-110"] == "throw"
+    assert (kinds["crosshead-30-100"], kinds["mwm-six"]) == ("hinge", "chain")
+    assert all(one["about"] for one in shipped)
+    out = call("new", "--list").out
+    assert all(one["name"] in out for one in shipped)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        ((), "new: given no file"),
+        (("a.toml", "--list"), "--list: given with a file"),
+        (("a.toml", "--cylinders", "9"), "--cylinders: given 9; allowed is 1 to 8"),
+        (("a.toml", "--strokes", "3"), "--strokes: given 3; allowed are 2 and 4"),
+        (("a.toml", "--from", "vw-tdi", "--cylinders", "4"), "--cylinders: given 4 with --from"),
+        (("a.toml", "--from", "nobody"), "--from: given 'nobody'; allowed are 12chn18-20"),
+        (("nowhere/a.toml",), "cannot be written; there is no folder nowhere"),
+    ],
+)
+def test_new_refuses(call, tmp_path, arguments, fragment):
+    answer = call("new", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert fragment in answer.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_copy_is_the_shipped_file(call, tmp_path):
+    assert call("new", "mine.toml", "--from", "6chn25-34").code == 0
+    assert (tmp_path / "mine.toml").read_bytes() == input_path("6chn25-34").read_bytes()

@@ -1,22 +1,36 @@
-"""What a run concludes, on the console and in the report, from the stored results of a run."""
+"""What a run concludes, on the console and in the report."""
 
 import copy
 import json
+import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rich.console import Console
 
 from comparing import close
-from crankfem.analyses.vibration.tables import factor_range, misfiring_table, mode_table
+from crankbase.tables.output_units import parse_output_units
+from crankfem.analyses.vibration.assessment import Assessment, engine_decision
+from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict
+from crankfem.analyses.vibration.misfiring import FiringCheck, Reached
+from crankfem.analyses.vibration.tables import (
+    factor_range,
+    misfiring_table,
+    mode_table,
+    resonance_table,
+    source_table,
+    speed_table,
+)
 from crankfem.cli import console
 from crankfem.cli.commands.run import _print
-from crankfem.cli.tables.vibration_tables import print_verdict
+from crankfem.cli.tables.vibration_tables import print_assessment, print_judgment, print_verdict
+from crankfem.files.engine.engine_file import load_engine
 from crankfem.report.conclusions import conclusions, failed_checks, headline, verdict_line
-from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.summary import engine_facts, summary, uncertain_sentence, worst_of_each
 from crankfem.report.text_filters import loaded_most
+from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
 
 STORED = Path(__file__).with_name("report_results.json")
@@ -368,16 +382,6 @@ def test_a_node_on_a_branch_is_told_by_its_branch():
     assert row[-1] == "2.25, 0.40 of the way from end to ring"
 
 
-def test_the_schematic_names_what_the_chain_has(results):
-    text = str(engine_schematic(results))
-    assert text.startswith("<svg ")
-    assert text.count(">flywheel<") == text.count(">free end<") == 1
-    # Six pistons, the disc of the free end and that of the flywheel.
-    assert text.count("<rect ") == 8
-    assert [f">{number}<" in text for number in range(1, 7)] == 6 * [True]
-    assert ">1, 6<" in text
-
-
 def test_a_damper_ring_stands_before_the_free_end_and_later_nodes_close_up():
     # Free end, cylinder, flywheel, ring at the free end, generator behind the flywheel, a disc on a branch.
     pairs = [(0, 1), (1, 2), (0, 3), (2, 4), (1, 5)]
@@ -468,3 +472,318 @@ def test_the_whole_crankshaft_stands_on_the_first_screen(results):
     assert "order 6 at 495 1/min" in said
     assert "at a - b, damping 1.2 %" in said
     assert sum("It differs." in one for one in found) == 1
+
+
+RATED = load_engine("6chn25-34").engine.rated_speed
+SPEEDS = np.linspace(0.1, 1.2, 2201) * RATED
+
+
+def decided(*peaks, **limits):
+    """Return the decision on peaks, as `judged` does."""
+    return judged(*peaks, **limits)[1]
+
+
+def judged(*peaks, **limits):
+    """Peaks at shares of the rated speed [MPa], narrow."""
+    engine = load_engine("6chn25-34").changed(engine={"drives": "propeller"})
+    if limits:
+        engine = engine.changed(limits=limits)
+    stress = sum(
+        1e6 * height / (1.0 + ((SPEEDS / RATED - at) / 0.002) ** 2) for at, height in peaks
+    )
+    limit = engine_limits(engine)[0]["crankshaft_stress"]
+    findings = [(limit, AmplitudeCurve("throw 1 - throw 2", SPEEDS, stress))]
+    verdict = engine_verdict(engine, findings)
+    return verdict, engine_decision(engine, verdict.status, findings)
+
+
+# By the rule 45 - 24 r^2 is permitted, up to r = 0.8 twice that in passing: at 0.9 25.56, at 0.6 36.36 and
+# 72.72 N/mm2.
+KEPT, PASSED = (0.9, 25.56 * 1.1005), (0.6, 72.72 * 1.1)
+
+
+def test_the_tensile_strength_decides_on_what_is_kept():
+    # 440 (1 + 3/2 0.1005) = 506.3
+    assert decided(KEPT).sentence == (
+        "acceptable with a tensile strength of 507 MPa, not with 506 MPa (440 MPa assumed): give "
+        "limits.tensile_strength"
+    )
+
+
+def test_the_yield_strength_decides_on_what_is_passed():
+    found = decided(PASSED)
+    assert found.sentence == (
+        "acceptable with a yield strength of 248 MPa, not with 247 MPa (225 MPa assumed): give "
+        "limits.yield_strength"
+    )
+
+
+def test_both_decide_together():
+    # Kept asks for 506 MPa, which brings 259 MPa of yield strength: more than the 247.5 that passing asks.
+    found = decided(KEPT, PASSED)
+    assert found.status == "undecided"
+    assert "tensile strength (yield strength in proportion) of 50" in found.sentence
+    assert found.sentence.endswith("give limits.tensile_strength and limits.yield_strength")
+
+
+@pytest.mark.parametrize(
+    "limits", [{"tensile_strength": 480e6, "yield_strength": 260e6}, {"crankshaft_stress": 20e6}]
+)
+def test_what_is_given_is_not_tried(limits):
+    found = decided(KEPT, **limits)
+    assert (found.status, found.trials) == ("not acceptable", ())
+
+
+@pytest.mark.parametrize(
+    ("peaks", "limits", "begins"),
+    [
+        ((KEPT,), {}, "Undecided: acceptable with a tensile strength of 507 MPa, not with 506 MPa"),
+        ((KEPT,), {"crankshaft_stress": 20e6}, "Not acceptable: torsional stress"),
+        (((0.9, 1.0),), {"crankshaft_stress": 20e6}, "Fine from "),
+    ],
+)
+def test_there_is_one_conclusion(peaks, limits, begins):
+    verdict, decision = judged(*peaks, **limits)
+    said = Assessment(verdict, decision, {}, (), None, None).conclusion
+    assert said.startswith(begins)
+    # The status of the values used is told as theirs where it is not the conclusion.
+    used = f"With the values used, not acceptable{verdict.sentence.removeprefix('Not acceptable')}"
+    assert said.endswith(used if decision.status == "undecided" else verdict.sentence)
+
+
+STRESS = given_limit("torsional stress", 20e6, "Pa", applies_to="crankshaft", source="maker")
+RPM = math.pi / 30.0
+
+
+def check(normal, misfiring):
+    return FiringCheck(STRESS.name, "Pa", STRESS, normal, (4,), misfiring, {(4,): misfiring})
+
+
+def reached(value, permitted=20e6, place="cylinder 4 - flywheel", speed=1000.0):
+    return Reached(place, speed * RPM, value, permitted)
+
+
+@pytest.mark.parametrize(
+    ("normal", "misfiring", "said"),
+    [
+        # What is permitted is told once where it is the same.
+        (
+            reached(30e6),
+            reached(29e6),
+            "145 % of the permitted 20 MPa; with all cylinders firing 30 MPa at 1000 1/min, 150 %.",
+        ),
+        (
+            reached(30e6, 25e6, "free end", 900.0),
+            reached(29e6),
+            "; with all cylinders firing 30 MPa at 900 1/min, 120 % of the permitted 25 MPa, free end.",
+        ),
+        # A share has no use where nothing is permitted, or all is unbounded.
+        (reached(30e6, math.inf), reached(29e6), "with all cylinders firing 30 MPa at 1000 1/min."),
+        (reached(30e6), reached(math.inf), "30 MPa at 1000 1/min, 150 % of the permitted 20 MPa."),
+    ],
+)
+def test_normal_firing_is_told_with_its_share(normal, misfiring, said):
+    sentence = check(normal, misfiring).sentence
+    assert sentence.startswith(
+        "With cylinder 4 misfiring, torsional stress of crankshaft, cylinder 4"
+    )
+    assert sentence.endswith(said)
+
+
+def test_a_critical_speed_stands_once_with_all_that_is_known_of_it(results):
+    vibration = results["vibration"]
+    table = speed_table(vibration)
+    names = [column.name for column in table.columns]
+    kinds, orders, modes = (
+        [row[names.index(name)] for row in table.rows] for name in ("vibration", "order", "mode")
+    )
+    assert len(set(zip(kinds, orders, modes, strict=True))) == len(table.rows)
+    one = next(
+        row for row in table.rows if row[0] == "torsional" and row[names.index("order")] == 12
+    )
+    peak = next(p for p in vibration["forced"]["torsional"]["resonances"] if p["order"] == 12.0)
+    limits = vibration["assessment"]["uncertainty"]["torsional"]["critical"]
+    own = next(p for p in limits if p["order"] == 12.0)
+    shown = table.texts()[table.rows.index(one)]
+    assert shown[names.index("speed")] == f"{peak['speed_rpm']:.1f}"
+    assert shown[names.index("lowest")] == f"{own['low_rpm']:.1f}"
+    assert shown[names.index("amplitude")] == "1.42 mrad"
+
+
+def test_each_of_two_peaks_of_one_mode_has_a_row(results):
+    vibration = results["vibration"]
+    peaks = vibration["forced"]["torsional"]["resonances"]
+    first = next(one for one in peaks if one["order"] == 12.0)
+    peaks.append({**first, "speed_rpm": 0.9 * first["speed_rpm"], "amplitude": 0.5e-3})
+    table = speed_table(vibration, most=99)
+    names = [column.name for column in table.columns]
+    rows = [
+        dict(zip(names, texts, strict=True))
+        for texts in table.texts()
+        if texts[0] == "torsional" and texts[names.index("order")] == "12"
+    ]
+    assert [row["amplitude"] for row in rows] == ["0.5 mrad", "1.42 mrad"]
+    # Bounds belong to the peak they are about.
+    assert (rows[0]["lowest"], rows[1]["lowest"] != "-") == ("-", True)
+
+
+def test_no_critical_speed_is_both_inside_and_outside_the_running_range(results):
+    vibration = results["vibration"]
+    high = 520.0
+    vibration["assessment"]["running_rpm"] = [300.0, high]
+    peak = next(
+        one for one in vibration["forced"]["torsional"]["resonances"] if one["order"] == 12.0
+    )
+    peak |= {"speed_rpm": 1.01 * high, "in_running_range": False}
+    bounds = vibration["assessment"]["uncertainty"]["torsional"]["critical"]
+    own = next(one for one in bounds if one["order"] == 12.0)
+    own |= {"speed_rpm": 1.01 * high, "low_rpm": 0.99 * high, "margin": 0.0}
+    # An order that has no peak at speeds calculated, just above the running range too.
+    bounds.append({**own, "order": 30.0})
+    table = speed_table(vibration, most=99, major=(30.0,))
+    names = [column.name for column in table.columns]
+    rows = [dict(zip(names, texts, strict=True)) for texts in table.texts()]
+    one, other = (
+        next(row for row in rows if (row["vibration"], row["order"]) == ("torsional", order))
+        for order in ("12", "30")
+    )
+    assert (one["margin"], one["kind"]) == ("0.0", "major, outside")
+    assert (other["margin"], other["kind"]) == ("0.0", "major, outside")
+    assert not any(row["margin"] == "inside" and "outside" in row["kind"] for row in rows)
+
+
+def test_an_order_without_a_peak_is_not_called_unbounded(results):
+    vibration = results["vibration"]
+    one = vibration["forced"]["axial"]["resonances"][0]
+    one |= {"speed_rpm": None, "amplitude": None, "unbounded": False}
+    table = speed_table(vibration, most=99)
+    (row,) = (texts for texts in table.texts() if "no peak" in texts)
+    assert row[[column.name for column in table.columns].index("amplitude")] == "-"
+    assert not any("unbounded" in text for text in row)
+
+
+def test_a_mode_that_makes_no_peak_has_no_critical_speed_outside(results):
+    """Nor a margin to one, of an order beyond the speeds calculated."""
+    vibration = results["vibration"]
+    peaks = vibration["forced"]["axial"]["resonances"]
+    damped = {"mode": 7, "order": 12.0, "speed_rpm": None, "severity": 0.0}
+    peaks.append({**peaks[0], **damped, "in_running_range": False})
+    bounds = {"mode": 7, "order": 11.0, "margin": 0.0, "speed_rpm": 650.0}
+    critical = vibration["assessment"]["uncertainty"]["axial"]["critical"]
+    critical.append(bounds | {"low_rpm": 30.0, "high_rpm": 660.0})
+    met = vibration["axial"]["criticals"]
+    met.append({**met[0], "mode": 7, "order": 12.0, "in_running_range": False})
+
+    def modes():
+        table = speed_table(vibration, most=99)
+        place = [column.name for column in table.columns].index("mode")
+        return {texts[place] for texts in table.texts() if texts[0] == "axial"}
+
+    assert "7" not in modes()
+    peaks[-1]["in_running_range"] = True
+    assert "7" in modes()
+
+
+def test_every_peak_is_in_the_table_or_told_to_be_left_out(results):
+    """A branch's peak counts by its own largest one, small peaks and those of the forces in a sentence."""
+    vibration = results["vibration"]
+    record = vibration["forced"]["torsional"]
+    one = next(own for own in record["resonances"] if own["order"] == 12.0)
+    new = {"place": "pump shaft", "value": 294.0, "unit": "N m", "others": [], "modes": [2]}
+    new |= {"mode": 2, "in_band": True, "spread_rpm": [440.0, 440.0], "in_running_range": True}
+    at = enumerate((1.0, 0.6, 0.06, 0.04, 0.01))
+    record["resonances"] = [
+        one | new | {"speed_rpm": 440.0 + place, "order": 4.0 + place, "severity": share}
+        for place, share in at
+    ]
+    record["resonances"].append(record["resonances"][0] | {"in_band": False, "order": 20.0})
+    table = speed_table(vibration, most=2)
+    rows = [texts for texts in table.texts() if texts[0] == "torsional"]
+    assert len(rows) == 2
+    assert all("pump shaft" in texts and "294 N m" in texts for texts in rows)
+    assert "1 critical speed, up to 6 % of the largest peak at a place" in table.note
+    assert "2 peaks below 5 % of the largest one at every place" in table.note
+    assert "1 peak of the exciting forces" in table.note
+    shown = resonance_table(record)
+    assert len(shown.rows) == 3
+    assert "critical speed" not in shown.note
+    assert "2 peaks below 5 %" in shown.note
+
+
+def test_sources_show_modes_that_depend_on_them_and_all_points_have_names(results):
+    record = results["vibration"]["torsional"]
+    one = record["sources"][0]
+    one |= {"first_mode": 2, "first_frequencies": [7.3, 49.2, 129.1]}
+    one |= {"crankshaft_frequencies": [49.2, 129.1, 207.6]}
+    table = source_table(record)
+    assert "of the crankshaft, from mode 2 on" in table.title
+    assert table.rows[0][2] == [49.2, 129.1, 207.6]
+    note = mode_table(record).note
+    last = len(record["nodes"]) - 1
+    assert f"0 free end, 1 to 6 cylinder 1 to cylinder 6, {last} flywheel" in note
+
+
+LIMIT_STRESS, TWIST = "torsional stress of crankshaft", "torsional amplitude of free end"
+
+
+@pytest.fixture
+def record():
+    def check(limit, place, unit, value):
+        return {
+            "limit": limit,
+            "place": place,
+            "unit": unit,
+            "speed_rpm": 498.0,
+            "value": value,
+            "permitted": 2e7 if unit == "Pa" else 1e-3,
+            "used": None if value is None else 0.5,
+            "passed": value is not None,
+        }
+
+    return {
+        "running_rpm": [200.0, 515.0],
+        "uncertainty": {},
+        "checks": [
+            check(LIMIT_STRESS, "cylinder 4 - cylinder 5", "Pa", 1e7),
+            check(TWIST, "free end", "rad", None),
+            check(LIMIT_STRESS, "cylinder 1 - cylinder 2", "Pa", 2e6),
+        ],
+        "limits": [
+            {"name": LIMIT_STRESS, "judged_to_rpm": 575.0, "source": "A rule", "assumed": True},
+            {"name": TWIST, "judged_to_rpm": 515.0, "source": "The maker", "assumed": False},
+        ],
+        "remarks": [],
+        "barred": [],
+        "started_through": [],
+        "sentence": "Fine.",
+        "decision": {"status": "acceptable", "sentence": ""},
+        "beside": [],
+    }
+
+
+def test_speeds_above_the_running_range_are_explained(record, capsys):
+    print_assessment(record, parse_output_units("rpm"))
+    lines = capsys.readouterr().out.splitlines()
+    assert (
+        f"Limit on {LIMIT_STRESS}: A rule, assumed; judged from 200 to 575 rpm, because it also "
+        "applies above the highest running speed of 515 rpm." in lines
+    )
+    assert f"Limit on {TWIST}: The maker; judged from 200 to 515 rpm." in lines
+
+
+def test_what_decides_stands_before_the_verdict_with_the_values_assumed(record, capsys):
+    record["decision"] = {"status": "undecided", "sentence": "acceptable with this: give that"}
+    print_judgment(record)
+    assert capsys.readouterr().out.splitlines()[-2:] == [
+        "Verdict: undecided, acceptable with this: give that.",
+        "With the values used: Fine.",
+    ]
+
+
+def test_a_verdict_that_only_its_barred_ranges_hang_on_says_so(record, capsys):
+    record["decision"] = {"status": "acceptable", "sentence": "no speeds need be barred with this"}
+    print_judgment(record)
+    assert capsys.readouterr().out.splitlines()[-2:] == [
+        "Verdict: Fine.",
+        "It depends on assumed or uncertain values: no speeds need be barred with this.",
+    ]

@@ -1,7 +1,8 @@
-"""The command doe with workers that do no finite elements: what it takes, says and leaves behind."""
+"""The commands `doe` and `fit`, with workers that do no finite elements."""
 
 import csv
 import json
+import math
 import os
 import signal
 import sqlite3
@@ -10,16 +11,29 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
+from crankfem.analyses.study import design_export, studies
+from crankfem.analyses.study.response_fits import fit_study
+from crankfem.analyses.study.studies import run_grown, worst_designs
 from crankfem.cli.console import progress_text
 from fem.responses import RESPONSES
+from geometry.shapes import element_volumes
+from plans import FILLETED, plan_of_levels, table_of_function
 from puppets import PRELUDE, puppet
+from regression.models.compliance_model import ComplianceModel
+from regression.plans.designs import DesignChoice
+from regression.plans.factors import Factor
+from regression.plans.plan import StudyPlan
 from regression.records import StudyStoppedError
 from regression.runs import store_file as store_module
+from regression.runs import workers
 from regression.runs import workers as workers_module
 from regression.runs.store import ResultStore
+from regression.runs.study import read_study
 
 NAMES = [name for name in RESPONSES if name != "fillet_stress_factor"]
 ROOT = Path(__file__).resolve().parents[2]
@@ -92,17 +106,6 @@ def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
     record = call("doe", study, "--plan", "--json").json()
     assert [design["role"] for design in record["designs"]] == ["run"] * 9 + ["held out"] * 3
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
-
-
-def test_doe_tells_how_the_runs_lie(call, study):
-    answer = call("doe", study, "--plan")
-    # Of 3 x 3 levels the nearest are half a range apart.
-    assert "Runs in the unit cube: nearest runs 0.5 apart, discrepancy 0.0" in answer.out
-    assert "No two factors are correlated." in answer.out
-    quality = call("doe", study, "--plan", "--json").json()["quality"]
-    assert quality["distance"] == close(0.5)
-    assert (quality["correlation"], quality["correlated"]) == (0.0, [])
-    assert 0.0 < quality["discrepancy"] < 0.1
 
 
 @pytest.mark.slow
@@ -250,15 +253,6 @@ def test_doe_refuses_options(call, study, tmp_path, options, message):
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
-def test_doe_says_which_table_cannot_be_read(call, study, tmp_path):
-    (tmp_path / "bad.csv").write_text(
-        "web_width [mm],axial_compliance_pinned [nm/N]\n301,about 1\n", encoding="utf-8"
-    )
-    answer = call("doe", study, "--import", "bad.csv")
-    assert answer.code == 2
-    assert "bad.csv, line 2, column axial_compliance_pinned [nm/N]: given 'about 1'" in answer.err
-
-
 def test_limits_are_quantities(call, study, monkeypatch):
     given = {}
     monkeypatch.setattr("regression.runs.cluster.silence_dask_log", lambda: None)
@@ -384,3 +378,322 @@ def test_the_store_of_the_command_is_plain_sql(call, study, tmp_path):
     (plan,) = connection.execute("SELECT plan FROM studies").fetchone()
     connection.close()
     assert json.loads(plan)["accuracy"] == 0.01
+
+
+def test_fit_prints_and_saves_a_model(store, call, tmp_path):
+    answer = call("fit", store)
+    assert answer.code == 0, answer.err
+    text = " ".join(answer.out.split())
+    for part in (
+        "All responses",
+        "log-cubic *",
+        "Chosen by its errors: ",
+        "Sobol, first",
+        "Model: model.json",
+    ):
+        assert part in text
+    model = ComplianceModel.load(tmp_path / "model.json")
+    assert model.axial_compliance(web_width=0.31, web_thickness=0.06) == close(
+        1e-9 * (0.2 + 0.3 / 0.31 * (0.05 / 0.06) ** 1.5), rel=5e-3
+    )
+
+
+def test_fit_takes_a_form_and_shows_a_response(store, call, tmp_path):
+    answer = call("fit", store, "--form", "linear", "--response", "mass")
+    assert answer.code == 0, answer.err
+    text = " ".join(answer.out.split())
+    assert "Mass m: largest (mean) errors" in text
+    assert "linear: m = (" in text
+    assert ComplianceModel.load(tmp_path / "model.json").responses["mass"].form == "linear"
+
+
+@pytest.mark.slow
+def test_fit_writes_diagrams_and_json(store, call, tmp_path):
+    answer = call("fit", store, "--plots", "diagrams", "--json", "--model", "other.json")
+    assert answer.code == 0, answer.err
+    record = answer.json()
+    assert record["fits"]["mass"]["chosen"] in ("interactions", "quadratic")
+    assert len(list((tmp_path / "diagrams").glob("axial_compliance_*.svg"))) == 4
+    assert (tmp_path / "other.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("--form", "cubic", "form: given 'cubic'; allowed are linear"),
+        ("--response", "nothing", "response: given 'nothing'; allowed are axial_compliance, mass"),
+        ("--model", "nowhere/model.json", "there is no folder nowhere"),
+        ("--model", ".", "--model: given ., which is a folder; allowed is a file to write"),
+    ],
+)
+def test_fit_refuses(store, call, tmp_path, option, value, message):
+    answer = call("fit", store, option, value)
+    assert (answer.code, answer.out) == (2, "")
+    assert message in " ".join(answer.err.split())
+    assert not (tmp_path / "model.json").exists()
+
+
+@pytest.mark.parametrize("quiet", [(), ("-q",)])
+def test_fit_tells_of_a_damaged_row_and_does_without(store, call, tmp_path, quiet):
+    connection = sqlite3.connect(store)
+    connection.execute("UPDATE designs SET responses = '{\"mass\": NaN}' WHERE rowid = 1")
+    connection.commit()
+    connection.close()
+    answer = call("fit", store, *quiet)
+    assert answer.code == 0, answer.err
+    assert "1 row is damaged in" in " ".join(answer.err.split())
+    assert ComplianceModel.load(tmp_path / "model.json").responses["mass"].runs == 11
+
+
+GROWTH_THROW = FILLETED
+BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.040, 0.100), "pin_length": (0.120, 0.158)}
+DESIGNS = {
+    "full factorial": {"levels": 3},
+    "fractional factorial": {"resolution": 3},
+    "central composite": {},
+    "box-behnken": {},
+    "latin hypercube": {"runs": 24},
+    "sobol": {"runs": 32},
+}
+
+
+def compliance(x):
+    width, thickness, length = x[:, 0], x[:, 1], x[:, 2]
+    pin = 0.17**2 * (length + 0.33 * thickness) / (2.1e11 * math.pi * 0.18**4 / 64)
+    web = 8 * 0.17**3 / (2.1e11 * width * (thickness**2 + 0.03**2) ** 1.5)
+    return 0.6 * pin + 0.5 * web
+
+
+def plan_of(kind, seed=1, **others):
+    given = dict(DESIGNS[kind])
+    levels = given.pop("levels", None)
+    factors = tuple(
+        Factor(name, "m", *ends)
+        if levels is None
+        else Factor.spread(name, "m", *ends, levels, "even")
+        for name, ends in BOX.items()
+    )
+    return StudyPlan(GROWTH_THROW, factors, DesignChoice(kind, **given), seed=seed, **others)
+
+
+def test_added_runs_keep_constraints_and_relations_and_are_new(monkeypatch):
+    monkeypatch.setattr(studies, "PLACES", 100)
+    factors = (
+        Factor("web_width", "m", 0.270, 0.330),
+        Factor("web_thickness", "m", 0.040, 0.100),
+        Factor("pin_length", "m", 0.120, 0.158),
+        Factor.of_labels("web_outline", ("obround", "rectangle")),
+    )
+    plan = StudyPlan(
+        GROWTH_THROW,
+        factors,
+        DesignChoice("latin hypercube", runs=24),
+        relations={"main_journal_length": "400 mm - pin_length - 2 * web_thickness"},
+        constraints=("web_width > 240 mm + web_thickness",),
+    )
+    table = table_of_function(plan, compliance)
+    found = worst_designs(table, fit_study(table), 12)
+    assert all(variant.throw is not None for variant in plan.variants().at(found))
+    assert np.all(found[:, 0] > 0.240 + found[:, 1] - 1e-9)
+    assert set(found[:, 3]) <= {0.0, 1.0}
+    present = {row.values for row in table.rows}
+    assert len({tuple(row) for row in found.tolist()} - present) == 12
+
+
+WORKER = """
+for request in requests():
+    throw = request["inputs"]["throw"]
+    value = 1e-9 * (throw["web_width"] / 0.3) ** -2.2 * (0.5 + throw["pin_length"] / 0.139)
+    responses = {"axial_compliance_pinned": value}
+    found = {"key": request["key"], "responses": responses, "errors": {}, "seconds": 0.5}
+    answer(found | {"unknowns": 9})
+"""
+TWO = {"web_width": (0.280, 0.300, 0.330), "pin_length": (0.130, 0.150, 0.170)}
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    monkeypatch.setattr(workers, "spawn_worker", lambda: puppet(WORKER))
+    monkeypatch.setattr(studies, "PLACES", 60)
+
+
+def test_the_store_remembers_what_was_added(quick, tmp_path):
+    plan = plan_of_levels(GROWTH_THROW, TWO, held_out=3)
+    store = tmp_path / "runs.sqlite"
+    first = run_grown(plan, store, more=4)
+    assert (first.added, first.computed, len(first.values)) == (4, 9 + 3 + 4, 16)
+    again = run_grown(plan, store, more=4)
+    assert (again.added, again.computed) == (4, 0)
+    assert run_grown(plan, store).added == 4  # without being asked for
+    assert [row.values for row in again.rows] == [row.values for row in first.rows]
+    larger = run_grown(plan, store, more=6)
+    assert (larger.added, larger.computed) == (6, 2)
+    assert [row.values for row in larger.rows[:16]] == [row.values for row in first.rows]
+    read = read_study(store)
+    assert read.plan.key == plan.key
+    assert (read.added, len(read.values), int(read.held_out.sum())) == (6, 18, 3)
+
+
+def test_an_interrupted_growth_goes_on_with_the_same_runs(quick, tmp_path):
+    plan = plan_of_levels(GROWTH_THROW, TWO, held_out=3)
+    store = tmp_path / "runs.sqlite"
+
+    def interrupt(finished, *_):
+        if finished == 14:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_grown(plan, store, progress=interrupt, more=4)
+    chosen = [design[2] for design in read_designs(store, plan)]
+    table = run_grown(plan, store, more=4)
+    assert (table.added, len(table.values)) == (4, 16)
+    assert table.computed <= 2
+    assert [design[2] for design in read_designs(store, plan)] == chosen
+
+
+def read_designs(store, plan):
+    with ResultStore(store, readonly=True) as results:
+        return results.study_designs(plan.key)
+
+
+@pytest.mark.parametrize("more", [-1, 1001, 2.5, True])
+def test_numbers_that_no_study_grows_by(tmp_path, more):
+    plan = plan_of_levels(GROWTH_THROW, TWO, held_out=3)
+    with pytest.raises(InputError, match=r"^more: given .*; allowed is 0 to 1000 further designs"):
+        run_grown(plan, tmp_path / "runs.sqlite", more=more)
+    assert not (tmp_path / "runs.sqlite").exists()
+
+
+def test_too_few_throws_to_grow_by(monkeypatch):
+    plan = plan_of("latin hypercube")
+    table = table_of_function(plan, compliance)
+    monkeypatch.setattr(studies, "draw_feasible_points", lambda *_, **__: None)
+    with pytest.raises(InputError, match=r"^more: given 10 further designs; allowed are as many"):
+        worst_designs(table, fit_study(table), 10)
+
+
+EXPORT_STUDY = """
+[throw]
+crank_radius = "170 mm"
+main_journal_diameter = "220 mm"
+pin_diameter = "180 mm"
+main_journal_length = "120 mm"
+pin_length = "139 mm"
+web_width = "285 mm"
+web_thickness = "68 mm"
+[study]
+held_out = 1
+[study.factors]
+pin_length = ["120 mm", "158 mm"]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "study.toml").write_text(EXPORT_STUDY, encoding="utf-8")
+    return tmp_path / "designs"
+
+
+def lines(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def write_lines(path, table):
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(table[0]))
+        writer.writeheader()
+        writer.writerows(table)
+
+
+def masses_of_steel(files):
+    """What another program makes of the meshes: of their curved tetrahedra."""
+    meshio = pytest.importorskip("meshio")
+    for file in files:
+        mesh = meshio.read(file)
+        elements = np.vstack([cells.data for cells in mesh.cells if cells.type == "tetra10"])
+        yield 7850.0 * float(element_volumes(mesh.points, elements).sum())
+
+
+@pytest.mark.further
+def test_designs_go_out_and_results_of_another_program_come_back(call, folder):
+    answer = call("doe", "study.toml", "--export", "designs", "--mesh", "inp")
+    assert answer.code == 0, answer.err
+    assert "3 designs, of which 3 have a file in the folder (3 written now)" in answer.out
+    table = lines(folder / "designs.csv")
+    assert [line["role"] for line in table] == ["run", "run", "held out"]
+    assert [line["pin_length [m]"] for line in table[:2]] == ["0.12", "0.158"]
+    masses = list(masses_of_steel(folder / line["file"] for line in table))
+    # 38 mm of pin, and no more, make the difference.
+    pin = 7850.0 * np.pi / 4.0 * 0.180**2 * 0.038
+    assert masses[1] - masses[0] == close(pin, rel=2e-3)
+    results = [line | {"mass [kg]": m} for line, m in zip(table, masses, strict=True)]
+    write_lines(folder / "results.csv", results)
+    taken = ("doe", "study.toml", "--import", "designs/results.csv", "--no-compute")
+    answer = call(*taken, "--json")
+    assert answer.code == 0, answer.err
+    record = answer.json()
+    assert (record["runs"], record["held_out"], record["computed_now"]) == (2, 1, 0)
+    assert record["table"]["responses"]["mass"] == close(masses)
+    (fitted,) = record["fits"]
+    assert fitted == "mass"
+    # A straight line through two runs.
+    linear = next(f for f in record["fits"]["mass"]["forms"] if f["form"] == "linear")
+    slope = (masses[1] - masses[0]) / 0.038
+    assert linear["coefficients"]["pin_length"] == close(slope)
+    assert "are not used" not in answer.err
+    again = call(*taken)
+    assert "0 finished designs and 0 further rows imported" in again.err
+    model = call("fit", "runs.sqlite")
+    assert model.code == 0
+    assert call("lookup", "model.json", "pin_length=130mm").code == 0
+
+
+@pytest.fixture
+def export_quick(monkeypatch):
+    """Files without a kernel, and a throw of 158 mm that cannot be meshed."""
+    made = []
+
+    def write(design, file):
+        made.append(file.name)
+        if design.inputs["throw"]["pin_length"] == 0.158:
+            raise design_export.MeshError("mesh: no way of meshing succeeded.")
+        with design_export.atomic_file(file, "solid") as part:
+            part.write_text("solid", encoding="utf-8")
+
+    monkeypatch.setattr(design_export, "_write", write)
+    return made
+
+
+def test_what_is_there_is_not_made_again(call, folder, export_quick):
+    line = ("doe", "study.toml", "--export", "designs", "--mesh", "step")
+    record = call(*line, "--json").json()
+    assert record["written"] == 2
+    (failed,) = record["failures"]
+    assert record["failures"][failed] == "mesh: no way of meshing succeeded."
+    assert record["files"][1] == failed
+    export_quick.clear()
+    answer = call(*line)
+    assert len(export_quick) == 1  # the one that is missing
+    assert "3 designs, of which 2 have a file in the folder (0 written now)" in answer.out
+    assert f"Not written: {failed}: mesh: no way" in " ".join(answer.out.split())
+
+
+@pytest.mark.parametrize("name", ["designs.csv", "mesh"])
+def test_nothing_of_the_users_is_replaced(call, folder, export_quick, name):
+    line = ("doe", "study.toml", "--export", "designs", "--mesh", "step")
+    files = call(*line, "--json").json()["files"]
+    mine = folder / "designs.csv" if name == "designs.csv" else folder.parent / files[0]
+    (folder / ".crankfem-outputs.json").unlink()
+    for file in folder.glob("0*"):
+        file.unlink()
+    mine.write_text("mine", encoding="utf-8")
+    if name == "mesh":
+        (folder / "designs.csv").unlink()
+    export_quick.clear()
+    answer = call(*line)
+    assert answer.code == 2
+    assert "is not replaced, because crankfem has not made it" in " ".join(answer.err.split())
+    assert mine.read_text(encoding="utf-8") == "mine"
+    assert export_quick == []

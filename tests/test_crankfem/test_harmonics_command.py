@@ -1,3 +1,5 @@
+"""The commands `harmonics`, `two-mass` and `hinge`."""
+
 import csv
 import re
 
@@ -6,8 +8,16 @@ import pytest
 
 import crankfem as cf
 from comparing import close
+from crankbase.errors import InputError
 from crankbase.tables.table_units import table_unit
+from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.mechanism.plots import picture_torque_table, table_files
+from crankfem.files.hinge_file import load_hinge
+from crankfem.files.reading.data_files import input_path
+from dynamics.chains.chain import Chain
+from dynamics.response.forced import forced_response
+from dynamics.response.loads import element_loads
+from dynamics.response.order_excitation import OrderExcitation
 
 TABLE = "yamz5340_torque_one_throw.csv"
 
@@ -29,18 +39,6 @@ def test_engine_record(call):
     engine = cf.load_mechanism("6chn25-34")
     torque = cf.engine_torque(engine.layout, engine.rated_speed, engine.pressure)
     assert record["mean"] == close(torque.mean, rel=1e-12)
-
-
-def test_engine_as_tables(call):
-    answer = call("harmonics", "8chn26-26", "--orders", "2.5", "--cylinder", "5")
-    assert answer.code == 0
-    assert "No order is major; the strongest: 2." in answer.out
-    assert "throw 1 (cyl." in answer.out
-    assert re.search(
-        r"Cylinder 5: tangential force T on the crankpin, phases from\s+its", answer.out
-    )
-    assert "-0.00" not in answer.out
-    assert "Cylinders with hinged rods differ" in answer.out
 
 
 def test_large_torques_are_told_in_one_unit_a_table(call):
@@ -71,26 +69,6 @@ def test_unit_and_digits_of_a_table(values, name, text):
     unit = table_unit(values, "N m")
     assert unit.with_unit(values[0]) == f"{text} {name}"
     assert table_unit([], "N").name == "N"
-
-
-def test_speed(call):
-    rated = call("harmonics", "6chn25-34", "--json").json()
-    slow = call("harmonics", "6chn25-34", "--json", "--speed", "100 1/min").json()
-    assert slow["speed_rpm"] == close(100.0)
-    # The work of the gas is the same, the masses' part of a harmonic is not.
-    assert slow["mean"] == close(rated["mean"], rel=1e-9)
-    assert slow["harmonics"]["amplitude"][5] != close(rated["harmonics"]["amplitude"][5], rel=1e-3)
-
-
-def test_harmonics_of_a_cylinders_forces(call):
-    record = call("harmonics", "8chn26-26", "--cylinder", "5", "--orders", "4", "--json").json()
-    found = record["cylinder"]
-    assert found["number"] == 5
-    assert found["firing_angle_deg"] == close(record["firing_angles_deg"][4])
-    assert found["tangential"]["inertia"]["mean"] == close(0.0, abs=1e-6)
-    both = found["tangential"]["gas and inertia"]["mean"]
-    # Crank radius 0.13 m: eight such means are the engine's, but that hinged rods differ.
-    assert 8 * 0.13 * both == close(record["mean"], rel=0.05)
 
 
 def test_tables_and_pictures_are_written(call, tmp_path):
@@ -277,9 +255,220 @@ def test_a_table_beside_the_user_comes_before_the_shipped_one(call, tmp_path):
     assert found["amplitude"][found["orders"].index(1.0)] == close(20.0)
 
 
-@pytest.mark.parametrize("table", ["nothing.csv", f"folder/{TABLE}"])
-def test_a_table_that_is_not_there_is_refused(call, table):
-    answer = call("harmonics", table)
+SECTION = """
+[two_mass_check]
+shaft_diameter = "70 mm"
+shaft_length = "0.2 m"
+shear_modulus = "80 GPa"
+engine_inertia = "0.1 kg m^2"
+flywheel_inertia = "0.78 kg m^2"
+order = 6.0
+"""
+
+
+def test_shipped_engine(call):
+    record = call("two-mass", "yamz-5340", "--json").json()
+    assert record["resonant_speed_rpm"] == close(2224.7, abs=0.05)
+    found = record["resonances"]
+    assert [one["order"] for one in found] == [16.0, 15.5, 15.0, 14.5, 14.0]
+    for one in found:
+        assert one["order"] * one["speed_rpm"] == close(60.0 * record["frequency"])
+        assert one["amplitude"] is None
+    out = call("two-mass", "yamz-5340").out
+    assert "Order 14 resonates at 2224.7 1/min, inside the running range of 600 to 2300" in out
+    assert "this table cannot excite order 14." in out
+
+
+def test_torque_in_the_shaft_is_that_of_a_chain_of_two(call):
+    found = call("two-mass", "yamz-5340", "--json").json()["shaft_torque"]
+    table = cf.load_torque_table("yamz5340_torque_one_throw.csv")
+    # Four rows of samples, each shifted by its firing angle.
+    total = sum(np.roll(table.torque, shift // 20) for shift in (0, 540, 180, 360))
+    angles = np.radians(table.crank_angle_deg)
+    orders = np.array(found["orders"])
+    speed = 2300.0 * np.pi / 30.0
+    phasors = np.array([2.0 / 36.0 * np.sum(total * np.exp(-1j * k * angles)) for k in orders])
+    forces = np.zeros((len(orders), 1, 2), dtype=complex)
+    forces[:, 0, 1] = phasors
+    stiffness = 8e10 * np.pi * 0.07**4 / (32.0 * 0.2)
+    chain = Chain([0.78, 0.1], [stiffness])
+    response = forced_response(chain, OrderExcitation(orders, np.array([speed]), forces))
+    expected = np.abs(element_loads(response).elements.values[:, 0, 0])
+    assert found["torque"] == close(expected.tolist(), abs=1e-8 * expected.max())
+    assert [k for k, by in zip(orders, found["exciting"], strict=True) if by > 1.0] == [2, 4, 6, 8]
+
+
+def test_the_section_alone(call, tmp_path):
+    (tmp_path / "two.toml").write_text(SECTION, encoding="utf-8")
+    record = call("two-mass", "two.toml", "--order", "14", "--json").json()
+    assert record["resonant_speed_rpm"] == close(2224.7, abs=0.05)
+    assert record["resonances"] is record["shaft_torque"] is record["running_rpm"] is None
+    out = call("two-mass", "two.toml").out
+    assert out.splitlines()[1:] == [
+        "Order 6 resonates at 5190.9 1/min.",
+        "No torque table is given: how strongly order 6 excites is open.",
+    ]
+
+
+def test_an_order_that_the_table_excites(call):
+    out = call("two-mass", "yamz-5340", "--order", "4").out
+    assert "Order 4 resonates at 7786.3 1/min, outside the running range of 600 to 2300" in out
+    assert "this table excites order 4 with 171.3 N m." in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        (("6chn25-34",), "6chn25-34.toml: the section [two_mass_check] is missing; it is required"),
+        (("yamz-5340", "--order", "nan"), "--order: given nan; allowed is an order above 0"),
+        (("two.toml",), "two_mass_check.shaft_diameter: given 70, a bare number"),
+        (("nowhere.toml",), "nowhere.toml: does not exist"),
+    ],
+)
+def test_refusals(call, tmp_path, arguments, fragment):
+    (tmp_path / "two.toml").write_text(SECTION.replace('"70 mm"', "70"), encoding="utf-8")
+    answer = call("two-mass", *arguments)
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith(f"Error: {table}: ")
+    assert fragment in answer.err
     assert answer.err.count("\n") == 1
+
+
+SHIPPED = "crosshead-30-100"
+
+
+@pytest.fixture
+def changed(tmp_path, edit):
+    def make(changes):
+        path = tmp_path / "mine.toml"
+        path.write_text(
+            edit(input_path(SHIPPED, "hinge").read_text(encoding="utf-8"), changes), "utf-8"
+        )
+        return path
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"engine.bore": "300"}, "engine.bore: given 300, "),
+        ({"hinge.design_speed": '"90 1/min"'}, r"hinge.design_speed: given 90 1/min; allowed are"),
+        ({"hinge.color": '"red"'}, "hinge.color: unknown field"),
+        ({"rod.inertia": None}, "rod.inertia: missing"),
+        ({"[sliding]": None}, r"the section \[sliding\] is missing"),
+        ({"engine.crank_radius": '"1.6 m"'}, r"crank_radius: given 1\.6 m"),
+    ],
+)
+def test_files_refused(changed, changes, match):
+    path = changed(changes)
+    with pytest.raises(InputError, match=match):
+        load_hinge(path)
+
+
+def test_angles_of_a_cycle_that_cannot_be(changed):
+    path = changed({"cycle.combustion_start": '"20 deg"', "cycle.exhaust_opens": '"1.1 rad"'})
+    message = r"^exhaust_opens: given 63\.0254 deg, with end of combustion at 80 deg; allowed is"
+    with pytest.raises(InputError, match=message):
+        load_hinge(path).moment()
+
+
+def test_a_file_without_running_points(changed):
+    path = changed({"[comparison]": None, "[[comparison.sizes]]": None})
+    assert load_hinge(path).comparison is None
+    assert load_hinge(path).compared(load_hinge(path).moment()) == []
+    bare = changed({"[[operation.points]]": None})
+    with pytest.raises(InputError, match=r"operation\.points: given none; allowed are one or more"):
+        load_hinge(bare)
+
+
+def test_a_file_that_is_not_there():
+    with pytest.raises(InputError, match=r"nowhere: does not exist; .*crosshead-30-100"):
+        load_hinge("nowhere")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--speed", "100 1/min"), "--speed: given 100 1/min; allowed are the speeds"),
+        (("--speed", "142"), "--speed: given '142', a bare number"),
+        (("--roller-radius", "60"), "--roller-radius: given '60', a bare number"),
+        (("--roller-radius", "-6 mm"), "roller_radius: given -0.006 m; allowed"),
+        (("--kinematics", "round"), "--kinematics: given 'round'; allowed are exact, series"),
+        (("--csv", "no/such/folder.csv"), "cannot be written"),
+    ],
+)
+def test_arguments_refused(call, arguments, message):
+    answer = call("hinge", *arguments)
+    assert answer.code == 2
+    assert message in answer.err
+
+
+@pytest.mark.slow
+def test_results_as_json_table_and_pictures(call, tmp_path):
+    rollers = ("--roller-radius", "60 mm")
+    answer = call("hinge", "--json", "--csv", "turn.csv", "--pictures", "pictures", *rollers)
+    assert answer.code == 0, answer.err
+    found = answer.json()
+    turning = found["turning"]
+    assert turning["with_hinge"]["fluctuation"] < 1e-3 * turning["without"]["fluctuation"]
+    assert turning["with_hinge"]["mean_speed_rpm"] == close(89.0, rel=1e-6)
+    assert turning["flywheel"]["fluctuation"] == close(0.02, rel=1e-9)
+    assert not turning["without"]["comes_round_at_mean_speed"]
+    assert [other["speed_rpm"] for other in found["other_speeds"]] == close([129.0, 142.0])
+    assert all(check["met"] for check in found["profile"]["checks"])
+    assert len(found["compared"]) == 6
+    assert len(found["assumed"]) == 14
+    for name in ("hinge_moment", "hinge_speed", "hinge_guides", "hinge_surface"):
+        assert (tmp_path / "pictures" / f"{name}.svg").stat().st_size > 10_000
+    with (tmp_path / "turn.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == 1440
+    moment = np.array([float(row["hinge_moment_N_m"]) for row in rows])
+    assert moment.max() == close(found["hinge_moment"]["largest"], rel=1e-11)
+    surface = np.array([complex(float(row["guide_x_m"]), float(row["guide_y_m"])) for row in rows])
+    radius = np.array([float(row["radius_m"]) for row in rows])
+    angle = np.radians([float(row["crank_angle_deg"]) for row in rows])
+    assert np.abs(surface - radius * np.exp(1j * angle)) == close(0.060, abs=1e-9)
+    assert found["profile"]["surface"]["smallest_radius"] == close(np.abs(surface).min())
+    slope = np.array([float(row["slope_m_per_rad"]) for row in rows])
+    force = np.array([float(row["spring_force_N"]) for row in rows])
+    # 2 F_pn rho' is the moment but for the spline of the guides.
+    np.testing.assert_allclose(2.0 * force * slope, moment, atol=1e-4 * np.abs(moment).max())
+
+
+@pytest.mark.slow
+def test_guides_by_the_series_turn_in_the_exact_mechanism():
+    """The crank let turn is exact whatever the guides were made by: 0.038, as documented."""
+    run = run_hinge(load_hinge(SHIPPED), "series", 142.0 * np.pi / 30.0)
+    assert (run.moment.kinematics, run.point.kinematics) == ("series", "exact")
+    assert run.with_hinge.fluctuation == close(0.038, abs=0.0005)
+
+
+@pytest.mark.slow
+def test_flywheels_at_another_speed():
+    """With the best pressure, not that of the design; both documented to the last digit given."""
+    run = run_hinge(load_hinge(SHIPPED), speed=142.0 * np.pi / 30.0)
+    (other,) = run.others
+    assert other.flywheel_with_hinge == close(2277.0, abs=0.5)
+    assert other.flywheel == close(33514.0, abs=0.5)
+
+
+@pytest.mark.slow
+def test_tables_and_options(call, changed):
+    answer = call("hinge", SHIPPED, "--speed", "142 1/min", "--kinematics", "printed")
+    assert answer.code == 0, answer.err
+    assert "(printed" in answer.out
+    assert "At 142 1/min with the pressure unchanged" in answer.out
+    assert "At 129 1/min" not in answer.out
+    # Root mean square, and the largest beside it; which is which is told.
+    assert re.search(r"│ +\d+\.?\d*, at most \d+\.?\d* +│", answer.out)
+    assert "first by root mean squares, then by largest values" in answer.out
+    weak = call(
+        "hinge", changed({"comparison.pressures": '["0.2 MPa"]', "hinge.pressure": '"3 MPa"'})
+    )
+    assert weak.code == 0, weak.err
+    assert "not feasible" in weak.out
+    assert "the compression z must stay below the height H" in weak.out
+    none = call("hinge", changed({"hinge.pressure": '"0.2 MPa"'}))
+    assert none.code == 2
+    assert "pressure: given 0.2 MPa" in none.err

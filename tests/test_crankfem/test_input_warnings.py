@@ -133,16 +133,6 @@ def test_a_slip_is_warned_of_and_not_refused(tmp_path, six_cylinders, edit, fiel
     assert told[0].endswith(("(range of the shipped engines)", "law's training throws)"))
 
 
-def test_check_prints_and_counts_warnings(call, tmp_path, six_cylinders, edit):
-    changes = {field: SLIPS[field][0] for field in ("piston.mass", "rod.length")}
-    (tmp_path / "mine.toml").write_text(edit(six_cylinders, changes), encoding="utf-8")
-    answer = call("check", "mine.toml")
-    assert answer.code == 0
-    assert "values are assumed; 2 warnings." in " ".join(answer.out.split())
-    assert "\nWarning: rod.length: given 7200 mm, which is 42.4 times the crank" in answer.out
-    assert "\nWarning: piston.mass: given 300 kg, which is 18 kg/dm^3 of" in answer.out
-
-
 def test_the_throw_must_fit_the_bore():
     """Cylinders of twice the bore on the same throw would overlap."""
     file = load_any("6chn25-34")

@@ -1,4 +1,4 @@
-"""The commands that ask a compliance model: lookup with its options, and optimum."""
+"""Commands and engines that ask a compliance model or the law."""
 
 import itertools
 import json
@@ -13,15 +13,33 @@ import crankfem.analyses.study.frequency_limits
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import engine_torsional_chain
+from crankfem.analyses.shaft.sources import (
+    axial_sources,
+    compliances_in_shaft,
+    law_values,
+    refuse_law,
+    source_spread,
+    torsional_sources,
+)
 from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
+from crankfem.analyses.throw.law_record import law_answers, law_record, law_sentence
+from crankfem.cli.arguments import law_throw
 from crankfem.cli.commands import lookup as optimum_command
+from crankfem.cli.commands import optimum as optimum_command
 from crankfem.cli.commands.lookup import lookup, optimum
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path
+from crankfem.jobs.run_computation import read_inputs
 from dynamics.chains.engine_chains import axial_chain
+from fem.analysis import analyze_throw
+from fem.angle_law import AngleLaw
+from fem.material import STEEL
+from fitted_models import known_model
+from geometry.throw import CrankThrow
 from regression import optimum as optimum_module
 from regression.fits.fits import fit_form
+from regression.law.throw_law import axial_law, torsional_law
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 from regression.response_kinds import GUIDED_MOMENTS
@@ -131,17 +149,6 @@ def test_json_has_all(run, path):
     }
 
 
-def test_the_throw_of_an_engine_file(run, path):
-    model = ComplianceModel.load(path)
-    expected = model.of_throw(THROW)["axial_compliance"].value
-    found = json.loads(run("lookup", path, "--throw", ENGINE, "--json"))
-    assert found["axial_compliance"]["value"] == expected
-    changed = json.loads(run("lookup", path, "web_width=280mm", "--throw", ENGINE, "--json"))
-    assert changed["axial_compliance"]["value"] == close(
-        model.axial_compliance(web_width=0.28, web_thickness=THROW.web_thickness), rel=1e-14
-    )
-
-
 def test_another_engines_throw_is_refused(run, path):
     with pytest.raises(InputError, match=r": given .*; allowed is "):
         run("lookup", path, "--throw", "yamz-5340")
@@ -157,17 +164,6 @@ def test_gamma(run, path):
     assert "between neighbors at 90 deg" in run("lookup", path, *PAIRS, "--gamma", "-90")
     with pytest.raises(InputError, match="--gamma: given nan; allowed is a finite angle"):
         run("lookup", path, *PAIRS, "--gamma", "nan")
-
-
-def test_what_depends_on_gamma_stands_first(run, path):
-    model = ComplianceModel.load(path)
-    responses = dict(reversed(model.responses.items()))
-    ComplianceModel(**(model.model_dump() | {"responses": responses})).save(path)
-    lines = run("lookup", path, *PAIRS, "--gamma", "120").splitlines()
-    assert lines[0].startswith("axial compliance: ")
-    assert lines[1] == "Independent of --gamma:"
-    assert lines[2].startswith("mass: ")
-    assert len(lines) == len(SIZES) + 3
 
 
 def test_bands_tell_what_is_not_known(run, path):
@@ -333,20 +329,6 @@ def test_reactions_outside_the_range(run, reaction_path):
         run("lookup", reaction_path, *outside, "--strict")
 
 
-@pytest.mark.parametrize(
-    ("force", "match"),
-    [
-        ("0, -100 kN, 5 kN", "pin_force: given 5000 N along the shaft"),
-        ("100", "--pin-force: given '100', a bare number"),
-        ("1, 2 kN", "--pin-force: given '1, 2 kN'; allowed is one radial force"),
-        ("1e40 kN", "--pin-force: given '1e40 kN'; allowed is one radial"),
-    ],
-)
-def test_pin_forces_that_are_refused(run, reaction_path, force, match):
-    with pytest.raises(InputError, match=match):
-        run("lookup", reaction_path, *PAIRS, "--pin-force", force)
-
-
 def test_a_model_without_reactions_says_so(run, path):
     with pytest.raises(
         InputError, match="support: given pinned, but the model has no axial_reaction"
@@ -508,3 +490,311 @@ def test_a_frequency_needs_its_compliance(run, path):
 
 def test_the_command_says_what_it_is_for():
     assert optimum_command.optimum.__doc__.startswith("Find the smallest value")
+
+
+VALUES = {"axial_compliance": 1.3e-9, "torsional_compliance": 4.1e-8}
+
+
+@pytest.fixture
+def silent(six_cylinders, edit):
+    """The shipped six without gas pressure, of which only modes are calculated."""
+    return edit(six_cylinders, {"[gas]": None})
+
+
+@pytest.fixture
+def saved(tmp_path, coarse_throw):
+    """Save a model of some responses, and its throw's coarse analysis."""
+    engine, analysis = coarse_throw("6chn25-34")
+
+    def save(*responses):
+        values = {name: VALUES[name] for name in responses or VALUES}
+        path = tmp_path / "model.json"
+        known_model(engine.throw, engine.material, values, 0.05).save(path)
+        return analysis
+
+    return save
+
+
+def written(tmp_path, text, name="mine.toml"):
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    return name
+
+
+@pytest.mark.slow
+def test_a_model_in_the_file_and_by_option_give_the_same(
+    coarsely, silent, saved, edit, call, tmp_path
+):
+    analysis = saved()
+    sources = {f"vibration.{kind}_source": '"regression"' for kind in ("axial", "torsional")}
+    own = edit(silent, sources | {"vibration.model": '"model.json"'})
+    by_file = call("vibration", written(tmp_path, own), "--json")
+    assert by_file.code == 0, by_file.err
+    plain = written(tmp_path, silent, "plain.toml")
+    by_option = call("vibration", plain, "--model", "model.json", "--json").json()
+    without = call("vibration", plain, "--json").json()
+    for kind, value in (("axial", 1.3e-9), ("torsional", 4.1e-8)):
+        record = by_file.json()[kind]
+        assert record["source"] == by_option[kind]["source"] == "regression"
+        assert record["modes"] == by_option[kind]["modes"]
+        # At the place of each throw in the shaft as by finite elements, from another pinned value.
+        means = {one["source"]: one["mean_compliance"] for one in record["sources"]}
+        pinned = getattr(analysis, f"{kind}_compliance")("pinned")
+        assert means["regression"] == close(means["fe"] * value / pinned)
+        assert without[kind]["source"] == "fe"
+
+
+def test_an_option_takes_what_the_model_holds(saved, call, silent, tmp_path):
+    saved("torsional_compliance")
+    name = written(tmp_path, silent)
+    vibration = read_inputs(name, tmp_path / "model.json").engine_file.vibration
+    assert (vibration.axial_source, vibration.torsional_source) == ("fe", "regression")
+    for command in ("vibration", "run"):
+        answer = call(command, name, "--model", "nowhere.json")
+        assert answer.code == 2
+        assert answer.err.startswith("Error: --model: nowhere.json: cannot be read")
+
+
+def test_the_study_gives_way_and_the_model_is_told(saved, silent, tmp_path):
+    saved()
+    inputs = read_inputs(written(tmp_path, silent), tmp_path / "model.json")
+    assert inputs.engine_file.study is not None
+    assert inputs.study is None
+    assert inputs.option == "model.json"
+    assert inputs.paths[-1].name == inputs.files[-1]["name"] == "model.json"
+    told = {one.field: one.source for one in inputs.engine_file.records}
+    assert told["vibration.model"] == told["vibration.axial_source"] == "option --model"
+    alone = read_inputs(tmp_path / "mine.toml")
+    assert (alone.study, alone.model, alone.option) == (alone.engine_file.study, None, None)
+
+
+WRONG = {
+    "no such file": (
+        {"vibration.model": '"nowhere.json"'},
+        "vibration.model: given 'nowhere.json', which is not in the folder of mine.toml",
+    ),
+    "no model": ({"vibration.model": '"mine.toml"'}, "is a TOML file"),
+    "another throw": (
+        {"throw.pin_length": '"150 mm"'},
+        "given 'regression', which does not apply to this throw: pin_length: given 150 mm",
+    ),
+    "outside the range": (
+        {"throw.web_thickness": '"95 mm"'},
+        "which does not apply to this throw: web_thickness: given 95 mm; the range of the fit is 45 mm "
+        "to 90 mm",
+    ),
+    "no such response": (
+        {"vibration.axial_source": '"regression"'},
+        "vibration.axial_source: given 'regression', which does not apply to this throw: the model has "
+        "torsional_compliance"
+        " and no axial_compliance",
+    ),
+}
+
+
+@pytest.mark.parametrize(("changes", "said"), WRONG.values(), ids=WRONG)
+@pytest.mark.parametrize("command", ["check", "vibration", "run"])
+def test_what_vibration_refuses_is_refused_at_once(
+    saved, silent, edit, call, tmp_path, command, changes, said
+):
+    saved("torsional_compliance")
+    named = {"vibration.torsional_source": '"regression"', "vibration.model": '"model.json"'}
+    answer = call(command, written(tmp_path, edit(silent, named | changes)))
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert "Traceback" not in answer.err
+
+
+def test_a_model_given_by_option_is_refused_by_its_option(saved, silent, edit, call, tmp_path):
+    saved()
+    thick = written(tmp_path, edit(silent, {"throw.web_thickness": '"95 mm"'}))
+    for command in ("vibration", "run"):
+        answer = call(command, thick, "--model", "model.json")
+        assert answer.code == 2
+        assert answer.err.startswith(
+            "Error: --model: given model.json, which does not apply to this throw: web_thickness:"
+        )
+
+
+def test_check_tells_which_command_fits(silent, saved, edit, call, tmp_path):
+    text = edit(silent, {"vibration.axial_source": '"regression"'})
+    name = written(tmp_path, text)
+    record = call("check", name, "--json").json()
+    assert "vibration" not in record["commands"]
+    assert "class" not in record["commands"]
+    assert any("crankfem run fits" in one for one in record["remarks"])
+    answer = call("vibration", name)
+    assert answer.code == 2
+    assert "given 'regression' without a fitted model" in answer.err
+    saved()
+    record = call(
+        "check", written(tmp_path, edit(text, {"vibration.model": '"model.json"'})), "--json"
+    ).json()
+    assert "vibration" in record["commands"]
+    assert "class" not in record["commands"]  # without gas pressure
+    assert "class" in call("check", "6chn25-34", "--json").json()["commands"]
+    assert any("the section [study] is not run" in one for one in record["remarks"])
+    thick = edit(text, {"throw.web_thickness": '"99 mm"'})
+    answer = call("check", written(tmp_path, thick))
+    assert answer.code == 2
+    assert "the throw that its study varies: web_thickness: given 99 mm" in answer.err
+
+
+@pytest.mark.further
+def test_a_run_with_a_saved_model(coarsely, silent, saved, call, tmp_path):
+    saved()
+    answer = call("run", written(tmp_path, silent), "--model", "model.json", "--output", "out")
+    assert answer.code == 0, answer.err
+    assert "The study is not run" in answer.err
+    found = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
+    own = found["formulas"]["regression"]["axial"]
+    assert (own["value"], own["of"]) == (close(1.3e-9), "the saved model model.json")
+    assert own["remarks"][-1].startswith("The section [study] was not run")
+    assert found["study"] is None
+    assert found["repeat"]["command"] == "crankfem run mine.toml --model model.json"
+    assert "regression of the saved model model.json" in (
+        tmp_path / "out" / "report.html"
+    ).read_text(encoding="utf-8")
+
+
+PLAIN = {
+    "crank_radius": 0.170,
+    "main_journal_diameter": 0.220,
+    "pin_diameter": 0.180,
+    "main_journal_length": 0.120,
+    "pin_length": 0.139,
+    "web_width": 0.300,
+    "web_thickness": 0.068,
+    "fillet_radius": 0.012,
+}
+LAW_THROW = CrankThrow(**PLAIN)
+OUTSIDE = CrankThrow(**PLAIN | {"crank_radius": 0.480})
+LAW_PAIRS = [f"{name}={1e3 * value:g} mm" for name, value in PLAIN.items()]
+# Covered by the plain tier of the law; its throw has bores of none and obround webs.
+
+
+def test_answers_are_the_laws_with_their_bands():
+    found, law = (
+        law_answers(LAW_THROW, STEEL),
+        axial_law(LAW_THROW, youngs_modulus=STEEL.youngs_modulus),
+    )
+    own = found["axial_compliance"]
+    assert (own["lower"], own["upper"]) == close(law.band)
+    assert own["value"] == law.pinned
+    assert found["torsional_compliance_guided"]["value"] == close(
+        torsional_law(LAW_THROW, youngs_modulus=STEEL.youngs_modulus).guided
+    )
+    assert {one["unit"] for one in found.values()} == {"m/N", "rad/(N m)", ""}
+
+
+def test_between_neighbors_the_band_is_that_of_all_three_numbers():
+    found, law = law_answers(LAW_THROW, STEEL, 240.0), axial_law(LAW_THROW, youngs_modulus=2.1e11)
+    numbers = (law.guided, law.pinned, law.ratio, law.influence_guided, law.influence_pinned)
+    expected = float(AngleLaw(*numbers).axial(120.0))
+    own = found["axial_compliance"]
+    assert own["value"] == close(expected * 2.1e11 / STEEL.youngs_modulus, rel=1e-12)
+    assert own["lower"] < own["value"] < own["upper"]
+    assert own["support"] == "between neighbors at 240 deg"
+    # Wider than that of either end by itself, for rho has a band too.
+    assert own["upper"] / own["value"] > found["axial_compliance_guided"]["upper"] / law.guided * (
+        STEEL.youngs_modulus / 2.1e11
+    )
+
+
+def test_the_sentence_tells_value_and_band_or_the_ratio_outside():
+    record = law_record(LAW_THROW, STEEL)
+    own = record["answers"]["axial_compliance"]
+    width = 100.0 * (own["upper"] / own["value"] - 1.0)
+    sentence = law_sentence(record)
+    assert f"e_n {1e9 * own['value']:.4g}e-9 m/N within {width:.2g} %" in sentence
+    assert json.loads(json.dumps(record)) == record
+    refused = law_record(OUTSIDE, STEEL)
+    assert refused["answers"] is None
+    assert law_sentence(refused).startswith("The law does not apply to this throw: ")
+    assert "crank_radius" in refused["reason"] or "plain" in refused["reason"]
+
+
+@pytest.mark.parametrize(
+    ("pairs", "match"),
+    [
+        (["crank_radus=170mm"], r"crank_radus: unknown dimension; did you mean crank_radius\?"),
+        (["crank_radius=170"], "crank_radius: given '170', a bare number"),
+        (["crank_radius=170mm"], "main_journal_diameter: missing"),
+        (["crank_radius"], "crank_radius: given without a value"),
+        ([*LAW_PAIRS, "web_outline=round"], "web_outline"),
+    ],
+)
+def test_throws_on_the_command_line(pairs, match):
+    with pytest.raises(InputError, match=match):
+        law_throw(pairs)
+
+
+def test_a_throw_of_pairs_or_of_an_engine_that_they_change():
+    assert law_throw(LAW_PAIRS) == (LAW_THROW, STEEL)
+    throw, material = load_throw(ENGINE)
+    assert law_throw(["web_width=310mm"], ENGINE) == (throw.changed(web_width=0.310), material)
+
+
+def test_check_and_formulas_tell_the_law(call):
+    value = law_answers(*load_throw(ENGINE))["axial_compliance"]["value"]
+    assert (
+        f"By the law, without finite elements: e_n {1e9 * value:.4g}e-9"
+        in call("check", ENGINE).out
+    )
+    record = call("check", ENGINE, "--json").json()
+    assert record["law"]["answers"]["axial_compliance"]["value"] == value
+    out = call("formulas", ENGINE, "--no-fe").out
+    assert "the law" in out
+    assert "The law, fitted to finite elements with rigid end sections, has a band of" in out
+    # Axial compliances stand beside finite elements between neighbors, torsional ones beside pinned ends.
+    assert out.count(", and omits the bending of sections between neighbors.") == 1
+
+
+def test_throws_outside_are_told_by_formulas_too(call, tmp_path):
+    path = tmp_path / "long.toml"
+    lines = (
+        f'{name} = "{1e3 * value:g} mm"' for name, value in (PLAIN | {"crank_radius": 0.48}).items()
+    )
+    path.write_text("[throw]\n" + "\n".join(lines), encoding="utf-8")
+    assert "The law does not apply to this throw: " in call("check", path).out
+    assert "Left out: the law, " in call("formulas", path, "--no-fe").out
+
+
+# --------------------------------------------------------------------------- source of an engine
+
+
+@pytest.fixture(scope="module")
+def engine():
+    return load_engine(input_path(ENGINE))
+
+
+@pytest.fixture(scope="module")
+def analysis(engine):
+    return analyze_throw(engine.throw, engine.material, 0.1)
+
+
+def test_the_law_as_a_source_is_its_pinned_value_times_the_throws_ratios(engine, analysis):
+    shaft = compliances_in_shaft(engine, analysis)
+    for kind, sources in (("axial", axial_sources), ("torsional", torsional_sources)):
+        values, remark = sources(engine, analysis, shaft, None)["law"]
+        pinned = getattr(analysis, f"{kind}_compliance")("pinned")
+        own = law_values(engine, f"{kind}_compliance")[engine.throw]
+        assert values == close(own.value * getattr(shaft, kind) / pinned, rel=1e-12)
+        assert remark.startswith("the law's pinned value, times each throw's ratio")
+        spread = source_spread(engine, kind, "law", analysis, shaft, None)
+        assert (spread.low, spread.high) == close((own.lower / own.value, own.upper / own.value))
+
+
+def test_engines_whose_throws_the_law_does_not_cover_refuse_it(tmp_path, call):
+    text = input_path(ENGINE).read_text(encoding="utf-8")
+    path = tmp_path / "long.toml"
+    path.write_text(text.replace('axial_source = "fe"', 'axial_source = "law"'), encoding="utf-8")
+    refuse_law(load_engine(path))
+    assert call("check", path).code == 0
+    bored = text.replace('axial_source = "fe"', 'axial_source = "law"').replace(
+        "[throw]", '[[throw.oil_holes]]\npart = "pin"\ndiameter = "20 mm"\n\n[throw]'
+    )
+    path.write_text(bored, encoding="utf-8")
+    with pytest.raises(
+        InputError, match=r"vibration.axial_source: given 'law', which does not apply to"
+    ):
+        refuse_law(load_engine(path))

@@ -1,12 +1,16 @@
-"""The command `mechanism`: tables, files, pictures, and what it refuses."""
+"""The command `mechanism`: balance, tables, files, pictures, and what it refuses."""
 
 import csv
 import math
+import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.drawing.diagram_style import figure
+from crankbase.errors import InputError
 from crankbase.tables.table import merged_rows
 from crankfem.analyses.mechanism.balance_records import (
     balance_contents,
@@ -15,6 +19,12 @@ from crankfem.analyses.mechanism.balance_records import (
 )
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.mechanism.plots import (
+    plot_accelerations,
+    plot_balance,
+    plot_hinged_rods,
+    plot_polar_loads,
+)
 from crankfem.analyses.mechanism.rod_models import (
     compare_rod_models,
     model_difference_sentence,
@@ -22,8 +32,15 @@ from crankfem.analyses.mechanism.rod_models import (
 )
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
+from crankfem.files.reading.data_files import data_folder, input_path
+from crankfem.jobs.outputs import check_outputs
 from crankfem.report.interactive.mechanism import MECHANISM
 from dynamics.balance.balance import balance
+from dynamics.balance.moving_masses import balancing_masses
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
+from dynamics.engine.loads import LoadDiagram
+from dynamics.engine.rods import ConnectingRod
+from dynamics.plots.load_diagrams import on_paper
 from geometry.crankshaft import throw_masses
 
 
@@ -60,16 +77,6 @@ def test_the_mean_load_balances_over_the_bearings(v8):
 def test_models_differ_as_their_masses_do(v8):
     compared = {row.model: row for row in compare_rod_models(v8)}
     assert 0.02 < compared["three-mass"].crankpin < compared["two-mass"].crankpin < 0.05
-
-
-def test_the_balance_is_that_of_the_exact_bodies_about_the_middle(v8):
-    positions = v8.mechanism.bearing_positions
-    assert v8.balance.about == close(0.5 * positions[-1])
-    assert v8.balance.model == "rigid"
-    classical = run_mechanism(v8.mechanism, model="two-mass")
-    assert classical.balance.model == "two-mass"
-    # The rods' centers lie 9 mm beside their axes.
-    assert classical.balance.of(1).moment.major != close(v8.balance.of(1).moment.major, rel=1e-5)
 
 
 def test_the_balance_says_what_is_in_it(v8):
@@ -199,15 +206,6 @@ def test_two_models_that_are_the_same(call):
     ]
 
 
-def test_json(call):
-    content = call("mechanism", "6chn25-34", "--json", "--speed", "300 1/min").json()
-    assert content["speed_rpm"] == close(300.0)
-    assert content["balance"]["orders"][0]["force_balanced"] is True
-    assert content["pictures"] == []
-    # Not in the file: the default is told.
-    assert "gas.compression_ratio" in {entry["field"] for entry in content["assumed"]}
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -263,3 +261,185 @@ def test_a_balanced_engine_has_no_picture_of_what_is_left(v8, tmp_path):
     six = run_mechanism(load_mechanism("6chn25-34"))
     assert "balance.svg" not in {path.name for path in MECHANISM.draw(tmp_path / "six", six)}
     assert "balance.svg" in {path.name for path in MECHANISM.draw(tmp_path / "eight", v8)}
+
+
+SPEED = 1000.0 * math.pi / 30.0
+
+
+def vee():
+    """Two throws, cranks opposite, a hinged rod on each main rod."""
+    main, hinged = ConnectingRod(0.65, 75.0, 0.17, 4.0), ConnectingRod(0.5, 24.0, 0.23, 1.0)
+    cylinders = []
+    for throw, crank in enumerate((0.0, math.pi)):
+        pin = SlavePin(2 * throw + 1, 0.15, angle_deg=45.0)
+        cylinders += [
+            EngineCylinder(
+                0.26,
+                44.1,
+                main,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=-22.5,
+                position=0.4 * throw,
+            ),
+            EngineCylinder(
+                0.26,
+                44.1,
+                hinged,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=22.5,
+                position=0.4 * throw,
+                slave_pin=pin,
+            ),
+        ]
+    return EngineLayout(0.13, cylinders, [1, 2, 3, 4])
+
+
+@pytest.mark.slow
+def test_pictures(tmp_path):
+    engine = vee()
+    plot_balance(tmp_path / "forces.svg", balance(engine, SPEED), title="V4 at 1000 1/min")
+    assert "V4 at 1000 1/min" in (tmp_path / "forces.svg").read_text(encoding="utf-8")
+    balanced = replace(engine, rotating=balancing_masses(engine))
+    plot_balance(tmp_path / "second.svg", balance(balanced, SPEED, (2,)))
+    plot_hinged_rods(tmp_path / "hinged.svg", engine, SPEED, cylinders=[1, 2])
+    plot_accelerations(tmp_path / "pistons.svg", engine, SPEED, {1: "main rod", 2: "hinged rod"})
+    again = tmp_path / "again.svg"
+    plot_hinged_rods(again, engine, SPEED, cylinders=[1, 2])
+    assert again.read_bytes() == (tmp_path / "hinged.svg").read_bytes()
+    assert all(
+        file.read_text(encoding="utf-8").rstrip().endswith("</svg>")
+        for file in tmp_path.glob("*.svg")
+    )
+    with pytest.raises(InputError, match="cylinder: given 7"):
+        plot_accelerations(again, engine, SPEED, {7: "none"})
+
+
+TABLE = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
+COMMANDS = {
+    "mechanism": ("mechanism", input_path("6chn25-34")),
+    "harmonics": ("harmonics", input_path("6chn25-34")),
+    "harmonics of a table": ("harmonics", TABLE),
+    "hinge": ("hinge", input_path("crosshead-30-100", "hinge")),
+}
+
+
+@pytest.mark.parametrize("case", COMMANDS)
+def test_an_input_is_never_written_over(call, tmp_path, case):
+    command, shipped = COMMANDS[case]
+    mine = tmp_path / f"mine{shipped.suffix}"
+    shutil.copy(shipped, mine)
+    before = mine.read_bytes()
+    # Another name of the same file: the names alone do not tell.
+    answer = call(command, mine.name, "--csv", tmp_path / "." / mine.name)
+    assert (answer.code, answer.out) == (2, "")
+    assert "cannot be written, because this command reads that file" in answer.err
+    assert mine.read_bytes() == before
+
+
+@pytest.mark.parametrize("case", COMMANDS)
+def test_folders_and_files_are_told_apart(call, tmp_path, case):
+    command, shipped = COMMANDS[case]
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").touch()
+    for option, words in (
+        (("--csv", "folder"), "--csv folder: cannot be written, because it is a folder"),
+        (("--pictures", "file"), "--pictures file: cannot be made a folder, because a file"),
+        (("--pictures", "file/in"), "--pictures file/in: cannot be made a folder, because a file"),
+        (("--pictures", ""), '--pictures: given ""; allowed is a folder'),
+    ):
+        answer = call(command, shipped, *option)
+        assert (answer.code, answer.out) == (2, "")
+        assert answer.err.startswith(f"Error: {words}")
+        assert answer.err.count("\n") == 1
+
+
+def test_a_pressure_table_is_an_input_too(call, tmp_path, edit):
+    table = tmp_path / "pressure.csv"
+    rows = "".join(f"{angle},{5.0 if angle == 0 else 1.0}\n" for angle in range(0, 720, 5))
+    table.write_text(f"crank_angle_deg,absolute_pressure_bar\n{rows}", encoding="utf-8")
+    text = input_path("6chn25-34").read_text(encoding="utf-8")
+    changes = {"[gas]": None}
+    mine = tmp_path / "mine.toml"
+    mine.write_text(
+        edit(text, changes) + '\n[gas]\npressure_table = "pressure.csv"\n', encoding="utf-8"
+    )
+    before = table.read_bytes()
+    for command in ("mechanism", "harmonics"):
+        answer = call(command, mine, "--csv", table)
+        assert answer.code == 2
+        assert "this command reads that file" in answer.err
+        assert table.read_bytes() == before
+
+
+def test_a_folder_that_takes_no_files(monkeypatch, tmp_path):
+    def full(**_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("tempfile.TemporaryFile", full)
+    with pytest.raises(InputError, match=r"files cannot be written there, .* No space left"):
+        check_outputs(None, str(tmp_path))
+
+
+@pytest.mark.parametrize("name", ["picture", "picture.png", "nowhere/picture.svg"])
+def test_a_diagram_is_an_svg_file_in_a_folder_that_is_there(tmp_path, name):
+    with (
+        pytest.raises(InputError, match=r"path: given .*allowed is a file name that ends in \.svg"),
+        figure(tmp_path / name),
+    ):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_path_may_be_text(tmp_path):
+    with figure(str(tmp_path / "picture.svg")):
+        pass
+    assert (tmp_path / "picture.svg").read_text(encoding="utf-8").lstrip().startswith("<?xml")
+
+
+ANGLES = np.radians(np.arange(0.0, 720.0, 15.0))
+
+
+@pytest.fixture
+def diagram():
+    """3 kN outwards and 4 kN with the rotation, on a crank that stands at 0.5 rad."""
+    force = 1e3 * (3.0 + 4.0j) * np.exp(1j * (0.5 + ANGLES))
+    return LoadDiagram("pin", np.degrees(ANGLES), force, np.degrees(0.5))
+
+
+def test_the_crank_stands_upright_and_turns_clockwise(diagram):
+    """Right is with the rotation and up outwards; at rest, right is -x, seen from the free end."""
+    np.testing.assert_allclose(on_paper(diagram, "crank"), 4.0 + 3.0j, rtol=1e-12)
+    columns = diagram.columns()
+    at_rest = 1e-3 * (-columns["force_x_N"] + 1j * columns["force_y_N"])
+    np.testing.assert_allclose(on_paper(diagram, "engine"), at_rest, rtol=1e-12)
+
+
+@pytest.mark.slow
+def test_pictures_are_the_same_each_time_and_differ_by_frame(diagram, tmp_path):
+    made = []
+    for name, frame in (("a", "crank"), ("b", "crank"), ("c", "engine")):
+        path = tmp_path / f"{name}.svg"
+        plot_polar_loads(path, [diagram, diagram], labels=["one", "two"], frame=frame, title="x")
+        made.append(path.read_bytes())
+    assert made[0] == made[1]
+    assert made[0] != made[2]
+    diagram.plot().figure.savefig(tmp_path / "d.svg")
+    assert (tmp_path / "d.svg").read_text(encoding="utf-8").startswith("<?xml")
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"labels": ["one", "two"]}, "labels: given 2 for 1 diagrams"),
+        ({"frame": "ship"}, "frame: given 'ship'; allowed are crank, engine"),
+        (
+            {"mark_step_deg": 0.0},
+            "mark_step_deg: given 0 deg; allowed are finite numbers of more than zero",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(diagram, tmp_path, more, words):
+    with pytest.raises(InputError, match=words):
+        plot_polar_loads(tmp_path / "x.svg", [diagram], **more)
+    with pytest.raises(InputError, match="diagrams: given none"):
+        plot_polar_loads(tmp_path / "x.svg", [])

@@ -1,8 +1,8 @@
-"""Engine files as crank mechanisms: V engines, hinged rods, split pins, gas pressure."""
+"""Engine files as crank mechanisms, and their sections on excitation, power and limits."""
 
 import math
 import re
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,17 +10,40 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.vibration.engine_excitation import (
+    calculated_speeds,
+    engine_harmonics,
+    engine_load,
+    failing_harmonics,
+)
+from crankfem.analyses.vibration.records import load_record
+from crankfem.cli.tables.vibration_tables import print_load
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.mechanism_file import (
     MechanismFile,
     load_any,
     load_mechanism,
+    pressures_at,
     with_throws,
 )
-from crankfem.files.reading.data_files import input_path
+from crankfem.files.reading.data_files import InputFiles, input_path
+from crankfem.files.sections.cylinder_pressures import LoadSection
+from crankfem.files.sections.excitation_sections import (
+    GasMap,
+    Misfire,
+    PropellerForcesSection,
+    gas_map_load,
+    gas_map_pressure,
+    motored_for_misfire,
+)
+from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
+from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import gas_forces, mechanism_forces
-from dynamics.gas.pressure import ATMOSPHERE
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.rods import ConnectingRod
+from dynamics.excitation.cylinders import cylinder_forces
+from dynamics.gas.pressure import read_pressure_table
 from geometry.crankshaft import throw_masses
 from geometry.mass import MassProperties, unbalance
 
@@ -65,15 +88,6 @@ def test_engines_in_line_turn_as_their_firing_order_says(name, sense):
         [cycle_radians(layout.strokes) / len(firing)] * (len(firing) - 1)
     )
     assert any("rod.inertia is not given" in remark for remark in mechanism.remarks)
-
-
-def test_gas_reaches_what_the_file_asks_for():
-    mechanism = load_mechanism("yamz-5340")
-    assert mechanism.pressure[0].peak_pressure == close(13e6 + ATMOSPHERE, rel=1e-9)
-    assert len(mechanism.pressure) == 4
-    assert any("combustion_start" in remark for remark in mechanism.pressure[0].remarks)
-    assumed = [remark for remark in mechanism.pressure[0].remarks if "intake_pressure" in remark]
-    assert len(assumed) == 1
 
 
 def written(tmp_path, changes, name="6chn25-34"):
@@ -217,17 +231,6 @@ def test_an_engine_in_line_without_flywheel_is_a_mechanism(tmp_path):
         load_engine(path)
 
 
-def test_what_a_file_describes():
-    assert isinstance(load_any("8chn26-26"), MechanismFile)
-    assert type(load_any("6chn25-34")).__name__ == "EngineFile"
-    assert type(load_any("8chn14-14")).__name__ == "ThrowFile"
-    with pytest.raises(
-        InputError, match=r"the sections \[engine\], \[rod\], \[piston\] are missing"
-    ):
-        load_mechanism("8chn14-14")
-    assert load_mechanism(Path("6chn25-34")).name == "6ChN 25/34"
-
-
 @pytest.mark.parametrize("name", ["8chn13-14", "6chn25-34"])  # senses +1 and -1
 def test_throws_stand_with_their_unbalance_at_their_angles(name):
     mechanism = load_mechanism(name)
@@ -303,28 +306,470 @@ def test_the_sense_in_which_a_file_counts_angles_makes_no_difference(tmp_path, n
     assert np.abs(forces[0].crankpin - forces[1].crankpin).max() < 1e-9 * 1e6
 
 
-def test_all_cylinders_breathe_from_one_receiver():
-    mechanism = load_mechanism("8chn26-26")
-    assumed = {
-        remark
-        for pressure in mechanism.pressure
-        for remark in pressure.remarks
-        if "intake_p" in remark
+RATED = 2000.0 * math.pi / 30.0
+
+
+def write_table(folder, name, peak_bar):
+    """A motored diagram with a hump of combustion, as a table of 1 deg."""
+    angle = np.arange(-360.0, 360.0, 2.0)
+    crank = np.radians(angle)
+    way = 0.32 - 0.07 * np.cos(crank) - np.sqrt(0.25**2 - (0.07 * np.sin(crank)) ** 2)
+    volume = np.where(np.abs(angle) < 180.0, 1.0 + 14.0 * way / 0.14, 15.0)
+    pressure = 1.5 * (15.0 / volume) ** 1.35 + peak_bar * np.exp(-(((angle - 14.0) / 12.0) ** 2))
+    rows = [f"{a:g},{p:.6g}" for a, p in zip(angle, pressure, strict=True)]
+    text = "\n".join(["# made for a test", "crank_angle_deg,absolute_pressure_bar", *rows])
+    (folder / name).write_text(text + "\n")
+
+
+@pytest.fixture
+def file(tmp_path):
+    for name, peak in (("low.csv", 20.0), ("mid.csv", 45.0), ("full.csv", 80.0)):
+        write_table(tmp_path, name, peak)
+    return tmp_path / "engine.toml"
+
+
+POINTS = [
+    {"speed": "1000 1/min", "load": 0.25, "pressure_table": "low.csv"},
+    {"speed": "1500 1/min", "load": 0.5625, "pressure_table": "mid.csv"},
+    {"speed": "2000 1/min", "load": 1.0, "pressure_table": "full.csv"},
+]
+LAYOUT = EngineLayout(
+    0.07, [EngineCylinder(0.13, 2.0, ConnectingRod(0.25, 2.0, 0.08, 0.02))] * 1, [1]
+)
+
+
+def test_a_map_along_a_curve_reads_its_tables(file):
+    section = GasMap.from_text({"points": POINTS})
+    found = gas_map_pressure(section, 4, InputFiles(file))
+    assert found.speeds == close(np.array([0.5, 0.75, 1.0]) * RATED)
+    assert gas_map_load(section, RATED) is None
+    full = read_pressure_table(file.parent / "full.csv")
+    assert found.at(RATED).pressure == close(
+        full.at(angle_deg=found.at(RATED).angles_deg), rel=1e-9
+    )
+    cylinder_forces(LAYOUT, [0.6 * RATED, 0.9 * RATED], 6.0, found)
+
+
+def test_a_grid_takes_the_load_of_a_law(file):
+    grid = [
+        {"speed": f"{speed} 1/min", "load": load, "pressure_table": name}
+        for speed in (1000, 2000)
+        for load, name in ((0.2, "low.csv"), (1.0, "full.csv"))
+    ]
+    section = GasMap.from_text({"points": grid, "law": "propeller", "method": "linear"})
+    found, load = gas_map_pressure(section, 4, InputFiles(file)), gas_map_load(section, RATED)
+    assert load(np.array([0.6 * RATED])) == close([0.36])
+    assert found.weights([0.6 * RATED], load) == close(
+        np.array([[0.8 * 0.8, 0.8 * 0.2, 0.2 * 0.8, 0.2 * 0.2]])
+    )
+    constant = GasMap.from_text({"points": grid, "law": "constant", "rated_load": 0.7})
+    assert gas_map_load(constant, RATED) == 0.7
+    power = GasMap.from_text({"points": grid, "law": "propeller", "measure": "power"})
+    assert gas_map_load(power, RATED)(np.array([0.5 * RATED])) == close([0.125])
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({}, "gas_map.points: given none"),
+        (
+            {"points": [POINTS[0] | {"speed": 1000}]},
+            r"gas_map.points\[0\].speed: given 1000, a bare",
+        ),
+        ({"points": POINTS, "law": "cubic"}, "gas_map.law: given 'cubic'; allowed is"),
+        (
+            {"points": [POINTS[0] | {"pressure_table": "no.csv"}]},
+            r"gas_map.points\[0\].pressure_table",
+        ),
+        ({"points": [POINTS[0], POINTS[0]]}, "gas_map.points: given 2 points of which 1 differ"),
+    ],
+)
+def test_wrong_maps_are_refused(file, values, sentence):
+    with pytest.raises(InputError, match=sentence):
+        gas_map_pressure(GasMap.from_text(values), 4, InputFiles(file))
+
+
+def test_misfire_takes_the_motored_pressure_of_table_or_cycle(file):
+    section = Misfire.from_text({"missing_share": 0.5})
+    assert section.cylinders is None
+    assert section.compression
+    assert not Misfire.from_text({"cylinders": [1], "compression": False}).compression
+    full = read_pressure_table(file.parent / "full.csv")
+    gas = Gas.from_text({"pressure_table": "full.csv", "compression_ratio": 15.0})
+    (cold,) = motored_for_misfire(gas, LAYOUT, [full])
+    # The table was made with the exponent 1.35, six digits, and 2e-9 of combustion at -40 deg.
+    assert cold.peak_pressure == close(1.5e5 * 15.0**1.35, rel=1e-5)
+    assert cold.peak_pressure < 0.7 * full.peak_pressure
+    by_cycle = Gas.from_text({"peak_pressure": "12 MPa", "compression_ratio": 15.0})
+    (modeled,) = motored_for_misfire(by_cycle, LAYOUT, [full])
+    assert modeled.source == "cycle model"
+    forces = cylinder_forces(
+        LAYOUT, [RATED], 4.0, full, misfire={1: section.missing_share}, motored=cold
+    )
+    whole = cylinder_forces(LAYOUT, [RATED], 4.0, full)
+    none = cylinder_forces(LAYOUT, [RATED], 4.0, cold)
+    assert forces.mean_torque == close(0.5 * (whole.mean_torque + none.mean_torque))
+
+
+def test_propeller_section():
+    values = {
+        "blades": 4,
+        "rated_speed": "120 1/min",
+        "rated_thrust": "900 kN",
+        "rated_torque": "700 kN m",
+        "thrust_shares": [0.06, 0.01],
+        "torque_shares": [0.05],
+        "torque_phases": ["30 deg"],
     }
-    assert len(assumed) == 1
-    # The hinged rods' pistons move otherwise: their pressure is their own.
-    first, hinged = mechanism.pressure[0], mechanism.pressure[4]
-    assert first is mechanism.pressure[3]
-    assert hinged is mechanism.pressure[7]
-    assert np.abs(first.pressure / hinged.pressure - 1.0).max() > 1e-4
+    section = PropellerForcesSection.from_text(values)
+    assert section.node == "propeller"
+    forces = section.forces
+    assert forces.mean_thrust([2.0 * math.pi]) == close([225e3])
+    assert forces.torque_phases_deg == close([30.0])
+    assert forces.thrust_phases_deg == close([0.0, 0.0])
+    wrong = PropellerForcesSection.from_text(values | {"torque_phases": ["30 deg", "1 deg"]})
+    with pytest.raises(InputError, match=r"propeller_forces.torque_phases: given 2 for 1 shares"):
+        _ = wrong.forces
 
 
-def test_a_shipped_torque_table_by_name(tmp_path):
-    shipped = cf.load_torque_table("yamz5340_torque_one_throw.csv")
-    assert shipped.torque.size == 36
-    path = tmp_path / "own.csv"
-    path.write_text("crank_angle_deg,torque_Nm\n0,1\n180,2\n360,3\n540,4\n", encoding="utf-8")
-    assert cf.load_torque_table(path).torque.tolist() == [1.0, 2.0, 3.0, 4.0]
-    for missing in ("none.csv", tmp_path / "yamz5340_torque_one_throw.csv"):
-        with pytest.raises(InputError, match="cannot be read"):
-            cf.load_torque_table(missing)
+RPM = np.pi / 30.0
+POWER_POINTS = [
+    {"speed": "200 1/min", "mean_effective_pressure": "3 bar"},
+    {"speed": "515 1/min", "mean_effective_pressure": "13 bar"},
+]
+
+
+@pytest.fixture(scope="module")
+def engine():
+    return cf.load_engine("6chn25-34")
+
+
+def with_points(*points):
+    return LoadSection.from_text({"points": [*POWER_POINTS, *points]})
+
+
+def pointed(**fields):
+    """Points of both speeds with further fields in each."""
+    return LoadSection.from_text({"points": [point | fields for point in POWER_POINTS]})
+
+
+@pytest.mark.parametrize(
+    ("text", "fragment"),
+    [
+        ({}, "load.law: given neither it nor points"),
+        ({"law": "propeller", "points": POWER_POINTS}, "load.law: given both it and points"),
+        ({"law": "square"}, "load.law: given 'square'; allowed is"),
+        ({"points": POWER_POINTS[:1]}, "load.points: given 1 of 1 different speeds"),
+        (
+            {"points": [POWER_POINTS[0], POWER_POINTS[0]]},
+            "load.points: given 2 of 1 different speeds",
+        ),
+        (
+            {"points": [POWER_POINTS[0] | {"peak_pressure": "60 bar"}, POWER_POINTS[1]]},
+            "load.points: given peak_pressure at 1 of 2 speeds; allowed is all of them or none",
+        ),
+        (
+            {"points": [{"speed": "200 1/min"}, POWER_POINTS[1]]},
+            r"load.points\[0\].mean_effective_pressure",
+        ),
+        (
+            {"points": [POWER_POINTS[0] | {"speed": "200"}, POWER_POINTS[1]]},
+            r"load.points\[0\].speed: given",
+        ),
+    ],
+)
+def test_sections_that_say_too_much_or_too_little(text, fragment):
+    with pytest.raises(InputError, match=fragment):
+        LoadSection.from_text(text)
+
+
+def test_sections_that_do_not_fit_each_other(engine):
+    propeller = LoadSection(law="propeller")
+    with pytest.raises(InputError, match=r"load: given without the section \[gas\]"):
+        engine.changed(gas=None, load=propeller)
+    table = {"pressure_table": "p.csv", "peak_pressure": None}
+    with pytest.raises(
+        InputError, match=r"load: given together with gas.pressure_table; allowed are"
+    ):
+        engine.changed(gas=table, load=propeller)
+    short = LoadSection.from_text(
+        {"points": [POWER_POINTS[0], POWER_POINTS[1] | {"speed": "450 1/min"}]}
+    )
+    with pytest.raises(InputError, match=r"load.points: given speeds from 200 1/min to 450 1/min"):
+        engine.changed(load=short)
+    mapped = {
+        "points": [{"speed": 20.0, "pressure_table": "a"}, {"speed": 60.0, "pressure_table": "b"}]
+    }
+    with pytest.raises(InputError, match=r"load: given together with the section \[gas_map\]"):
+        engine.changed(gas_map=mapped, load=propeller)
+
+
+def test_a_load_that_the_cycle_cannot_reach(engine):
+    changed = engine.changed(load=pointed(peak_pressure="2 bar"))
+    with pytest.raises(InputError, match=r"^load: at 200 1/min and load 1: peak_pressure"):
+        engine_load(changed, cf.engines.mechanism_of(changed))
+
+
+@pytest.mark.parametrize(
+    ("rated", "consistent"), [(330e3, False), (429e3, True), (550e3, True), (560e3, False)]
+)
+def test_rated_power_fits_the_gas_or_not(engine, rated, consistent):
+    power = cf.engines.mechanism_of(engine.changed(engine={"rated_power": rated})).power
+    assert power.consistent is consistent
+    assert power.mechanical_efficiency == close(rated / 570.2277e3, 1e-5)
+    assert power.sentence.startswith("The file is inconsistent: rated power") is not consistent
+    # Friction is the rest of the mean pressure where the two fit, and unknown where they do not.
+    rest = power.mean_indicated_pressure * (1.0 - rated / power.indicated)
+    assert power.friction_pressure == (close(rest, 1e-9) if consistent else 0.0)
+
+
+def test_without_rated_power_nothing_checks(engine):
+    power = cf.engines.mechanism_of(engine).power
+    assert power.consistent
+    assert power.mechanical_efficiency is power.mean_effective_pressure is None
+    assert power.sentence == (
+        "indicated power 570.2 kW at 500 1/min, mean indicated pressure 1.367 MPa; engine.rated_power is "
+        "not given, so the gas pressure is not checked"
+    )
+
+
+def test_two_points_are_met_with_a_straight_line_between(engine):
+    points = [
+        POWER_POINTS[0] | {"peak_pressure": "40 bar", "intake_pressure": "1.1 bar"},
+        POWER_POINTS[1] | {"peak_pressure": "84 bar", "intake_pressure": "2.0 bar"},
+    ]
+    changed = engine.changed(load=LoadSection.from_text({"points": points}))
+    told = engine_load(changed, cf.engines.mechanism_of(changed))
+    assert told.law == "points"
+    assert told.speeds / RPM == close([200.0, 250.0, 375.0, 500.0, 515.0])
+    share = (told.speeds / RPM - 200.0) / 315.0
+    assert told.mean_pressure == close(3e5 + 10e5 * share, 1e-5)
+    assert told.peak_pressure == close(40e5 + 44e5 * share + 101325.0, 1e-5)
+    assert told.intake_pressure == close(1.1e5 + 0.9e5 * share)
+
+
+def test_vibration_is_calculated_as_far_as_points_reach(engine):
+    changed = engine.changed(load=with_points())
+    speeds = calculated_speeds(changed, np.array([0.5]), (), [20.0])
+    assert speeds[[0, -1]] / RPM == close([200.0, 515.0])
+    with pytest.raises(InputError, match=r"load\.points: given none for 600 1/min"):
+        pressures_at(cf.engines.mechanism_of(changed), [600.0 * RPM])
+
+
+def test_the_boost_goes_with_the_power(engine):
+    """Compression in a cylinder without combustion shows it."""
+    changed = engine.changed(load={"law": "propeller"})
+    mechanism = cf.engines.mechanism_of(changed)
+    (half, full) = pressures_at(mechanism, np.array([250.0, 500.0]) * RPM, motored=True)
+    told = engine_load(changed, mechanism)
+    intake = dict(zip(np.round(told.speeds / RPM), told.intake_pressure, strict=True))
+    assert intake[250.0] - 101325.0 == close((intake[500.0] - 101325.0) / 8.0)
+    assert half[0].peak_pressure / full[0].peak_pressure == close(intake[250.0] / intake[500.0])
+
+
+def test_a_cylinder_that_misfires_is_motored_at_its_load(engine):
+    changed = engine.changed(load={"law": "propeller"}, misfire={"cylinders": (1,)})
+    mechanism = cf.engines.mechanism_of(changed)
+    firing = engine_harmonics(changed, mechanism)
+    assert firing.one_diagram == ""
+    failing = failing_harmonics(changed, mechanism, firing)
+    speed = np.array([250.0 * RPM])
+    burning, motored = (own.phasors(speed)[0, 0, :, 0].real for own in (firing, failing))
+    assert (abs(motored) < 0.1 * burning).all()
+
+
+def test_a_constant_load_is_what_no_section_says(engine):
+    given = engine.changed(load={"law": "constant"})
+    found = [engine_load(one, cf.engines.mechanism_of(one)) for one in (engine, given)]
+    assert [one.law for one in found] == ["constant", "constant"]
+    assert found[0].mean_pressure == close(found[1].mean_pressure)
+    assert "the file has no section [load]" in found[0].sentence
+    assert "as given in [load]" in found[1].sentence
+    assert "intake_pressure" not in load_record(found[0])["speeds"][0]
+
+
+def test_a_pressure_map_is_checked_in_place_of_the_gas(engine, tmp_path):
+    pressure = cf.engines.mechanism_of(engine).pressure[0]
+    rows = zip(pressure.angles_deg, pressure.pressure / 1e5, strict=True)
+    for name, share in (("low", 0.5), ("full", 1.0)):
+        lines = [f"{angle:.9g},{share * bar:.9g}" for angle, bar in rows]
+        text = "\n".join(["crank_angle_deg,absolute_pressure_bar", *lines])
+        (tmp_path / f"{name}.csv").write_text(f"{text}\n", encoding="utf-8")
+        rows = zip(pressure.angles_deg, pressure.pressure / 1e5, strict=True)
+    points = [
+        {"speed": "200 1/min", "load": 0.5, "pressure_table": "low.csv"},
+        {"speed": "515 1/min", "load": 1.0, "pressure_table": "full.csv"},
+    ]
+    section = GasMap.from_text({"points": points, "method": "linear"})
+    changed = engine.changed(engine={"rated_power": 330e3}, gas=None, gas_map=section)
+    changed = replace(changed, files=InputFiles(tmp_path / "engine.toml"))
+    told = engine_load(changed, cf.engines.mechanism_of(changed))
+    mean = 1.366668e6 * np.interp(told.speeds / RPM, [200.0, 515.0], [0.5, 1.0])
+    assert told.law == "map"
+    assert told.mean_pressure == close(mean, 1e-4)
+    assert told.rated.indicated == close(570.2277e3 * mean[3] / 1.366668e6, 1e-4)
+    assert "load in the section [gas_map]" in told.sentence
+
+
+@pytest.mark.slow
+def test_console_tells_power_and_load(call, tmp_path):
+    text = cf.engines.mechanism_of(cf.load_engine("6s50mc-c")).path.read_text(encoding="utf-8")
+    file = tmp_path / "engine.toml"
+    file.write_text(text.replace('"9480 kW"', '"5 MW"'), encoding="utf-8")
+    said = "inconsistent: rated power 5000 kW (mean effective pressure 1.003 MPa) is 0.501 of"
+    for command in ("check", "mechanism"):
+        answer = call(command, str(file))
+        assert answer.code == 0
+        assert said in " ".join(answer.out.split())
+    fine = call("mechanism", "6s50mc-c", "--speed", "63.5 1/min", "--json").json()
+    assert fine["rated"]["mechanical_efficiency"] == close(0.9504, 1e-3)
+    # Friction of 1 bar beside a quarter of 19 bar.
+    assert fine["mean_indicated_pressure"] == close(1.9e6 / 4.0 + 0.1e6, 1e-2)
+
+
+def test_power_that_does_not_fit_and_the_load_are_told(engine):
+    changed = engine.changed(engine={"rated_power": 330e3}, load={"law": "propeller"})
+    told = load_record(engine_load(changed, cf.engines.mechanism_of(changed)))
+    assert not told["rated"]["consistent"]
+    assert told["rated"]["sentence"] == (
+        "The file is inconsistent: rated power 330 kW (mean effective pressure 0.7909 MPa) is 0.579 of the "
+        "indicated power 570.2 kW at 500 1/min, mean indicated pressure 1.367 MPa; usual mechanical "
+        "efficiencies are 0.75 to 0.97, so correct engine.rated_power or the section [gas]"
+    )
+    assert told["sentence"].startswith(
+        "each speed is calculated at the load of a propeller: mean indicated pressure"
+    )
+    # Rated and indicated power that do not fit tell nothing of friction.
+    assert "friction" not in told["sentence"]
+
+
+def test_the_console_tells_the_load_of_each_speed(engine, capsys):
+    changed = engine.changed(engine={"rated_power": 480e3}, load={"law": "propeller"})
+    told = load_record(engine_load(changed, cf.engines.mechanism_of(changed)))
+    print_load(told)
+    out = " ".join(capsys.readouterr().out.split())
+    assert "rated power 480 kW (mean effective pressure 1.15 MPa) is 0.842 of it" in out
+    assert "power at the flywheel to its cube; friction takes 2.16 bar at every speed" in out
+    assert "Load of the engine" in out
+    assert out.count("570.2") == 2
+
+
+def test_limits_come_with_their_units_and_sources():
+    section = LimitsInput.from_text(
+        {
+            "axial_amplitude": "0.4 mm",
+            "coupling_torque": "2 kN m",
+            "coupling_torque_passing": "3 kN m",
+            "torsional_amplitude": "0.6 deg",
+        },
+        "limits",
+    )
+    found = section.limits(
+        100.0, strokes=4, provenance={"limits.axial_amplitude": ("drawing 12", True)}
+    )
+    assert set(found) == {"axial_amplitude", "coupling_torque", "torsional_amplitude"}
+    speed = np.array([50.0])
+    assert found["axial_amplitude"].continuous.at(speed) == close([4e-4])
+    assert found["axial_amplitude"].source == "drawing 12"
+    assert found["axial_amplitude"].assumed
+    assert found["coupling_torque"].passing.at(speed) == close([3e3])
+    assert found["coupling_torque"].source == "given in the engine file"
+    assert found["torsional_amplitude"].continuous.at(speed) == close(np.radians([0.6]))
+
+
+def test_rules_are_picked():
+    section = LimitsInput.from_text(
+        {
+            "crankshaft_rule": "KR main engine",
+            "tensile_strength": "660 MPa",
+            "yield_strength": "450 MPa",
+            "alloy": True,
+            "highest_barred": 0.7,
+            "shafts": [
+                {
+                    "element": "flywheel - propeller",
+                    "diameter": "500 mm",
+                    "tensile_strength": "560 MPa",
+                }
+            ],
+        },
+        "limits",
+    )
+    found = section.limits(100.0, strokes=4)
+    speed = np.array([50.0])
+    # Worked out by hand in tests/validation/test_limit_rules.py.
+    assert found["crankshaft_stress"].continuous.at(speed) == close([52e6])
+    shaft = found["shaft: flywheel - propeller"]
+    assert shaft.name == "torsional stress of flywheel - propeller"
+    assert shaft.continuous.at(speed) == close([61.83e6], abs=5e3)
+    assert section.barred_rule(100.0).highest == close(70.0)
+    assert section.barred_rule(100.0).highest_by(shaft) == close(70.0)
+    assert LimitsInput().barred_rule(100.0).highest_by(shaft) == close(80.0)
+    genset = section.model_copy(update={"crankshaft_rule": "KR generator set"})
+    found = genset.limits(100.0, strokes=4)["crankshaft_stress"]
+    assert found.continuous.at(np.array([100.0])) == close([28e6])  # 21 * 4/3
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"crankshaft_rule": "DNV"}, "limits.crankshaft_rule: given 'DNV'; allowed are KR main"),
+        ({"crankshaft_rule": "KR main engine"}, "without tensile_strength and yield_strength"),
+        (
+            {"crankshaft_rule": "KR main engine", "crankshaft_stress": "30 MPa"},
+            "together with crankshaft_stress; allowed is one of them",
+        ),
+        (
+            {"coupling_torque_passing": "3 N m"},
+            "is no less than coupling_torque, which must be given",
+        ),
+        ({"axial_amplitude": 0.4}, "a bare number that could be in any unit"),
+        (
+            {
+                "shafts": [
+                    {
+                        "element": "a",
+                        "diameter": "1 m",
+                        "tensile_strength": "5e8 Pa",
+                        "feature": "x",
+                    }
+                ]
+            },
+            "given 'x'; allowed are integral flange",
+        ),
+    ],
+)
+def test_impossible_limits_are_refused(values, message):
+    with pytest.raises(InputError, match=message):
+        LimitsInput.from_text(values, "limits")
+
+
+def test_ranges_become_spreads_of_each_chain():
+    section = RangesInput.from_text(
+        {"axial_compliance": [0.97, 1.05], "thrust_stiffness": [0.5, 2.0], "damping": [0.5, 2.0]},
+        "ranges",
+    )
+    axial = section.axial_spreads()
+    assert [(s.kind, s.low, s.high) for s in axial] == [
+        ("compliance", 0.97, 1.05),
+        ("ground stiffness", 0.5, 2.0),
+        ("all damping", 0.5, 2.0),
+    ]
+    assert [s.name for s in section.torsional_spreads()] == ["damping"]
+    assert (section.samples, section.seed, section.separation_margin) == (200, 0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (
+            {"mass": [1.1, 1.2]},
+            "ranges.mass: given .1.1, 1.2.; allowed are a low factor above 0 up to 1",
+        ),
+        ({"damping": [0.0, 1.2]}, "ranges.damping: given"),
+        ({"samples": 1}, "ranges.samples: given 1; allowed is 2 to 100000"),
+    ],
+)
+def test_impossible_ranges_are_refused(values, message):
+    with pytest.raises(InputError, match=message):
+        RangesInput.from_text(values, "ranges")

@@ -1,6 +1,7 @@
-"""Throws by name: what a file may say of them, and that equal ones are as the one throw of a plain file."""
+"""Throws by name, and shipped files."""
 
 import json
+import re
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -27,7 +28,8 @@ from crankfem.files.engine.throw_file import (
     load_throw,
     names_of_throws,
 )
-from crankfem.files.reading.data_files import input_path
+from crankfem.files.reading.data_files import input_path, shipped_names
+from crankfem.files.reading.toml_file import read_toml
 from crankfem.report.writing import render_report
 from fem.analysis import analyze_throw
 
@@ -77,14 +79,6 @@ def both(tmp_path_factory):
     (folder / "named.toml").write_text(named + shaft, encoding="utf-8")
     one, other = load_engine(folder / "plain.toml"), load_engine(folder / "named.toml")
     return one, other, analyze_throw(one.throw, one.material, 0.1)
-
-
-def test_a_plain_file_has_one_throw_for_all_cranks():
-    engine = load_engine("yamz-5340")
-    assert engine.throw_names == ("throw",) * 4
-    assert engine.crank_throws == (engine.throw,) * 4
-    assert engine.named_throws == {"throw": engine.throw}
-    assert names_of_throws("yamz-5340") == ("throw",)
 
 
 def test_each_crank_has_its_throw():
@@ -507,3 +501,93 @@ def test_help_says_which_sections_throws_are(call):
     """Square brackets would be read as markup, and vanish."""
     answer = call("throw", "--help")
     assert "(sections throws.NAME);" in " ".join(answer.out.replace("│", " ").split())
+
+
+# The types whose compliance the paper of 2021 lists, in its order.
+TYPES_OF_THE_PAPER = (
+    "8chn26-26",
+    "6chn25-34",
+    "6chn18-22",
+    "12chn18-20",
+    "cat-3116",
+    "12dn23-30",
+    "6chn105-130",
+    "6chn15-18",
+    "8chn14-14",
+    "8chn13-14",
+)
+OLDER = ("6chn25-34", "yamz-5340")
+SECTIONS = {n: read_toml(input_path(n)).sections for n in shipped_names("engine")}
+SHIPPED_FULL = tuple(n for n, sections in SECTIONS.items() if "flywheel" in sections)
+CYLINDER_PITCH = re.compile(r"cylinder pitch of ([\d.]+) mm")
+
+
+def values(prefix, table):
+    """Names of all values of a section, those of its tables included, as provenance has them."""
+    for name, value in table.items():
+        field = f"{prefix}.{name}"
+        if isinstance(value, dict):
+            yield from values(field, value)
+        elif isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
+            for place, item in enumerate(value):
+                yield from values(f"{field}[{place}]", item)
+        else:
+            yield field
+
+
+def test_there_are_at_least_twelve():
+    shipped = shipped_names("engine")
+    assert len(shipped) >= 12
+    assert set(TYPES_OF_THE_PAPER) <= set(shipped)
+    assert {"vw-tdi", "6s50mc-c"} <= set(shipped)
+
+
+@pytest.mark.parametrize("name", shipped_names("engine"))
+def test_it_opens_with_what_engine_it_is(name):
+    lines = input_path(name).read_text(encoding="utf-8").splitlines()
+    opening = lines[: next(place for place, line in enumerate(lines) if not line.startswith("#"))]
+    assert 1 <= len(opening) <= 3 or name in OLDER
+
+
+@pytest.mark.parametrize("name", shipped_names("engine"))
+def test_every_value_says_where_it_comes_from(name):
+    content = read_toml(input_path(name))
+    sections = ["throw"] if name in OLDER else list(content.sections)
+    fields = [f for section in sections for f in values(section, content.sections[section])]
+    # What needs no source: names and counts of the engine.
+    plain = {"engine.name", "engine.cylinders", "engine.strokes"}
+    without = [f for f in fields if f not in plain and not content.provenance.get(f, ("",))[0]]
+    assert not without
+
+
+@pytest.mark.parametrize("name", shipped_names("engine"))
+def test_citations_and_short_names_belong_together(name):
+    text = input_path(name).read_text(encoding="utf-8")
+    body, _, _ = text.partition("[sources]")
+    short = set(read_toml(input_path(name)).sources)
+    assert all(re.search(rf"\b{source}\b", body) for source in short)
+    assert set(re.findall(r"\b(?:yamanin|makushev|mikhina|cat)\d{4}\b", body)) <= short
+
+
+@pytest.mark.parametrize("name", SHIPPED_FULL)
+def test_full_engine_files_are_valid(name):
+    engine = load_engine(name)
+    assert engine.throw.crank_radius == close(engine.engine.stroke / 2.0)
+    assert engine.throw.further_pins == ()
+
+
+@pytest.mark.parametrize("name", shipped_names("engine"))
+def test_a_throw_is_as_long_as_the_cylinder_pitch_it_states(name):
+    content = read_toml(input_path(name))
+    throw, _ = load_throw(name)
+    stated = [
+        float(found[1]) / 1e3
+        for text, _ in content.provenance.values()
+        if (found := CYLINDER_PITCH.search(text))
+    ]
+    if not stated:
+        assert name == "2ch85-110"  # two cylinders between two bearings
+        first, second = ((pin.start + pin.end) / 2.0 for pin in throw.parts.pins)
+        assert second - first == close(0.104)
+        return
+    assert stated == [close(throw.length, abs=1e-6)]

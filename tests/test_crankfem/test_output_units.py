@@ -1,46 +1,24 @@
-"""Units on output and on input: what is printed in other units is the SI record, converted.
+"""What is printed: tables, units, and what reaches the terminal."""
 
-Expected sizes are the definitions: an inch is 25.4 mm, a pound 0.45359237 kg, the standard gravity
-9.80665 m/s^2. Printed numbers have four digits or more, hence relative tolerances of 1e-3.
-"""
-
-import math
 import re
+import sys
+from collections import Counter
+from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.tables.output_units import SI, UNITS, parse_output_units
-from crankbase.units.quantity import parse_quantity, unit_registry
+from crankbase.tables.table import Column, Table
+from crankbase.units.quantity import unit_registry
+from crankfem.cli import console
+from crankfem.files.reading.data_files import input_path
 
 INCH, POUND = 0.0254, 0.45359237
 FORCE = POUND * 9.80665
 KSI = 1e3 * FORCE / INCH**2
-
-
-@pytest.mark.parametrize(
-    ("printed", "name", "size"),
-    [
-        ("mm", "in", INCH),
-        ("um", "in", INCH),
-        ("kN", "lbf", FORCE),
-        ("kN m", "lbf in", FORCE * INCH),
-        ("MPa", "ksi", KSI),
-        ("kg", "lb", POUND),
-        ("kg m^2", "lb in^2", POUND * INCH**2),
-        ("dm^3", "in^3", INCH**3),
-        ("1e-9 m/N", "1e-9 in/lbf", 1e-9 * INCH / FORCE),
-        ("1e-9 rad/(N m)", "1e-9 rad/(lbf in)", 1e-9 / (FORCE * INCH)),
-        ("N s/m", "lbf s/in", FORCE / INCH),
-        ("1/min", "1/min", 2.0 * math.pi / 60.0),
-        ("Hz", "Hz", 1.0),
-    ],
-)
-def test_imperial_units(printed, name, size):
-    unit = parse_output_units("imperial").of(printed)
-    assert unit.name == name
-    assert unit.size == close(size, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", UNITS)
@@ -62,29 +40,9 @@ def test_without_a_wish_everything_stays_in_si():
     assert SI.text("280 mm") == "280 mm"
 
 
-def test_what_a_wish_does_not_fit_stays():
-    units = parse_output_units("rpm, deg, J")
-    assert units.of("1/min").name == "rpm"
-    assert units.of("mrad").name == "deg"
-    # A speed is no angle, torque no energy, a frequency no speed.
-    assert [units.of(name).name for name in ("kN m", "Hz", "mm")] == ["kN m", "Hz", "mm"]
-    assert parse_output_units("deg").of("1/min").name == "1/min"
-    assert parse_output_units("lbf ft").of("kN m").name == "lbf ft"
-    assert parse_output_units("lbf ft").of("mm").name == "mm"
-
-
 def test_large_numbers_have_no_exponent():
     unit = parse_output_units("in, lbf").of("kN m")
     assert unit.number(30730.0) == "272000"
-
-
-def test_decimals_are_as_fine_as_in_si_at_least():
-    units = parse_output_units("in, lbf, rpm")
-    # A tenth of a kN m is 885 lbf in, a newton 0.2 lbf; what is round-off stays zero.
-    assert units.of("kN m").fixed(30730.0, 1) == "271983"
-    assert units.of("kN").fixed(50e3, 3) == "11240.4"
-    assert units.of("kN m").fixed(-6e-12, 3) == "0"
-    assert units.of("1/min").fixed(10.0 * math.pi, 1) == "300.0"
 
 
 def test_quantities_in_sentences():
@@ -174,27 +132,6 @@ def test_lookup_in_other_units(call, model_file):
     assert shown * 1e-9 * INCH / FORCE == close(value, rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("text", "unit", "value"),
-    [
-        ("10 inch", "m", 10.0 * INCH),
-        ("10 in", "m", 10.0 * INCH),
-        ("500 thou", "m", 0.5 * INCH),
-        ("1000 psi", "Pa", KSI),
-        ("12 lbf", "N", 12.0 * FORCE),
-        ("12 lbf in", "N m", 12.0 * FORCE * INCH),
-        ("30 deg", "rad", math.pi / 6.0),
-        ("60 turn/min", "rad/s", 2.0 * math.pi),
-        ("60 rpm", "rad/s", 2.0 * math.pi),
-        ("2 lb", "kg", 2.0 * POUND),
-        ("3 furlong", "m", 3.0 * 7920.0 * INCH),
-    ],
-)
-def test_units_on_input(text, unit, value):
-    # The furlong is that of the survey foot in some tables, two parts in a million longer.
-    assert parse_quantity(text, unit, "field") == close(value, rel=3e-6)
-
-
 def test_units_in_a_file(call, tmp_path, six_cylinders):
     text = six_cylinders.replace('"170 mm"', '"6.692913386 inch"').replace(
         '"8.5 MPa"', '"1232.8 psi"'
@@ -210,3 +147,188 @@ def test_units_in_a_file(call, tmp_path, six_cylinders):
         "Error: throw.crank_radius: given '6.692913386 psi', which is no length"
     )
     assert answer.err.count("\n") == 1
+
+
+INCHES = parse_output_units("in, lbf")
+
+
+@pytest.mark.parametrize(
+    ("column", "cell", "units", "head", "text"),
+    [
+        (Column("force", "kN"), 12345.6, SI, "force [kN]", "12.35"),
+        (Column("force", "kN"), 4448.2216, INCHES, "force [lbf]", "1000"),
+        (Column("speed", "1/min", decimals=1), 52.36, SI, "speed [1/min]", "500.0"),
+        (Column("", "mm"), 0.5, SI, "mm", "500"),
+        (Column("lowest", "mm", bare=True), 0.0254, INCHES, "lowest", "1"),
+        (Column("used", "%", 3), 12.345, SI, "used [%]", "1234"),
+        (Column("margin", "%", decimals=1), -1e-9, SI, "margin [%]", "0.0"),
+        (Column("order", digits=None), 4.5, SI, "order", "4.5"),
+        (Column("terms"), 123456, SI, "terms", "123456"),
+        (Column("rho", "mm", joint=" to "), (0.1, 0.2), SI, "rho [mm]", "100 to 200"),
+        (Column("peak", missing="unbounded"), None, SI, "peak", "unbounded"),
+        (Column("nodes at", decimals=2), [], SI, "nodes at", ""),
+        (Column("kind", words=True), "12 m", INCHES, "kind", "12 m"),
+    ],
+)
+def test_a_column_writes_heads_and_cells(column, cell, units, head, text):
+    assert (column.head(units), column.text(cell, units)) == (head, text)
+
+
+def test_numbers_written_with_fewer_digits_are_rounded_once():
+    # 81.148 is 81.15 with two decimals; three digits of it are 81.1.
+    table = Table("", [Column("frequency", "Hz", decimals=2)], [[81.148], [9.636], [0.0]])
+    assert table.texts() == [["81.15"], ["9.64"], ["0.00"]]
+    assert table.texts(write=lambda value, _: f"{value:#.3g}") == [["81.1"], ["9.64"], ["0.00"]]
+
+
+def test_rows_that_read_alike_are_merged_only_where_wished():
+    rows = [["1", 1.0], ["2", 1.0 + 1e-9], ["3", 2.0]]
+    columns = [Column("cylinder", words=True), Column("p")]
+    assert Table("", columns, rows, merged=True).texts() == [["1, 2", "1"], ["3", "2"]]
+    assert len(Table("", columns, rows).texts()) == 3
+
+
+def test_a_row_has_a_cell_for_each_column():
+    with pytest.raises(ValueError, match="shorter"):
+        Table("", [Column("a"), Column("b")], [[1.0]]).texts()
+
+
+def test_columns_are_picked_by_name():
+    table = Table("t", [Column("a"), Column("b")], [[1.0, 2.0]], marks=["over"])
+    picked = table.select("b")
+    assert [column.name for column in picked.columns] == ["b"]
+    assert (picked.texts(), picked.marks) == ([["2"]], ["over"])
+
+
+# A window title, hidden text, a C1 sequence, a line written backwards, markup, a picture's name.
+EVIL = "\x1b]0;evil\x07\x1b[8m\x9b31m\x7f\u202e[red][link=x]:smile:"
+SHOWN = r"\x1b]0;evil\x07\x1b[8m\x9b31m\x7f\u202e[red][link=x]:smile:"
+CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+TOML = EVIL.translate({ord(one): f"\\u{ord(one):04x}" for one in "\x1b\x07\x9b\x7f\u202e"})
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def shown(answer, text=SHOWN):
+    told = answer.out + answer.err
+    assert CONTROL.search(told) is None
+    # A table breaks long words.
+    assert text in told or text in re.sub(r"\s|[│┃]", "", told)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"engine.name": f'"{TOML}"'},
+        {"throw.crank_radius": f'{{ value = "170 mm", assumed = "{TOML}" }}'},
+        {"throw.crank_radius": f'"{TOML}"'},
+        {"throw.web_outline": f'"{TOML}"'},
+    ],
+)
+def test_texts_of_a_file_are_shown(call, tmp_path, edit, six_cylinders, change):
+    (tmp_path / "mine.toml").write_text(edit(six_cylinders, change), encoding="utf-8")
+    answer = call("check", "mine.toml")
+    assert CONTROL.search(answer.out + answer.err) is None
+    assert answer.code in (0, 2)
+    # As it is, or as Python quotes it.
+    assert r"\x1b]0;evil\x07" in re.sub(r"\s|[│┃]", "", answer.out + answer.err)
+    assert CONTROL.search(call("check", "mine.toml", "--json").out.replace("\x7f", "")) is None
+
+
+def test_names_of_sections_and_files_are_shown(call, tmp_path, six_cylinders):
+    text = f'{six_cylinders}\n["{TOML}"]\nx = 1\n'
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    shown(call("check", "mine.toml"))
+    shown(call("check", f"{EVIL}.toml"))
+    shown(call(EVIL))
+    (tmp_path / f"{EVIL}.toml").write_text(six_cylinders, encoding="utf-8")
+    shown(call("check", f"{EVIL}.toml"))
+
+
+def test_progress_and_tracebacks_are_shown(capsys, monkeypatch):
+    with console.RunProgress() as progress:
+        progress.step(EVIL)
+        progress.warn(EVIL)
+    monkeypatch.setenv("CRANKFEM_TRACEBACK", "1")
+    with pytest.raises(SystemExit), console.clear_errors():
+        raise RuntimeError(EVIL)
+    told = capsys.readouterr().err
+    assert CONTROL.search(told) is None
+    assert told.count(SHOWN) >= 4
+
+
+def test_nothing_else_writes_to_the_terminal():
+    writes = re.compile(r"(?<![\w.\">`])print\(|\btyper\.echo\(|sys\.std(?:out|err)\.write\(")
+    found = {
+        str(path.relative_to(ROOT))
+        for package in ("crankbase", "geometry", "fem", "regression", "dynamics", "crankfem")
+        for path in (ROOT / package).rglob("*.py")
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if writes.search(line) and ">>>" not in line
+    }
+    # A sentence that never changes, JSON of the service's log, and notes of a study in Python.
+    assert found == {
+        "crankfem/cli/console.py",
+        "crankfem/cli/entry.py",
+        "crankfem/service/guard.py",
+        "crankfem/analyses/study/studies.py",
+    }
+
+
+def letters(text):
+    return Counter(one for one in text if not one.isspace() and not "─" <= one <= "▟")
+
+
+@pytest.mark.parametrize(
+    "line", [("fields", "throw"), ("two-mass", "yamz-5340"), ("new", "--list")]
+)
+def test_a_narrow_terminal_loses_nothing(call, monkeypatch, line):
+    monkeypatch.setattr(console.output, "_width", 400)
+    whole = letters(call(*line).out)
+    for width in (1, 2, 7, 20, 40, 79):
+        monkeypatch.setattr(console.output, "_width", width)
+        answer = call(*line)
+        assert (answer.code, answer.err) == (0, "")
+        assert letters(answer.out) == whole
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("given", [{"COLUMNS": "0"}, {"COLUMNS": "²", "LINES": "²"}])
+def test_impossible_sizes_are_none(spawn, spawn_environment, given):
+    expected = spawn("new", "--list")
+    assert spawn("new", "--list", env=spawn_environment(**given)) == expected
+
+
+@pytest.mark.slow
+def test_closed_streams_and_poor_encodings(spawn, spawn_environment, tmp_path):
+    (tmp_path / "mü.toml").write_bytes(input_path("6chn25-34").read_bytes())
+    answer = spawn("check", "mü.toml", env=spawn_environment(PYTHONIOENCODING="ascii"))
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.startswith(r"m\xfc.toml: valid engine file")
+    start = ["sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh", sys.executable, "-m", "crankfem"]
+    for line, code in (("check", "mü.toml"), 0), (("check", "none"), 2):
+        assert spawn(*line, command=start).code == code
+
+
+def test_an_option_of_one_value_is_not_given_twice(call):
+    for line in (
+        ("throw", "6chn25-34", "--pin-force", "1 kN", "--pin-force=2 kN"),
+        ("throw", "6chn25-34", "--gamma", "90 deg", "--gamma-deg", "120"),
+        ("run", "6chn25-34", "--output", "a", "--output", "b"),
+    ):
+        answer = call(*line)
+        assert (answer.code, answer.out) == (2, "")
+        assert answer.err.strip() == f"Error: {line[2]}: given more than once; give it once."
+    # Some are meant to be, and flags say the same twice.
+    assert call("formulas", "6chn25-34", "--constant", "x=1", "--constant", "y=2").code == 2
+    assert call("fields", "throw", "--json", "--json").code == 0
+
+
+def test_help_keeps_names_of_sections(call):
+    assert "[two_mass_check]" in call("two-mass", "--help").out
+
+
+def test_a_drawing_of_such_a_name_is_well_formed(call, tmp_path, edit, six_cylinders):
+    text = edit(six_cylinders, {"engine.name": f'"<b>&]]>{TOML}"'})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    assert call("draw", "mine.toml", "--output", "throw.svg").code == 0
+    ElementTree.parse(tmp_path / "throw.svg")

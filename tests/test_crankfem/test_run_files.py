@@ -1,17 +1,29 @@
-"""What stands in the folder of a run, when one run follows another and when writing fails."""
+"""The folder of a run, its pictures, and what each command that writes does to files that are there."""
 
 import base64
 import errno
 import hashlib
 import json
+import os
 import shutil
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
 
-from crankbase.errors import InputError, SolveError
-from crankbase.outputs import LISTED, recording_run_files, replacing_files, write_text
+import crankfem as cf
+from crankbase.drawing.diagram_style import figure
+from crankbase.errors import InputError, MissingLibraryError, RenderError, SolveError
+from crankbase.outputs import LISTED, atomic_file, recording_run_files, replacing_files, write_text
+from crankfem.analyses.hinge.hinge_run import run_hinge
+from crankfem.analyses.throw.pictures import offscreen, stress_picture
+from crankfem.analyses.throw.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.files.hinge_file import load_hinge
+from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.run_computation import read_inputs
+from crankfem.jobs.run_drawing import Pictures, Renderings
 from crankfem.jobs.run_files import (
     MODEL,
     REPORT,
@@ -23,7 +35,10 @@ from crankfem.jobs.run_files import (
     results_text,
     write_results,
 )
+from crankfem.report.interactive.plot import Plot, Plots
 from crankfem.report.writing import write_report_text
+from regression.models.compliance_model import ComplianceModel
+from stand_ins import put_everywhere
 
 STORED = Path(__file__).with_name("report_results.json")
 LEFT = {
@@ -71,16 +86,6 @@ def test_what_the_user_has_changed_is_not_taken_away(finished, name):
     (finished / name).write_text("changed", encoding="utf-8")
     replace_last_run(finished, {"engine": "new"})
     assert files_of(finished) == sorted(["mine.png", RESULTS, STORE, Path(name).name])
-
-
-@pytest.mark.parametrize("content", ["no JSON", "[]", '{"pictures": 3}', "\xff"])
-def test_results_of_somebody_elses_stay(finished, content):
-    (finished / RESULTS).write_text(content, encoding="latin-1")
-    before = files_of(finished)
-    with pytest.raises(InputError, match=r"results\.json: is not replaced, because it was changed"):
-        replace_last_run(finished, {"engine": "new"})
-    assert (finished / RESULTS).read_text(encoding="latin-1") == content
-    assert files_of(finished) == before
 
 
 def test_pictures_that_somebody_elses_results_name_stay(tmp_path):
@@ -269,3 +274,469 @@ def test_results_that_are_none_are_named(reported, call, content):
     answer = call("report", reported)
     assert answer.code == 2
     assert f"{reported / RESULTS}: is not what crankfem run writes" in answer.err
+
+
+@pytest.fixture
+def told():
+    return []
+
+
+@pytest.fixture
+def pictures(tmp_path, told):
+    return Pictures(tmp_path, told.append)
+
+
+def write(path):
+    path.write_text("picture", encoding="utf-8")
+
+
+def write_half_and_fail(path):
+    with atomic_file(path, "picture") as part:
+        write(part)
+        raise ValueError("no such thing")
+
+
+def picture_fail(*_):
+    raise OSError(28, "No space left on device", "b.json")
+
+
+class Made:
+    """A renderer that makes its file, or fails."""
+
+    def __init__(self, folder, error=None):
+        self.error, self.stopped = error, False
+        write(folder / "mesh.png")
+
+    def wait(self):
+        if self.error is not None:
+            raise self.error
+
+    def stop(self):
+        self.stopped = True
+
+
+def test_one_plot_that_fails_leaves_the_others(pictures, told, tmp_path):
+    figure = ([], {})
+    pictures.draw(
+        Plots(
+            (
+                Plot("a", "", "", lambda path, _: write(path), lambda _: figure),
+                Plot("b", "", "", lambda path, _: write_half_and_fail(path), lambda _: figure),
+                Plot("c", "", "", lambda path, _: write(path), picture_fail),
+                Plot("d", "", "", lambda path, _: write(path), needs="gas"),
+            )
+        ),
+        None,
+    )
+    assert pictures.static == {"a": "a.svg", "c": "c.svg"}
+    assert pictures.interactive == {"a": "a.json", "b": "b.json"}
+    assert {path.name for path in tmp_path.glob("[!.]*")} == {"a.svg", "c.svg", "a.json", "b.json"}
+    assert told == pictures.notes
+    first, second = told
+    assert first.startswith("There is no picture b: ValueError: no such thing, an unexpected error")
+    assert second == "There is no interactive plot c: b.json: No space left on device."
+
+
+def test_nothing_is_drawn_over_what_is_somebody_elses(tmp_path):
+    (tmp_path / "b.svg").write_text("precious", encoding="utf-8")
+    plots = Plots(tuple(Plot(name, "", "", lambda path, _: write(path)) for name in "ab"))
+    with pytest.raises(InputError, match=r"b\.svg: is not replaced, because"):
+        plots.draw(tmp_path, None)
+    assert not (tmp_path / "a.svg").exists()
+
+
+def test_an_interrupt_is_no_picture_that_fails(pictures):
+    def interrupt():
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        pictures.attempt("picture", interrupt)
+
+
+def test_with_the_traceback_asked_for_it_is_shown(pictures, monkeypatch, capsys):
+    pictures.attempt("picture", picture_fail)
+    assert "Traceback" not in capsys.readouterr().err
+    monkeypatch.setenv("CRANKFEM_TRACEBACK", "1")
+    pictures.attempt("picture", picture_fail)
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_rendered_pictures_come_into_the_folder_at_the_end_only(pictures, told, tmp_path):
+    made = []
+    with Renderings() as renderings:
+        renderings.start(
+            "mesh", {"mesh": "mesh.png"}, lambda folder: made.append(folder) or Made(folder)
+        )
+        assert not (tmp_path / "mesh.png").exists()
+        renderings.collect(pictures)
+        assert (tmp_path / "mesh.png").read_text(encoding="utf-8") == "picture"
+    assert pictures.static == {"mesh": "mesh.png"}
+    assert not made[0].exists()
+
+
+def test_one_rendering_that_fails_leaves_the_others(pictures, told):
+    missing = MissingLibraryError("install it")
+    with Renderings() as renderings:
+        renderings.start("picture of stresses", {"stress": "x.png"}, picture_fail)
+        renderings.start("solid", {"solid": "x.png"}, lambda folder: Made(folder, missing))
+        renderings.start("deck", {"deck": "x.png"}, lambda folder: Made(folder, missing))
+        renderings.start("mesh", {"mesh": "mesh.png"}, Made)
+        renderings.collect(pictures)
+    assert pictures.static == {"mesh": "mesh.png"}
+    assert told == [
+        "There is no picture of stresses: b.json: No space left on device.",
+        "install it",
+    ]
+
+
+def test_renderings_are_stopped_when_a_run_fails():
+    made = []
+
+    def run():
+        with Renderings() as renderings:
+            renderings.start("mesh", {}, lambda folder: made.append(Made(folder)) or made[0])
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        run()
+    assert made[0].stopped
+
+
+# What VTK and Python wrote where nothing could be rendered.
+NO_EGL = "vtkOpenGLRenderWindow.c:669 WARN| Failed to load EGL! Please install the EGL library\n"
+
+
+@pytest.mark.parametrize(
+    ("reason", "said", "kind", "sentence"),
+    [
+        ("the process for it was ended by SIGSEGV", NO_EGL, MissingLibraryError, ADVICE),
+        (
+            "ModuleNotFoundError: No module named 'pyvista'",
+            "",
+            MissingLibraryError,
+            "could not be rendered: No module named 'pyvista'",
+        ),
+        (
+            "the process for it died (exit code 1)",
+            "Traceback\nOSError: [Errno 28] No space left on device\n\n",
+            RenderError,
+            "(exit code 1), saying: OSError: [Errno 28] No space left on device.",
+        ),
+        ("took too long", "", RenderError, "could not be rendered: took too long."),
+    ],
+)
+def test_each_failure_of_a_rendering_has_its_own_sentence(reason, said, kind, sentence):
+    error = render_failure(reason, said)
+    assert type(error) is kind
+    assert sentence in str(error)
+    assert ("libegl1" in str(error)) == (said == NO_EGL)
+
+
+def own_module(folder, monkeypatch, text):
+    """Let a module of this test be run in the place of one that renders."""
+    (folder / "renders.py").write_text(text, encoding="utf-8")
+    monkeypatch.setenv("PYTHONPATH", str(folder))
+
+
+def test_a_rendering_that_takes_too_long_is_ended(tmp_path, monkeypatch):
+    own_module(tmp_path, monkeypatch, "import time\ndef render(_): time.sleep(60)")
+    monkeypatch.setattr(offscreen, "TIME_LIMIT", 0.05)
+    process = OffscreenProcess("renders:render", tmp_path)
+    with pytest.raises(RenderError, match=r"took longer than the limit of 0\.05 s"):
+        process.wait()
+
+
+def test_what_a_rendering_says_at_its_end_is_passed_on(tmp_path, monkeypatch):
+    own_module(tmp_path, monkeypatch, "def render(_): raise OSError(28, 'No space left on device')")
+    with pytest.raises(RenderError, match=r"rendered: OSError: .*No space left"):
+        OffscreenProcess("renders:render", tmp_path).wait()
+
+
+def test_a_rendering_ends_with_an_owner_that_is_killed(own, tmp_path, monkeypatch):
+    """Even where a library keeps Python's threads from running."""
+    text = "import ctypes\ndef render(_): open('begun', 'w').close(); ctypes.PyDLL(None).sleep(60)"
+    own_module(tmp_path, monkeypatch, text)
+    owner = own(
+        "from pathlib import Path; from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess\n"
+        "OffscreenProcess('renders:render', Path('.')).wait()"
+    )
+    owner.wait_for((tmp_path / "begun").exists)
+    assert len(owner.children()) == 1
+    assert owner.end() == ([], [])
+
+
+TORQUE = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
+SIX = input_path("6chn25-34")
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command line.
+
+    Attributes
+    ----------
+    source : Path
+        Shipped file that it reads, as a copy.
+    words : tuple of str
+        The line, with {mine} for that copy.
+    output : str
+        A file that it writes.
+    """
+
+    source: os.PathLike
+    words: tuple
+    output: str
+
+
+COMMANDS = {
+    "check": Command(SIX, ("check", "{mine}", "--picture", "throw.svg"), "throw.svg"),
+    "draw": Command(SIX, ("draw", "{mine}", "--output", "throw.svg"), "throw.svg"),
+    "draw by default": Command(SIX, ("draw", "{mine}"), "mine-throw.svg"),
+    "draw png": Command(SIX, ("draw", "{mine}", "--output", "throw.png"), "throw.png"),
+    "draw pdf": Command(SIX, ("draw", "{mine}", "--output", "throw.pdf"), "throw.pdf"),
+    "harmonics": Command(TORQUE, ("harmonics", "{mine}", "--csv", "out.csv"), "out.csv"),
+    "harmonics pictures": Command(
+        TORQUE, ("harmonics", "{mine}", "--pictures", "plots"), "plots/torque.svg"
+    ),
+    "harmonics of an engine": Command(
+        SIX, ("harmonics", "{mine}", "--pictures", "plots"), "plots/stars.svg"
+    ),
+    "mechanism": Command(SIX, ("mechanism", "{mine}", "--csv", "out.csv"), "out.csv"),
+    "mechanism pictures": Command(
+        SIX, ("mechanism", "{mine}", "--pictures", "plots"), "plots/crankpin_polar.svg"
+    ),
+    "hinge": Command(
+        input_path("crosshead-30-100", "hinge"), ("hinge", "{mine}", "--csv", "out.csv"), "out.csv"
+    ),
+    "hinge pictures": Command(
+        input_path("crosshead-30-100", "hinge"),
+        ("hinge", "{mine}", "--pictures", "p"),
+        "p/hinge_speed.svg",
+    ),
+    "vibration": Command(SIX, ("vibration", "{mine}", "--csv", "tables"), "tables/torsional.csv"),
+    "vibration pictures": Command(
+        SIX, ("vibration", "{mine}", "--pictures", "plots"), "plots/axial_modes.svg"
+    ),
+    "stress": Command(SIX, ("stress", "{mine}", "--pictures", "plots"), "plots/stress-axial.png"),
+    "export solid": Command(SIX, ("export", "{mine}", "throw.step"), "throw.step"),
+    "export mesh": Command(
+        SIX, (*["export", "{mine}", "a.msh", "--part", "quarter", "--size", "8"],), "a.msh"
+    ),
+    "export vtu": Command(
+        SIX, (*["export", "{mine}", "a.vtu", "--part", "quarter", "--size", "8"],), "a.vtu"
+    ),
+    "export deck": Command(
+        SIX, (*["export", "{mine}", "a.inp", "--calculix", "--size", "8"],), "a.inp"
+    ),
+    "fit": Command(None, ("fit", "{mine}"), "model.json"),
+    "fit --model": Command(None, ("fit", "{mine}", "--model", "a.json"), "a.json"),
+    "fit --plots": Command(
+        None, ("fit", "{mine}", "--plots", "plots"), "plots/axial_compliance_parity.svg"
+    ),
+}
+
+
+@cache
+def hinge_as_run():
+    return run_hinge(load_hinge("crosshead-30-100"))
+
+
+@pytest.fixture(scope="module")
+def vibration_as_run(coarse_throw):
+    @cache
+    def run():
+        engine, analysis = coarse_throw("6chn25-34")
+        return engine_vibration(engine, analysis=analysis)
+
+    return run
+
+
+@pytest.fixture
+def calculated(lightly_stressed, monkeypatch, vibration_as_run):
+    """Let commands give what was calculated once: files are what is looked at."""
+    put_everywhere(monkeypatch, run_hinge, lambda *_: hinge_as_run())
+    put_everywhere(monkeypatch, engine_vibration, lambda *_, **__: vibration_as_run())
+
+
+# Commands that take more than a second each.
+LONG = ("vibration", "vibration pictures", "stress", "export deck", "fit --plots")
+
+
+@pytest.fixture(
+    params=[
+        pytest.param(name, marks=[pytest.mark.slow] if name in LONG else []) for name in COMMANDS
+    ]
+)
+def line(request, tmp_path, calculated):
+    """A command line with its input, and the path of its output."""
+    command = COMMANDS[request.param]
+    if command.source is None:
+        mine = request.getfixturevalue("store")
+    else:
+        mine = tmp_path / f"mine{command.source.suffix}"
+        shutil.copy(command.source, mine)
+    words = [word.format(mine=mine.name) for word in command.words]
+    output = tmp_path / command.output
+    output.parent.mkdir(exist_ok=True)
+    return words, output, mine
+
+
+@pytest.fixture
+def lightly_stressed(coarsely, monkeypatch):
+    """Pictures of stresses that show nothing, in no time."""
+
+    class Empty:
+        def __init__(self, _, folder, arrays):
+            for name in arrays["files"]:
+                (folder / str(name)).write_bytes(b"a picture")
+
+        def wait(self):
+            pass
+
+    monkeypatch.setattr(stress_picture, "OffscreenProcess", Empty)
+
+
+@pytest.mark.slow
+def test_a_file_gives_way_only_if_the_command_made_it(line, call):
+    words, output, _ = line
+
+    def refused(reason):
+        before = output.read_bytes()
+        answer = call(*words)
+        assert (answer.code, answer.out) == (2, "")
+        assert answer.err.startswith("Error: ")
+        assert answer.err.count("\n") == 1
+        for part in (output.name, reason, "--force"):
+            assert part in answer.err
+        assert output.read_bytes() == before
+
+    model = words[0] == "fit" and output.suffix == ".json"
+    unknown = "it is not an unchanged model made by crankfem" if model else None
+    output.write_text("precious", encoding="utf-8")
+    refused(unknown or "crankfem has not made it")
+    # After that the same line works again and again.
+    for options in (("--force",), ()):
+        answer = call(*words, *options)
+        assert answer.code == 0, answer.err
+    assert output.read_bytes() not in (b"precious", b"")
+    output.write_bytes(output.read_bytes() + b"\n# mine")
+    refused(unknown or "it was changed since crankfem wrote it")
+
+
+@pytest.mark.parametrize(
+    ("name", "last"),
+    [
+        ("harmonics of an engine", "plots/stars.svg"),
+        ("mechanism pictures", "plots/piston_forces.svg"),
+        ("hinge pictures", "p/hinge_guides.svg"),
+        ("fit --plots", "plots/axial_compliance_sensitivities.svg"),
+    ],
+)
+def test_nothing_is_written_where_the_last_file_is_refused(name, last, call, tmp_path, request):
+    command = COMMANDS[name]
+    mine = request.getfixturevalue("store") if command.source is None else command.source
+    (tmp_path / last).parent.mkdir()
+    (tmp_path / last).write_text("precious", encoding="utf-8")
+    before = [path.name for path in sorted(tmp_path.rglob("*")) if path.is_file()]
+    answer = call(*(word.format(mine=mine) for word in command.words))
+    assert (answer.code, answer.out) == (2, "")
+    assert "crankfem has not made it" in answer.err
+    there = [path.name for path in sorted(tmp_path.rglob("*")) if path.is_file()]
+    assert [name for name in there if not name.startswith("runs.sqlite-")] == before
+
+
+@pytest.mark.parametrize("link", [os.link, os.symlink], ids=["hard link", "link"])
+def test_an_input_stays_even_if_forced(line, call, link):
+    words, output, mine = line
+    before = mine.read_bytes()
+    link(mine, output)
+    for options in ((), ("--force",)):
+        answer = call(*words, *options)
+        assert (answer.code, answer.out) == (2, "")
+        assert answer.err.count("\n") == 1
+        assert mine.read_bytes() == before
+
+
+def test_a_store_is_no_model(store, call):
+    before = store.read_bytes()
+    for options in ((), ("--force",)):
+        answer = call("fit", store.name, "--model", f"./{store.name}", *options)
+        assert (answer.code, answer.out) == (2, "")
+        assert "because this command reads that file" in answer.err
+        assert store.read_bytes() == before
+
+
+def test_another_store_is_no_model_either(store, call, tmp_path):
+    shutil.copy(store, tmp_path / "other.sqlite")
+    answer = call("fit", store.name, "--model", "other.sqlite", "--force")
+    assert answer.code == 2
+    assert (tmp_path / "other.sqlite").read_bytes() == store.read_bytes()
+
+
+def test_two_outputs_are_two_files(call, tmp_path):
+    answer = call("draw", "6chn25-34", "--output", "a.png", "--picture", "./a.png")
+    assert (answer.code, answer.out) == (2, "")
+    assert "--picture: given a.png, which --output writes too" in answer.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_python_writes_by_the_same_rules(model_file, tmp_path):
+    model = ComplianceModel.load(model_file)
+    mine = tmp_path / "mine.csv"
+    mine.write_text("precious", encoding="utf-8")
+    with pytest.raises(cf.InputError, match=r"mine\.csv: is not replaced, because"):
+        model.save(mine)
+    assert mine.read_text(encoding="utf-8") == "precious"
+    with cf.replacing_files():
+        model.save(mine)
+    model.save(mine)
+    assert ComplianceModel.load(mine) == model
+    plot = tmp_path / "plot.svg"
+    plot.write_text("precious", encoding="utf-8")
+    with (
+        pytest.raises(cf.InputError, match=r"plot\.svg: is not replaced, because"),
+        figure(plot) as axes,
+    ):
+        axes.plot([0.0, 1.0])
+    assert plot.read_text(encoding="utf-8") == "precious"
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("results.json", "report.html", "model.json", "throw.vtu"),
+        *("pictures/drawing.svg", "pictures/axial_modes.json", "study.sqlite"),
+    ],
+)
+@pytest.mark.parametrize("folder", [".", "mine-results"])
+def test_a_run_refuses_what_is_in_its_way_before_it_computes(
+    call, tmp_path, monkeypatch, quick_six, name, folder
+):
+    def computed(*_, **__):
+        raise AssertionError("nothing is computed for it")
+
+    monkeypatch.setattr("crankfem.jobs.pipeline.analyze_throws", computed)
+    (tmp_path / "mine.toml").write_text(quick_six, encoding="utf-8")
+    file = tmp_path / folder / name
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text("precious", encoding="utf-8")
+    before = sorted(tmp_path.rglob("*"))
+    answer = call("run", "mine.toml", "--output", folder, "-q")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.count("\n") == 1
+    assert file.name in answer.err
+    assert file.read_text(encoding="utf-8") == "precious"
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.slow
+def test_a_run_in_the_folder_of_its_file_leaves_the_rest(coarsely, call, tmp_path, least_engine):
+    (tmp_path / "mine.toml").write_text(least_engine, encoding="utf-8")
+    # The file that fit writes by default; a run without a study writes none.
+    (tmp_path / "model.json").write_text("precious", encoding="utf-8")
+    (tmp_path / "report.html").write_text("precious", encoding="utf-8")
+    for options, code in ((), 2), (("--force",), 0), ((), 0):
+        answer = call("run", "mine.toml", "--output", ".", *options)
+        assert answer.code == code, answer.err
+        assert (tmp_path / "model.json").read_text(encoding="utf-8") == "precious"
+    assert "<html" in (tmp_path / "report.html").read_text(encoding="utf-8")

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
 from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
 from crankfem.analyses.vibration.misfiring import _ranges
+from crankfem.analyses.vibration.plots import plot_response_campbell
 from crankfem.analyses.vibration.records import (
     forced_columns,
     forced_record,
@@ -28,9 +30,11 @@ from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.assessment.wording import shown_range
-from dynamics.excitation.chain_excitation import axial_excitation
+from dynamics.chains.chain import Chain
 from dynamics.response.forced import forced_response
+from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
+from dynamics.response.resonance import resonances
 from dynamics.torque.torque import engine_torque
 from fem.analysis import analyze_throw
 
@@ -198,19 +202,6 @@ def test_forced_vibration_of_an_engine(run):
 
 
 @pytest.mark.slow
-def test_what_is_asked_for_most_has_a_short_name(run, coarse):
-    assert run.torsional_chain is run.forced_torsional.engine_chain.chain
-    assert run.axial_chain is run.axial.chosen.chain.chain
-    checks = run.assessment.verdict.checks
-    assert run.worst_check.used == max(check.used for check in checks)
-    silent = engine_vibration(run.engine_file.changed(gas=None, ranges=None), analysis=coarse)
-    assert silent.worst_check is None
-    thicker = run.engine_file.changed(throw={"web_thickness": 0.070})
-    with pytest.raises(InputError, match="analysis: given that of another throw"):
-        engine_vibration(thicker, analysis=coarse)
-
-
-@pytest.mark.slow
 def test_worst_use_does_not_depend_on_what_else_is_calculated(run):
     """Another grid of speeds, as with the whole crankshaft; refined to 2e-6 of the use either way."""
     engine = run.engine_file
@@ -284,20 +275,6 @@ def test_exciting_forces_do_not_depend_on_the_chains_compliances(coarse, run):
     own, other = (one.forced_axial.response.excitation.forces[:, 0] for one in (run, pinned))
     # Of the two, radial forces and torsion, neither is negligible; round-off.
     assert own == close(other, rel=1e-9, abs=1e-9 * np.abs(own).max())
-
-
-@pytest.mark.slow
-def test_torsion_excites_axial_vibration(run):
-    """Without the tangential forces' torques the axial amplitude of order 9 is far smaller."""
-    axial = run.forced_axial
-    (worst,) = (one for one in axial.resonances if one.order == 9.0)
-    assert worst.severity == 1.0
-    chosen, pins = run.axial.chosen, run.engine_file.pins
-    influence = run.shaft.influence * (chosen.compliances / run.shaft.axial)[:, None]
-    by_radial = axial_excitation(axial.forces, chosen.chain, chosen.compliances, influence, pins)
-    alone = forced_response(damped_engine_chain(run.engine_file, chosen.chain), by_radial)
-    near = np.argmin(np.abs(alone.speeds - worst.speed))
-    assert worst.amplitude > 2.0 * alone.amplitude[17, near, 0]
 
 
 @pytest.mark.slow
@@ -600,3 +577,41 @@ def test_a_slow_run_up_comes_near_the_steady_amplitudes(run):
 def test_wrong_durations_are_refused(text):
     with pytest.raises(InputError, match=r"^--run-up: given"):
         parse_duration(text)
+
+
+TWO = Chain([1.0, 1.0], [2e4], names=["pulley", "flywheel"])  # 200 rad/s
+
+
+def response(**damping):
+    speeds = np.array([50.0, 100.0, 150.0])
+    forces = np.ones((2, 3, 2)) * np.array([1.0, -1.0])
+    return forced_response(damped(TWO, **damping), OrderExcitation([1.0, 2.0], speeds, forces))
+
+
+@pytest.mark.slow
+def test_diagrams_are_made_and_the_same_each_time(tmp_path):
+    for name, choice in (("damped", {}), ("endless", {"undamped": True})):
+        found = response(**choice)
+        made = []
+        for copy in ("a", "b"):
+            campbell, curves = (tmp_path / f"{name}_{copy}_{what}.svg" for what in "cs")
+            plot_response_campbell(
+                campbell,
+                found.system.elastic_frequencies,
+                found.orders,
+                (50.0, 150.0),
+                resonances(found),
+                title="x",
+            )
+            with figure(curves) as axes:
+                found.elastic.plot(
+                    axes,
+                    "pulley",
+                    quantity="twist",
+                    limits={"limit": 1e-4, "rule": [1e-4, 2e-4, 3e-4]},
+                    barred=[(95.0, 105.0)],
+                )
+            made.append(campbell.read_bytes() + curves.read_bytes())
+        assert made[0] == made[1]
+        assert b"nan" not in made[0].lower().replace(b"nance", b"")
+    assert (tmp_path / "damped_a_s.svg").read_bytes() != (tmp_path / "endless_a_s.svg").read_bytes()

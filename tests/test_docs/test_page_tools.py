@@ -1,6 +1,16 @@
-import re
+"""What makes the pages."""
 
+import ast
+import importlib.util
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
 import pytest
+
+from comparing import close
 
 PAGE = """
 # A page
@@ -111,3 +121,178 @@ def test_files_are_written_and_commands_have_their_codes(run_page, tmp_path):
     page.write_text(good.replace("# exit code 2", ""), encoding="utf-8")
     with pytest.raises(AssertionError, match="ended with 2"):
         run_page(page)
+
+
+ROOT = Path(__file__).resolve().parents[2]
+VALIDATION = ROOT / "tests" / "validation"
+FILES = sorted(path.stem for path in VALIDATION.glob("test_*.py"))
+
+
+def loaded(path):
+    spec = importlib.util.spec_from_file_location(f"read_{path.stem}", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def build():
+    return loaded(ROOT / "docs" / "build_validation.py")
+
+
+@pytest.fixture(scope="module")
+def recorder():
+    return loaded(VALIDATION / "conftest.py")
+
+
+@pytest.fixture(scope="module")
+def figures(build):
+    return json.loads(build.FIGURES.read_text(encoding="utf-8"))
+
+
+def test_pages_are_current(build):
+    for name, text in build.pages().items():
+        assert (ROOT / "docs" / name).read_text(encoding="utf-8") == text, name
+
+
+def test_first_table_has_a_line_for_each_case_and_leads_to_its_details(build):
+    written = build.pages()
+    table = written["validation.md"].partition("| case |")[2].partition("\n\n")[0]
+    links = re.findall(r"^\| \[.*?\]\(([\w-]+\.md)#(test_\w+)\)", table, flags=re.MULTILINE)
+    assert sorted(file for _, file in links) == FILES
+    assert all(f'<a id="{file}"></a>' in written[page] for page, file in links)
+    assert list(dict.fromkeys(page for page, _ in links)) == list(build.DETAILS.values())
+
+
+def test_principal_figures_are_recorded_ones(build, figures):
+    for file, what in build.PRINCIPAL.items():
+        assert build.principal(file, figures[file])["what"] == what
+
+
+def test_every_file_has_its_section_and_figures(build, figures):
+    listed = [file for _, files in build.GROUPS.values() for file in files]
+    assert sorted(listed) == FILES == sorted(figures)
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_figures_belong_to_tests_that_there_are(file, figures):
+    """And no test that records one is without its figures."""
+    tree = ast.parse((VALIDATION / f"{file}.py").read_text(encoding="utf-8"))
+    recording = {
+        node.name
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef)
+        and node.name.startswith("test_")
+        and "figure" in {argument.arg for argument in node.args.args}
+    }
+    assert {test.partition("[")[0] for test in figures[file]["tests"]} == recording
+    for found in figures[file]["tests"].values():
+        assert all(row["deviation"] <= row["allowed"] for row in found)
+
+
+# What the recorder takes for right and wrong.
+
+
+def test_a_figure_within_what_is_allowed_is_recorded_at_its_worst(recorder):
+    row = recorder.compared("frequencies", [10.0, 20.1], [10.0, 20.0], 0.01, "Hz")
+    assert (row["found"], row["reference"], row["unit"]) == (20.1, 20.0, "Hz")
+    assert row["deviation"] == close(0.005)
+
+
+@pytest.mark.parametrize(
+    ("found", "reference", "named"),
+    [
+        (1.02, 1.0, {}),
+        ([1.0, 1.02], 1.0, {}),
+        (-1.0, 1.0, {}),
+        (math.nan, 1.0, {}),
+        ([1.0, math.nan, 1.0], 1.0, {}),
+        (math.inf, 1.0, {}),
+        (1e-13, 0.0, {}),  # nothing is near zero by itself
+        (1.0000002e-13, 1e-13, {"allowed": 1e-7}),  # nor are small numbers alike
+        (5.02, 5.0, {"kind": "absolute"}),
+        (5.3, 5.0, {"scale": 10.0}),
+        (1j, 1.0, {}),
+    ],
+)
+def test_a_wrong_figure_fails(recorder, found, reference, named):
+    with pytest.raises(AssertionError, match="the thing: found"):
+        recorder.compared("the thing", found, reference, **{"allowed": 0.01} | named)
+
+
+def test_of_one_name_the_worst_stays_and_numbers_are_counted(recorder):
+    rows = [recorder.compared("way", found, 1.0, 0.1) for found in ([1.0, 1.01], 1.05, 1.02)]
+    kept = None
+    for row in rows:
+        kept = recorder.worse(kept, row)
+    assert (kept["found"], kept["numbers"]) == (1.05, 4)
+
+
+def test_what_is_infinite_or_zero_on_both_sides_is_alike(recorder):
+    assert recorder.compared("limits", [1.0, np.inf, 0.0], [1.0, np.inf, 0.0], 1e-9)["found"] == 1.0
+
+
+def test_figures_of_other_files_and_tests_stay(recorder):
+    old = {"test_b": {"date": "1", "versions": {}, "tests": {"test_one": [1], "test_two": [2]}}}
+    new = {("test_b", "test_two"): {"any": 3}, ("test_a", "test_one"): {"any": 4}}
+    kept = recorder.kept(old, new, {"Python": "3"}, "2")
+    assert list(kept) == ["test_a", "test_b"]
+    assert kept["test_b"] == {
+        "date": "2",
+        "versions": {"Python": "3"},
+        "tests": {"test_one": [1], "test_two": [3]},
+    }
+    assert old["test_b"]["tests"]["test_two"] == [2]
+
+
+@pytest.mark.parametrize(
+    ("row", "texts"),
+    [
+        (
+            (1.2811e-9, 1.281e-9, 7.8e-5, 0.01, "relative", "m/N"),
+            ("1.28e-9", "1.28e-9", "0.0078 %", "1 %"),
+        ),
+        ((942.9e3, 942.9e3, 12.0, 50.0, "absolute", "N"), ("942900", "942900", "12 N", "50 N")),
+        (
+            (279.683, 279.68, 0.003, 0.005, "absolute", "N m"),
+            ("279.683", "279.68", "0.003 N m", "0.005 N m"),
+        ),
+        ((1.0, 1.0, 3.1e-7, 1e-5, "relative", ""), ("1", "1", "3.1e-5 %", "0.001 %")),
+        ((0.5, 0.4, 0.01, 0.05, "scaled", "N"), ("0.5", "0.4", r"1 % \*", r"5 % \*")),
+        ((4.2e-6, 0.0, 4.2e-6, 1e-5, "absolute", ""), ("4.2e-6", "0", "4.2e-6", "1e-5")),
+    ],
+)
+def test_numbers_as_they_are_shown(build, row, texts):
+    keys = ("found", "reference", "deviation", "allowed", "kind", "unit")
+    shown = build.shown(dict(zip(keys, row, strict=True)))
+    assert tuple(text.replace(build.NO_BREAK, " ") for text in shown) == texts
+
+
+def test_docstrings_become_markdown(build, monkeypatch):
+    said = "One. Two.\n\nSource: a_b * c\nand `d_e`.\n\n- one\n  more\n- two\n\nTable:\n    1  2"
+    monkeypatch.setattr(build, "docstring", lambda _: said)
+    assert list(build.prose("any")) == [
+        r"**Source:** a\_b \* c and `d_e`.",
+        "- one more\n- two",
+        "Table:",
+        "```text\n1  2\n```",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("found", "expected", "allowed", "same"),
+    [
+        (1.0000009e-9, 1e-9, {}, True),
+        (1.000002e-9, 1e-9, {}, False),  # less than 1e-12 apart
+        (1.0009e-9, 1e-9, {"rel": 1e-3}, True),
+        (1e-13, 0.0, {}, False),  # nothing is near zero by itself
+        (1e-13, 0.0, {"abs": 1e-12}, True),
+        (1.0 + 1e-7, 1.0, {"abs": 1e-8}, False),  # beside `abs` nothing is allowed unasked
+        (1.0 + 1e-7, 1.0, {"abs": 1e-8, "rel": 1e-6}, True),
+        ([1.0, 2.0], [1.0, 2.1], {"rel": 0.01}, False),
+        (math.nan, math.nan, {}, False),
+        (math.nan, math.nan, {"nan_ok": True}, True),
+    ],
+)
+def test_numbers_are_compared_however_small_they_are(found, expected, allowed, same):
+    assert (found == close(expected, **allowed)) is same

@@ -1,14 +1,13 @@
-"""Every block of the documentation runs, in the order of its page, in an empty folder.
+"""Every block of the documentation runs; pages for developers name what there is."""
 
-Python blocks of a page share their names. Blocks of toml, csv, txt, text or json with a title are
-written to the file of that name. Lines of sh blocks that begin with `crankfem` go through the command
-line (`# exit code 2` at their end says that they shall end so, `> file` keeps what they print); other
-lines, and console blocks, are for the reader. A text block that follows a Python block shows what that
-prints. `<!-- not run: reason -->` leaves the next block out.
-"""
-
+import importlib.util
+import os
 import re
+import subprocess
+import sys
+from itertools import pairwise
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -51,3 +50,176 @@ def test_throws_of_the_page_can_be_built(page, page_tools, tmp_path):
             path.write_text(block.text, encoding="utf-8")
             throw, _ = load_throw(path)
             assert throw.volume > 0.0
+
+
+DEVELOPER_PAGES = [ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs" / "developers").glob("*.md"))]
+PATH = re.compile(r"`([\w.*-]+/[\w./*-]*|[\w-]+\.(?:toml|md|cff)|\.[\w-]+\.yaml)`")
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.fixture(scope="module")
+def build_map():
+    path = ROOT / "docs" / "build_map.py"
+    spec = importlib.util.spec_from_file_location("build_map", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def drawn(build_map):
+    return ElementTree.fromstring(build_map.drawing())
+
+
+@pytest.mark.parametrize("page", DEVELOPER_PAGES, ids=lambda page: page.name)
+def test_files_that_a_page_names_are_there(page):
+    named = PATH.findall(page.read_text(encoding="utf-8"))
+    wrong = [name for name in named if not any(ROOT.glob(name.rstrip("/")))]
+    # A folder of each package, and an engine of one's own.
+    assert not [name for name in wrong if name != "plots/"]
+
+
+def test_the_map_is_current(build_map):
+    assert build_map.DRAWING.read_text(encoding="utf-8") == build_map.drawing()
+
+
+def test_its_packages_and_layers_are_those_of_the_contracts(build_map, drawn):
+    texts = list(drawn.iter(f"{SVG}text"))
+    packages = [text.text for text in texts if text.get("class") == "package"]
+    layers = build_map.contracts()
+    assert set(packages) == {name for row in layers[""] for name in row}
+    names = [text.text for text in texts if text.get("class") == "name"]
+    for package in ("dynamics", "regression"):
+        listed = [name for row in layers[package] for name in row]
+        place = names.index(listed[0])
+        assert names[place : place + len(listed)] == listed
+
+
+def test_arrows_lead_down_and_pass_over_no_box(build_map, drawn):
+    rows = [set(row) for row in build_map.contracts()[""]]
+    place = {name: number for number, row in enumerate(rows) for name in row}
+    arrows = build_map.arrows()
+    assert {line.find(f"{SVG}title").text for line in drawn.iter(f"{SVG}line")} == {
+        f"{one} imports {other}" for one, other in arrows
+    }
+    assert all(place[one] < place[other] for one, other in arrows)
+    assert ("dynamics", "fem") not in arrows
+    boxes = [
+        [float(box.get(key)) for key in ("x", "y", "width", "height")]
+        for box in drawn.iter(f"{SVG}rect")
+        if box.get("rx") == "8"
+    ]
+    for line in drawn.iter(f"{SVG}line"):
+        x, top, bottom = (float(line.get(key)) for key in ("x1", "y1", "y2"))
+        assert bottom > top
+        for left, up, width, height in boxes:
+            assert not (left < x < left + width and top < up + height and bottom > up)
+
+
+def test_nothing_of_the_map_is_cut_off(build_map, drawn):
+    """Bands follow each other without overlap; letters of 11.5 px are some 6 px wide."""
+    for text in drawn.iter(f"{SVG}text"):
+        assert float(text.get("x")) + 6.0 * len(text.text) < build_map.WIDTH - build_map.MARGIN
+    bands = {}
+    for box in drawn.iter(f"{SVG}rect"):
+        if box.get("rx") == "4":
+            start = float(box.get("y"))
+            bands.setdefault(box.get("x"), []).append((start, start + float(box.get("height"))))
+    assert sum(len(column) for column in bands.values()) > 20
+    for column in bands.values():
+        assert all(one[1] <= other[0] for one, other in pairwise(sorted(column)))
+
+
+@pytest.fixture(scope="module")
+def topics(root):
+    path = root / "docs" / "hooks" / "api_topics.py"
+    spec = importlib.util.spec_from_file_location("api_topics", path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["api_topics"] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    module.NAMES = module.public_names()
+    yield module
+    del sys.modules["api_topics"]
+
+
+def test_every_public_name_has_one_place_and_a_line_in_the_index(topics, public):
+    pages = topics.pages(topics.NAMES)
+    index = pages.pop("api/index.md")
+    placed = [name for text in pages.values() for name in re.findall(r"^::: ([\w.]+)$", text, re.M)]
+    assert sorted(placed) == sorted(public)
+    listed = re.findall(r"^\| \[`cf\.([\w.]+)`\]", index, re.M)
+    assert sorted(f"crankfem.{name}" for name in listed) == sorted(public)
+
+
+def test_every_name_and_topic_is_described(topics):
+    assert [one.path for one in topics.NAMES if not one.summary] == []
+    assert [one.package for one in topics.topics() if not one.summary] == []
+
+
+def test_every_topic_shows_the_way_in_and_has_a_line_in_the_navigation(topics, root):
+    pages = topics.pages(topics.NAMES)
+    navigation = (root / "mkdocs.yml").read_text(encoding="utf-8")
+    for topic in topics.topics():
+        assert f": api/{topic.file}.md\n" in navigation
+        if topic.file != "crankfem":
+            assert "```pycon\n>>> " in pages[f"api/{topic.file}.md"]
+
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+SCRIPTS = sorted(EXAMPLES.glob("*.py"))
+WHOLE = ("crankshaft_against_chain", "study_and_equation")  # over 10 s
+
+
+def example_marked(script):
+    mark = pytest.mark.further if script.stem in WHOLE else pytest.mark.slow
+    return pytest.param(script, marks=mark, id=script.stem)
+
+
+@pytest.mark.parametrize("script", [example_marked(script) for script in SCRIPTS])
+def test_an_example_answers(script, tmp_path):
+    paths = os.pathsep.join((str(EXAMPLES.parent), os.environ.get("PYTHONPATH", "")))
+    done = subprocess.run(
+        [sys.executable, str(script)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": paths},
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+    assert 2 <= len(done.stdout.splitlines()) <= 40
+    assert "nan" not in done.stdout.lower().split()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_an_example_is_one_question_and_short(script):
+    lines = script.read_text(encoding="utf-8").splitlines()
+    assert len(lines) < 60
+    assert lines[0].startswith('"""')
+    assert lines[0].endswith('?"""')
+
+
+@pytest.mark.further
+def test_every_plot_of_a_notebook_is_shown(monkeypatch):
+    nbformat, nbclient = (
+        pytest.importorskip(name, reason="needs crankfem[dev]") for name in ("nbformat", "nbclient")
+    )
+    monkeypatch.setenv("PYTHONPATH", str(EXAMPLES.parent))
+    made = "import crankfem as cf\nmodes = cf.Chain([0.1, 0.78], [9e5]).modes()"
+    cells = [nbformat.v4.new_code_cell(code) for code in (made, *["modes.plot();"] * 3)]
+    nbclient.NotebookClient(nbformat.v4.new_notebook(cells=cells)).execute()
+    shown = [sum("image/png" in one.get("data", {}) for one in cell.outputs) for cell in cells]
+    assert shown == [0, 1, 1, 1]
+
+
+@pytest.mark.further
+def test_the_lecture_runs(tmp_path, monkeypatch):
+    nbformat, nbclient = (
+        pytest.importorskip(name, reason="needs crankfem[dev]") for name in ("nbformat", "nbclient")
+    )
+    monkeypatch.setenv("PYTHONPATH", str(EXAMPLES.parent))
+    notebook = nbformat.read(EXAMPLES / "lecture.ipynb", as_version=4)
+    assert not any(cell.get("outputs") for cell in notebook.cells)
+    nbclient.NotebookClient(notebook, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    assert any(cell.get("outputs") for cell in notebook.cells)

@@ -1,30 +1,32 @@
-"""Balance against the sum of mass times acceleration, and against the bearings' and walls' forces.
+"""Balance against the sum of mass times acceleration, and against the bearings' loads."""
 
-Tolerances: relative to the sum of all masses times R w^2, of which sums of some tens of terms leave
-about 1e-15 as round-off; 1e-13 leaves room for it.
-"""
-
+import cmath
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.balance.balance import balance, hinged_rod_effects, hodograph_change
-from dynamics.balance.moving_masses import Hodograph, balancing_masses, moving_masses
-from dynamics.engine.firing import firing_order_of_angles
-from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
-from dynamics.engine.motions import (
-    acceleration_orders,
-    cylinder_motion,
-    piston_acceleration,
-    turn_spectrum,
+from dynamics.balance.moving_masses import (
+    Hodograph,
+    balancing_masses,
+    moving_masses,
+    order_vectors,
 )
+from dynamics.critical import major_orders
+from dynamics.cycle import order_step
+from dynamics.engine.firing import firing_order_of_angles
+from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
+from dynamics.engine.motions import acceleration_orders, cylinder_motion, piston_acceleration
 from dynamics.engine.rods import ConnectingRod
-from dynamics.engine.slider_crank import SliderCrank
+from dynamics.torque.star import leading_stars, star_diagram
+from dynamics.torque.torque import engine_torque
+from references import even_firing_angles
 
 ROUND_OFF = 1e-13
 SPEED = 150.0
@@ -125,54 +127,6 @@ def test_forces_are_minus_mass_times_acceleration():
     )
 
 
-def test_forces_arrive_at_bearings_and_walls():
-    engine = replace(engine_with_everything(), rotating=())
-    angles = 2.0 * np.pi * np.arange(64) / 64
-    found = balance(engine, SPEED, range(1, 32))
-    forces = mechanism_forces(engine, SPEED, shaft_angles_deg=np.degrees(angles))
-    turns = np.exp(
-        1j * np.array([[math.radians(cylinder.bank_angle_deg)] for cylinder in engine.cylinders])
-    )
-    on_engine = np.sum(forces.crankpin - 1j * forces.side * turns, axis=0)
-    np.testing.assert_allclose(
-        summed_orders(found, angles, "force"),
-        on_engine - on_engine.mean(),
-        rtol=0,
-        atol=ROUND_OFF * found.rows[0].force_scale,
-    )
-
-
-def test_two_masses_are_exact_where_nothing_lies_beside_the_rods():
-    engine = in_line([0.0, 2.0, 4.0])
-    rigid, two = balance(engine, SPEED), balance(engine, SPEED, model="two-mass")
-    assert [row.total for row in rigid.rows] == [row.total for row in two.rows]
-    beside = engine_with_everything()
-    rigid, two = balance(beside, SPEED), balance(beside, SPEED, model="two-mass")
-    for ours, plain in zip(rigid.rows, two.rows, strict=True):
-        assert ours.reciprocating == plain.reciprocating
-        assert plain.lateral.force.major == 0.0
-        assert ours.force.forward == close(
-            plain.force.forward + ours.lateral.force.forward, abs=ROUND_OFF * ours.force_scale
-        )
-    # sin(beta) has a first order only when there is no offset; its part is S lambda w^2.
-    leaning = in_line([0.0], MAIN)
-    static = moving_masses(leaning)[0].lateral
-    assert static == close(30.0 * 0.012)
-    first = balance(leaning, SPEED).of(1).lateral.force
-    assert first.major == close(static * 0.25 * SPEED**2, rel=1e-13)
-
-
-def test_masses_are_shared_out_without_loss():
-    engine = engine_with_everything()
-    main, hinged = moving_masses(engine)[:2]
-    assert main.reciprocating + main.rotating + hinged.reciprocating == close(
-        20.0 + 30.0 + 18.0 + 12.0, rel=1e-15
-    )
-    assert hinged.rotating == 0.0
-    at_pin = 12.0 * (1 - 0.11 / 0.30)
-    assert main.lateral == close(30.0 * 0.012 + at_pin * 0.1 * math.sin(0.75))
-
-
 def test_scales_of_what_counts_as_round_off():
     """All moving masses times R w^2, and that times the farthest cylinder's distance, or R."""
     engine = in_line([0.0, 2.0, 4.0])
@@ -183,51 +137,6 @@ def test_scales_of_what_counts_as_round_off():
         assert row.moment_scale == close(scale * reach, rel=1e-14)
     alone = balance(in_line([0.0]), SPEED).rows[0]
     assert alone.moment_scale == close(alone.force_scale * 0.1, rel=1e-14)
-
-
-def test_moments_about_another_point():
-    engine = engine_with_everything()
-    here, there = balance(engine, SPEED, about=0.0), balance(engine, SPEED, about=2.0)
-    for near, far in zip(here.rows, there.rows, strict=True):
-        assert near.force == far.force
-        assert far.moment.forward == close(
-            near.moment.forward - 2j * near.force.forward, abs=ROUND_OFF * near.force_scale
-        )
-
-
-@pytest.mark.parametrize("ratio", [0.2, 0.9, 0.999])
-def test_orders_are_free_of_aliasing(ratio):
-    engine = one_cylinder(ratio)
-    found = acceleration_orders(engine, 1, SPEED)
-    angles = np.linspace(0.1, 6.0, 50)
-    drive = SliderCrank(0.1, 0.1 / ratio)
-    whole = -(SPEED**2) * drive.piston(angle_deg=np.degrees(angles)).second.real
-    largest = np.max(
-        np.abs(piston_acceleration(engine, 1, SPEED, angles_deg=np.degrees(np.linspace(0, 7, 500))))
-    )
-    np.testing.assert_array_equal(
-        piston_acceleration(engine, 1, SPEED, angles_deg=np.degrees(angles)), whole
-    )
-    # The series meets the function between the samples, too, which folded orders would forbid; near
-    # a dead mechanism cos(beta) comes down to 0.04, which makes round-off of 2e-14.
-    np.testing.assert_allclose(
-        found.at(crank_angle_deg=np.degrees(angles)), whole, rtol=0, atol=1e-13 * largest
-    )
-
-
-def test_samples_grow_with_the_orders():
-    # Poisson's kernel has the orders q^|k| exactly.
-    share = 0.95
-
-    def kernel(angles):
-        return (1 - share**2) / (1 - 2 * share * np.cos(angles) + share**2)
-
-    found = turn_spectrum(kernel, 40)
-    assert found.shape == (2048,)
-    for order in (0, 1, -3, 40):
-        # Where the kernel is largest, its divisor is 0.0025 as a difference of numbers of 1.9.
-        assert complex(found[order]) == close(share ** abs(order), abs=1e-13)
-    assert turn_spectrum(np.cos, 100).shape[-1] > 2 * 100
 
 
 def test_counterweights():
@@ -321,3 +230,225 @@ def test_cylinders_of_a_bank_in_one_place_have_no_balance():
     ]
     with pytest.raises(InputError, match="cylinder 2: position: given 0 m, where cylinder 1"):
         balance(EngineLayout(0.05, cylinders, [1, 2]), 100.0)
+
+
+FOUR = np.degrees(even_firing_angles((1, 3, 4, 2)))
+
+
+@given(st.permutations(range(1, 7)), st.sampled_from((2, 4)))
+@settings(max_examples=20, deadline=None)
+def test_even_firing_has_the_multiples_of_ignitions_per_turn_as_majors(order, strokes):
+    angles = even_firing_angles(order, strokes)
+    stars = star_diagram(firing_angles_deg=np.degrees(angles), strokes=strokes)
+    majors = [star.order for star in stars if star.kind == "major"]
+    per_turn = 6 * order_step(strokes)
+    assert majors == list(np.arange(per_turn, 12.1, per_turn))
+    assert majors == major_orders([star.order for star in stars], angles).tolist()
+    assert {star.kind for star in stars} == {"major", "balanced"}
+
+
+def test_uneven_firing_names_the_strongest_order():
+    """A two-cylinder engine with cranks in one direction less 90 deg: fires at 0 and 450 deg.
+
+    |1 + exp(i k 450 deg)| = 2 |cos(k 225 deg)|: 2 only from order 4 on; below, cos(2.5 * 225 deg)
+    and cos(1.5 * 225 deg) = cos(337.5 deg) are the largest.
+    """
+    stars = star_diagram(firing_angles_deg=[0.0, 450.0], orders=3.5)
+    assert all(star.kind != "major" for star in stars)
+    found = leading_stars(stars)
+    assert [star.order for star in found] == [1.5, 2.5]
+    assert found[0].share == close(math.cos(math.radians(22.5)))
+    assert [
+        star.order
+        for star in leading_stars(star_diagram(firing_angles_deg=[0.0, 450.0], orders=4.0))
+    ] == [4.0]
+
+
+def test_mode_shape_turns_majors_into_minors():
+    """The one-node mode of the in-line four, antisymmetric: order 2 cancels, half orders do not."""
+    stars = star_diagram(firing_angles_deg=FOUR, orders=4.0, mode_shape=[1.0, 0.4, -0.4, -1.0])
+    kinds = {star.order: star.kind for star in stars}
+    assert kinds[2.0] == kinds[4.0] == "balanced"
+    assert kinds[0.5] == "minor"
+    assert stars[0].largest == close(2.8)
+
+
+def hinged_vee():
+    rod = ConnectingRod(0.25, 2.0, 0.08, 0.02)
+    slave = ConnectingRod(0.18, 1.2, 0.07, 0.008)
+    cylinders = []
+    for throw, crank in enumerate((0.0, math.pi)):
+        main = EngineCylinder(
+            0.12,
+            3.0,
+            rod,
+            crank_angle_deg=math.degrees(crank),
+            bank_angle_deg=-30.0,
+            position=0.2 * throw,
+        )
+        pin = SlavePin(2 * throw + 1, 0.06, angle_deg=60.0)
+        hinged = EngineCylinder(
+            0.12,
+            2.8,
+            slave,
+            crank_angle_deg=math.degrees(crank),
+            bank_angle_deg=30.0,
+            position=0.2 * throw,
+            slave_pin=pin,
+        )
+        cylinders += [main, hinged]
+    return EngineLayout(0.07, cylinders, [1, 2, 3, 4])
+
+
+def test_stars_with_each_cylinders_own_harmonics_sum_to_the_engines():
+    """Hinged rods: amplitudes and phases differ, and the resultant is the engine's harmonic."""
+    engine = hinged_vee()
+    forces = 1e4 * np.random.default_rng(5).random((4, 48))
+    torque = engine_torque(engine, 100.0, forces, samples=48)
+    own = [torque.cylinder_harmonics(number) for number in (1, 2, 3, 4)]
+    whole = torque.harmonics()
+    # Not the half sampling rate, where the phase is not that of a shifted wave.
+    orders = whole.orders[:-1]
+    stars = star_diagram(
+        engine,
+        orders,
+        amplitudes=np.array([each.amplitude[:-1] for each in own]).T,
+        phases_deg=np.degrees(np.array([each.phase[:-1] for each in own]).T),
+    )
+    largest = np.max(whole.amplitude)
+    found = [
+        star.resultant * np.exp(-1j * math.radians(star.resultant_direction_deg)) for star in stars
+    ]
+    wanted = (whole.amplitude * np.exp(1j * whole.phase))[:-1]
+    assert np.array(found) == close(wanted, abs=1e-12 * largest)
+    assert len({round(float(weight), 6) for weight in stars[0].weights}) == 4
+
+
+def test_balanced_orders_have_no_direction():
+    assert (
+        math.radians(star_diagram(firing_angles_deg=FOUR, orders=[1.0])[0].resultant_direction_deg)
+        == 0.0
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"firing_angles_deg": [], "orders": 4.0}, "firing_angles_deg: given none; .*because"),
+        ({"firing_angles_deg": FOUR, "orders": [0.0]}, r"orders\[0\]: given 0"),
+        ({"firing_angles_deg": FOUR, "orders": 0.1}, "highest: given 0.1"),
+        (
+            {"engine": hinged_vee(), "orders": [1.0, 0.7]},
+            r"orders\[1\]: given 0.7; allowed are multiples of 0.5, because",
+        ),
+        ({"engine": FOUR}, "engine: given ndarray with firing_angles_deg left out; .*because"),
+        ({"engine": hinged_vee(), "firing_angles_deg": FOUR}, "engine: given EngineLayout with"),
+    ],
+)
+def test_refusals(arguments, message):
+    with pytest.raises(InputError, match=message):
+        star_diagram(**arguments)
+
+
+@pytest.mark.parametrize(
+    ("engine", "orders", "strokes", "message"),
+    [
+        ({"firing_angles_deg": FOUR}, 4.0, 0, "strokes: given 0; allowed are 2 and 4"),
+        ({"firing_angles_deg": FOUR}, [1.0], 3, "strokes: given 3; allowed are 2 and 4"),
+        (
+            {"firing_angles_deg": FOUR},
+            [0.5],
+            2,
+            r"orders\[0\]: given 0.5; allowed are multiples of 1, because",
+        ),
+        ({"engine": hinged_vee()}, 4.0, 0, "strokes: given 0; allowed are 2 and 4"),
+        ({"engine": hinged_vee()}, 4.0, 2, "strokes: given 2; allowed is 4 or nothing, because"),
+    ],
+)
+def test_strokes_that_do_not_fit_are_refused(engine, orders, strokes, message):
+    with pytest.raises(InputError, match=message):
+        star_diagram(**engine, orders=orders, strokes=strokes)
+
+
+def test_arrays_that_do_not_fit_are_refused():
+    with pytest.raises(InputError, match=r"mode_shape: given an array of shape .*because"):
+        star_diagram(firing_angles_deg=FOUR, orders=4.0, mode_shape=[1.0, 2.0])
+    with pytest.raises(InputError, match="stars: given none"):
+        leading_stars([])
+
+
+def test_no_order_leads_where_all_are_balanced():
+    stars = star_diagram(firing_angles_deg=np.arange(6) * 60.0, orders=4.0, strokes=2)
+    assert {star.kind for star in stars} == {"balanced"}
+    assert leading_stars(stars) == ()
+
+
+parts = st.builds(cmath.rect, st.floats(0.1, 10.0), st.floats(-math.pi, math.pi, exclude_min=True))
+hodographs = st.builds(Hodograph, st.integers(1, 6), parts, parts)
+
+
+@given(hodographs, st.floats(-4.0, 4.0))
+@settings(max_examples=20)
+def test_amplitude_along_a_direction(shape, direction):
+    turn = cmath.exp(-1j * direction)
+    component = order_vectors(
+        (shape.at(shaft_angle_deg=np.arange(20) * 18.0) * turn).real, [shape.order]
+    )[0]
+    assert shape.amplitude_along(angle_deg=np.degrees(direction)) == close(
+        component.major, abs=1e-14 * shape.major
+    )
+
+
+def test_sense_and_points():
+    forward, backward = Hodograph(1, 2.0, 1.0), Hodograph(2, 1.0, 2j)
+    assert (forward.sense, backward.sense) == (1, -1)
+    for shape in (forward, backward):
+        x, y = shape.points(721)
+        # Seen from the flywheel, x to the right, the shaft turns counterclockwise: positive area.
+        area = 0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])
+        # The polygon of 720 points has 1 - (2 pi / 720)^2 / 6 of the ellipse's area.
+        assert area == close(shape.sense * math.pi * shape.major * shape.minor, rel=1.3e-5)
+        assert np.max(np.abs(x)) <= shape.x * (1 + 1e-14)
+        assert np.max(np.abs(y)) <= shape.y * (1 + 1e-14)
+
+
+def test_shapes_without_two_axes():
+    line = Hodograph(2, 100 * cmath.exp(-0.5j * math.pi), 100 * cmath.exp(-0.5j * math.pi))
+    assert line.sense == 0
+    assert line.angle_deg == 90.0  # a horizontal axis is written +90 deg
+    assert (line.x, line.y) == (close(200.0), close(0.0, abs=1e-13))
+    circle = Hodograph(1, 0.0, 3j)
+    assert (circle.angle_deg, circle.largest_at_deg, circle.sense) == (None, None, -1)
+    point = Hodograph(1, 0.0, 0.0)
+    assert (point.angle_deg, point.largest_at_deg, point.sense, point.major) == (None, None, 0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ((0, 1.0, 1.0), "orders: given \\[0\\]; allowed are different whole numbers of 1 or more"),
+        ((1.5, 1.0, 1.0), "orders: given \\[1.5\\]"),
+        ((-1, 1.0, 1.0), "orders: given \\[-1\\]"),
+        ((1, math.nan, 1.0), "forward: given nan; allowed are finite numbers"),
+        ((1, 1.0, complex(0.0, math.inf)), "backward: given infj"),
+    ],
+)
+def test_hodographs_refused(given, message):
+    with pytest.raises(InputError, match=message):
+        Hodograph(*given)
+
+
+@pytest.mark.parametrize(
+    ("vectors", "orders", "message"),
+    [
+        ([1.0, 2.0, 3.0, 4.0], [2], "less than half the number of samples"),
+        ([1.0, math.nan, 3.0, 4.0], [1], "1 values not finite"),
+        ([[1.0, 2.0]], [1], r"shape \(1, 2\)"),
+        ([1.0, 2.0, 3.0, 4.0], [0.5], "whole numbers of 1 or more"),
+        ([1.0, 2.0, 3.0, 4.0], [], "whole numbers of 1 or more"),
+        ([1.0, 2.0, 3.0, 4.0], [1, 1], "different whole numbers"),
+    ],
+)
+def test_what_is_refused_hodograph(vectors, orders, message):
+    with pytest.raises(InputError, match=message):
+        order_vectors(vectors, orders)

@@ -1,3 +1,5 @@
+"""Torsional and axial chains: elements, editing, gears and branches."""
+
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -6,7 +8,21 @@ from scipy.linalg import eigh
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
+from dynamics.chains.chain import Chain, Dashpot, Gear
+from dynamics.chains.editing import (
+    add_node,
+    find_node,
+    join_chains,
+    with_dashpot,
+    with_element,
+    with_gear,
+    with_ground,
+    with_inertia,
+    with_names,
+)
+from dynamics.excitation.propeller import PropellerForces, propeller_excitation
+from dynamics.response.harmonic import harmonic_response
+from dynamics.response.linear_system import chain_system
 
 # Of laws that hold for any chain or none.
 FEW = settings(max_examples=30)
@@ -139,27 +155,6 @@ def test_mode_number_counts_the_nodes_where_modes_die_out(exponents, ground):
     assert counted == list(range(len(inertia)))
 
 
-def test_displacements_far_from_a_local_mode():
-    # A light end on a stiff spring vibrates against a row of heavy masses: by the equation of the
-    # far end each displacement is about -k / (w^2 m) of the one before it.
-    modes = Chain([1e-4, 1.0, 1.0, 1.0, 1.0], [1e6, 1e6, 1e6, 1e6]).modes()
-    ratios = modes.shapes[1:, -1] / modes.shapes[:-1, -1]
-    square = modes.angular_frequencies[-1] ** 2
-    assert ratios[-1] == close(-1e6 / (square - 1e6), rel=1e-9)
-    assert ratios == close(np.full(4, -1e6 / square), rel=3e-4)
-    assert abs(modes.shapes[-1, -1]) < 1e-15
-
-
-@given(chain_values(supported=False), st.floats(0.01, 2.0))
-@FEW
-def test_any_support_raises_every_frequency(values, added):
-    inertia, stiffness, _ = values
-    free = Chain(inertia, stiffness).modes().frequencies
-    held = Chain(inertia, stiffness, {0: added}).modes().frequencies
-    assert np.all(held > free * (1.0 - 1e-12))
-    assert held[0] > 0.0
-
-
 @pytest.mark.parametrize(
     ("inertia", "stiffness", "ground", "message"),
     [
@@ -199,3 +194,303 @@ def test_chain_keeps_its_own_values():
     assert chain.inertia.tolist() == [1.0, 2.0]
     with pytest.raises(ValueError, match="read-only"):
         chain.inertia[0] = 9.0
+
+
+@pytest.fixture
+def shaft():
+    return Chain(
+        [1.0, 2.0, 3.0],
+        [10.0, 20.0],
+        {2: 5.0},
+        damping=[0.1, 0.2],
+        loss_factor=[0.3, 0.4],
+        ground_damping={0: 0.5},
+        distributed_inertia=[0.6, 0.7],
+        dashpots=[Dashpot(0, 2, 0.8)],
+        names=["a", "b", "c"],
+    )
+
+
+def block(*matrices):
+    size = sum(len(m) for m in matrices)
+    whole, start = np.zeros((size, size)), 0
+    for m in matrices:
+        whole[start : start + len(m), start : start + len(m)] = m
+        start += len(m)
+    return whole
+
+
+MATRICES = ("mass_matrix", "stiffness_matrix", "damping_matrix", "loss_matrix")
+
+
+def test_merged_nodes_add_up_everything(shaft):
+    other = with_names(shaft, ["d", "e", "f"])
+    joined = join_chains(shaft, "c", other)
+    assert joined.names == ("a", "b", "c", "e", "f")
+    assert joined.is_row
+    # Both matrices side by side, nodes 2 and 3 moving as one.
+    expand = np.zeros((6, 5))
+    expand[[0, 1, 2, 3, 4, 5], [0, 1, 2, 2, 3, 4]] = 1.0
+    for name in MATRICES:
+        apart = block(getattr(shaft, name)(), getattr(other, name)())
+        assert getattr(joined, name)() == close(expand.T @ apart @ expand)
+
+
+def test_chains_joined_by_an_element_and_by_a_gear(shaft):
+    other = Chain([4.0, 5.0], [7.0], names=["a", "b"], gears=[Gear(0, 1, 1.0)])
+    joined = join_chains(
+        shaft, 1, other, "b", stiffness=9.0, damping=0.1, loss_factor=0.2, prefix="2 "
+    )
+    assert joined.names == ("a", "b", "c", "2 a", "2 b")
+    assert joined.connections == ((0, 1), (1, 2), (3, 4), (1, 4))
+    assert joined.stiffness.tolist() == [10.0, 20.0, 7.0, 9.0]
+    assert joined.loss_factor[-1] == 0.2
+    assert joined.gears == (Gear(3, 4, 1.0),)
+    assert joined.dashpots == (Dashpot(0, 2, 0.8),)
+    geared = join_chains(shaft, "a", other, 1, ratio=-2.0, prefix="2 ")
+    assert geared.gears == (Gear(3, 4, 1.0), Gear(0, 4, -2.0))
+    assert geared.stiffness.tolist() == [10.0, 20.0, 7.0]
+    loose = join_chains(shaft, "a", other, damping=3.0, prefix="2 ")
+    assert loose.dashpots == (Dashpot(0, 2, 0.8), Dashpot(0, 3, 3.0))
+
+
+def test_nodes_are_added_in_three_ways(shaft):
+    spring = add_node(shaft, "d", 4.0, to="c", stiffness=6.0, damping=0.1, distributed_inertia=0.2)
+    assert spring.names[-1] == "d"
+    assert spring.connections[-1] == (2, 3)
+    assert (spring.stiffness[-1], spring.distributed_inertia[-1]) == (6.0, 0.2)
+    assert add_node(shaft, "d", 4.0, to=0, damping=1.5).dashpots[-1] == Dashpot(0, 3, 1.5)
+    assert add_node(shaft, "d", 4.0, to="b", ratio=3.0).gears == (Gear(1, 3, 3.0),)
+
+
+def test_a_gear_may_be_without_inertia(shaft):
+    geared = add_node(shaft, "d", 0.0, to="c", ratio=3.0)
+    assert geared.modes().frequencies == close(shaft.modes().frequencies)
+
+
+def test_links_and_supports_are_added(shaft):
+    assert with_element(shaft, "a", "c", 4.0, loss_factor=0.1).connections[-1] == (0, 2)
+    assert with_dashpot(shaft, "a", "b", 4.0).dashpots[-1] == Dashpot(0, 1, 4.0)
+    loose = Chain([1.0, 1.0, 1.0], [2.0], connections=[(0, 1)], dashpots=[Dashpot(1, 2, 1.0)])
+    assert with_gear(loose, 1, 2, 2.0).gears == (Gear(1, 2, 2.0),)
+    held = with_ground(with_inertia(shaft, "b", 7.0), "c", 5.0, damping=0.1)
+    assert held.inertia.tolist() == [1.0, 9.0, 3.0]
+    assert held.ground.tolist() == [0.0, 0.0, 10.0]
+    assert held.ground_damping.tolist() == [0.5, 0.0, 0.1]
+    assert shaft.inertia.tolist() == [1.0, 2.0, 3.0]
+    assert find_node(shaft, "c") == find_node(shaft, 2) == 2
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda c: find_node(c, "x"), "node: given 'x'; allowed are a, b, c"),
+        (lambda c: find_node(c, 3), "node: given 3; allowed are the whole numbers 0 to 2"),
+        (lambda c: join_chains(c, "c", c), "name: given 'b', which a node of the chain has"),
+        (lambda c: join_chains(c, "c", c, "x"), "other_at: given 'x'"),
+        (
+            lambda c: join_chains(c, "c", c, stiffness=1.0, ratio=2.0, prefix="2 "),
+            "stiffness: given 1 beside a ratio",
+        ),
+        (lambda c: join_chains(c, "c", c, ratio=0.0, prefix="2 "), "gear.ratio: given 0"),
+        (lambda c: add_node(c, "d", 1.0, to="c"), "dashpot.damping: given 0"),
+        (lambda c: add_node(c, "d", 1.0, to="c", loss_factor=0.1), "stiffness: given none beside"),
+        (lambda c: add_node(c, "d", 1.0, to="c", stiffness=-1.0), r"stiffness\[2\]: given -1"),
+        (lambda c: add_node(c, "a", 1.0, to="c", stiffness=1.0), "name: given 'a'"),
+        (lambda c: with_ground(c, "a", -1.0), "stiffness: given -1"),
+        (lambda c: with_inertia(c, "a", -1.0), "added: given -1"),
+        (lambda c: with_element(c, "a", "a", 1.0), r"connections\[2\]: given node 0 twice"),
+        (lambda c: with_gear(c, "a", "c", 2.0), "gears: given ratios"),
+    ],
+)
+def test_unusable_changes_are_refused(shaft, change, message):
+    with pytest.raises(InputError, match=message):
+        change(shaft)
+
+
+value = st.floats(0.5, 2.0)
+ratio = st.floats(0.3, 4.0).flatmap(lambda r: st.sampled_from([r, -r]))
+
+
+def answer(chain, frequency, node):
+    forces = np.zeros((1, len(chain.names)), dtype=complex)
+    forces[0, node] = 1.0
+    system = chain_system(chain)
+    found = harmonic_response(system, np.array([frequency]), forces @ system.expand)
+    return (system.expand @ found.motion.T)[:, 0]
+
+
+@settings(max_examples=15)
+@given(st.lists(value, min_size=12, max_size=12), ratio, st.floats(0.2, 3.0))
+def test_a_geared_chain_is_its_equivalent_by_the_ratio_squared(v, r, frequency):
+    # Nodes 0-1 on one shaft, 2-3 on another that turns r times as fast, 1 and 2 being the gears.
+    geared = Chain(
+        v[:4],
+        v[4:6],
+        {3: v[6]},
+        connections=[(0, 1), (2, 3)],
+        damping=v[7:9],
+        loss_factor=[0.1, 0.2],
+        ground_damping={3: v[9]},
+        distributed_inertia=v[10:12],
+        gears=[Gear(1, 2, r)],
+    )
+    q = r * r
+    plain = Chain(
+        [v[0], v[1] + q * v[2], q * v[3]],
+        [v[4], q * v[5]],
+        {2: q * v[6]},
+        damping=[v[7], q * v[8]],
+        loss_factor=[0.1, 0.2],
+        ground_damping={2: q * v[9]},
+        distributed_inertia=[v[10], q * v[11]],
+    )
+    # Round-off: the systems are the same but for the order of sums.
+    assert geared.modes().frequencies == close(plain.modes().frequencies, rel=1e-9)
+    moved, referred = answer(geared, frequency, 0), answer(plain, frequency, 0)
+    expected = np.array([referred[0], referred[1], r * referred[1], r * referred[2]])
+    assert moved == close(expected, rel=1e-8)
+
+
+def test_an_idler_gear_may_be_without_inertia():
+    # Shaft, idler and shaft: 0 - 1 and 3 - 4 are springs, 2 the idler between the gears 1 and 3.
+    chain = Chain(
+        [1.0, 0.1, 0.0, 0.1, 1.0],
+        [3.0, 3.0],
+        connections=[(0, 1), (3, 4)],
+        gears=[Gear(1, 2, -2.0), Gear(2, 3, -0.5)],
+    )
+    assert chain.speed_ratios.tolist() == [1.0, 1.0, -2.0, 1.0, 1.0]
+    expected = Chain([1.0, 0.2, 1.0], [3.0, 3.0]).modes().frequencies
+    assert chain.modes().frequencies == close(expected)
+    with pytest.raises(InputError, match=r"inertia\[2\]: given 0; allowed is more than zero where"):
+        Chain([1.0, 1.0, 0.0], [1.0], connections=[(1, 2)], gears=[Gear(0, 1, 2.0)])
+
+
+def test_a_loop_of_springs():
+    # Three equal inertias in a ring: 0 and twice sqrt(3 k / m).
+    ring = Chain([2.0] * 3, [5.0] * 3, connections=[(0, 1), (1, 2), (2, 0)])
+    assert ring.modes().angular_frequencies == close([0.0, 7.5**0.5, 7.5**0.5])
+
+
+def test_two_ways_through_gears_that_contradict():
+    for gears in ([Gear(0, 2, 2.0), Gear(1, 3, 2.1)], [Gear(0, 2, 2.0), Gear(1, 3, -2.0)]):
+        with pytest.raises(InputError, match=r"gears: given ratios .*because otherwise the shafts"):
+            Chain([1.0] * 4, [1.0] * 2, connections=[(0, 1), (2, 3)], gears=gears)
+    with pytest.raises(InputError, match="gears: given ratios"):
+        Chain([1.0] * 2, [1.0], gears=[Gear(0, 1, 1.5)])
+
+
+def test_dashpots_join_and_let_turn():
+    chain = Chain([1.0, 1.0, 1.0], [4.0], connections=[(0, 1)], dashpots=[Dashpot(1, 2, 3.0)])
+    modes = chain.modes()
+    assert modes.rigid == 2
+    assert modes.names[:2] == ("rigid body: node 0, node 1", "rigid body: node 2")
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: Gear(0, 1, 0.0), "gear.ratio: given 0"),
+        (lambda: Gear(0, 1, float("inf")), "gear.ratio.*given inf"),
+        (lambda: Dashpot(0, 1, -1.0), "dashpot.damping: given -1"),
+        (
+            lambda: Chain([1.0] * 3, [1.0], connections=[(0, 1)]),
+            "connections: given ones that do not join node 2 to node 0",
+        ),
+        (
+            lambda: Chain([1.0] * 2, [1.0], connections=[(0, 0)]),
+            r"connections\[0\]: given node 0 twice",
+        ),
+        (
+            lambda: Chain([1.0] * 2, [1.0], connections=[(0, 2)]),
+            r"connections\[0\]: given 2; allowed",
+        ),
+        (lambda: Chain([1.0] * 2, [1.0], gears=[Gear(0, 5, 1.0)]), r"gears\[0\]: given 5"),
+        (
+            lambda: Chain([1.0] * 4, [1.0] * 2, connections=[(0, 1), (2, 3)], gears=[(1, 2, -0.6)]),
+            r"gears\[0\]: given \(1, 2, -0.6\); allowed is a Gear, like Gear\(driver=1",
+        ),
+        (
+            lambda: Chain([1.0] * 2, [1.0], dashpots=[(0, 1, 3.0)]),
+            r"dashpots\[0\]: given \(0, 1, 3.0\); allowed is a Dashpot",
+        ),
+        (
+            lambda: Chain([1.0] * 2, [1.0], gears=Gear(0, 1, 2.0)),
+            "gears: given Gear.*; allowed is a sequence of Gear",
+        ),
+        (lambda: Chain([1.0] * 2, [1.0], names=["a", "a"]), "names: given 2 names, 1 of them"),
+    ],
+)
+def test_unusable_links_are_refused(build, message):
+    with pytest.raises(InputError, match=message) as raised:
+        build()
+    assert "\n" not in str(raised.value)
+
+
+SPEEDS = np.array([40.0, 80.0])
+FORCES = PropellerForces(
+    4,
+    20.0,
+    3e5,
+    2e5,
+    [0.08, 0.02],
+    [0.1, 0.03],
+    thrust_phases_deg=np.degrees([0.3, 1.0]),
+    torque_phases_deg=np.degrees([-0.5, 2.0]),
+)
+ANGLES = np.random.default_rng(5).uniform(0.0, 60.0, 25)
+
+
+def geared(ratio):
+    return Chain(
+        [2.0, 30.0, 5.0, 80.0], [1e6, 1e6], connections=[(0, 1), (2, 3)], gears=[Gear(1, 2, ratio)]
+    )
+
+
+@pytest.mark.parametrize("ratio", [0.25, -0.3])
+def test_torque_varies_with_the_angle_of_the_propeller(ratio):
+    found = propeller_excitation(FORCES, geared(ratio), 3, SPEEDS, kind="torsional")
+    assert found.orders == close([4 * abs(ratio), 8 * abs(ratio)])
+    theta = ratio * ANGLES
+    mean = 2e5 * (ratio * 80.0 / 20.0) ** 2
+    varying = mean * (0.1 * np.sin(4 * theta - 0.5) + 0.03 * np.sin(8 * theta + 2.0))
+    # It resists the turning of its own node.
+    assert found.at_angle(1, shaft_angle_deg=np.degrees(ANGLES))[:, 3] == close(
+        -np.sign(ratio) * varying, abs=1e-9 * mean
+    )
+    assert np.all(found.forces[:, :, :3] == 0.0)
+    assert FORCES.mean_torque([ratio * 80.0]) == close([mean])
+
+
+def test_thrust_acts_towards_the_free_end():
+    chain = Chain([10.0, 20.0], [1e9])
+    found = propeller_excitation(FORCES, chain, 1, SPEEDS, kind="axial", ratio=0.5)
+    theta = 0.5 * ANGLES
+    mean = 3e5 * (0.5 * 40.0 / 20.0) ** 2
+    varying = mean * (0.08 * np.sin(4 * theta + 0.3) + 0.02 * np.sin(8 * theta + 1.0))
+    assert found.at_angle(0, shaft_angle_deg=np.degrees(ANGLES))[:, 1] == close(
+        -varying, abs=1e-9 * mean
+    )
+    direct = propeller_excitation(FORCES, chain, 1, SPEEDS, kind="axial")
+    assert direct.orders.tolist() == [4.0, 8.0]
+
+
+def test_what_does_not_fit_is_refused():
+    chain = geared(0.25)
+    for changed, sentence in (
+        ({"node": 4}, "propeller node: given 4"),
+        ({"kind": "bending"}, "kind: given 'bending'"),
+        ({"ratio": 0.0}, "ratio: given 0; allowed is a finite number"),
+        ({"speeds": [2.0, 1.0]}, r"speeds\[1\]: given 1 rad/s after 2"),
+    ):
+        given = {"node": 3, "speeds": SPEEDS, "kind": "torsional"} | changed
+        with pytest.raises(InputError, match=sentence):
+            propeller_excitation(FORCES, chain, **given)
+    steady = PropellerForces(4, 20.0, 3e5, 2e5, [], [0.1])
+    with pytest.raises(InputError, match="given no harmonics of its thrust"):
+        propeller_excitation(steady, chain, 3, SPEEDS, kind="axial")
+    with pytest.raises(InputError, match=r"propeller_forces.thrust_phases: given 1 for 2 shares"):
+        PropellerForces(4, 20.0, 3e5, 2e5, [0.1, 0.02], [], thrust_phases_deg=[0.1])
+    with pytest.raises(InputError, match=r"propeller_forces.blades: given 1"):
+        PropellerForces(1, 20.0, 3e5, 2e5, [0.1], [])

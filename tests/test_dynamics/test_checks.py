@@ -1,6 +1,7 @@
-"""Numbers that no result can be calculated from are refused in a sentence, wherever they enter."""
+"""Numbers that no result can be calculated from, and what every vibration is checked for."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,10 +17,11 @@ from crankbase.checks.arrays import (
     positive_vector,
     turning_speeds,
 )
-from crankbase.errors import InputError
+from crankbase.errors import InputError, SolveError
 from dynamics.assessment.limit_rules import crankshaft_limit, propulsion_shaft_limit
 from dynamics.assessment.limits import LimitCurve, axial_force_limit, given_limit
 from dynamics.balance.balance import balance
+from dynamics.chains import chain as chains
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_line import ShaftCone
 from dynamics.crankshaft.surroundings import AxialSupport
@@ -33,9 +35,12 @@ from dynamics.excitation.pressure_map import PressureMap
 from dynamics.excitation.propeller import PropellerForces, propeller_excitation
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.indices import at_most, within
+from dynamics.response import harmonic
+from dynamics.response.forced import forced_response
+from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.torque.star import star_diagram
-from dynamics.torque.torque import engine_torque, pin_force_harmonics
+from dynamics.torque.torque import check_energy, engine_torque, pin_force_harmonics
 
 ROD = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
 ENGINE = EngineLayout(
@@ -226,3 +231,51 @@ def test_ranges_of_speed_have_closed_ends(end):
 def test_an_array_for_one_number_is_told_by_its_shape():
     with pytest.raises(InputError, match=r"^speed: given an array of shape \(360,\); allowed"):
         balance(ENGINE, ANGLES)
+
+
+BROKEN_CHAIN = Chain(inertia=[1.0, 2.0, 5.0], stiffness=[1e5, 3e5], damping=[20.0, 30.0])
+SHARE = 1e-5
+BROKEN_ENGINE = EngineLayout(0.05, [EngineCylinder(0.1, 1.0, ROD)], [1])
+
+
+def response(method="modal"):
+    forces = np.ones((2, 40, 3), dtype=complex)
+    excitation = OrderExcitation([1.0, 2.0], np.linspace(20.0, 400.0, 40), forces)
+    return forced_response(BROKEN_CHAIN, excitation, magnifier=None, method=method)
+
+
+def test_answers_that_do_not_satisfy_the_equations(monkeypatch):
+    exact = harmonic.dynamic_stiffness
+    monkeypatch.setattr(harmonic, "dynamic_stiffness", lambda *given: (1.0 + SHARE) * exact(*given))
+    with pytest.raises(SolveError, match=r"leaves a residual of .*e-06 .*\(allowed 1e-09\)"):
+        response("direct")
+
+
+def test_power_that_does_not_balance():
+    found = response()
+    assert checked_power_balance(found).error < 1e-12
+    late = replace(found, motion=found.motion * np.exp(1j * SHARE))
+    with pytest.raises(SolveError, match=r"differ by a share of \d.*\(allowed 1e-06\)"):
+        checked_power_balance(late)
+
+
+def test_modes_that_are_none(monkeypatch):
+    find = chains.elastic_modes
+
+    def off(rows, mass, count):
+        frequencies, shapes = find(rows, mass, count)
+        return (1.0 + SHARE) * frequencies, shapes
+
+    monkeypatch.setattr(chains, "elastic_modes", off)
+    with pytest.raises(SolveError, match=r"modes of the chain leave a residual of .*1e-10"):
+        BROKEN_CHAIN.modes()
+
+
+def test_work_that_is_not_that_of_the_gas():
+    angles = np.radians(np.arange(0.0, 720.0, 0.5))
+    torque = engine_torque(BROKEN_ENGINE, 100.0, [3e4 * np.exp(-(angles**2))])
+    check_energy(torque)
+    with pytest.raises(
+        SolveError, match=r"work of the gas differ by a share of .*\(allowed 1e-10\)"
+    ):
+        check_energy(replace(torque, indicated_work=torque.indicated_work + 1e-3))

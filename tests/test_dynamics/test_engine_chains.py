@@ -1,3 +1,5 @@
+"""Chains of engines, and details of their vibration."""
+
 import math
 
 import numpy as np
@@ -7,9 +9,9 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
-from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
-from dynamics.chains.editing import add_node, with_names
+from dynamics.chains.chain import Chain, Dashpot, Gear
+from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper, main_inertia
+from dynamics.chains.editing import add_node, with_damper, with_names
 from dynamics.chains.engine_chains import (
     axial_chain,
     throw_inertia,
@@ -20,6 +22,16 @@ from dynamics.chains.shaft_line import DrivenMachine, ShaftLine, shaft_cylinder
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import reduced_inertia
 from dynamics.engine.rods import ConnectingRod
+from dynamics.excitation.chain_excitation import axial_excitation_of_torsion, axial_section_forces
+from dynamics.excitation.cylinders import cylinder_forces, forces_at_speeds, torque_harmonics
+from dynamics.excitation.pressure_map import pressure_map
+from dynamics.excitation.propeller import PropellerForces, propeller_excitation
+from dynamics.gas.pressure import gas_pressure
+from dynamics.harmonics import harmonics
+from dynamics.response.forced import forced_response
+from dynamics.response.linear_system import chain_system, damped
+from dynamics.response.loads import element_loads, power_balance
+from dynamics.response.order_excitation import OrderExcitation
 
 
 def test_axial_chain_shares_each_throw_between_its_sections():
@@ -49,23 +61,6 @@ def test_axial_chain_without_bearing_and_flywheel_is_free():
     assert modes.angular_frequencies[1] == close(np.sqrt(1e9 * (1 / 50 + 1 / 50)))
 
 
-def test_torsional_chain_without_additions():
-    built = torsional_chain([2e-7, 4e-7], [0.5, 0.6], 10.0)
-    assert built.kind == "torsional"
-    assert built.nodes == ("cylinder 1", "cylinder 2", "flywheel")
-    assert built.chain.inertia.tolist() == [0.5, 0.6, 10.0]
-    assert 1.0 / built.chain.stiffness == close([3e-7, 2e-7])
-    assert not built.chain.ground.any()
-
-
-def test_torsional_chain_with_free_end_and_driven_machine():
-    driven = DrivenMachine(inertia=30.0, coupling_stiffness=1e5)
-    built = torsional_chain([2e-7, 4e-7], [0.5, 0.6], 10.0, free_end_inertia=0.1, driven=driven)
-    assert built.nodes == ("free end", "cylinder 1", "cylinder 2", "flywheel", "driven machine")
-    assert built.chain.inertia.tolist() == [0.1, 0.5, 0.6, 10.0, 30.0]
-    assert 1.0 / built.chain.stiffness == close([1e-7, 3e-7, 2e-7, 1e-5])
-
-
 def test_whole_compliance_of_the_shaft_is_kept():
     compliances = [2e-7, 4e-7, 3e-7]
     chain = torsional_chain(compliances, [1.0, 1.0, 1.0], 5.0, free_end_inertia=1.0).chain
@@ -74,25 +69,6 @@ def test_whole_compliance_of_the_shaft_is_kept():
 
 def test_throw_inertia():
     assert throw_inertia(1.5, 4.0, 6.0, 0.1) == close(1.5 + 0.04 + 0.03)
-
-
-def test_half_the_reciprocating_mass_is_the_mean_over_a_revolution():
-    # Exact slider-crank velocity per radian; the next term of the mean is lambda^2 / 8.
-    radius, ratio, mass = 0.07, 0.3, 2.0
-    angle = np.arange(720) * np.pi / 360.0
-    swing = np.sqrt(1.0 - (ratio * np.sin(angle)) ** 2)
-    velocity = radius * (np.sin(angle) + ratio * np.sin(angle) * np.cos(angle) / swing)
-    mean = np.mean(mass * velocity**2)
-    assert throw_inertia(1.0, 0.0, mass, radius) - 1.0 == close(mean, rel=0.3 * ratio**2)
-
-
-def test_throws_and_sections_are_known_by_their_nodes():
-    torsional = torsional_chain([1.0, 1.0], [1.0, 1.0], 2.0, free_end_inertia=0.5)
-    assert torsional.throw_nodes == (1, 2)
-    assert (torsional.sections, torsional.throws) == ((), 2)
-    axial = axial_chain([1.0, 1.0], [1.0, 1.0], 2.0, 0, 0.0)
-    assert axial.sections == (0, 1, 2)
-    assert (axial.throw_nodes, axial.throws) == ((), 2)
 
 
 def test_throws_of_several_cylinders_are_called_throws():
@@ -321,3 +297,236 @@ def test_unusable_throw_inertias_are_refused(v_four):
 def test_unusable_values_are_refused(build, message):
     with pytest.raises(InputError, match=message):
         build()
+
+
+ROW = Chain([1.0, 2.0, 3.0], [1e4, 2e4])
+FOUR_STROKE = np.radians(np.arange(0.0, 720.0, 2.0))
+
+
+def at_first_node(speed, nodes=3):
+    """A unit force of order one on the first node."""
+    forces = np.zeros((1, 1, nodes))
+    forces[0, 0, 0] = 1.0
+    return OrderExcitation([1.0], [speed], forces)
+
+
+# --- chains
+
+
+def test_dashpots_told_in_any_order_join_a_chain():
+    dashpots = [Dashpot(2, 3, 1.0), Dashpot(1, 2, 1.0), Dashpot(0, 1, 1.0)]
+    chain = Chain([1.0] * 4, [], connections=[], dashpots=dashpots)
+    assert len(chain.dashpots) == 3
+
+
+@pytest.mark.parametrize(("inertia", "pair"), [([1.0, 3.0], (0, 1)), ([3.0, 1.0], (1, 0))])
+def test_node_of_a_mode_lies_near_the_larger_inertia(inertia, pair):
+    # Motions are as 3 to -1: the node lies at 3/4 of the element, from the smaller inertia.
+    modes = Chain(inertia, [4.0], connections=[pair]).modes()
+    assert modes.node_positions[1] == close((0.75,))
+
+
+def test_kinetic_shares_with_distributed_inertia_add_up_to_one():
+    modes = Chain([0.1, 0.4], [50.0], distributed_inertia=[0.9]).modes()
+    assert np.allclose(modes.kinetic_shares.sum(axis=0), 1.0)
+
+
+def test_main_inertia_where_the_node_moves_little():
+    # Free inertias 1 and 3 move as 1 and -1/3: referred to the second, (1 + 3 / 9) * 9.
+    main, _ = main_inertia(Chain([1.0, 3.0], [4.0]), 1)
+    assert main == close(12.0)
+
+
+def test_loss_factor_of_a_shaft_line_is_that_of_every_part():
+    line = ShaftLine([shaft_cylinder(1.0, 0.1)])
+    assert np.all(line.chain(loss_factor=0.01, parts=2).loss_factor == 0.01)
+
+
+def test_number_of_cylinders_may_be_a_numpy_integer():
+    chains = [torsional_chain([1e-8] * 2, [1.0] * 2, 3.0, cylinders=n) for n in (2, np.int64(2))]
+    assert chains[0].nodes == chains[1].nodes
+
+
+# --- response
+
+
+def test_loss_factor_damps_a_mode_far_below_the_highest():
+    # 20 and 2e6 rad/s: beside the square of the highest frequency, the first mode's loss is 1e-12.
+    chain = Chain([1.0, 1.0, 1.0], [200.0, 2e12], loss_factor=0.01)
+    speed = chain.modes().angular_frequencies[1]
+    found = {
+        method: forced_response(chain, at_first_node(speed), method=method)
+        for method in ("modal", "direct")
+    }
+    assert not found["modal"].unbounded[0, 0]
+    assert not found["direct"].unbounded[0, 0]
+    matrix = chain.stiffness_matrix() + 1j * chain.loss_matrix() - speed**2 * chain.mass_matrix()
+    wanted = np.linalg.solve(matrix, [1.0, 0.0, 0.0])
+    # The round-off of the stiff spring is 2e-6 of the soft one, which counts 100 times at resonance.
+    for one in found.values():
+        assert np.allclose(one.motion[0, 0], wanted, rtol=0.0, atol=1e-3 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize(("away", "unbounded"), [(0.9e-9, True), (1.1e-9, False)])
+@pytest.mark.parametrize("method", ["modal", "direct"])
+def test_undamped_mode_is_unbounded_within_a_billionth_of_its_frequency(away, unbounded, method):
+    speed = ROW.modes().angular_frequencies[1] * (1.0 + away)
+    found = forced_response(ROW, at_first_node(speed), method=method)
+    assert found.unbounded[0, 0] == unbounded
+
+
+def test_rigid_motion_of_unknowns_behind_a_gear():
+    chain = Chain(
+        [1.0, 2.0, 3.0, 4.0], [5e3, 7e3], connections=[(0, 2), (1, 3)], gears=[Gear(0, 1, 3.0)]
+    )
+    system = chain_system(chain)
+    # No spring resists it, but for the round-off of their torques.
+    resisted = np.abs(system.stiffness @ system.rigid)
+    assert np.max(resisted) < 1e-12 * np.abs(system.stiffness).max()
+    assert np.allclose(system.expand @ system.rigid / system.rigid[0], [[1.0], [3.0], [1.0], [3.0]])
+
+
+def test_elastic_motion_has_no_momentum():
+    chain = Chain([1.0, 2.0, 30.0], [1e4, 2e4], damping=3.0)
+    motion = forced_response(chain, at_first_node(40.0)).elastic.values[0, 0]
+    # A sum of three terms that cancel to their round-off.
+    assert np.abs(chain.inertia @ motion) < 1e-12 * np.abs(chain.inertia * motion).sum()
+
+
+def test_absolute_damping_of_another_node_is_told_by_itself():
+    own = Chain([1.0, 1.0], [1e3], ground_damping={0: 5.0})
+    found = damped(own, absolute={1: 2.0}, source="a paper")
+    assert found.chain.ground_damping.tolist() == [5.0, 2.0]
+    assert "up to 2 N m s/rad" in found.record[1]
+
+
+@pytest.mark.parametrize("kind", ["absolute", "relative", "loss_factor", "element_magnifier"])
+def test_damping_of_nothing_counts_as_not_given(kind):
+    assert damped(ROW, **{kind: {}}).record == damped(ROW).record
+    assert damped(ROW, **{kind: {}}, undamped=True).record == ("no damping, on purpose",)
+
+
+def test_error_of_power_stays_small_where_damping_is_next_to_nothing():
+    chain = Chain([1.0, 2.0, 3.0], [1e4, 2e4], damping=[1e-16, 0.0])
+    response = forced_response(chain, OrderExcitation([1.0], [33.0, 50.0], np.ones((1, 2, 3))))
+    # Of the apparent power, to its round-off; the heat is 1e-20 of it.
+    assert power_balance(response).error < 1e-12
+
+
+@pytest.mark.parametrize("speeds", [[50.0, 100.0], [50.0, 80.0, 100.0], [50.0, 60.0, 80.0, 100.0]])
+def test_forces_of_inertia_are_met_between_speeds(speeds):
+    squares = 3.0 + 1j * np.square(speeds)
+    acting = OrderExcitation([1.0], speeds, squares[np.newaxis, :, np.newaxis] * np.ones(2))
+    asked = np.array([50.0, 55.0, 93.0])
+    found = acting.at_speeds(asked).forces[0, :, 0]
+    assert np.allclose(found, 3.0 + 1j * asked**2, rtol=1e-12)
+
+
+def test_forces_that_are_no_numbers_are_refused():
+    for forces in ([[["a"]]], None, [[[1.0]], [1.0]]):
+        with pytest.raises(InputError, match=r"^forces: given .*; allowed .*, because"):
+            OrderExcitation([1.0], [1.0], forces)
+
+
+# --- excitation
+
+
+def test_given_torque_is_met_at_every_angle_after_each_firing():
+    angles = np.arange(0.0, 4.0 * np.pi, 4.0 * np.pi / 720)
+
+    def torque(angle):
+        return 100.0 + 30.0 * np.sin(1.5 * angle + 0.4) + 5.0 * np.cos(0.5 * angle)
+
+    known = harmonics(torque(angles), strokes=4)
+    found = torque_harmonics(
+        known, firing_angles_deg=np.degrees([0.0, 1.1]), orders=[0.5, 1.5], crank_radius=0.1
+    )
+    tangential, _ = forces_at_speeds(found, [10.0]).at_angle(0, shaft_angle_deg=np.degrees([0.7]))
+    assert tangential[0, 1] * 0.1 == close(torque(0.7 - 1.1))
+    with pytest.raises(InputError, match="orders kept"):
+        torque_harmonics(
+            known.up_to(3.0),
+            firing_angles_deg=np.degrees([0.0, 1.1]),
+            orders=[0.5, 3.5],
+            crank_radius=0.1,
+        )
+
+
+def level(pressure):
+    return gas_pressure(pressure + 0.0 * FOUR_STROKE, 4, angles_deg=np.degrees(FOUR_STROKE))
+
+
+def test_points_of_a_map_within_round_off_are_one_speed():
+    near = 1.0 + 1e-12
+    points = [(10.0 * near, 1.0), (20.0, 1.0), (10.0, 2.0), (20.0 * near, 2.0)]
+    found = pressure_map(
+        [(*point, level(1e5 * number)) for number, point in enumerate(points, start=1)]
+    )
+    assert [own.pressure[0] for own in found.diagrams] == [1e5, 3e5, 2e5, 4e5]
+
+
+def one_cylinder(strokes=4):
+    rod = ConnectingRod(length=0.5, mass=8.0, center_distance=0.18, inertia=0.3)
+    cylinder = EngineCylinder(bore=0.2, piston_mass=12.0, rod=rod)
+    return EngineLayout(crank_radius=0.12, cylinders=[cylinder], firing_order=[1], strokes=strokes)
+
+
+def test_spline_between_diagrams_below_zero_pressure_is_refused():
+    peak = 45e5 * np.exp(-(((FOUR_STROKE - 2.0 * np.pi) / 0.3) ** 2))
+    flat, fired = level(9e4), gas_pressure(9e4 + peak, 4, angles_deg=np.degrees(FOUR_STROKE))
+    points = [(10.0, 1.0, flat), (20.0, 1.0, flat), (21.0, 1.0, fired), (40.0, 1.0, flat)]
+    with pytest.raises(InputError, match=r"^speed: given 143.239 1/min, where the cubic between"):
+        cylinder_forces(one_cylinder(), [15.0], 4, pressure_map(points))
+    straight = pressure_map(points, method="linear")
+    assert np.all(np.isfinite(cylinder_forces(one_cylinder(), [15.0], 4, straight).tangential))
+
+
+def test_motored_diagram_at_all_speeds_beside_a_map_is_remarked():
+    points = [(speed, 1.0, level(2e5)) for speed in (10.0, 20.0)]
+    given = {"pressure": pressure_map(points), "motored": level(1e5)}
+    plain = cylinder_forces(one_cylinder(), [12.0, 18.0], 4, **given)
+    failing = cylinder_forces(one_cylinder(), [12.0, 18.0], 4, **given, misfire={1: 1.0})
+    assert plain.remarks == ()
+    assert failing.remarks[0].startswith("One pressure diagram was used at all speeds from")
+
+
+def test_inertia_forces_do_not_depend_on_the_samples_of_the_gas():
+    few, many = (cylinder_forces(one_cylinder(), [15.0], 5.0, samples=n) for n in (24, 1440))
+    assert np.array_equal(few.tangential, many.tangential)
+
+
+def test_torque_of_a_ring_on_the_last_crank_is_not_that_of_the_crankshaft():
+    plain = torsional_chain([4e-8] * 3, [8.0] * 3, 200.0, free_end_inertia=1.0)
+    ring = RubberDamper(2.0, 1e6, 0.1)
+    ringed = plain.with_chain(with_damper(plain.chain, plain.throw_nodes[-1], ring))
+    forces = np.zeros((1, 1, len(ringed.nodes)))
+    forces[0, 0, 1] = 1e3
+    response = forced_response(
+        ringed.chain, OrderExcitation([1.0], [300.0], forces), magnifier=30.0
+    )
+    loads = element_loads(response).elastic.values
+    # The torque of the ring is told last; beside the others it is small, but far above round-off.
+    assert np.abs(loads[0, 0, -1]) > 5e-3 * np.abs(loads).max()
+    axial = axial_chain([1e-9] * 3, [200.0] * 3, 1000.0, 3, 1e9)
+    influence = np.arange(1.0, 13.0).reshape(3, 4) * 1e-9
+    found = axial_excitation_of_torsion(response, ringed, axial, [1e-9] * 3, influence)
+    wanted = axial_section_forces(loads[:, :, :-1] @ influence.T / 1e-9, axial)
+    assert np.allclose(found.forces, wanted, rtol=1e-12)
+
+
+def test_ratio_of_a_propeller_behind_gears_and_a_dashpot_has_to_be_given():
+    propeller = PropellerForces(4, 20.0, 3e5, 2e5, [0.08], [0.1])
+    slipping = {
+        "inertia": [2.0, 30.0, 5.0, 80.0],
+        "stiffness": [1e6],
+        "connections": [(0, 1)],
+        "dashpots": [Dashpot(1, 2, 50.0)],
+    }
+    geared = Chain(**slipping, gears=[Gear(2, 3, 0.25)])
+    with pytest.raises(InputError, match=r"^ratio: given none for node 3; allowed is its speed"):
+        propeller_excitation(propeller, geared, 3, [40.0], kind="torsional")
+    given = propeller_excitation(propeller, geared, 3, [40.0], kind="torsional", ratio=0.25)
+    assert given.orders == close([1.0])
+    slipping["inertia"] = [2.0, 30.0, 80.0]
+    direct = propeller_excitation(propeller, Chain(**slipping), 2, [40.0], kind="torsional")
+    assert direct.orders == close([4.0])

@@ -1,5 +1,6 @@
+"""Torque of an engine, its harmonics, and the two-mass check."""
+
 import math
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -7,13 +8,13 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.cycle import cycle_radians
+from dynamics.chains.chain import Chain
+from dynamics.critical import solid_shaft_stiffness, two_mass_check, two_mass_frequency
 from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
-from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.rods import ConnectingRod
+from dynamics.harmonics import harmonics, read_torque_table
 from dynamics.torque.torque import engine_torque, pin_force_harmonics
-from references import finite_sums
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 SLAVE_ROD = ConnectingRod(0.18, 1.2, 0.07, 0.008)
@@ -78,43 +79,6 @@ def hinged_vee():
 ENGINES = pytest.mark.parametrize("engine", [in_line_two_stroke(), hinged_vee()])
 
 
-@ENGINES
-def test_mean_torque_does_the_indicated_work(engine):
-    found = engine_torque(engine, SPEED, SmoothPressure(engine.strokes))
-    work = found.indicated_work
-    assert np.all(np.abs(work) > 10.0)
-    assert found.mean * cycle_radians(engine.strokes) == close(work.sum(), rel=1e-12)
-    assert abs(found.energy_error) < 1e-13
-    # A torque a thousandth too large shows by its share of the work exchanged.
-    step = cycle_radians(engine.strokes) / found.shaft_angles_deg.size
-    share = 1e-3 * work.sum() / (np.abs(found.gas).sum() * step)
-    wrong = replace(found, gas=1.001 * found.gas)
-    assert wrong.energy_error == close(share / 1.001, rel=1e-9)
-    # Without gas nothing is exchanged, and what is left in N m is round-off of some 1e3 N m.
-    assert engine_torque(engine, SPEED).energy_error == close(0.0, abs=1e-9)
-    assert found.power == close(work.sum() * SPEED / cycle_radians(engine.strokes), rel=1e-12)
-    assert found.inertia.mean(axis=1) == close(np.zeros(len(work)), abs=1e-9)
-
-
-@ENGINES
-def test_indicated_work_is_the_area_of_the_pressure_over_volume_loop(engine):
-    """The polygon of 20000 corners, from pressure and piston place alone."""
-    pressure = SmoothPressure(engine.strokes)
-    found = engine_torque(engine, SPEED, pressure)
-    angles = np.linspace(0.0, cycle_radians(engine.strokes), 20001)
-    for number, cylinder in enumerate(engine.cylinders, start=1):
-        force = (
-            pressure.at(angle_deg=np.degrees(angles - np.radians(engine.firing_deg)[number - 1]))
-            - 101325.0
-        ) * cylinder.area
-        place = cylinder_motion(
-            engine, number, shaft_angles_deg=np.degrees(angles)
-        ).piston.place.real
-        work = -np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(place))
-        # A polygon misses the share step^2 / 6 of the loop, 7e-8 with 4 pi / 20000.
-        assert found.indicated_work[number - 1] == close(work, rel=2e-7)
-
-
 def test_torque_is_that_of_all_forces_at_once():
     engine = hinged_vee()
     pressure = SmoothPressure(4)
@@ -144,20 +108,6 @@ def test_nonuniformity():
     found = engine_torque(engine, SPEED, SmoothPressure(2))
     assert found.nonuniformity == close(np.ptp(found.total) / found.mean)
     assert engine_torque(engine, SPEED).nonuniformity is None
-
-
-@pytest.mark.parametrize("samples", [720, 721])
-@ENGINES
-def test_transform_and_finite_sums_agree_on_an_engines_torque(engine, samples):
-    found = engine_torque(engine, SPEED, SmoothPressure(engine.strokes), samples=samples)
-    mean, cosine, sine = finite_sums(found.total)
-    fast = found.harmonics()
-    # Round-off of sums of 720 terms.
-    small = 1e-13 * np.max(np.abs(found.total))
-    assert fast.mean == close(mean, abs=small)
-    assert fast.cosine == close(cosine, abs=small)
-    assert fast.sine == close(sine, abs=small)
-    assert fast.samples == samples
 
 
 def test_harmonics_of_throws_add_up_to_the_engines():
@@ -213,14 +163,6 @@ def test_like_cylinders_have_like_harmonics_from_their_own_firing_tops():
     for one, other in pairwise(parts):
         assert one.tangential.amplitude[:12] == close(other.tangential.amplitude[:12])
         assert one.radial.phase[:6] == close(other.radial.phase[:6], abs=1e-9)
-
-
-def test_torque_harmonics_are_crank_radius_times_tangential_force():
-    engine = hinged_vee()
-    torque = engine_torque(engine, SPEED, SmoothPressure(4), samples=240)
-    force = pin_force_harmonics(engine, SPEED, SmoothPressure(4), samples=240)[1]
-    found = torque.cylinder_harmonics(2).up_to(24.0)
-    assert found.amplitude == close(0.07 * force.tangential.amplitude, abs=1e-9)
 
 
 def test_throws_may_be_told():
@@ -290,19 +232,134 @@ def test_orders_beyond_the_samples_are_refused():
         found.index_of(13)
 
 
-def test_pin_force_harmonics_end_with_the_highest_order():
-    engine = in_line_two_stroke()
-    whole = pin_force_harmonics(engine, SPEED, SmoothPressure(2), samples=96, highest_order=48)[1]
-    cut = pin_force_harmonics(engine, SPEED, SmoothPressure(2), samples=96, highest_order=3.5)[1]
-    for name in ("tangential_gas", "tangential_inertia", "tangential", "radial"):
-        assert getattr(cut, name).orders.tolist() == [1.0, 2.0, 3.0]
-        assert np.array_equal(getattr(cut, name).cosine, getattr(whole, name).cosine[:3])
-    assert whole.radial_gas.orders.size == 48
+@pytest.fixture
+def written(tmp_path):
+    def write(text):
+        path = tmp_path / "torque.csv"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
 
 
-def test_samples_resolve_the_default_orders():
-    """Twice as many samples change no amplitude up to order 24 of a pressure of few harmonics."""
-    engine = hinged_vee()
-    fine = engine_torque(engine, SPEED, SmoothPressure(4), samples=2880).harmonics()
-    usual = engine_torque(engine, SPEED, SmoothPressure(4)).harmonics()
-    assert usual.amplitude[:48] == close(fine.amplitude[:48], abs=1e-9)
+CRANK = "# An engine\n# Source: a book\n\ncrank_angle_deg,torque_Nm\n"
+CYCLE = "cycle_angle_deg,torque_Nm\n"
+
+
+def test_closing_sample_is_dropped(written):
+    table = read_torque_table(written(CRANK + "0,1\n180,2\n360,3\n540,4\n720,1\n"))
+    assert table.strokes == 4
+    assert table.torque.tolist() == [1.0, 2.0, 3.0, 4.0]
+
+
+@pytest.mark.parametrize(("strokes", "last"), [(None, 480.0), (4, 480.0), (2, 240.0)])
+def test_cycle_angles_are_turned_into_crank_angles(written, strokes, last):
+    path = written(CYCLE + "0,1\n120,2\n240,3\n360,1\n")
+    table = read_torque_table(path, strokes=strokes)
+    assert table.crank_angle_deg.tolist() == [0.0, last / 2.0, last]
+
+
+def test_harmonics_count_from_crank_angle_zero(written):
+    angles = np.arange(-360.0, 360.0, 60.0)
+    torques = np.sin(np.radians(angles) + 0.4)
+    rows = [f"{angle},{torque:.15g}" for angle, torque in zip(angles, torques, strict=True)]
+    found = read_torque_table(written(CRANK + "\n".join(rows))).harmonics()
+    assert found.amplitude[1] == close(1.0)
+    assert found.phase[1] == close(0.4)
+
+
+def test_byte_order_mark_and_windows_lines_are_accepted(tmp_path):
+    path = tmp_path / "torque.csv"
+    path.write_bytes(b"\xef\xbb\xbf" + CYCLE.encode() + b"0,1\r\n120,2\r\n240,3\r\n")
+    assert read_torque_table(path).torque.size == 3
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "no header; allowed is"),
+        ("angle,torque\n0,1\n", 'line 1: given the header "angle,torque"; allowed is'),
+        ("0,1\n", 'line 1: given the header "0,1"; allowed is'),
+        (CRANK, "given 0 samples; allowed are 3 or more"),
+        (CRANK + "0,1\n360,2\n", "given 2 samples"),
+        (CRANK + "0,1\n180;2\n", 'line 6: given "180;2"; allowed are two numbers'),
+        (CRANK + "0,1\n180,2,5\n", 'line 6: given "180,2,5"; allowed are two numbers'),
+        (CRANK + "0,1\n180,two\n", 'line 6: torque_Nm: given "two"; allowed are finite numbers'),
+        (CRANK + "0,1\nnan,2\n", 'line 6: crank_angle_deg: given "nan"'),
+        (CRANK + "0,1\n180,inf\n", 'line 6: torque_Nm: given "inf"'),
+        (CRANK + "0,1\n180,2\n# x\n180,3\n", "line 8: crank_angle_deg: given 180 deg after 180"),
+        (CRANK + "0,1\n180,2\n350,3\n540,4\n", r"line \d: crank_angle_deg.*allowed are even steps"),
+        (CRANK + "0,1\n90,2\n180,3\n", "line 7: .*allowed is one cycle of 720 deg or 360 deg"),
+        (CYCLE + "0,1\n240,2\n480,3\n", "line 4: .*allowed is one cycle of 360 deg,"),
+        (CYCLE + "0,1\n120,2\n240,3\n360,1.1\n", "line 5: torque_Nm: given 1.1 for the closing"),
+    ],
+)
+def test_unusable_tables_are_refused_with_file_and_line(written, text, message):
+    path = written(text)
+    with pytest.raises(InputError, match=message) as raised:
+        read_torque_table(path)
+    assert str(raised.value).startswith(str(path))
+    assert "\n" not in str(raised.value)
+
+
+def test_strokes_must_agree_with_the_crank_angles(written):
+    with pytest.raises(InputError, match="allowed is one cycle of 360 deg,"):
+        read_torque_table(written(CRANK + "0,1\n180,2\n360,3\n540,4\n"), strokes=2)
+
+
+def test_missing_and_unreadable_files_are_named(tmp_path):
+    with pytest.raises(InputError, match=r"absent\.csv: cannot be read as a torque table"):
+        read_torque_table(tmp_path / "absent.csv")
+    path = tmp_path / "binary.csv"
+    path.write_bytes(b"\x80\xfe\x00\xd8")
+    with pytest.raises(InputError, match=r"binary\.csv: .*line 1 is not UTF-8"):
+        read_torque_table(path)
+
+
+SHAFT = {"diameter": 0.05, "length": 0.4, "shear_modulus": 8e10, "inertia_1": 2.0, "inertia_2": 0.3}
+
+
+def test_two_masses_are_the_shortest_chain():
+    stiffness = solid_shaft_stiffness(0.05, 0.4, 8e10)
+    modes = Chain([2.0, 0.3], [stiffness]).modes()
+    assert two_mass_frequency(stiffness, 2.0, 0.3) == close(modes.angular_frequencies[1])
+
+
+def test_figures_belong_together():
+    check = two_mass_check(**SHAFT, order=6.0)
+    assert check.resonant_speed * 6.0 == close(check.angular_frequency)
+    assert check.resonant_speed_rpm == close(check.resonant_speed * 30.0 / math.pi)
+    assert check.vibrations_per_minute == close(60.0 * check.frequency)
+
+
+@pytest.mark.parametrize(
+    ("samples", "strokes", "order", "resolved", "statement"),
+    [
+        (36, 4, 14.0, False, "36 samples over two revolutions resolve orders up to 9: "
+         "this table cannot excite order 14."),
+        (36, 4, 0.75, False, "36 samples over two revolutions resolve orders up to 9 in steps of "
+         "0.5: this table cannot excite order 0.75."),
+        (36, 2, 6.0, True, "36 samples over one revolution resolve orders up to 18: "
+         "this table excites order 6 with 2.5 N m."),
+    ],
+)  # fmt: skip
+def test_statement_tells_what_the_table_can_show(samples, strokes, order, resolved, statement):
+    angle = np.arange(samples) * strokes * np.pi / samples
+    found = harmonics(2.5 * np.sin(6.0 * angle), strokes)
+    check = two_mass_check(**SHAFT, order=order, harmonics=found)
+    assert check.resolved is resolved
+    assert check.statement == statement
+
+
+def test_without_a_table_nothing_is_claimed():
+    check = two_mass_check(**SHAFT, order=6.0)
+    assert check.resolved is None
+    assert check.statement.startswith("No torque table is given")
+
+
+@pytest.mark.parametrize("field", [*SHAFT, "order"])
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf"), "1"])
+def test_every_value_must_be_above_zero(field, value):
+    values = {**SHAFT, "order": 6.0, field: value}
+    with pytest.raises(InputError, match=f"{field}: given .*more than zero"):
+        two_mass_check(**values)

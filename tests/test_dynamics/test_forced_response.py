@@ -1,22 +1,40 @@
-"""Forced response by orders: excitation, loads, stress, heat, and what is unbounded or refused."""
+"""Forced vibration of damped chains."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
+from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.limit_rules import crankshaft_limit
+from dynamics.assessment.limits import AmplitudeCurve, given_limit, worst_use
+from dynamics.assessment.response_curves import largest_amplitude, speeds_above
+from dynamics.assessment.verdict import judge
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.harmonics import harmonics
+from dynamics.plots.quantities import quantity_display
 from dynamics.response.forced import forced_response
-from dynamics.response.linear_system import damped
+from dynamics.response.harmonic import harmonic_response
+from dynamics.response.linear_system import EngineMagnifier, chain_system, damped
 from dynamics.response.loads import (
     alternating_stress,
     element_loads,
     power_balance,
     section_modulus,
 )
-from dynamics.response.order_excitation import OrderExcitation, phasors_of
-from dynamics.response.resonance import resonances
+from dynamics.response.order_excitation import OrderExcitation, at_angles, phasors_of
+from dynamics.response.resonance import refined_speeds, resonances
+from dynamics.response.series import (
+    PEAK_ERROR_BOUND,
+    OrderSeries,
+    common_order,
+    extreme_angles,
+    synthesis,
+)
 
 TWO = Chain([1.0, 1.0], [2e4], names=["pulley", "flywheel"])  # 200 rad/s
 SPEEDS = np.array([50.0, 100.0, 150.0])
@@ -82,17 +100,6 @@ def test_loads_and_stress():
     assert as_matrices.elements.shape == (2, 3, 0)
     # The rigid body is left out of the elastic motion: equal masses move apart alike.
     np.testing.assert_allclose(found.elastic.values.sum(axis=2), 0.0, atol=1e-20)
-
-
-def test_excitation_over_the_cycle():
-    forces = np.zeros((2, 3, 2), dtype=complex)
-    forces[0, :, 0], forces[1, :, 1] = 2.0j, 3.0
-    own = excitation(forces)
-    angle = np.array([0.0, 0.3, 2.0])
-    expected = np.column_stack((-2.0 * np.sin(angle), 3.0 * np.cos(2.0 * angle)))
-    np.testing.assert_allclose(
-        own.at_angle(1, shaft_angle_deg=np.degrees(angle)), expected, atol=1e-15
-    )
 
 
 def test_forces_of_inertia_are_exact_between_speeds():
@@ -165,3 +172,443 @@ def test_excitation_refused(orders, speeds, forces, words):
 def test_refused(call, words):
     with pytest.raises(InputError, match=words):
         call()
+
+
+def any_chain(seed):
+    """A branched chain of six nodes with a gear, a dashpot, distributed inertia, all damping."""
+    draw = np.random.default_rng(seed)
+    return Chain(
+        inertia=draw.uniform(0.1, 2.0, 6),
+        stiffness=draw.uniform(1e4, 1e5, 4),
+        connections=[(0, 1), (1, 2), (1, 3), (4, 5)],
+        ground={2: draw.uniform(0.0, 1e4)} if seed % 2 else None,
+        damping=draw.uniform(0.0, 5.0, 4),
+        loss_factor=draw.uniform(0.0, 0.1, 4),
+        ground_damping={0: draw.uniform(0.1, 5.0), 3: 1.0},
+        distributed_inertia=draw.uniform(0.0, 0.2, 4),
+        dashpots=[Dashpot(0, 3, draw.uniform(0.1, 50.0))],
+        gears=[Gear(3, 4, draw.choice([-2.0, 0.4]))],
+    )
+
+
+def any_excitation(chain, seed, speeds=(20.0, 50.0, 110.0)):
+    draw = np.random.default_rng(seed)
+    shape = (2, len(speeds), chain.inertia.size)
+    return OrderExcitation(
+        [1.0, 2.5], speeds, draw.normal(size=shape) + 1j * draw.normal(size=shape)
+    )
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 10_000))
+def test_any_chain(seed):
+    """Modal equals direct, power in equals heat, and every node is in equilibrium."""
+    chain = any_chain(seed)
+    excitation = any_excitation(chain, seed)
+    modal = forced_response(chain, excitation, magnifier=50.0)
+    direct = forced_response(chain, excitation, magnifier=50.0, method="direct")
+    largest = np.max(np.abs(direct.motion), axis=2, keepdims=True)
+    assert np.max(np.abs(modal.motion - direct.motion) / largest) < 1e-10
+    balance = power_balance(modal)
+    np.testing.assert_allclose(balance.power_in, balance.dissipated, rtol=1e-9)
+    assert balance.error < 1e-9
+    assert np.all(balance.rest > 0.0)
+
+    # The loads of elements, ground and dashpots are all that acts besides force and inertia.
+    own = forced_response(chain, excitation)
+    loads = element_loads(own)
+    dashpot = np.zeros((1, 6))
+    dashpot[0, [0, 3]] = -1.0, 1.0
+    w = own.angular_frequencies[:, :, np.newaxis]
+    left = (
+        loads.elements.values @ chain.elongations()
+        + loads.dashpots.values @ dashpot
+        + loads.ground.values
+        - w**2 * (own.motion @ chain.mass_matrix())
+        - excitation.forces
+    ) @ chain.expansion()
+    assert np.max(np.abs(left)) < 1e-10 * np.max(np.abs(loads.elements.values))
+
+
+def test_unbounded_within_1e_9_and_a_number_beyond():
+    """Two equal masses: w = sqrt(2 k / m) = 200 rad/s; the antisymmetric force drives it."""
+    system = chain_system(Chain([1.0, 1.0], [2e4]))
+    assert system.natural[0] == 0.0
+    apart = np.array([-1e-8, -0.9e-9, 0.0, 0.9e-9, 1e-8])
+    forces = np.tile(np.array([1.0 + 0j, -1.0]), (5, 1))
+    for method in ("modal", "direct"):
+        answer = harmonic_response(system, 200.0 * (1.0 + apart), forces, method)
+        assert answer.unbounded.tolist() == [False, True, True, True, False]
+        assert np.all(np.isfinite(answer.motion))
+        # 2 F / (2 m (w_n^2 - w^2)), the difference of squares to 8 of its 16 digits
+        exact = 1.0 / (200.0**2 - (200.0 * (1.0 + apart[[0, 4]])) ** 2)
+        np.testing.assert_allclose(answer.motion[[0, 4], 0], exact, rtol=1e-6)
+        # A force that does no work on the mode moves the rigid body only.
+        together = harmonic_response(system, np.array([200.0]), np.ones((1, 2), complex), method)
+        assert not together.unbounded[0]
+        np.testing.assert_allclose(together.motion, -1.0 / 200.0**2, rtol=1e-9)
+
+
+def test_damping_at_a_node_of_the_mode_leaves_it_unbounded():
+    chain = Chain([1.0, 1.0, 1.0], [1e4, 1e4], ground_damping={1: 5.0})
+    forces = np.array([[1.0 + 0j, 0.0, -1.0], [1.0, 0.0, 1.0]])
+    answer = harmonic_response(chain_system(chain), np.array([100.0, 100.0]), forces)
+    assert answer.unbounded.tolist() == [True, False]
+
+
+def test_an_unknown_method_is_refused():
+    system = chain_system(Chain([1.0, 1.0], [2e4]))
+    with pytest.raises(InputError, match="method: given 'guess'"):
+        harmonic_response(system, np.array([1.0]), np.ones((1, 2), complex), "guess")
+
+
+ONE = Chain([1.0], [], ground=[1e4])  # 100 rad/s
+LOSS_TWO = Chain([1.0, 1.0], [2e4])  # 200 rad/s
+
+
+def magnification(chain, speed):
+    """Amplitude at resonance over the static one of the elastic mode."""
+    count = chain.chain.inertia.size
+    forces = np.array([1.0, -1.0])[:count] * np.ones((1, 1, 1))
+    found = forced_response(chain, OrderExcitation([1.0], [speed], forces))
+    static = 1.0 / speed**2
+    return found.amplitude[0, 0, 0] / static
+
+
+@pytest.mark.parametrize(
+    ("chain", "speed", "choice"),
+    [
+        (LOSS_TWO, 200.0, {}),
+        (ONE, 100.0, {}),
+        (LOSS_TWO, 200.0, {"magnifier": 40.0}),
+        (LOSS_TWO, 200.0, {"modal_damping": 1.0 / 80.0}),
+        (LOSS_TWO, 200.0, {"modal_damping": [1.0 / 80.0]}),
+        (LOSS_TWO, 200.0, {"loss_factor": 1.0 / 40.0}),
+        (LOSS_TWO, 200.0, {"element_magnifier": {0: 40.0}}),
+        (LOSS_TWO, 200.0, {"relative": 2e4 / (200.0 * 40.0)}),
+        (LOSS_TWO, 200.0, {"absolute": {0: 5.0, 1: 5.0}}),  # I w / M = 200 / 40
+        (LOSS_TWO, 200.0, {"engine_magnifier": EngineMagnifier(40.0, (0, 1), 100.0 / np.pi)}),
+        (LOSS_TWO, 200.0, {"loss_factor": 1.0 / 80.0, "magnifier": 80.0}),  # losses add up
+    ],
+)
+def test_each_kind_gives_a_magnifier_of_40(chain, speed, choice):
+    found = damped(chain, source="a test bed", **choice)
+    assert magnification(found, speed) == close(40.0, rel=1e-11)
+    np.testing.assert_allclose(found.system.damping_ratios(), 1.0 / 80.0, rtol=1e-11)
+    assert len(found.record) == max(1, len(choice))
+    said = found.record[0]
+    assert said.endswith(": a test bed") if choice else "1997/01151" in said
+    if not choice:
+        assert said.startswith("magnifier 40 of every elastic mode, because none is given")
+
+
+def test_own_damping_is_told_value_by_value_with_its_places():
+    chain = Chain(
+        [1.0] * 5,
+        [2e4] * 3,
+        connections=[(0, 1), (1, 2), (2, 3)],
+        dashpots=[Dashpot(0, 4, 7.0)],
+        loss_factor=[0.02, 0.02, 0.3],
+        ground_damping=[0.0, 5.0, 5.0, 5.0, 0.0],
+        names=["end", "a", "b", "machine", "ring"],
+    )
+    (said,) = damped(chain).record
+    assert "loss factor 0.02 of end - a, a - b; loss factor 0.3 of b - machine;" in said
+    assert said.count("7 N m s/rad") == 1
+    assert "between end - ring" in said
+    assert said.endswith("to ground at 3 nodes")
+
+
+def test_own_damping_stays_and_needs_no_default():
+    own = Chain([1.0, 1.0], [2e4], loss_factor=0.01, damping=0.5)
+    found = damped(own)
+    (said,) = found.record
+    assert said.startswith(
+        "damping of the chain itself: loss factor 0.01 of node 0 - node 1; 0.5 N m"
+    )
+    np.testing.assert_array_equal(found.system.damping, damped(own).chain.damping_matrix())
+    for kind, choice in {
+        "relative": {"relative": [1.0]},
+        "loss_factor": {"loss_factor": [0.02]},
+        "element_magnifier": {"element_magnifier": {0: 40.0}},
+    }.items():
+        with pytest.raises(InputError, match=f"^{kind}: given damping of node 0 - node 1, which"):
+            damped(own, **choice)
+    more = damped(own, relative=[1.0], loss_factor=[0.02], add=True)
+    assert more.chain.damping[0] == 1.5
+    assert more.chain.loss_factor[0] == close(0.03)
+    assert len(more.record) == 3
+
+
+def test_a_node_is_damped_once():
+    own = Chain([1.0, 1.0], [2e4], ground_damping={0: 5.0})
+    with pytest.raises(
+        InputError, match=r"^absolute: given damping of node 0, .* \(5\); .*add=True"
+    ):
+        damped(own, absolute={0: 5.0})
+    with pytest.raises(InputError, match=r"^engine_magnifier: given damping of node 1, which"):
+        damped(own, absolute={1: 2.0}, engine_magnifier=EngineMagnifier(40.0, (1,), 20.0))
+    assert damped(own, absolute={0: 5.0}, add=True).chain.ground_damping[0] == 10.0
+    assert damped(own, magnifier=40.0, loss_factor=0.01).chain.loss_factor[0] == 0.01
+
+
+def test_undamped_on_purpose():
+    found = damped(LOSS_TWO, undamped=True)
+    assert found.record == ("no damping, on purpose",)
+    assert magnification(found, 200.0) == np.inf
+    assert np.all(found.system.damping_ratios() == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("choice", "words"),
+    [
+        ({"magnifier": 40.0, "modal_damping": 0.01}, "magnifier: given 40.0 together with modal"),
+        ({"undamped": True, "relative": 1.0}, "undamped: given True together with relative"),
+        ({"magnifier": 0.0}, "magnifier: given 0"),
+        ({"modal_damping": [0.1, 0.1]}, "modal_damping: given 2 values"),
+        ({"loss_factor": -0.1}, "loss_factor.0.: given -0.1"),
+        ({"relative": [1.0, 1.0]}, "relative: given 2 values for 1 elements"),
+        ({"relative": {1: 1.0}}, r"relative\[1\]: given 1; allowed is 0, because"),
+        ({"element_magnifier": 0.0}, "element_magnifier.0.: given 0"),
+        ({"absolute": {2: 1.0}}, "absolute"),
+    ],
+)
+def test_refused_loss(choice, words):
+    with pytest.raises(InputError, match=words):
+        damped(LOSS_TWO, **choice)
+    with pytest.raises(InputError, match="frequency: given 0 Hz"):
+        EngineMagnifier(40.0, (0,), 0.0)
+
+
+SUM_ONE = np.array([100.0])
+
+
+def test_against_dense_samples():
+    """24 half orders with random phases: no sample of 40,001 exceeds, the best comes within 2e-6.
+
+    A sample stands at most half a step, 1.6e-4 rad, from the peak, where the sum has fallen by up
+    to (12 * 1.6e-4)^2 / 2 = 1.8e-6 of its amplitude.
+    """
+    draw = np.random.default_rng(4)
+    orders = 0.5 * np.arange(1, 25)
+    phasors = draw.normal(size=(24, 1, 40)) + 1j * draw.normal(size=(24, 1, 40))
+    found = synthesis(orders, SUM_ONE, phasors)
+    assert found.period == close(4.0 * np.pi)
+    angles = np.linspace(0.0, 4.0 * np.pi, 40_001)
+    for place in range(3):
+        dense = at_angles(orders, phasors[:, 0, place], angles)
+        assert dense.max() <= found.highest[0, place] * (1.0 + 1e-14)
+        assert dense.min() >= found.lowest[0, place] * (1.0 + 1e-14)
+        half = 0.5 * (dense.max() - dense.min())
+        assert found.amplitude[0, place] == close(half, rel=2e-6)
+    assert np.all(found.amplitude < found.plain_sum)
+
+
+def test_bound_of_the_samples_alone():
+    """The worst case of the bound: a single wave whose peaks lie between the samples."""
+    size = 32
+    worst = np.cos(2.0 * np.pi * np.arange(size) / size - np.pi / size)
+    assert 1.0 - worst.max() == close(PEAK_ERROR_BOUND, rel=1e-12)
+    assert PEAK_ERROR_BOUND < 0.005
+
+
+def test_plain_sum_is_reached_where_peaks_meet_and_rest_is_rest():
+    phasors = np.zeros((3, 1, 2), dtype=complex)
+    phasors[:, 0, 0] = [1.0, 2.0, 3.0]
+    found = synthesis(np.array([1.0, 3.0, 5.0]), SUM_ONE, phasors)
+    np.testing.assert_allclose(found.amplitude, [[6.0, 0.0]], rtol=1e-14)
+    np.testing.assert_allclose(found.plain_sum, [[6.0, 0.0]], rtol=1e-14)
+
+
+def test_common_order():
+    multiples, common = common_order(np.array([0.5, 1.5, 4.0]))
+    assert (multiples.tolist(), common) == ([1, 3, 8], 0.5)
+    assert common_order(np.array([4.0, 8.0]))[1] == 4.0
+    assert common_order(np.array([1.0 / 3.0, 0.5]))[1] == close(1.0 / 6.0)
+    with pytest.raises(InputError, match=r"orders: given 1.414.*; allowed are fractions"):
+        common_order(np.array([1.0, np.sqrt(2.0)]))
+    with pytest.raises(
+        InputError, match=r"multiples of .* only, up to 90; allowed are up to 20000"
+    ):
+        common_order(np.array([1.0 / 997.0, 90.0]))
+
+
+def test_of_equal_peaks_the_first_is_told():
+    """Order 1 alone has two equal peaks in a cycle of two revolutions; round-off may raise either."""
+    orders = np.array([0.5, 1.0])
+    for noise in (-1e-13, 1e-13):
+        phasors = np.array([noise, np.exp(-0.5j)])
+        assert extreme_angles(orders, phasors) == close((0.5, 0.5 + np.pi), rel=1e-6)
+
+
+# Six cylinders and a flywheel, firing 1-5-3-6-2-4.
+ENGINE = Chain([0.05] * 6 + [2.0], [1.2e6] * 6)
+FIRING = np.radians(120.0) * np.array([0, 4, 2, 5, 1, 3])
+ORDERS = 0.5 * np.arange(1, 25)
+RANGE = (100.0, 300.0)
+
+
+def peak_excitation(speeds, orders=ORDERS):
+    own = 1000.0 / (1.0 + orders**2)[:, np.newaxis] * (1.0 + 1e-5 * np.asarray(speeds) ** 2)
+    forces = np.zeros((orders.size, len(speeds), 7), dtype=complex)
+    forces[:, :, :6] = own[:, :, np.newaxis] * np.exp(-1j * np.outer(orders, FIRING))[:, np.newaxis]
+    return OrderExcitation(orders, speeds, forces)
+
+
+def test_each_resonance_is_calculated_at_its_own_speed():
+    chain = damped(ENGINE)
+    response = forced_response(chain, peak_excitation([100.0, 300.0]))
+    table = resonances(response)
+    frequencies = ENGINE.modes().frequencies
+    assert [own.speed for own in table] == sorted(own.speed for own in table)
+    assert {own.mode for own in table} == {1, 2}
+    for own in table:
+        assert own.frequency == close(frequencies[own.mode], rel=1e-12)
+        assert own.order * own.speed == close(2.0 * np.pi * own.frequency, rel=1e-14)
+        # The force at that speed is known exactly from two, as it follows the squared speed.
+        alone = peak_excitation([own.speed], np.array([own.order]))
+        exact = forced_response(chain, alone).amplitude[0, 0, 0]
+        assert own.amplitude == close(exact, rel=1e-9)
+        assert own.magnifier == close(40.0, rel=1e-9)
+        assert own.estimate == close(own.equilibrium * own.magnifier, rel=1e-12)
+        if own.share > 0.1 and own.mode == 1:
+            # Other modes, at rest beside a magnifier of 40 of this one, are all that differs.
+            assert own.estimate == close(own.amplitude, rel=5e-3)
+    assert {own.order for own in table if own.kind == "major"} == {6.0, 9.0, 12.0}
+    worst = max(table, key=lambda own: own.amplitude)
+    assert (worst.order, worst.mode, worst.kind, worst.severity) == (6.0, 1, "major", 1.0)
+    # Mode 1 does not change sign from cylinder to cylinder: at major orders all work together.
+    assert worst.share == close(1.0, abs=1e-9)
+    assert worst.speed_rpm == close(worst.speed * 30.0 / np.pi)
+
+
+def test_no_resonance_in_range_and_no_force():
+    response = forced_response(damped(ENGINE), peak_excitation([100.0, 300.0], np.array([0.5])))
+    assert resonances(response) == ()
+    silent = OrderExcitation([6.0], [100.0, 300.0], np.zeros((1, 2, 7)))
+    (only, *_) = resonances(forced_response(ENGINE, silent))
+    assert (only.amplitude, only.share, only.severity, only.estimate) == (0.0, 0.0, 0.0, 0.0)
+    assert not only.unbounded
+    with pytest.raises(InputError, match="speed_range: given none, for a response at one speed"):
+        resonances(forced_response(ENGINE, peak_excitation([100.0])))
+
+
+def test_undamped_resonance_stands_among_the_speeds():
+    chain = damped(ENGINE, undamped=True)
+    frequencies = chain.system.elastic_frequencies
+    speeds = refined_speeds(frequencies, 0.0, [6.0], RANGE)
+    response = forced_response(chain, peak_excitation(speeds, np.array([6.0])))
+    critical = 2.0 * np.pi * frequencies / 6.0
+    inside = critical[(critical >= RANGE[0]) & (critical <= RANGE[1])]
+    assert np.count_nonzero(response.unbounded) == inside.size > 0
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (([50.0], 0.01, [1.0], (300.0, 100.0)), "speed_range: given"),
+        (([50.0], [0.01, 0.02], [1.0], RANGE), "damping_ratios: given 2 values for 1 frequencies"),
+        (([50.0], -0.01, [1.0], RANGE), "damping_ratios.0.: given -0.01"),
+    ],
+)
+def test_refused_peak(given, words):
+    with pytest.raises(InputError, match=words):
+        refined_speeds(*given)
+
+
+GRID_SPEEDS = np.linspace(40.0, 80.0, 150)
+
+
+@pytest.fixture
+def series():
+    rng = np.random.default_rng(7)
+    shape = (6, GRID_SPEEDS.size, 4)
+    values = rng.normal(size=shape) + 1j * rng.normal(size=shape)
+    return OrderSeries(
+        0.5 * np.arange(1.0, 7.0),
+        GRID_SPEEDS,
+        values,
+        np.zeros(shape[:2], bool),
+        ("a", "b", "c", "d"),
+    )
+
+
+def test_the_largest_is_that_of_all_sums(series):
+    weights = np.where(GRID_SPEEDS < 60.0, 1.0 / GRID_SPEEDS, 0.0)
+    every = weights[:, np.newaxis] * series.synthesis.amplitude
+    amplitude, speed, place = largest_amplitude(series, weights)
+    assert (speed, place) == np.unravel_index(np.argmax(every), every.shape)
+    assert amplitude == close(series.synthesis.amplitude[speed, place])
+
+
+def test_unbounded_vibration_is_the_largest_where_it_counts(series):
+    series.unbounded[2, [10, 140]] = True
+    weights = np.where(GRID_SPEEDS > 60.0, 1.0, 0.0)
+    assert largest_amplitude(series, weights)[:2] == (np.inf, 140)
+
+
+def test_speeds_above_are_those_of_all_sums(series):
+    level = float(np.median(series.synthesis.amplitude.max(axis=1)))
+    weights = np.full(GRID_SPEEDS.shape, 1.0 / level)
+    none = np.zeros(GRID_SPEEDS.shape, bool)
+    expected = np.max(series.synthesis.amplitude, axis=1) > level
+    assert 0 < np.count_nonzero(expected) < GRID_SPEEDS.size
+    assert np.array_equal(speeds_above(series, weights, none), expected)
+    known = none.copy()
+    known[:3] = True
+    assert np.array_equal(speeds_above(series, weights, known), expected | known)
+
+
+def test_a_limit_while_misfiring_is_that_for_passing_only_where_something_says_so():
+    limit = crankshaft_limit(100.0, strokes=4)
+    assert limit.misfiring is limit.continuous
+    limit = replace(limit, misfiring_basis="the class")
+    speeds = np.array([50.0, 80.0, 80.001, 100.0, 110.0, 116.0])
+    ratio = speeds[:4] / 100.0
+    plain = 1e6 * (45.0 - 24.0 * ratio**2)
+    found = limit.misfiring.at(speeds)
+    assert found[:4] == close(plain * [2.0, 2.0, 1.0, 1.0])
+    assert found[4] == limit.continuous.at(speeds[4:5])[0]
+    assert np.isinf(found[5])
+    maker = given_limit("torque", 5.0, "N m", applies_to="coupling", source="maker")
+    maker = replace(maker, misfiring_basis="the class")
+    assert maker.misfiring is maker.continuous
+
+
+def test_checks_speak_of_running_speeds_first():
+    # The largest use lies above the running range, where the rule goes on to 115 rad/s.
+    speeds = np.linspace(20.0, 115.0, 96)
+    values = np.where(speeds > 100.0, 60e6, np.where(speeds < 40.0, 80e6, 10e6))
+    limit = crankshaft_limit(100.0, strokes=4)
+    verdict = judge(
+        [(limit, AmplitudeCurve("shaft", speeds, values))], (40.0, 100.0), BarredRangeRule(100.0)
+    )
+    (check,) = verdict.checks
+    speed, value, permitted = check.running
+    assert (speed, value) == (100.0, 10e6)
+    assert permitted == close(21e6)
+    assert check.above[1] == 60e6
+    assert check.above[0] > 100.0
+    # What decides the status stays the worst of all that is judged.
+    assert check.worst_value == 60e6
+    assert "at most 10 MPa at 954.9 1/min, 47.6 % of the permitted 21 MPa at running speeds" in (
+        check.sentence
+    )
+    assert "; above them 60 MPa at" in check.sentence
+    assert worst_use(limit, check.curve, 0.0, 39.9)[1] == 80e6
+
+
+def test_diagrams_take_their_height_and_orders_from_running_speeds(series):
+    values = series.values.copy()
+    values[5, :30] = 1000.0
+    values[4, :30] = values[4, 120:] = 500.0
+    loud = OrderSeries(series.orders, series.speeds, values, series.unbounded, series.names)
+    running = (float(GRID_SPEEDS[30]), float(GRID_SPEEDS[119]))
+    curves = loud.over_speed(0, quantity_display(None, "SI"), running=running, main_orders=1)
+    plain = loud.synthesis.plain_sum[30:120, 0]
+    assert curves.top == close(1.08 * plain.max())
+    assert [band.name for band in curves.bands] == 2 * ["outside the running range"]
+    assert curves.bands[0].high == close(running[0] * 30.0 / np.pi)
+    (main,) = (one.name for one in curves.series if one.role == "order" and one.main)
+    sizes = np.abs(values[:, 30:120, 0]).max(axis=1)
+    assert main == f"order {series.orders[np.argmax(sizes)]:g}"

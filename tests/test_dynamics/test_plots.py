@@ -1,8 +1,4 @@
-"""What results draw and tabulate: their own numbers, on the axes given, with units.
-
-Numbers drawn are those of the object times the factor of the unit shown, so they are compared within
-round-off, 1e-12 of the largest.
-"""
+"""What results draw and tabulate: their own numbers, on the axes given, with units."""
 
 import dataclasses
 import math
@@ -44,7 +40,9 @@ from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.profile import GasSpring, hinge_profile
 from dynamics.hinge.simulation import SteadyHingeTurn
+from dynamics.plots.campbell import LABEL_ROOM, campbell_frame
 from dynamics.plots.harmonics import KIND_COLORS
+from dynamics.plots.load_diagrams import LABEL_HALF, label_spots, square_round
 from dynamics.response.complex_modes import complex_modes
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import damped
@@ -1071,13 +1069,6 @@ def test_campbell_diagram_has_a_dot_at_each_resonance():
     assert axes.get_xlabel() == "crankshaft speed [1/min]"
 
 
-def test_units_follow_what_the_values_are():
-    assert response().to_xarray("twist").motion.attrs["units"] == "rad"
-    assert loads().elastic.to_xarray("force")["values"].attrs["units"] == "N"
-    assert run().to_xarray("displacement").motion.attrs["units"] == "m"
-    assert Hodograph(1, 1.0, 1.0).to_pandas("N m").attrs["units"]["y"] == "N m"
-
-
 def test_lists_of_records_become_tables():
     found = resonances(response())
     frame = table_of(found)
@@ -1150,3 +1141,34 @@ def test_every_public_result_draws_or_tabulates_or_says_why_not(public_classes):
             tested = {case.split(",")[0] for case in cases}
             assert not hasattr(own, way) or name in tested, f"{name}.{way} is not tested here"
     assert without == {name for names in LEFT_OUT.values() for name in names.split()}
+
+
+def test_labels_of_a_polar_curve_touch_neither_it_nor_each_other():
+    """A curve with loops: a circle of 1 with one of 0.55 three times as fast."""
+    turns = 2.0 * np.pi * np.arange(720) / 720
+    curve = np.exp(1j * turns) + 0.55 * np.exp(4j * turns)
+    points = curve[::30]
+    low, high = square_round([curve])
+    width = high[0] - low[0]
+    half = np.array(LABEL_HALF) * width
+    spots = [spot for spot in label_spots(curve, points, width) if spot is not None]
+    assert len(spots) > 15
+    fine = np.interp(np.arange(0.0, 720.0, 0.05), np.arange(721), np.append(curve, curve[0]))
+    for number, spot in enumerate(spots):
+        gap = fine - spot
+        # Samples of the curve are half a label's height apart.
+        assert not np.any((np.abs(gap.real) < 0.8 * half[0]) & (np.abs(gap.imag) < 0.6 * half[1]))
+        for other in spots[:number]:
+            apart = np.abs([(other - spot).real, (other - spot).imag]) / half
+            assert max(apart) >= 2.0 * (1.0 - 1e-12)
+        assert low[0] < spot.real - half[0] < spot.real + half[0] < high[0]
+        assert low[1] < spot.imag - half[1] < spot.imag + half[1] < high[1]
+
+
+def test_orders_of_a_campbell_diagram_are_labeled_where_there_is_room():
+    frame = campbell_frame(np.array([6.3]), np.arange(1.0, 13.0), (3.6, 15.0), ())
+    labeled = frame.labeled([*range(1, 13), 1.5])
+    assert {1, 2, 3, 4, 5} <= {*labeled} < {*range(1, 13)}
+    left, right = frame.ends
+    along = sorted(frame.line_end(order)[0] for order in labeled if frame.line_end(order)[2])
+    assert min(np.diff(along)) >= LABEL_ROOM * (right - left) * (1.0 - 1e-12)

@@ -1,10 +1,25 @@
+"""Strength of crankshafts: nominal stresses, fatigue over the cycle, shaft elements."""
+
 import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
 
 from comparing import close
 from crankbase.errors import InputError
+from dynamics.chains.shaft_line import (
+    Coupling,
+    Propeller,
+    RigidBody,
+    ShaftCone,
+    ShaftLine,
+    ShaftMaterial,
+    shaft_cylinder,
+    shaft_flange,
+)
 from dynamics.strength.concentration import (
     FACTORS,
     RANGES,
@@ -16,9 +31,14 @@ from dynamics.strength.fatigue import (
     PlaceStrength,
     SurfaceTreatment,
     added_bending,
+    critical_plane,
+    enclosing_radius,
     factors_below,
     fatigue_strength,
     fillet_equivalent,
+    findley_bound,
+    findley_factor,
+    findley_limit,
     hole_equivalent,
     strength_near_end,
 )
@@ -177,15 +197,6 @@ def test_a_throw_with_a_rod_in_the_middle_shares_its_force():
     assert bending == close(0.5 * 60e3 * 0.1 / (area * own.web_thickness / 6.0))
     assert shear == close(0.5 * 60e3 / area)
     assert web_stresses(throw, own, 0.1, strokes=2) == close([0.8 * bending, 0.8 * shear])
-
-
-def test_two_rods_superpose_with_their_phase():
-    """In turn at thirds of the span: each reaction is two thirds of the near and a third of the far force."""
-    radial = np.array([[90.0, 0.0, 0.0], [0.0, 90.0, 0.0]])
-    throw = SupportedThrow(0.3, [0.1, 0.2], radial, radial)
-    assert throw.moment(0.05, radial) == close([60.0 * 0.05, 30.0 * 0.05, 0.0])
-    assert throw.moment(0.15, radial) == close([60.0 * 0.15 - 90.0 * 0.05, 30.0 * 0.15, 0.0])
-    assert throw.shear(0.25, radial) == close([-30.0, -60.0, 0.0])
 
 
 def test_an_oil_hole_is_bent_in_its_own_direction():
@@ -392,3 +403,219 @@ def test_a_near_pin_asks_for_special_consideration():
 def test_wrong_fits_are_refused(change, why):
     with pytest.raises(InputError, match=why):
         ShrinkFit(**FIT | change)
+
+
+K = findley_factor()
+CYCLE = np.linspace(0.0, 2.0 * np.pi, 181)[:-1]
+# Planes are found to 0.2 degrees, where the criterion is flat: half the square of that angle.
+FLAT = 2e-5
+
+
+def stresses(first, second, between):
+    return np.stack(np.broadcast_arrays(first, second, between), axis=-1)
+
+
+def proportional(bending, torsion):
+    wave = np.cos(CYCLE)
+    return stresses(bending * wave, 0.0 * wave, torsion * wave)
+
+
+def test_both_strengths_are_one_limit():
+    """k by its own equation, solved apart from the program: sin(arctan k) = 2/sqrt(3) - 1."""
+    assert math.tan(math.asin(2.0 / math.sqrt(3.0) - 1.0)) == close(K)
+    bending, torsion = 300e6, 300e6 / math.sqrt(3.0)
+    limit = findley_limit(bending, K)
+    assert critical_plane(proportional(bending, 0.0), K).value == close(limit, FLAT)
+    assert critical_plane(proportional(0.0, torsion), K).value == close(limit, FLAT)
+
+
+def test_shear_that_turns_has_the_radius_of_its_circle():
+    """Torsion a quarter of a cycle behind tension: on the cross section tau alone, else an ellipse."""
+    history = stresses(np.cos(CYCLE), 0.0, 0.5 * np.sin(CYCLE))
+    found = critical_plane(history, K)
+    # Across the axis: shear 0.5, normal 1. No plane is below that.
+    assert found.value >= 0.5 + K - 1e-12
+    assert found.value <= findley_bound(history, K)
+
+
+def test_no_plane_among_many_is_worse():
+    """Every moment on planes all over the half sphere, circles by an even search; out-of-phase history."""
+    history = stresses(
+        80.0 + 100.0 * np.cos(CYCLE),
+        30.0 * np.cos(CYCLE + 0.3),
+        70.0 * np.sin(CYCLE) + 20.0 * np.cos(3.0 * CYCLE),
+    )
+    rng = np.random.default_rng(2)
+    normals = rng.normal(size=(3000, 3))
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    tensor = np.zeros((len(CYCLE), 3, 3))
+    tensor[:, 0, 0], tensor[:, 1, 1] = history[:, 0], history[:, 1]
+    tensor[:, 0, 1] = tensor[:, 1, 0] = history[:, 2]
+    traction = np.einsum("mij,pj->pmi", tensor, normals)
+    normal = np.einsum("pmi,pi->pm", traction, normals)
+    shear = traction - normal[..., None] * normals[:, None]
+    aside = np.where(np.abs(normals[:, :1]) < 0.9, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    first = np.cross(normals, aside)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    second = np.cross(normals, first)
+    flat = np.stack([np.einsum("pmi,pi->pm", shear, one) for one in (first, second)], axis=-1)
+    brute = enclosing_radius(flat) + K * normal.max(axis=1)
+    found = critical_plane(history, K)
+    assert found.value >= brute.max() * (1.0 - FLAT)
+    assert found.value == close(brute.max(), 0.01)  # 3000 planes are 3.7 degrees apart
+    assert found.value <= findley_bound(history, K)
+
+
+def test_smallest_circles():
+    triangle = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.5 * math.sqrt(3.0)], [0.5, 0.3]])
+    flat = np.array([[0.0, 0.0], [4.0, 0.0], [2.0, 1.0], [2.0, -1.9]])
+    assert enclosing_radius([triangle, flat]) == close([1.0 / math.sqrt(3.0), 2.0])
+    assert enclosing_radius(np.ones((1, 5, 2))) == close([0.0], abs=1e-15)
+    points = np.random.default_rng(1).normal(size=(20, 30, 2))
+    radii = enclosing_radius(points)
+    # No circle about any place of a fine grid is smaller, and that of the best place hardly larger.
+    grid = np.stack(np.meshgrid(*[np.linspace(-1.6, 1.6, 129)] * 2), axis=-1).reshape(-1, 2)
+    best = np.linalg.norm(points[:, None] - grid[:, None], axis=-1).max(axis=2).min(axis=1)
+    assert np.all(radii <= best + 1e-12)
+    assert np.all(best - radii < 0.025)
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0])
+def test_strengths_that_no_factor_fits_are_refused(share):
+    with pytest.raises(InputError, match=f"torsion_share: given {share:g}; allowed is above 0.5"):
+        findley_factor(share)
+
+
+def test_histories_have_three_stresses():
+    with pytest.raises(InputError, match=r"history: given an array of shape \(4, 2\)"):
+        critical_plane(np.zeros((4, 2)), K)
+
+
+def test_a_path_repeated_thousands_of_times_is_that_path():
+    """In line, so that it has two corners."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False)
+    once = np.outer(np.cos(angles), [0.0, 0.0, 1.7e8])
+    found, wanted = (critical_plane(path, 0.16) for path in (np.resize(once, (100_000, 3)), once))
+    assert (found.value, found.moment) == (wanted.value, wanted.moment)
+
+
+G, E, RHO = 8e10, 2e11, 7800.0
+MATERIAL = ShaftMaterial(E, G, RHO)
+
+
+@settings(max_examples=20)
+@given(
+    st.floats(0.1, 0.5),
+    st.floats(0.1, 0.5),
+    st.sampled_from([0.0, 1e-4, 0.049, 0.051, 0.5, 0.95]),
+    st.sampled_from(["cylindrical", "proportional"]),
+)
+def test_cones_by_quadrature(left, right, share, shape):
+    length, bore = 0.7, share * min(left, right)
+    cone = ShaftCone(length, left, right, bore, shape, MATERIAL)
+
+    def powers(z, power):
+        outer = left + (right - left) * z / length
+        inner = bore if shape == "cylindrical" else bore * outer / left
+        return outer**power - inner**power
+
+    def along(function):
+        return quad(function, 0.0, length, epsabs=0.0, epsrel=1e-12)[0]
+
+    # The quadrature's own tolerance.
+    twist = along(lambda z: 32.0 / (math.pi * G * powers(z, 4)))
+    assert cone.torsional_compliance == close(twist, rel=1e-11)
+    stretch = along(lambda z: 4.0 / (math.pi * E * powers(z, 2)))
+    assert cone.axial_compliance == close(stretch, rel=1e-11)
+    assert cone.mass == close(RHO * math.pi / 4.0 * along(lambda z: powers(z, 2)))
+    inertia = RHO * math.pi / 32.0 * along(lambda z: powers(z, 4))
+    assert cone.polar_inertia == close(inertia)
+    parts = cone.divided(3)
+    assert sum(part.torsional_compliance for part in parts) == close(twist, rel=1e-10)
+    assert sum(part.mass for part in parts) == close(cone.mass)
+    moduli = [
+        math.pi / 16.0 * powers(z, 4) / (left + (right - left) * z / length) for z in (0, length)
+    ]
+    assert cone.section_modulus == close(min(moduli))
+
+
+def test_a_shaft_line_as_a_chain():
+    line = ShaftLine(
+        [
+            shaft_flange(0.08, 0.5, material=MATERIAL),
+            shaft_cylinder(4.0, 0.3, material=MATERIAL, name="intermediate"),
+            Coupling(2e6, 5e8, 3.0, 4.0, 30.0, 40.0, torsional_damping=9.0, loss_factor=0.1),
+            ShaftCone(1.0, 0.3, 0.2, material=MATERIAL),
+            Propeller(
+                100.0, 900.0, entrained_inertia_share=0.25, entrained_mass=500.0, damping=7.0
+            ),
+        ],
+        name="line",
+    )
+    flange, shaft, _, cone, _ = line.pieces
+    chain = line.chain()
+    assert chain.names == ("line 0", "line 1", "line 2", "line 3", "propeller")
+    assert chain.inertia.tolist() == [0.0, 0.0, 3.0, 4.0, 125.0]
+    assert chain.distributed_inertia.tolist() == [
+        flange.polar_inertia, shaft.polar_inertia, 0.0, cone.polar_inertia,
+    ]  # fmt: skip
+    assert 1.0 / chain.stiffness == close(
+        [flange.torsional_compliance, shaft.torsional_compliance, 5e-7, cone.torsional_compliance]
+    )
+    assert chain.loss_factor.tolist() == [0.0, 0.0, 0.1, 0.0]
+    assert chain.damping.tolist() == [0.0, 0.0, 9.0, 0.0]
+    assert chain.ground_damping.tolist() == [0.0, 0.0, 0.0, 0.0, 7.0]
+    assert line.compliance("torsional") == close(np.sum(1.0 / chain.stiffness))
+    axial = line.chain("axial", parts=3, inertia="lumped")
+    assert len(axial.names) == 1 + 3 + 3 + 1 + 3
+    assert not axial.distributed_inertia.any()
+    assert axial.inertia.sum() == close(line.mass + 30.0 + 40.0 + 1400.0)
+    assert np.sum(1.0 / axial.stiffness) == close(line.compliance("axial"))
+    assert axial.modes().rigid == 1
+    assert line.section_modulus == close(math.pi / 16.0 * 0.2**3)
+
+
+def test_bodies_share_a_joint():
+    pieces = [RigidBody(1.0, 2.0, "gear"), RigidBody(3.0, 4.0, "brake"), shaft_cylinder(1.0, 0.1)]
+    chain = ShaftLine(pieces).chain()
+    assert chain.names == ("gear, brake", "shaft 1")
+    assert chain.inertia.tolist() == [4.0, 0.0]
+
+
+def test_propeller_with_water():
+    given = Propeller(10.0, 200.0, entrained_inertia=2.0, entrained_mass_share=0.6)
+    assert (given.inertia, given.mass) == (12.0, 320.0)
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: shaft_cylinder(0.0, 0.1), "shaft.length: given 0 m"),
+        (lambda: shaft_cylinder(1.0, -0.1), "shaft.diameter: given -0.1 m"),
+        (lambda: shaft_cylinder(1.0, 0.1, 0.1), "shaft.bore: given 0.1 m; .*less than 0.1 m"),
+        (lambda: ShaftCone(1.0, 0.2, 0.1, 0.15), "shaft.bore: given 0.15 m; .*less than 0.1 m"),
+        (lambda: ShaftCone(1.0, 0.2, 0.1, 0.05, "oval"), "shaft.bore_shape: given 'oval'"),
+        (lambda: Coupling(torsional_stiffness=0.0), "coupling.torsional_stiffness: given 0"),
+        (lambda: ShaftLine([Coupling(1.0)]).chain("axial"), "coupling.axial_stiffness: given none"),
+        (lambda: ShaftLine([Coupling(1.0)]).chain(), r"inertia\[0\]: given 0"),
+        (lambda: ShaftLine([]), "pieces: given none"),
+        (lambda: ShaftLine([3.0]), r"pieces\[0\]: given 3.0"),
+        (lambda: ShaftLine([shaft_cylinder(1.0, 0.1)]).chain("bending"), "kind: given 'bending'"),
+        (lambda: ShaftLine([shaft_cylinder(1.0, 0.1)]).chain(parts=0), "parts: given 0"),
+        (
+            lambda: ShaftLine([shaft_cylinder(1.0, 0.1)]).chain(inertia="thick"),
+            "inertia: given 'thick'",
+        ),
+        (lambda: ShaftLine([RigidBody(1.0, 1.0, "a")]).section_modulus, "pieces: given no piece"),
+        (lambda: RigidBody(-1.0, 0.0, "a"), "body.inertia: given -1"),
+        (lambda: Propeller(1.0, 1.0, entrained_mass=0.0), "propeller.entrained_inertia: .*neither"),
+        (
+            lambda: Propeller(1.0, 1.0, 1.0, 1.0, entrained_mass_share=0.6),
+            "propeller.entrained_mass: given both",
+        ),
+        (lambda: ShaftMaterial(density=0.0), "material.density: given 0"),
+    ],
+)
+def test_unusable_pieces_are_refused(build, message):
+    with pytest.raises(InputError, match=message):
+        build()

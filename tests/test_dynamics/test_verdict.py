@@ -1,3 +1,5 @@
+"""Limits, barred ranges and the verdict."""
+
 import re
 from dataclasses import replace
 
@@ -6,11 +8,31 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.assessment.barred_ranges import BarredRangeRule
-from dynamics.assessment.limit_rules import crankshaft_limit
-from dynamics.assessment.limits import AmplitudeCurve, constant_curve, given_limit
-from dynamics.assessment.verdict import judge
+from dynamics.assessment.barred_ranges import BarredRangeRule, barred_ranges, exceeded_ranges
+from dynamics.assessment.limit_rules import (
+    CRANKSHAFT_RULES,
+    crankshaft_limit,
+    generator_set_limit,
+    propulsion_shaft_limit,
+)
+from dynamics.assessment.limits import (
+    AmplitudeCurve,
+    LimitCurve,
+    VibrationLimit,
+    axial_force_limit,
+    constant_curve,
+    given_limit,
+    usage,
+)
+from dynamics.assessment.response_curves import curves_of, refined_maxima
+from dynamics.assessment.verdict import Trial, changes, decide, judge
 from dynamics.assessment.wording import limit_at
+from dynamics.chains.chain import Chain
+from dynamics.response.forced import forced_response
+from dynamics.response.linear_system import damped
+from dynamics.response.loads import alternating_stress, element_loads
+from dynamics.response.order_excitation import OrderExcitation
+from dynamics.response.resonance import refined_speeds
 
 SPEEDS = np.linspace(10.0, 115.0, 2101)
 RUNNING = (30.0, 100.0)
@@ -32,17 +54,6 @@ def test_fine_tells_the_worst_of_all_with_its_numbers_and_source():
         "Fine from 286.5 to 954.9 1/min: torque of coupling, shaft 6 - 7: at most 1900 N m at "
         "573 1/min, 95 % of the permitted 2000 N m (maker's sheet 7)."
     )
-
-
-def test_barred_range_needed():
-    verdict = judge([(CRANKSHAFT, peak(50.0, 60e6))], RUNNING, RULE)
-    assert verdict.status == "barred range needed"
-    (barred,) = verdict.barred
-    assert (barred.low, barred.high) == close(RULE.bounds(50.0))
-    assert verdict.sentence.startswith(
-        "Barred range needed, 436.5 to 522.2 1/min: torsional stress"
-    )
-    assert "60 MPa at 477.5 1/min, 154 % of the permitted 39 MPa" in verdict.sentence
 
 
 def test_what_is_exceeded_a_little_is_told_by_the_margin():
@@ -225,4 +236,450 @@ def test_a_limit_on_one_place_is_named_once():
     assert limit_at("torsional stress of shaft", "shaft") == "torsional stress of shaft"
     assert limit_at("torsional stress of crankshaft", "shaft") == (
         "torsional stress of crankshaft, shaft"
+    )
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"value": 0.0}, "given 0 N m; allowed are finite numbers of more than zero"),
+        ({"value": 2.0, "passing": 1.0}, "given 1 N m while a barred range is passed; allowed are"),
+        ({"value": 2.0, "source": " "}, "given no source; allowed is a sentence"),
+    ],
+)
+def test_impossible_limits_are_refused(values, message):
+    given = {"unit": "N m", "applies_to": "coupling", "source": "maker"} | values
+    with pytest.raises(InputError, match=message):
+        given_limit("torque", **given)
+
+
+@pytest.mark.parametrize("per_minute", [450.0, 1000.0, 1500.0, 2300.0, 3001.0])
+@pytest.mark.parametrize(
+    ("ratio", "pick"),
+    [
+        (1.15, lambda n: crankshaft_limit(n, strokes=4).continuous),
+        (0.8, lambda n: crankshaft_limit(n, strokes=4).passing),
+        (1.05, lambda n: propulsion_shaft_limit(5e8, 0.3, n).continuous),
+        (0.8, lambda n: propulsion_shaft_limit(5e8, 0.3, n).passing),
+        (1.1, lambda n: generator_set_limit(n, part="crankshaft").continuous),
+        (0.9, lambda n: generator_set_limit(n, part="crankshaft").passing),
+    ],
+)
+def test_a_limit_holds_at_its_end_however_that_is_calculated(per_minute, ratio, pick):
+    rated = per_minute * np.pi / 30.0
+    ends = np.array(
+        [ratio * rated, ratio * per_minute * np.pi / 30.0, per_minute * ratio / (30.0 / np.pi)]
+    )
+    curve = pick(rated)
+    assert np.isfinite(curve.at(ends)).all()
+    assert np.isfinite(curve.at(np.nextafter(ends, np.inf))).all()
+    assert np.isinf(curve.at(ends * (1.0 + 1e-9))).all()
+
+
+def test_a_limit_holds_from_its_beginning_and_is_used_there():
+    curve = LimitCurve(np.ones_like, 11.5, 23.0)
+    places = np.array([np.nextafter(11.5, 0.0), 11.5, 23.0, np.nextafter(23.0, 99.0)])
+    assert curve.at(places).tolist() == [1.0, 1.0, 1.0, 1.0]
+    assert np.isinf(curve.at(np.array([11.4999, 23.0001]))).all()
+    limit = replace(given_limit("force", 1.0, "N", applies_to="x", source="y"), continuous=curve)
+    assert usage(limit, AmplitudeCurve("shaft", places, [2.0] * 4)).tolist() == [2.0] * 4
+
+
+@pytest.mark.parametrize(
+    ("speeds", "values", "message"),
+    [
+        ([2.0, 1.0], [1.0, 1.0], "that do not ascend"),
+        ([1.0, 2.0], [1.0], "given an array of shape"),
+        ([1.0, 2.0], [1.0, np.nan], "allowed is an amplitude of zero or more"),
+        ([1.0, 2.0], [1.0, -1.0], "allowed is an amplitude of zero or more"),
+    ],
+)
+def test_impossible_curves_are_refused(speeds, values, message):
+    with pytest.raises(InputError, match=message):
+        AmplitudeCurve("shaft", speeds, values)
+
+
+def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so():
+    carbon = propulsion_shaft_limit(650e6, 0.3, 10.0)
+    capped = propulsion_shaft_limit(600e6, 0.3, 10.0)
+    speed = np.array([5.0])
+    assert carbon.continuous.at(speed) == capped.continuous.at(speed)
+    assert "650 MPa enters the rule as 600 MPa" in carbon.remark
+    assert capped.remark == ""
+    alloy = propulsion_shaft_limit(650e6, 0.3, 10.0, alloy=True)
+    assert alloy.continuous.at(speed) == close(capped.continuous.at(speed) * 810 / 760)
+    tail = propulsion_shaft_limit(650e6, 0.3, 10.0, alloy=True, feature="propeller shaft")
+    assert tail.continuous.at(speed) == close(capped.continuous.at(speed) * 0.55)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: propulsion_shaft_limit(300e6, 0.3, 10.0), "given 300 MPa; allowed is 400 MPa or"),
+        (
+            lambda: propulsion_shaft_limit(500e6, 0.3, 10.0, feature="weld"),
+            "feature: given 'weld'; allowed are integral flange",
+        ),
+        (lambda: crankshaft_limit(100.0, strokes=3), "strokes: given 3; allowed are 2 and 4"),
+        (
+            lambda: generator_set_limit(100.0, part="pump"),
+            "part: given 'pump'; allowed are crankshaft, generator shaft",
+        ),
+        (lambda: BarredRangeRule(10.0).bounds(20.0), "allowed is less than twice the rated speed"),
+    ],
+)
+def test_what_a_rule_does_not_cover_is_refused(call, message):
+    with pytest.raises(InputError, match=message):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("alloy", "most", "said"),
+    [
+        (
+            False,
+            590e6,
+            "900 MPa enters the rule as 590 MPa, where its formula ends for carbon steel",
+        ),
+        (
+            True,
+            835e6,
+            "900 MPa enters the rule as 835 MPa, where its formula ends for low alloy steel",
+        ),
+    ],
+)
+def test_a_steel_beyond_the_end_of_the_formula_counts_as_one_at_its_end(alloy, most, said):
+    speeds = np.linspace(20.0, 100.0, 5)
+    for rule in CRANKSHAFT_RULES.values():
+        strong, at_end = (
+            rule(100.0, strokes=4, tensile_strength=one, alloy=alloy) for one in (900e6, most)
+        )
+        assert np.array_equal(strong.continuous.values(speeds), at_end.continuous.values(speeds))
+        assert said in strong.remark
+        assert "enters the rule" not in at_end.remark
+
+
+@pytest.mark.parametrize(
+    ("interval", "stress"), [(45.0, 21e6), (60.0, 21e6), (90.0, 16e6), (None, 16e6)]
+)
+def test_v_engines_have_the_limits_of_engines_in_line_at_two_intervals(interval, stress):
+    limit = crankshaft_limit(100.0, strokes=4, kind="V", firing_interval_deg=interval)
+    assert limit.continuous.at(np.array([100.0])) == close([stress])
+
+
+def test_the_limit_of_generator_sets_ends_at_a_tenth_above_the_rated_speed():
+    limit = generator_set_limit(100.0, part="crankshaft")
+    assert limit.continuous.at(np.array([109.9, 110.1])).tolist() == [21e6, np.inf]
+
+
+def test_axial_force_limit_makes_the_nominal_web_stress_the_permitted_one():
+    """The stress of a bar of the web's section under the force at the lever of the crank radius."""
+    limit = axial_force_limit(30e6, 0.17, 0.285, 0.068, source="maker's fatigue strength")
+    force = float(limit.continuous.at(np.array([1.0]))[0])
+    second_moment = 0.285 * 0.068**3 / 12.0
+    stress = force * 0.17 * (0.068 / 2.0) / second_moment + force / (0.285 * 0.068)
+    assert stress == close(30e6, rel=1e-12)  # round-off
+    assert limit.assumed
+    assert "maker's fatigue strength" in limit.source
+
+
+LIMIT = given_limit(
+    "torsional stress", 10.0, "Pa", applies_to="shaft", source="maker", passing=100.0
+)
+
+
+def resonance(speeds, critical, magnifier=40.0):
+    ratio = speeds / critical
+    return 1.0 / np.abs(1.0 - ratio**2 + 1j * ratio / magnifier)
+
+
+def test_edges_lie_where_the_limit_is_met_and_never_too_narrow():
+    speeds = np.linspace(20.0, 90.0, 701)
+    curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0))
+    (found,) = exceeded_ranges(LIMIT, curve)
+    # Of r^4 - (2 - 1/M^2) r^2 + 1 - 1/10^2 = 0, the speeds at which the amplitude is 10.
+    squares = np.sort(np.roots([1.0, -(2.0 - 1.0 / 40.0**2), 1.0 - 1e-2]))
+    low, high = 50.0 * np.sqrt(squares)
+    # Straight lines over steps of 0.1 stray by step^2/8 times curvature over slope, about 0.001.
+    assert low - 2e-3 < found.low < low
+    assert high < found.high < high + 2e-3
+    assert found.peaks == close((50.0,))
+    assert not found.cut_off
+
+
+def test_ranges_are_widened_to_the_rule_and_merged_where_they_meet():
+    speeds = np.linspace(5.0, 120.0, 2301)
+    values = 0.7 * sum(resonance(speeds, critical) for critical in (40.0, 44.0, 65.0))
+    first, second = barred_ranges(
+        [(LIMIT, AmplitudeCurve("shaft", speeds, values))], RULE, (20.0, 100.0)
+    )
+    assert first.peaks == close((40.0, 44.0), abs=0.06)
+    assert first.low == close(RULE.bounds(first.peaks[0])[0])
+    assert first.high == close(RULE.bounds(first.peaks[1])[1])
+    assert second.low > first.high
+    assert first.allowed
+    assert second.allowed
+    assert second.limits == ("torsional stress of shaft",)
+
+
+def test_a_range_begins_where_the_limit_falls():
+    """A set's limit for passing ends at 30 rad/s; the amplitude is the same on both sides."""
+    limit = VibrationLimit(
+        "torsional stress",
+        "shaft",
+        "Pa",
+        LimitCurve(lambda speeds: np.where(speeds > 30.0, 16.0, 90.0)),
+        "rule",
+    )
+    curve = AmplitudeCurve("shaft", [20.0, 29.0, 31.5, 40.0], [50.0, 50.0, 50.0, 50.0])
+    (found,) = exceeded_ranges(limit, curve)
+    assert found.low == close(30.0, abs=1e-9)
+
+
+def test_nothing_is_barred_above_the_share_of_the_rated_speed_or_the_limit_for_passing():
+    speeds = np.linspace(20.0, 110.0, 1801)
+    (high,) = barred_ranges(
+        [(LIMIT, AmplitudeCurve("shaft", speeds, resonance(speeds, 78.0)))], RULE, (20.0, 100.0)
+    )
+    assert "nothing may be barred above 0.80" in high.refusals[0]
+    (strong,) = barred_ranges(
+        [(LIMIT, AmplitudeCurve("shaft", speeds, 3.0 * resonance(speeds, 50.0)))],
+        RULE,
+        (20.0, 100.0),
+    )
+    assert "0.00012 MPa at 477.5 1/min, where 0.0001 MPa may be passed" in strong.refusals[0]
+
+
+def test_of_locations_that_exceed_the_limit_for_passing_one_is_named_and_the_others_are_counted():
+    speeds = np.linspace(20.0, 110.0, 1801)
+    sizes = {"a": 3.0, "b": 4.0, "c": 3.5, "kept": 0.5}
+    curves = [
+        AmplitudeCurve(name, speeds, size * resonance(speeds, 50.0)) for name, size in sizes.items()
+    ]
+    (found,) = barred_ranges([(LIMIT, one) for one in curves], RULE, (20.0, 100.0))
+    (said,) = found.refusals
+    assert said.startswith("b reaches ")
+    assert said.endswith("may be passed; 2 more locations exceed what may be passed")
+
+
+def test_a_limit_that_begins_on_a_falling_flank_has_no_critical_speed_there():
+    # Such as a set's, whose continuous limit begins at 0.9 of the rated speed, above the peak at 50 rad/s.
+    limit = replace(LIMIT, continuous=constant_curve(10.0, low=52.0))
+    speeds = np.linspace(20.0, 110.0, 1801)
+    curve = AmplitudeCurve("shaft", speeds, 4.0 * resonance(speeds, 50.0))
+    (found,) = exceeded_ranges(limit, curve)
+    assert found.low == close(52.0, abs=0.06)
+    assert found.peaks == ()
+    (barred,) = barred_ranges([(limit, curve)], RULE, (20.0, 100.0))
+    assert barred.low == found.low
+    assert "16 n" not in barred.ends
+
+
+def test_what_exceeds_a_limit_above_the_running_range_is_not_called_barred():
+    rule_end = VibrationLimit(
+        quantity="torsional stress",
+        applies_to="crankshaft",
+        unit="Pa",
+        continuous=constant_curve(100.0, high=115.0),
+        source="rule",
+    )
+    speeds = np.linspace(20.0, 120.0, 2001)
+    used = 1.2 * 100.0 / np.max(resonance(speeds, 110.0))
+    curve = AmplitudeCurve("shaft", speeds, used * resonance(speeds, 110.0))
+    (above,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 100.0))
+    assert above.position == "above"
+    assert not above.allowed
+    assert "barred" not in above.sentence
+    assert "120 % of its limit, which applies up to 1098 1/min" in above.sentence
+    # Where running speeds reach into it, it can be barred or not.
+    (across,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 110.0))
+    assert across.position == "running"
+    assert "cannot be barred" in across.sentence
+    (below,) = barred_ranges([(rule_end, curve)], RULE, (114.0, 119.0))
+    assert below.position == "below"
+    assert "passed on every start" in below.sentence
+
+
+def test_a_range_that_leaves_no_speed_to_run_at_is_refused():
+    speeds = np.linspace(20.0, 110.0, 1801)
+    curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0))
+    (most,) = barred_ranges([(LIMIT, curve)], RULE, (48.0, 51.0))
+    assert most.refusals == ("it leaves no speed to run at",)
+    (part,) = barred_ranges([(LIMIT, curve)], RULE, (48.0, 60.0))
+    assert part.allowed
+
+
+def test_a_flank_at_the_highest_speed_belongs_to_the_peak_beyond():
+    speeds = np.linspace(20.0, 110.0, 1801)
+    curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0))
+    (found,) = exceeded_ranges(LIMIT, curve, 49.0)
+    assert found.high == 49.0
+    assert found.peaks == close((50.0,))
+    assert not found.cut_off
+    # What is used beyond, or that speeds end there, does not count.
+    assert found.used == close(resonance(49.0, 50.0) / 10.0)
+    until = speeds <= 50.0
+    short = AmplitudeCurve("shaft", speeds[until], curve.values[until])
+    (ending,) = exceeded_ranges(LIMIT, short, 49.0)
+    assert not ending.cut_off
+    (barred,) = barred_ranges([(LIMIT, curve)], RULE, (20.0, 49.0))
+    assert (barred.low, barred.high) == close(RULE.bounds(50.0))
+    # On the falling side the peak lies within.
+    (found,) = exceeded_ranges(LIMIT, curve, 51.0)
+    assert (found.high, *found.peaks) == close((51.0, 50.0))
+    assert exceeded_ranges(LIMIT, curve, 45.0) == ()
+
+
+def test_the_lower_of_the_shares_of_limit_and_rule_counts():
+    rule_end = VibrationLimit(
+        quantity="torsional stress",
+        applies_to="crankshaft",
+        unit="Pa",
+        continuous=LIMIT.continuous,
+        passing=constant_curve(100.0, high=90.0),
+        source="rule",
+    )
+    assert RULE.highest_by(LIMIT) == 80.0
+    assert RULE.highest_by(rule_end) == 90.0
+    assert BarredRangeRule(100.0, 0.7).highest_by(rule_end) == 70.0
+    assert BarredRangeRule(100.0, 1.0).highest_by(rule_end) == 90.0
+    speeds = np.linspace(20.0, 110.0, 1801)
+    curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 78.0))
+    (allowed,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 100.0))
+    assert allowed.allowed
+    (refused,) = barred_ranges([(rule_end, curve)], BarredRangeRule(100.0, 0.7), (20.0, 100.0))
+    assert "nothing may be barred above 0.70" in refused.refusals[0]
+
+
+def test_neither_an_end_of_the_speeds_nor_a_bend_of_the_limit_is_a_peak():
+    speeds = np.linspace(55.0, 75.0, 401)
+    curve = AmplitudeCurve("shaft", speeds, 4.0 * resonance(speeds, 50.0))
+    (found,) = exceeded_ranges(LIMIT, curve)
+    assert (found.low, found.peaks) == (55.0, ())
+    assert "peak" not in barred_ranges([(LIMIT, curve)], RULE, (20.0, 100.0))[0].ends
+    # The vibration rises all along, its use of the limit is largest where the limit bends.
+    bent = LimitCurve(lambda speed: np.interp(speed, [40.0, 60.0, 80.0], [20.0, 10.0, 60.0]))
+    limit = replace(LIMIT, continuous=bent)
+    rising = AmplitudeCurve("shaft", speeds, 0.25 * speeds)
+    (found,) = exceeded_ranges(limit, rising)
+    assert found.low < 60.0 < found.high
+    assert found.peaks == ()
+
+
+CHAIN = damped(Chain([0.4, 1.2, 1.2, 25.0], [4e5, 4e5, 5e5]), magnifier=40.0)
+ORDERS = np.array([6.0, 7.0, 7.5, 8.0])
+PEAK_LIMIT = crankshaft_limit(95.0, strokes=4)
+RANGE = (45.0, 1.15 * 95.0)
+
+
+def uses_at(speeds):
+    """Used shares of the limit of the three shafts, all orders together."""
+    forces = np.zeros((ORDERS.size, speeds.size, 4), dtype=complex)
+    forces[:, :, 1], forces[:, :, 2] = 300.0, 250.0j
+    found = forced_response(CHAIN, OrderExcitation(ORDERS, speeds, forces))
+    stress = alternating_stress(element_loads(found), dict.fromkeys(range(3), 2e-5))
+    return np.array([usage(PEAK_LIMIT, curve) for curve in curves_of(stress)])
+
+
+def grid(points, further=()):
+    natural = np.concatenate((CHAIN.system.elastic_frequencies, further))
+    return refined_speeds(natural, 0.5 / 40.0, ORDERS, RANGE, points=points)
+
+
+def worst(speeds):
+    uses = uses_at(speeds)
+    place = np.unravel_index(np.argmax(uses), uses.shape)
+    return speeds[place[1]], uses[place]
+
+
+def test_worst_use_is_the_same_on_coarse_and_fine_grids():
+    grids = [grid(40), grid(150), grid(150, (61.0, 87.3)), np.linspace(*RANGE, 601)]
+    plain, refined = [], []
+    for speeds in grids:
+        more = refined_maxima(uses_at, speeds)
+        assert np.all((speeds[0] <= more) & (more <= speeds[-1]))
+        plain.append(worst(speeds))
+        refined.append(worst(more))
+    exact = worst(np.linspace(0.998 * refined[0][0], 1.002 * refined[0][0], 801))
+    for speed, use in refined:
+        assert use == close(exact[1], rel=5e-6)
+        assert speed == close(exact[0], rel=1e-4)
+    # The grids alone differ by far more.
+    assert np.ptp([use for _, use in plain]) > 1e-4 * exact[1]
+
+
+def test_outer_peaks_of_each_exceeded_range_are_refined():
+    def uses(speeds):
+        near = [1.0 / (1.0 + ((speeds - at) / 0.7) ** 2) for at in (20.03, 22.11, 24.07, 40.01)]
+        return np.array([3.0 * near[0] + 4.0 * near[1] + 2.0 * near[2] + 1.5 * near[3] + 0.05])
+
+    dense = np.linspace(10.0, 50.0, 80001)
+    values = uses(dense)[0]
+    tops = np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] > values[2:])) + 1
+    first, highest, last, alone = dense[tops]
+    speeds = np.linspace(10.0, 50.0, 161)
+    # Neighbors 0.25 apart come 64 times closer.
+    near = {"abs": 2 * 0.25 / 64}
+    assert refined_maxima(uses, speeds) == close([highest], **near)
+    outer = refined_maxima(uses, speeds, least=1.0)
+    assert outer == close([first, highest, last, alone], **near)
+    # An unbounded value stays where it is.
+    unbounded = uses(speeds)
+    unbounded[0, 80] = np.inf
+    assert refined_maxima(lambda _: unbounded, speeds).size == 0
+
+
+STEEL = ("limits.tensile_strength", "tensile strength")
+BEARING = ("bearings.stiffness", "lateral stiffness")
+FINE, BARRED, BAD = "fine", "barred range needed", "not acceptable"
+
+
+def steels(*tried, taken=440e6):
+    return [Trial(*STEEL, value, "Pa", status, value == taken) for value, status in tried]
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_two_values_beside_the_change_are_told(order):
+    tried = steels((440e6, BAD), (506e6, BAD), (507e6, FINE), (835e6, BARRED))[::order]
+    found = decide(BAD, tried)
+    assert found.status == "undecided"
+    assert found.sentence == (
+        "acceptable with a tensile strength of 507 MPa, not with 506 MPa (440 MPa assumed): give "
+        "limits.tensile_strength"
+    )
+    assert [one.value for pair in changes(tried) for one in pair] == [506e6, 507e6]
+
+
+def test_a_verdict_that_comes_and_goes_names_all_values():
+    tried = [
+        Trial(*BEARING, value, "N/m", status, value == 2e9)
+        for value, status in ((2e8, FINE), (2e9, BAD), (2e10, BARRED))
+    ]
+    assert decide(BAD, tried).sentence == (
+        "acceptable with a lateral stiffness of 2e8 N/m or 2e10 N/m, not with 2e9 N/m (assumed): give "
+        "bearings.stiffness"
+    )
+
+
+def test_each_field_that_decides_is_named():
+    magnifier = [
+        Trial(
+            "damping.torsional_magnifier", "torsional magnifier", value, "", status, value == 40.0
+        )
+        for value, status in ((25.0, BARRED), (40.0, FINE), (60.0, BAD))
+    ]
+    found = decide(FINE, steels((440e6, FINE), (590e6, FINE)) + magnifier)
+    assert (found.status, found.sentence) == (
+        "undecided",
+        "acceptable with a torsional magnifier of 40 (assumed), not with 60: give "
+        "damping.torsional_magnifier",
+    )
+
+
+def test_a_barred_range_that_hangs_on_a_value_does_not_undo_the_verdict():
+    found = decide(BARRED, steels((440e6, BARRED), (590e6, FINE)))
+    assert (found.status, found.sentence) == (
+        "acceptable",
+        "no speeds need be barred with a tensile strength of 590 MPa, not with 440 MPa (assumed): give "
+        "limits.tensile_strength",
     )

@@ -1,7 +1,12 @@
+"""Analyses of throws, and compliance over the crank angle."""
+
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import fem.accuracy
 from comparing import close
@@ -9,12 +14,14 @@ from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
 from fem.accuracy import Problem, solve_level, solve_to_accuracy
 from fem.analysis import analyze_axial, analyze_throw
+from fem.angle_law import AngleLaw, angle_law, is_symmetric
 from fem.axial_analysis import class_axial_compliances
 from fem.material import STEEL, Material
 from fem.refinement import refined_sizes
 from fem.supports import Neighbors
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
+from geometry.throw_dimensions import Web
 
 
 @pytest.fixture(scope="module")
@@ -115,16 +122,6 @@ def test_what_makes_a_throw_stiffer_and_what_softer(
     assert abs(after / before - 1.0) > 0.005
 
 
-@pytest.mark.parametrize(("scale", "tolerance"), [(2.0, 1e-3), (0.25, 2e-3)])
-def test_compliance_falls_as_the_size_grows(dimensions, axial_compliance, scale, tolerance):
-    """gmsh's absolute tolerances make another mesh of another size; between meshes e_n varies by 0.02 %."""
-    throw = CrankThrow(**dimensions)
-    scaled = CrankThrow(**{name: scale * value for name, value in dimensions.items()})
-    assert axial_compliance(scaled, 2.0) == close(
-        axial_compliance(throw, 2.0) / scale, rel=tolerance
-    )
-
-
 def test_compliance_falls_as_the_modulus_grows(throw, axial_compliance):
     stiff = Material(youngs_modulus=3.0 * 2.1e11, poisson_ratio=0.3, density=7850.0)
     found = axial_compliance(throw, 2.0, stiff)
@@ -191,3 +188,83 @@ def test_an_accuracy_that_cannot_be_met_is_told(throw, monkeypatch):
     # The budget is used: the best mesh within it is better than the first one.
     assert found.mesh.unknowns > 8_000
     assert found.error_estimate < analyze_axial(throw, accuracy=0.1).error_estimate
+
+
+THROW = CrankThrow(
+    crank_radius=0.170,
+    main_journal_diameter=0.220,
+    pin_diameter=0.180,
+    main_journal_length=0.120,
+    pin_length=0.139,
+    web_width=0.285,
+    web_thickness=0.068,
+    fillet_radius=0.012,
+)
+
+
+@pytest.fixture(scope="module")
+def bending():
+    return analyze_throw(THROW, accuracy=0.1)
+
+
+@pytest.fixture(scope="module")
+def angle_analysis(bending):
+    return bending.with_sections("rigid")
+
+
+@pytest.mark.parametrize("gamma", [1.0, 30.0, 60.0, 90.0, 120.0, 144.0, 179.0, -120.0, 240.0])
+def test_the_law_is_that_of_the_assembled_chain(angle_analysis, gamma):
+    law, chain = angle_analysis.angle_law, angle_analysis.supported(Neighbors(gamma, gamma))
+    # Exact where sections are rigid.
+    assert law.axial(gamma) == close(chain.axial, rel=1e-8)
+    assert law.influence(gamma) == close(chain.influence, rel=1e-8)
+
+
+numbers = st.floats(0.1, 10.0)
+
+
+@given(numbers, numbers, numbers, st.floats(-720.0, 720.0))
+def test_the_law_stays_between_its_ends_and_folds(low, more, ratio, gamma):
+    law = AngleLaw(low, low + more, ratio, low, low + more)
+    assert low * (1 - 1e-12) <= law.axial(gamma) <= (low + more) * (1 + 1e-12)
+    assert law.axial(gamma) == close(law.axial(360.0 - gamma), rel=1e-9)
+    assert law.axial(0.0) == low
+    assert law.axial(180.0) == close(low + more, rel=1e-12)
+
+
+def test_a_ratio_of_one_is_linear_in_the_cosine():
+    law = AngleLaw(1.0, 3.0, 1.0, 1.0, 3.0)
+    gammas = np.linspace(0.0, 180.0, 7)
+    assert law.axial(gammas) == close(2.0 - np.cos(np.deg2rad(gammas)))
+
+
+def test_throws_without_symmetry_are_refused():
+    unequal = THROW.model_copy(update={"right_web": Web(thickness=0.080)})
+    found = analyze_throw(unequal, accuracy=0.1)
+    assert not is_symmetric(found.superelement)
+    with pytest.raises(InputError, match="equal webs only"):
+        angle_law(found.superelement)
+
+
+@pytest.mark.parametrize(
+    "gamma", [float("nan"), float("inf"), "x", "120", True, None, ["x"], [[1.0], [1.0, 2.0]]]
+)
+def test_angles_must_be_numbers(angle_analysis, gamma):
+    with pytest.raises(InputError, match=r"^gamma_deg: given"):
+        angle_analysis.angle_law.axial(gamma)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("ratio", value) for value in (0.0, -1.0, math.nan, math.inf)),
+        *(("in_line", value) for value in (0.0, -1e-9, math.nan)),
+        ("opposite", math.inf),
+        ("influence_in_line", math.nan),
+        ("influence_opposite", -math.inf),
+    ],
+)
+def test_numbers_of_no_throw_are_refused(name, value):
+    law = AngleLaw(1e-9, 2e-9, 1.5, -1e-10, 0.0)  # the influence has a sign
+    with pytest.raises(InputError, match=f"^{name}: given .*; allowed is a finite number"):
+        replace(law, **{name: value})

@@ -1,34 +1,38 @@
+"""Stiffness and mass matrices, against other assemblies and fields of constant strain."""
+
+import math
+from dataclasses import dataclass, replace
+from itertools import product
+
 import numpy as np
 import pytest
 from scipy import sparse
-from skfem import Basis, ElementTetP2, ElementVector, MeshTet1, MeshTet2
+from skfem import Basis, BilinearForm, ElementTetP2, ElementVector, MeshTet1, MeshTet2
 from skfem.models.elasticity import linear_elasticity
+from skfem.quadrature import get_quadrature
 
 from comparing import close
 from crankbase.errors import InputError
 from fem.assembly import (
-    PAIRS,
-    QUADRATURE_ORDER,
+    MASS_QUADRATURE_ORDER,
+    assemble_mass,
     assemble_stiffness,
-    element_stiffnesses,
+    element_masses,
+    node_blocks,
     physical_gradients,
     symmetric_product,
 )
 from fem.material import STEEL, Material
+from geometry.mesh import mesh_throw
 from geometry.shapes import EDGES, shapes_for_quadrature
+from geometry.throw import CrankThrow
+from solving import solve_symmetric
 
 SOFT = Material(youngs_modulus=7e10, poisson_ratio=0.45, density=2700.0)
 
 
 def full(upper):
     return upper + sparse.triu(upper, k=1).T
-
-
-def straightened(points, elements):
-    points = points.copy()
-    for node, (first, second) in enumerate(EDGES, start=4):
-        points[elements[:, node]] = 0.5 * (points[elements[:, first]] + points[elements[:, second]])
-    return points
 
 
 def oracle(points, elements, material):
@@ -68,70 +72,6 @@ def test_batches_give_the_same(mesh, monkeypatch):
     assert abs(whole - assemble_stiffness(mesh.points, mesh.elements, STEEL)).max() == 0.0
 
 
-def test_element_stiffness_against_its_definition():
-    """One curved element, its strain energy from B^T D B in Voigt's notation."""
-    rng = np.random.default_rng(5)
-    points = np.vstack([np.zeros(3), np.eye(3)])
-    points = np.vstack([points, [0.5 * (points[a] + points[b]) for a, b in EDGES]])
-    points[4:] += rng.uniform(-0.05, 0.05, (6, 3))
-    ((_, found),) = element_stiffnesses(points, np.arange(10)[None], SOFT)
-    _, gradients, weights = shapes_for_quadrature(QUADRATURE_ORDER)
-    spatial, volumes = physical_gradients(points[None], gradients, weights)
-    nu = SOFT.poisson_ratio
-    elastic = np.diag([1.0 - 2.0 * nu] * 3 + [0.5 - nu] * 3)
-    elastic[:3, :3] += nu
-    elastic *= SOFT.youngs_modulus / ((1.0 + nu) * (1.0 - 2.0 * nu))
-    expected = np.zeros((30, 30))
-    for slopes, volume in zip(spatial[0], volumes[0], strict=True):
-        strain = np.zeros((6, 30))
-        for axis in range(3):
-            strain[axis, axis::3] = slopes[:, axis]
-        for row, (i, j) in enumerate([(0, 1), (1, 2), (0, 2)], start=3):
-            strain[row, i::3], strain[row, j::3] = slopes[:, j], slopes[:, i]
-        expected += volume * strain.T @ elastic @ strain
-    first, second = PAIRS
-    blocks = expected.reshape(10, 3, 10, 3)[first, :, second]
-    assert found[0] == close(blocks, rel=1e-11, abs=1e-12 * expected.max())
-
-
-def test_rigid_body_motions_cost_nothing(mesh, stiffness):
-    motions = np.zeros((len(mesh.points), 3, 6))
-    motions[:, :, :3] = np.eye(3)
-    arms = mesh.points / np.abs(mesh.points).max()
-    for axis in range(3):
-        motions[:, :, 3 + axis] = np.cross(np.eye(3)[axis], arms)
-    forces = symmetric_product(stiffness, motions.reshape(-1, 6))
-    assert np.abs(forces).max() <= 1e-12 * abs(stiffness).max()
-
-
-def test_patch_of_straight_elements_carries_constant_strain(mesh):
-    points = straightened(mesh.points, mesh.elements)
-    matrix = assemble_stiffness(points, mesh.elements, STEEL)
-    gradient = np.random.default_rng(3).normal(size=(3, 3))
-    forces = symmetric_product(matrix, (points @ gradient.T).ravel()).reshape(-1, 3)
-    triangles = np.concatenate(list(mesh.surfaces.values()))
-    edges = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
-    on_edge = set(map(tuple, edges.tolist()))
-    outer = set(triangles.ravel().tolist())
-    for node, (first, second) in enumerate(EDGES, start=4):
-        for element in mesh.elements:
-            pair = sorted((int(element[first]), int(element[second])))
-            if tuple(pair) in on_edge:
-                outer.add(int(element[node]))
-    inner = np.setdiff1d(np.arange(len(points)), sorted(outer))
-    assert len(inner) > 100
-    assert np.abs(forces[inner]).max() <= 1e-12 * np.abs(forces).max() * len(points)
-    # The energy is that of the uniform stress in the whole volume.
-    strain = 0.5 * (gradient + gradient.T)
-    shear = STEEL.shear_modulus
-    lame = 2.0 * shear * STEEL.poisson_ratio / (1.0 - 2.0 * STEEL.poisson_ratio)
-    density = lame * np.trace(strain) ** 2 + 2.0 * shear * np.sum(strain**2)
-    corners = points[mesh.elements[:, :4]]
-    volume = np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / 6.0
-    energy = np.sum(forces * (points @ gradient.T))
-    assert energy == close(density * volume, rel=1e-11)
-
-
 def test_symmetric_product():
     rng = np.random.default_rng(0)
     matrix = rng.normal(size=(7, 7))
@@ -151,3 +91,248 @@ def test_material():
         Material(youngs_modulus=2.1e11, poisson_ratio=0.5, density=7850.0)
     with pytest.raises(InputError, match=r"^material.youngs_modulus: given 210 MPa; allowed is "):
         Material(youngs_modulus=2.1e8, poisson_ratio=0.3, density=7850.0)
+
+
+def test_blocks_hold_the_whole_matrix(stiffness):
+    blocks = node_blocks(stiffness)
+    assert blocks is not None
+    found = blocks.of(stiffness)
+    by_columns = found.data.reshape(-1, 3, 3).transpose(0, 2, 1)
+    whole = sparse.bsr_array(
+        (by_columns, found.indices, found.indptr), shape=stiffness.shape
+    ).tocsr()
+    assert (sparse.triu(whole) != stiffness).nnz == 0
+    diagonal = by_columns[found.indptr[:-1]]
+    assert np.array_equal(diagonal, diagonal.transpose(0, 2, 1))
+
+
+def holed() -> np.ndarray:
+    upper = np.triu(np.ones((6, 6)))
+    upper[0, 4] = 0.0
+    return upper
+
+
+@pytest.mark.parametrize(
+    "upper",
+    [
+        pytest.param(np.triu(np.ones((5, 5))), id="no whole nodes"),
+        pytest.param(holed(), id="a block with a hole"),
+        pytest.param(np.eye(6), id="no blocks"),
+        pytest.param(np.roll(np.triu(np.ones((6, 6))), 3, axis=1), id="no diagonal"),
+        pytest.param(np.zeros((3, 3)), id="empty"),
+    ],
+)
+def test_other_patterns_have_none(upper):
+    assert node_blocks(sparse.csr_array(upper)) is None
+
+
+DENSITY = 7850.0
+
+
+@pytest.fixture(scope="module")
+def upper(mesh):
+    return assemble_mass(mesh.points, mesh.elements, DENSITY)
+
+
+def mass_oracle(points, elements):
+    """scikit-fem's mass of one displacement component on the same curved mesh, in our numbering."""
+    corners = np.unique(elements[:, :4])
+    number = np.full(len(points), -1)
+    number[corners] = np.arange(len(corners))
+    linear = MeshTet1(points[corners].T, number[elements[:, :4]].T)
+    middle = {}
+    for node, (first, second) in enumerate(EDGES, start=4):
+        pairs = np.sort(number[elements[:, [first, second]]], axis=1)
+        middle.update(zip(map(tuple, pairs.tolist()), elements[:, node].tolist(), strict=True))
+    edge_nodes = np.array([middle[tuple(sorted(edge))] for edge in linear.edges.T.tolist()])
+    curved = MeshTet2(points[np.concatenate([corners, edge_nodes])].T, linear.t)
+    basis = Basis(curved, ElementTetP2(), intorder=MASS_QUADRATURE_ORDER)
+    matrix = BilinearForm(lambda u, v, _: DENSITY * u * v).assemble(basis).tocoo()
+    ours = np.full(basis.N, -1)
+    ours[basis.nodal_dofs[0]] = corners
+    ours[basis.edge_dofs[0]] = edge_nodes
+    return sparse.csr_array((matrix.data, (ours[matrix.row], ours[matrix.col])), matrix.shape)
+
+
+def test_mass_is_scikit_fems(mesh, upper):
+    expected = mass_oracle(mesh.points, mesh.elements)
+    assert sparse.tril(upper, k=-1).nnz == 0
+    full = upper + sparse.triu(upper, k=1).T
+    # Round-off of some hundred additions.
+    assert abs(full - sparse.kron(expected, sparse.eye_array(3))).max() <= 1e-13 * full.max()
+
+
+def test_batches_give_the_same_mass(mesh, upper, monkeypatch):
+    monkeypatch.setattr("fem.assembly.CHUNK", 37)
+    assert (
+        abs(upper - assemble_mass(mesh.points, mesh.elements, DENSITY)).max()
+        <= 1e-13 * abs(upper).max()
+    )
+
+
+def test_a_straight_element_has_its_closed_form():
+    """Integrals of products of barycentric coordinates: a! b! c! d! 6 V / (a + b + c + d + 3)!."""
+    corners = np.random.default_rng(2).normal(size=(4, 3))
+    if np.linalg.det(corners[1:] - corners[0]) < 0.0:
+        corners = corners[[1, 0, 2, 3]]
+    points = np.vstack([corners, [0.5 * (corners[a] + corners[b]) for a, b in EDGES]])
+    volume = np.linalg.det(corners[1:] - corners[0]) / 6.0
+    ((_, found),) = element_masses(points, np.arange(10)[None], DENSITY)
+    nodes = [{a} for a in range(4)] + [set(edge) for edge in EDGES]
+    expected = np.empty((10, 10))
+    for i, first in enumerate(nodes):
+        for j, second in enumerate(nodes):
+            common = len(first & second)
+            expected[i, j] = {
+                (1, 1): (1.0, 6.0),
+                (1, 2): (-6.0, -4.0),
+                (2, 1): (-6.0, -4.0),
+                (2, 2): (8.0, 16.0, 32.0),
+            }[len(first), len(second)][common]
+    assert found[0] == close(DENSITY * volume / 420.0 * expected, rel=1e-12)
+
+
+def test_the_rule_is_exact_to_seventh_order():
+    """Integrals of x^a y^b z^c over the reference element: a! b! c! / (a + b + c + 3)!."""
+    where, weights = get_quadrature(MeshTet1.elem.refdom, MASS_QUADRATURE_ORDER)
+    for powers in product(range(8), repeat=3):
+        if sum(powers) <= 7:
+            exact = math.prod(map(math.factorial, powers)) / math.factorial(sum(powers) + 3)
+            found = weights @ np.prod(where.T**powers, axis=1)
+            assert found == close(exact, rel=1e-12)
+
+
+FACES = np.array([[0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 2, 3, 6, 9, 7]])
+ROUND_OFF = 1e-13
+ROUND_OFF_OF_STRAINS = 1e-12
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Displacements (n, 3) found, and strains (p, 3, 3) at points (p, 3) spread over all elements."""
+
+    displacements: np.ndarray
+    strains: np.ndarray
+    places: np.ndarray
+
+
+def boundary_nodes(elements):
+    """Nodes on faces that belong to one element only."""
+    faces = elements[:, FACES].reshape(-1, 6)
+    corners = np.sort(faces[:, :3], axis=1)
+    _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
+    return np.unique(faces[first[count == 1]])
+
+
+def patch_straightened(mesh):
+    points = mesh.points.copy()
+    for node, (first, second) in enumerate(EDGES, start=4):
+        middle = 0.5 * (points[mesh.elements[:, first]] + points[mesh.elements[:, second]])
+        points[mesh.elements[:, node]] = middle
+    return replace(mesh, points=points)
+
+
+def solve_inside(mesh, prescribed):
+    """Prescribe displacements (n, 3) on the boundary of a mesh and solve for the nodes inside."""
+    outer = np.zeros((len(mesh.points), 3), dtype=bool)
+    outer[boundary_nodes(mesh.elements)] = True
+    inside = np.flatnonzero(~outer.ravel())
+    assert len(inside) > 1000
+    stiffness = assemble_stiffness(mesh.points, mesh.elements, STEEL)
+    found = np.where(outer, prescribed, 0.0).reshape(-1, 1)
+    loads = -symmetric_product(stiffness, found)[inside]
+    found[inside] = solve_symmetric(stiffness[inside][:, inside].tocsr(), loads)[0]
+    displacements = found.reshape(-1, 3)
+    values, gradients, weights = shapes_for_quadrature(5)
+    corners = mesh.points[mesh.elements]
+    spatial, _ = physical_gradients(corners, gradients, weights)
+    slopes = np.einsum("mqaj,mai->mqij", spatial, displacements[mesh.elements]).reshape(-1, 3, 3)
+    strains = 0.5 * (slopes + slopes.transpose(0, 2, 1))
+    return Solved(displacements, strains, (values @ corners).reshape(-1, 3))
+
+
+def stresses(strains):
+    shear, nu = STEEL.shear_modulus, STEEL.poisson_ratio
+    lame = 2.0 * shear * nu / (1.0 - 2.0 * nu)
+    trace = np.trace(strains, axis1=1, axis2=2)
+    return lame * trace[:, None, None] * np.eye(3) + 2.0 * shear * strains
+
+
+def relative(error, size):
+    return np.abs(error).max() / np.abs(size).max()
+
+
+@pytest.fixture(scope="module")
+def sharp(dimensions):
+    """Only its cylinders are curved."""
+    return mesh_throw(CrankThrow(**{**dimensions, "fillet_radius": 0.0}), 3.0)
+
+
+@pytest.fixture(scope="module")
+def filleted(mesh):
+    return mesh
+
+
+@pytest.fixture(scope="module")
+def gradient():
+    """Gradient of a linear field: stretches, shears and a rotation, all of one size."""
+    return 1e-3 * np.random.default_rng(11).normal(size=(3, 3))
+
+
+@pytest.mark.parametrize(
+    ("curved", "order"),
+    [(False, 2), (True, 5)],
+    ids=["straight elements", "curved elements, rule exact to degree 3 and more"],
+)
+@pytest.mark.parametrize("kind", ["sharp", "filleted"])
+def test_linear_field_is_reproduced(request, monkeypatch, gradient, kind, curved, order):
+    monkeypatch.setattr("fem.assembly.QUADRATURE_ORDER", order)
+    mesh = request.getfixturevalue(kind)
+    mesh = mesh if curved else patch_straightened(mesh)
+    wanted = mesh.points @ gradient.T
+    found = solve_inside(mesh, wanted)
+    assert relative(found.displacements - wanted, wanted) < ROUND_OFF
+    strain = 0.5 * (gradient + gradient.T)
+    assert relative(found.strains - strain, strain) < ROUND_OFF_OF_STRAINS
+    stress = stresses(strain[None])
+    assert relative(stresses(found.strains) - stress, stress) < ROUND_OFF_OF_STRAINS
+
+
+def bending(points):
+    """Pure bending about x of a bar along z by a unit curvature: stress E y along z, no other."""
+    x, y, z = points.T
+    nu = STEEL.poisson_ratio
+    return np.column_stack([-nu * x * y, -0.5 * (z**2 + nu * (y**2 - x**2)), y * z])
+
+
+def bending_strains(points):
+    nu = STEEL.poisson_ratio
+    return points[:, 1, None, None] * np.diag([-nu, -nu, 1.0])
+
+
+def torsion(points):
+    """Twist about z by a unit angle per length; the sections stay plane."""
+    x, y, z = points.T
+    return np.column_stack([-y * z, x * z, np.zeros_like(z)])
+
+
+def torsion_strains(points):
+    strains = np.zeros((len(points), 3, 3))
+    strains[:, 0, 2] = strains[:, 2, 0] = -0.5 * points[:, 1]
+    strains[:, 1, 2] = strains[:, 2, 1] = 0.5 * points[:, 0]
+    return strains
+
+
+@pytest.mark.parametrize(
+    ("field", "strains"),
+    [(bending, bending_strains), (torsion, torsion_strains)],
+    ids=["bending", "torsion"],
+)
+@pytest.mark.parametrize("kind", ["sharp", "filleted"])
+def test_straight_elements_reproduce_bending_and_torsion(request, kind, field, strains):
+    mesh = patch_straightened(request.getfixturevalue(kind))
+    wanted = field(mesh.points)
+    found = solve_inside(mesh, wanted)
+    expected = strains(found.places)
+    assert relative(found.displacements - wanted, wanted) < ROUND_OFF
+    assert relative(found.strains - expected, expected) < ROUND_OFF_OF_STRAINS

@@ -1,12 +1,6 @@
-"""Stresses on surfaces and at fillets.
-
-Identities (symmetry parts, rotations, manufactured strains, equilibrium) hold to round-off on any mesh,
-so they are tested on coarse ones with tolerances of 1e-6 to 1e-9 of the values; what is only an
-approximation says why its tolerance is what it is.
-"""
+"""Stresses on surfaces and at fillets, and their fields."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,18 +10,19 @@ from crankbase.errors import InputError
 from fem import fillet_stress
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import nodes_on
+from fem.fields import displacement_field, images
 from fem.fillet_peaks import fillet_points, fillet_surface
 from fem.fillet_stress import fillet_stresses
-from fem.fillets import fillet_element, measured_sizes, refine_at, sharp_corners, throw_fillets
+from fem.fillets import sharp_corners, throw_fillets
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
 from fem.nominal_stress import nominal_stress, torsion_modulus, web_section
 from fem.rule_mesh import reading_quality
+from fem.stress_fields import stress_fields
+from fem.supports import TWIST, reactions
 from fem.surface_stress import (
     as_components,
     as_matrices,
-    largest_principal,
-    principal_stresses,
     smallest_rotations,
     surface_stress,
     tangent_frames,
@@ -36,9 +31,12 @@ from fem.surface_stress import (
 from fem.symmetry import SymmetryClass
 from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads, whole_facets, whole_nodes
 from geometry.facets import six_node_triangles
+from geometry.imported import import_throw, imported_parts
+from geometry.imported_mesh import mesh_imported_throw
 from geometry.mesh import mesh_throw
 from geometry.sizes import SizeMap
 from geometry.solid import FILLET, LEFT_END, RIGHT_END
+from geometry.solid_files import write_step
 from geometry.throw import CrankThrow
 from stand_ins import COARSE_STRESSES
 
@@ -68,16 +66,6 @@ def test_equivalent_stress_of_known_states():
     tension, shear, pressure = [-3.0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 2.0, 0], [5.0, 5.0, 5.0, 0, 0, 0]
     expected = [3.0, 2.0 * math.sqrt(3.0), 0.0]
     assert von_mises(np.array([tension, shear, pressure])) == close(expected)
-
-
-def test_principal_stresses_are_those_before_turning():
-    turn = rotation()
-    stress = as_components(turn @ np.diag([2.0, -7.0, 1.0]) @ turn.T)
-    principals = principal_stresses(stress)
-    assert principals == close([2.0, 1.0, -7.0])
-    assert largest_principal(principals) == close(-7.0)
-    assert largest_principal(-principals[::-1]) == close(7.0)
-    assert von_mises(stress) == close(math.sqrt(0.5 * (81.0 + 64.0 + 1.0)))
 
 
 # --------------------------------------------------------------------------------------- free surfaces
@@ -158,16 +146,6 @@ def test_a_bent_cylinder_has_the_stress_of_a_beam():
     assert inside[0] < 1e-3
     assert inside[1] < 0.3 * inside[0]
     assert anywhere[1] < 0.3 * anywhere[0] < 0.01
-
-
-def test_no_force_acts_on_the_surface():
-    points, facets = cylinder(4)
-    moved = GENERATOR.normal(size=points.shape)
-    stress = as_matrices(stress_on(points, facets, moved))
-    normals = points * (1.0, 1.0, 0.0)
-    tractions = np.einsum("nij,nj->ni", stress, normals)
-    # The normals of the facets' mean are those of the cylinder to the cube of their angle.
-    assert np.linalg.norm(tractions, axis=1).max() < 0.01 * np.abs(stress).max()
 
 
 def test_frames_and_smallest_turns():
@@ -267,16 +245,6 @@ def test_end_sections_carry_the_loads(loads, full_mesh, throw, kind):
     assert ends[LEFT_END] == close(left, abs=1e-6)
 
 
-def test_a_radial_force_bends_like_the_moments(loaded):
-    """Both open the throw: the pin's fillets are pulled at the side of the shaft."""
-    surface = fillet_surface(loaded["quarter"])
-    low = surface.points[:, 1] < 0.09
-    on_pin = low & (np.abs(surface.points[:, 2] - 0.1975) < 0.069)
-    stress = surface.stress[on_pin][:, [AXIAL, BENDING, RADIAL], 2]
-    assert stress.max(axis=0).min() > 0.0
-    assert np.all(stress.max(axis=0) > 2.0 * np.abs(stress.min(axis=0)))
-
-
 def test_nodes_of_the_whole(mesh, half_mesh, full_mesh):
     for part in (mesh, half_mesh):
         nodes = whole_nodes(part)
@@ -341,35 +309,6 @@ def test_nominal_stresses_by_hand(dimensions):
     assert nominal(throw, "radial") == close(0.5 * 0.094 / modulus)
 
 
-def test_nominal_stresses_of_unequal_webs(dimensions):
-    throw = CrankThrow(**dimensions, right_web={"thickness": 0.05, "width": 0.28})
-    left, right = 0.3 * 0.068**2 / 6.0, 0.28 * 0.05**2 / 6.0
-    assert nominal(throw, "bending", 1) == close(1.0 / left)
-    assert nominal(throw, "bending", 2) == close(1.0 / right)
-    length, force = 0.12 + 0.068 + 0.139 + 0.05, 0.06 + 0.068 + 0.0695
-    assert throw.length == close(length)
-    at_left, at_right = force / length, 1.0 - force / length
-    assert nominal(throw, "radial", 0) == close(at_right * 0.094 / left)
-    assert nominal(throw, "radial", 3) == close(at_left * (0.06 + 0.025) / right)
-
-
-def test_nominal_section_lies_in_the_middle_of_the_overlap(dimensions):
-    """Radii of 110 and 90 mm, axes 170 mm apart: 95 mm from the shaft."""
-    throw = CrankThrow(
-        **dimensions | {"web_thickness": 0.06}, web_pin_end=0.125, web_tip_thickness=0.05
-    )
-    web = throw.parts.webs[0]
-    section = web_section(throw.parts, web)
-    assert section.width == close(2.0 * web.outline.half_width(np.array([0.095]))[0])
-    assert 0.25 < section.width < 0.299
-    # The slope starts beyond the collar of the main journal.
-    assert section.thickness == close(0.06)
-    far = replace(web.slopes[0], start=0.05, end=0.295)
-    sloped = replace(web, slopes=(far,))
-    parts = replace(throw.parts, webs=(sloped, throw.parts.webs[1]))
-    assert web_section(parts, sloped).thickness == close(0.06 - 0.01 * 0.045 / 0.245)
-
-
 def test_nominal_stresses_of_several_pins(dimensions):
     throw = CrankThrow(
         **dimensions, further_pins=[{"angle": math.pi, "web_thickness": 0.12, "web_width": 0.32}]
@@ -390,20 +329,6 @@ def test_nominal_stresses_of_several_pins(dimensions):
 
 
 # ------------------------------------------------------------------------------------------- whole runs
-
-
-def test_sizes_grow_from_where_they_are_small(mesh):
-    sizes = measured_sizes(mesh)
-    corners = sizes.points[sizes.tetrahedra]
-    edges = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)
-    assert np.median(sizes.sizes[sizes.tetrahedra].mean(axis=1) / edges) == close(1.0, abs=0.2)
-    place = sizes.points[5]
-    finer = refine_at(sizes, [(place[None], 0.001), (np.empty((0, 3)), 1e-9)])
-    assert finer.sizes[5] == 0.001
-    assert np.all(finer.sizes <= sizes.sizes)
-    distance = np.linalg.norm(sizes.points - place, axis=1)
-    assert np.array_equal(finer.sizes, np.minimum(sizes.sizes, 0.001 + 0.5 * distance))
-    assert fillet_element(0.012, 6.0) == close(math.pi * 0.001)
 
 
 @pytest.fixture
@@ -561,3 +486,125 @@ def test_a_rule_mesh_beyond_the_budget_is_refused(monkeypatch, dimensions):
     monkeypatch.setattr(fillet_stress, "MOST_RULE_UNKNOWNS", 30_000)
     with pytest.raises(InputError, match='mesh: given "m53", whose elements would make about'):
         fillet_stresses(CrankThrow(**dimensions), mesh="m53", mesher=mesh_throw)
+
+
+@pytest.fixture(scope="module")
+def fields(mesh, throw):
+    return stress_fields(mesh, throw, STEEL)
+
+
+def test_a_tangential_force_is_carried_wherever_it_is_held(fields, throw):
+    """Torque taken at the left or at the right end: the difference is a torque through the throw."""
+    force = np.array([-1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    held = reactions(fields.superelement, "pinned", fields.superelement.pin_loads[0] @ force)
+    left = np.concatenate([held.left.force, held.left.moment, held.right.force, held.right.moment])
+    assert left[5] == close(-throw.crank_radius)
+    right = left.copy()
+    right[[5, 11]] = 0.0, left[5]
+    one, other = fields.amplitudes(left, force), fields.amplitudes(right, force)
+    through = fields.amplitudes(left[5] * TWIST, np.zeros(6))
+    assert other - one == close(through, abs=1e-9 * np.abs(other).max())
+
+
+def test_loads_out_of_balance_are_refused(fields):
+    ends = np.zeros(12)
+    ends[1] = 1.0
+    with pytest.raises(InputError, match="loads: given ones out of balance"):
+        fields.amplitudes(ends, np.zeros(6))
+
+
+def test_strain_energy_is_that_of_the_amplitudes(fields):
+    """End loads in balance do the work c^2 / 2 on the motions that they make."""
+    rng = np.random.default_rng(3)
+    motions = rng.normal(size=12)
+    ends = fields.superelement.stiffness @ motions
+    amplitudes = fields.amplitudes(ends, np.zeros(6))
+    assert amplitudes[:6] @ amplitudes[:6] == close(motions @ ends)
+
+
+def test_throws_of_several_pins_are_refused(mesh, throw):
+    several = throw.changed(further_pins=({"angle": 1.0, "web_thickness": 0.06},))
+    with pytest.raises(InputError, match="throw: given one with 2 pins"):
+        stress_fields(mesh, several, STEEL)
+
+
+@pytest.fixture(scope="module")
+def cad_throw(dimensions):
+    return CrankThrow(**dimensions, main_journal_bore=0.06, right_web={"thickness": 0.055})
+
+
+@pytest.fixture(scope="module")
+def part(cad_throw, tmp_path_factory):
+    return import_throw(write_step(cad_throw, tmp_path_factory.mktemp("cad") / "throw.step"))
+
+
+def test_parts_are_those_that_the_solid_was_made_of(cad_throw, part):
+    """Lengths as the kernel has them; the width is measured on facets, which cut arcs short by 0.1 %."""
+    found = imported_parts(part, mesh_imported_throw(part, 1.5))
+    fillets, expected = throw_fillets(found), throw_fillets(cad_throw.parts)
+    assert [fillet.name for fillet in fillets] == [fillet.name for fillet in expected]
+    for one, other in zip(fillets, expected, strict=True):
+        assert (one.radius, one.start, one.end) == close((other.radius, other.start, other.end))
+        assert torsion_modulus(one.journal) == close(torsion_modulus(other.journal))
+        own, wanted = web_section(found, one.web), web_section(cad_throw.parts, other.web)
+        assert own.thickness == close(wanted.thickness)
+        assert own.width == close(wanted.width, rel=2e-3)
+
+
+@pytest.mark.further
+def test_stresses_of_a_part_are_those_of_its_throw(dimensions, tmp_path):
+    """Two meshes, each within its own estimate. Large fillets take few elements."""
+    throw = CrankThrow(**dimensions | {"fillet_radius": 0.02})
+    part = import_throw(write_step(throw, tmp_path / "throw.step"))
+    expected, found = (fillet_stresses(one, accuracy=0.2) for one in (throw, part))
+    assert found.loaded.mesh.part == "full"
+    assert found.sharp_corners == ()
+    for own, wanted in zip(found.peaks, expected.peaks, strict=True):
+        assert (own.name, own.load.kind) == (wanted.name, wanted.load.kind)
+        assert own.nominal == close(wanted.nominal, rel=3e-3)
+        room = own.error_estimate + wanted.error_estimate
+        assert own.von_mises == close(wanted.von_mises, rel=room)
+
+
+def test_a_part_without_fillets_is_refused(dimensions, tmp_path):
+    sharp = CrankThrow(**dimensions | {"fillet_radius": 0.0})
+    part = import_throw(write_step(sharp, tmp_path / "sharp.step"))
+    with pytest.raises(
+        InputError, match=r"sharp\.step: given a part without a fillet at its main jou"
+    ):
+        fillet_stresses(part)
+
+
+# Finite elements throughout: not for the inner loop.
+
+
+@pytest.fixture(scope="module")
+def models(mesh, half_mesh, full_mesh, condensed):
+    meshes = {"quarter": mesh, "half": half_mesh, "full": full_mesh}
+    return {part: (found, condensed(found)[0]) for part, found in meshes.items()}
+
+
+def rows_of(points, wanted):
+    """Number of the node at each wanted place."""
+    found = {tuple(place): number for number, place in enumerate(points.round(8) + 0.0)}
+    return [found[tuple(place)] for place in wanted.round(8) + 0.0]
+
+
+@pytest.mark.parametrize("part", ["quarter", "half", "full"])
+def test_images_make_the_whole_throws_field(models, part):
+    """Against the field of the full mesh, for motions with nothing symmetric in them."""
+    motions = np.random.default_rng(5).normal(size=12)
+    mesh, classes = models[part]
+    full, whole = models["full"]
+    expected = displacement_field(whole, motions)
+    copies = images(mesh, classes, motions)
+    assert len(copies) == {"quarter": 4, "half": 2, "full": 1}[part]
+    assert np.array_equal(copies[0].points, mesh.points)
+    assert copies[0].displacement == close(displacement_field(classes, motions))
+    nodes = set()
+    for copy in copies:
+        rows = rows_of(full.points, copy.points)
+        nodes.update(rows)
+        assert copy.displacement == close(expected[rows], abs=1e-8)
+    assert nodes == set(range(len(full.points)))
+    assert sum(copy.inside_out for copy in copies) == len(copies) // 2

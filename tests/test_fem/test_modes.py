@@ -13,7 +13,7 @@ from fem.assembly import symmetric_product
 from fem.class_modes import ClassModes, PartMatrices, class_problem, frequencies_of
 from fem.condensation import blocked_unknowns
 from fem.material import STEEL
-from fem.modes import _lowest_modes, end_motions_of, free_modes, name_of_motion, rigid_count
+from fem.modes import _lowest_modes, free_modes, name_of_motion, rigid_count
 from fem.symmetry import SymmetryClass, symmetry_classes
 from geometry.mesh import mesh_throw
 
@@ -111,16 +111,6 @@ def test_six_rigid_motions(modes):
     assert [rigid_count(symmetry) for symmetry in symmetry_classes("quarter")] == [1, 2, 2, 1]
 
 
-def test_highest_frequency_gives_the_same(coarse, modes):
-    ceiling = 0.5 * (modes.frequencies[6] + modes.frequencies[7])
-    found = free_modes(coarse, STEEL, highest_frequency=float(ceiling))
-    assert found.frequencies == close(modes.frequencies[:7], rel=1e-9)
-    assert found.symmetries == modes.symmetries[:7]
-    below_all = free_modes(coarse, STEEL, highest_frequency=1.0)
-    assert below_all.shapes.shape == (len(coarse.points), 3, 0)
-    assert below_all.names == ()
-
-
 def test_frequencies_scale_with_the_material(coarse, modes):
     """By sqrt(E / rho), Poisson's ratio unchanged."""
     other = STEEL.model_copy(update={"youngs_modulus": 7e10, "density": 2700.0})
@@ -163,17 +153,6 @@ def test_name_of_motion():
     one[[0, 1]] = 1.0
     assert name_of_motion(one, 0.4) == "bending"
     assert name_of_motion(np.zeros(12), 0.4) == "end sections at rest"
-
-
-def test_end_motions_are_those_of_a_rigid_body(whole):
-    """A turn about the left end's center by a small angle round x, and a push along z."""
-    symmetry = symmetry_classes("full")[0]
-    shape = np.cross([1e-3, 0.0, 0.0], whole.points)
-    shape[:, 2] += 2e-3
-    expected = np.zeros(12)
-    expected[[2, 3, 8, 9]] = 2e-3, 1e-3, 2e-3, 1e-3
-    expected[7] = -1e-3 * whole.length
-    assert end_motions_of(whole, symmetry, shape) == close(expected, abs=1e-15)
 
 
 def test_enough_of_each_class_is_sought():

@@ -1,3 +1,5 @@
+"""Solutions of equations, their checks and the memory they take."""
+
 from dataclasses import replace
 
 import numpy as np
@@ -6,10 +8,21 @@ from scipy import sparse
 
 import fem.solver
 from comparing import close
-from crankbase.errors import InputError, SolveError
+from crankbase import memory
+from crankbase.errors import InputError, NotEnoughMemoryError, SolveError
+from crankbase.stopwatch import Stopwatch
+from fem import accuracy
+from fem.accuracy import Problem, solve_level
+from fem.analysis import analyze_throw
+from fem.assembly import assemble_stiffness
 from fem.condensation import condense
-from fem.solver import SharedSolver
+from fem.fillet_stress import fillet_stresses
+from fem.loads import RADIAL, unit_pin_loads
+from fem.material import STEEL
+from fem.solver import Factorization, SharedSolver, refined_solution
+from fem.superelement import checked_superelement
 from fem.symmetry import axial_class, symmetry_classes
+from geometry.throw import CrankThrow
 from solving import solve_symmetric
 
 SOLVERS = ["superlu"] if fem.solver._pardiso() is None else ["pardiso", "superlu"]
@@ -21,30 +34,6 @@ def supported(size=50):
     diagonal = np.full(size, 2.0)
     diagonal[-1] = 1.0
     return sparse.csr_array(sparse.diags([diagonal, np.full(size - 1, -1.0)], [0, 1]))
-
-
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_solution_of_a_spring_chain(solver):
-    rights = np.zeros((50, 2))
-    rights[-1, 0] = 1.0
-    rights[9, 1] = 2.0
-    solution, used = solve_symmetric(supported(), rights, solver)
-    assert used == solver
-    place = np.arange(1.0, 51.0)
-    expected = np.column_stack([place, 2.0 * np.minimum(place, 10.0)])
-    assert solution == close(expected, rel=1e-12)
-
-
-@needs_both
-@pytest.mark.parametrize("symmetry", symmetry_classes("quarter"))
-def test_both_solvers_agree(mesh, stiffness, pins, symmetry):
-    first, second = (condense(mesh, stiffness, pins, symmetry, solver) for solver in SOLVERS)
-    assert (first.solver, second.solver) == ("pardiso", "superlu")
-    size = np.abs(first.stiffness).max()
-    # A rigid motion, where the class has one, costs round-off only.
-    assert first.stiffness == close(second.stiffness, rel=1e-10, abs=1e-10 * size)
-    assert first.fields == close(second.fields, abs=1e-11)
-    assert first.pin_loads == close(second.pin_loads, abs=1e-11)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -103,23 +92,6 @@ def test_no_load_no_motion():
     assert not solution.any()
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_matrices_of_one_pattern_follow_each_other(solver):
-    shared = SharedSolver(solver)
-    rights = np.ones((50, 1))
-    chain = supported()
-    for scale in (1.0, 3.0):
-        solution = shared.factorize(scale * chain).solve(rights)
-        assert chain @ solution + chain.T @ solution - chain.diagonal()[:, None] * solution == (
-            close(rights / scale, rel=1e-10)
-        )
-    other = supported(60)
-    alone, _ = solve_symmetric(other, np.ones((60, 1)), solver)
-    assert shared.factorize(other).solve(np.ones((60, 1))) == close(alone, rel=1e-12)
-    shared.close()
-    shared.close()
-
-
 @needs_both
 def test_factors_that_were_freed_are_not_used():
     shared = SharedSolver("pardiso")
@@ -137,3 +109,160 @@ def test_factors_of_an_earlier_matrix_are_not_used():
     with pytest.raises(SolveError, match="replaced"):
         first.solve(np.ones((50, 1)))
     shared.close()
+
+
+needs_pardiso = pytest.mark.skipif(fem.solver._pardiso() is None, reason="no Pardiso")
+
+
+def graded(spread):
+    """Upper triangle of a positive definite matrix whose eigenvalues span so many decades."""
+    rng = np.random.default_rng(4)
+    directions, _ = np.linalg.qr(rng.normal(size=(30, 30)))
+    whole = directions * np.logspace(0.0, -spread, 30) @ directions.T
+    return np.triu(0.5 * (whole + whole.T))
+
+
+def rough_inverse(upper, error):
+    whole = upper + np.triu(upper, 1).T
+    inverse = np.linalg.inv(whole) * (1.0 + error)
+    return lambda sides: inverse @ sides
+
+
+def test_a_rough_solver_leads_to_round_off():
+    upper = graded(3.0)
+    wanted = np.random.default_rng(5).normal(size=(30, 2)) * (1e-9, 1e9)
+    whole = upper + np.triu(upper, 1).T
+    found = refined_solution(
+        sparse.csr_array(upper),
+        np.abs(upper).sum(axis=1).max(),
+        whole @ wanted,
+        rough_inverse(upper, 1e-3),
+    )
+    assert found == close(wanted, rel=1e-10)
+
+
+@pytest.mark.parametrize("error", [0.5, 3.0, np.nan])
+def test_too_rough_a_solver_leads_to_none(error):
+    upper = graded(3.0)
+    sides = np.ones((30, 1))
+    size = np.abs(upper).sum(axis=1).max()
+    assert (
+        refined_solution(sparse.csr_array(upper), size, sides, rough_inverse(upper, error)) is None
+    )
+
+
+def test_no_right_side_no_solution():
+    upper = graded(1.0)
+    nothing = np.zeros((30, 2))
+    found = refined_solution(sparse.csr_array(upper), 1.0, nothing, rough_inverse(upper, 0.0))
+    assert not found.any()
+
+
+@needs_pardiso
+@pytest.mark.parametrize("spread", [2.0, 7.5, 11.0], ids=["well", "badly", "worse conditioned"])
+@pytest.mark.parametrize("size", [1e-60, 1.0, 1e60])
+def test_few_sides_are_solved_as_exactly_as_many(monkeypatch, spread, size):
+    """In single precision the second matrix is hardly, the third not positive definite."""
+    monkeypatch.setattr(fem.solver, "SINGLE_FROM", 0)
+    upper = sparse.csr_array(size * graded(spread))
+    sides = np.random.default_rng(6).normal(size=(30, 3))
+    few, many = SharedSolver("pardiso"), SharedSolver("pardiso", few_sides=False)
+    found, expected = few.factorize(upper).solve(sides), many.factorize(upper).solve(sides)
+    again = few.factorize(2.0 * upper).solve(sides)
+    reached = 1e-14 * 10.0**spread
+    scale = np.abs(expected).max()
+    assert np.abs(found - expected).max() <= reached * scale
+    assert np.abs(2.0 * again - expected).max() <= reached * scale
+    few.close()
+    many.close()
+
+
+def solved(mesh, degree=2):
+    """The superelement of a mesh, as a run makes it."""
+    problem = Problem(STEEL, "auto", "rigid", Stopwatch(), degree)
+    classes = solve_level(mesh, problem).condense(symmetry_classes(mesh.part), problem)
+    return checked_superelement(classes, RADIAL[None], mesh)
+
+
+def test_an_inaccurate_solution(mesh, monkeypatch):
+    solve, random = Factorization.solve, np.random.default_rng(5)
+
+    def poorly(self, right_sides):
+        solution = solve(self, right_sides)
+        return solution * (1.0 + 1e-4 * random.standard_normal(solution.shape))
+
+    monkeypatch.setattr(Factorization, "solve", poorly)
+    with pytest.raises(SolveError, match=r"Reciprocity .* off by \d\.\de-0\d \(allowed 1e-06\)"):
+        solved(mesh)
+
+
+def test_a_stiffness_that_holds_the_throw_in_space(mesh, monkeypatch):
+    def grounded(points, elements, material):
+        found = assemble_stiffness(points, elements, material)
+        spring = 1e-4 * found.diagonal().max() * (np.arange(found.shape[0]) == 3 * len(points) // 2)
+        return (found + sparse.diags_array(spring)).tocsr()
+
+    monkeypatch.setattr(accuracy, "assemble_stiffness", grounded)
+    with pytest.raises(SolveError, match="Rigid motions of the throw meet forces of"):
+        solved(mesh)
+
+
+def test_a_web_without_stiffness(mesh, monkeypatch):
+    def soft(points, elements, material):
+        cut = np.abs(points[elements[:, 0], 2] / mesh.length - 0.3) < 0.08
+        left, right = (assemble_stiffness(points, elements[own], material) for own in (cut, ~cut))
+        return (1e-10 * left + right).tocsr()
+
+    monkeypatch.setattr(accuracy, "assemble_stiffness", soft)
+    with pytest.raises(SolveError, match="stiffness is not positive definite"):
+        solved(mesh)
+
+
+def test_a_load_of_which_a_node_is_lost(mesh, monkeypatch):
+    def dropped(given):
+        (load,) = unit_pin_loads(given)
+        values = load.values.copy()
+        values[:, 0] = 0.0
+        return (replace(load, values=values),)
+
+    monkeypatch.setattr(accuracy, "unit_pin_loads", dropped)
+    with pytest.raises(SolveError, match="leave an unbalanced share of a pin's load of"):
+        solved(mesh)
+
+
+def test_numbers_that_are_none(classes, mesh):
+    first, *rest = classes
+    spoiled = replace(first, stiffness=np.full_like(first.stiffness, np.nan))
+    with pytest.raises(SolveError, match="unsymmetric by nan"):
+        checked_superelement([spoiled, *rest], RADIAL[None], mesh)
+
+
+@pytest.fixture
+def little_memory(monkeypatch):
+    monkeypatch.setattr(memory, "free_memory", lambda: 0.0)
+    monkeypatch.setattr(memory, "LITTLE", 0.0)
+
+
+def refuse_to_mesh(*_):
+    raise AssertionError("nothing may be meshed")
+
+
+def test_an_analysis_that_does_not_fit_is_refused_before_meshing(throw, little_memory):
+    wanted = r"^accuracy: given 0.01, whose next mesh of about [\d,]+ unknowns takes about"
+    with pytest.raises(NotEnoughMemoryError, match=wanted):
+        analyze_throw(throw, accuracy=0.01, mesher=refuse_to_mesh)
+
+
+def test_stresses_that_do_not_fit_are_refused(throw, mesh, little_memory):
+    meshed = []
+
+    def once(*given):
+        assert not meshed
+        meshed.append(given)
+        return mesh
+
+    filleted = CrankThrow(**throw.model_dump() | {"fillet_radius": 0.012})
+    with pytest.raises(
+        NotEnoughMemoryError, match=r"^accuracy: given 0.05, whose .* GB that are free"
+    ):
+        fillet_stresses(filleted, accuracy=0.05, mesher=once)

@@ -1,22 +1,31 @@
-"""The superelement from quarters, against one condensation of the whole mirrored mesh."""
+"""The superelement from quarters, its supports and limits."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from comparing import close
+from crankbase.errors import InputError
+from crankfem.analyses.throw.throw_record import reciprocity_record
+from fem.analysis import analyze_throw
 from fem.assembly import assemble_stiffness
+from fem.axial_analysis import class_axial_compliances, class_torsional_compliance
 from fem.condensation import nodes_on
 from fem.loads import uniform_pin_loads
 from fem.material import STEEL
-from fem.superelement import section_rotation
-from fem.supports import reactions, support_throw
+from fem.shaft import assemble_shaft, free_unknowns
+from fem.superelement import RZ, UZ, superelement_of_end_forces
+from fem.supports import Neighbors, reactions, support_throw
 from fem.symmetry import symmetry_classes
 from geometry.shapes import smallest_jacobians
-from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE
+from geometry.solid import LEFT_END
+from geometry.throw import CrankThrow
 
 
 @dataclass
@@ -69,18 +78,6 @@ def factorize(matrix):
     )
 
 
-def test_whole_mesh_condensed_at_once_gives_the_same(whole, superelement):
-    inner, motions = whole.inner(), whole.end_motions()
-    loads = np.asarray(whole.matrix @ motions)
-    motions[inner] = -factorize(whole.matrix[inner][:, inner]).solve(loads[inner])
-    stiffness = motions.T @ (whole.matrix @ motions)
-    pin_load = motions.T @ whole.pin_loads()
-    size = np.sqrt(np.outer(np.diag(stiffness), np.diag(stiffness)))
-    assert np.abs(superelement.stiffness - stiffness).max() <= 1e-8 * np.abs(stiffness).max()
-    assert (np.abs(superelement.stiffness - stiffness) / size).max() <= 1e-8
-    assert superelement.pin_load == close(pin_load, abs=1e-8)
-
-
 @pytest.mark.parametrize("support", ["pinned", "guided"])
 def test_direct_solve_with_blocked_length_gives_the_reactions(whole, superelement, support):
     """One solve of the whole throw under pin forces, the end sections supported directly."""
@@ -109,52 +106,6 @@ def test_direct_solve_with_blocked_length_gives_the_reactions(whole, superelemen
     assert thrust > 0.0
 
 
-def test_symmetric_and_semidefinite_with_six_rigid_motions(superelement, rigid_motions):
-    stiffness = superelement.stiffness
-    assert np.array_equal(stiffness, stiffness.T)
-    residual = np.linalg.norm(stiffness @ rigid_motions)
-    assert residual <= 1e-9 * np.linalg.norm(stiffness)
-    values = np.linalg.eigvalsh(stiffness)
-    assert np.abs(values[:6]).max() <= 1e-9 * values[6]
-    assert values[6] > 1e-4 * values[-1]
-
-
-def test_pin_load_is_in_equilibrium(superelement, rigid_motions, throw, mesh, pin_shapes):
-    """It works on rigid motions as a force at the pin's middle does."""
-    height = pin_shapes[0] @ mesh.points[:, 1]
-    assert height == close(throw.crank_radius, rel=1e-4)
-    arm = np.array([0.0, height, throw.length / 2.0])
-    for column in range(3):
-        force = np.eye(3)[column]
-        expected = np.concatenate([force, np.cross(arm, force) / throw.crank_radius])
-        found = rigid_motions.T @ superelement.pin_load[:, column]
-        assert found == close(expected, abs=1e-9)
-
-
-def test_uniform_pin_load(mesh, pin_shapes, throw):
-    assert pin_shapes.sum() == close(1.0, rel=1e-14)
-    carrying = np.abs(pin_shapes[0]) > 1e-14
-    radius = np.hypot(mesh.points[:, 0], mesh.points[:, 1] - throw.crank_radius)
-    assert radius[carrying] == close(throw.pin_diameter / 2.0, rel=1e-2)  # straightened edges
-    carrying[np.unique(mesh.elements[:, 4:])] = False
-    assert radius[carrying] == close(throw.pin_diameter / 2.0, rel=1e-9)
-    # A quarter of the pin, from its fillet to its middle and over the half turn x > 0.
-    x, y, z = pin_shapes[0] @ mesh.points
-    assert x == close(throw.pin_diameter / np.pi, rel=1e-3)
-    assert y == close(throw.crank_radius, rel=1e-4)
-    half = throw.pin_length / 2.0
-    assert z == close(throw.length / 2.0 - (half - throw.fillet_radius) / 2.0, rel=1e-4)
-
-
-def test_shares_are_four_quarters_of_the_whole(whole, pin_shapes, mesh):
-    off_planes = np.setdiff1d(
-        np.arange(len(mesh.points)),
-        np.concatenate([nodes_on(mesh, CRANK_PLANE), nodes_on(mesh, MIDDLE_PLANE)]),
-    )
-    assert whole.shares.sum() == close(1.0, rel=1e-14)
-    assert whole.shares[off_planes] == close(0.25 * pin_shapes[0][off_planes], abs=1e-14)
-
-
 def test_fields_move_the_end_as_a_rigid_section(mesh, classes):
     ends = nodes_on(mesh, LEFT_END)
     for part in classes:
@@ -177,14 +128,165 @@ def test_the_classes_share_out_all_motions(part):
     assert together @ shares == close(np.eye(12))
 
 
-def test_turning(superelement):
-    turned = superelement.turned(angle_deg=np.degrees(0.7)).turned(angle_deg=np.degrees(0.5))
-    once = superelement.turned(angle_deg=np.degrees(1.2))
-    assert turned.stiffness == close(once.stiffness, rel=1e-9, abs=1e-3)
-    assert turned.pin_load == close(once.pin_load, abs=1e-12)
-    back = superelement.turned(angle_deg=np.degrees(2.0 * np.pi))
-    assert back.stiffness == close(superelement.stiffness, rel=1e-9, abs=1e-3)
-    rotation = section_rotation(0.3)
-    assert rotation @ rotation.T == close(np.eye(6), abs=1e-15)
-    # A quarter turn about z takes x to y.
-    assert section_rotation(np.pi / 2.0) @ np.eye(6)[0] == close(np.eye(6)[1], abs=1e-15)
+ROUND_OFF = 1e-11
+
+DIMENSIONS = {
+    "crank_radius": 0.170,
+    "main_journal_diameter": 0.220,
+    "pin_diameter": 0.180,
+    "main_journal_length": 0.135,
+    "pin_length": 0.139,
+    "web_width": 0.285,
+    "web_thickness": 0.068,
+}
+
+
+def beside(one, other):
+    return np.max(np.abs(one - other)) / np.max(np.abs(other))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("end_sections", ["rigid", "averaged"])
+@pytest.mark.parametrize("left_web", [None, {"thickness": 0.05}], ids=["equal webs", "unequal"])
+def test_both_ways_to_the_superelement_agree(end_sections, left_web):
+    throw = CrankThrow(**(DIMENSIONS | {"left_web": left_web}))
+    found = analyze_throw(throw, accuracy=0.1, end_sections=end_sections).discrete
+    own = found.superelement
+    other = superelement_of_end_forces(found.classes, own.radials)
+    assert beside(other.stiffness, own.stiffness) < ROUND_OFF
+    assert beside(other.pin_loads, own.pin_loads) < ROUND_OFF
+    # They are two calculations, not one.
+    assert not np.array_equal(other.pin_loads, own.pin_loads)
+    assert all(0.0 < figure < ROUND_OFF for figure in reciprocity_record(found).values())
+
+
+SUPPORTS = ["pinned", "guided", Neighbors(120, 120), Neighbors(90, 180), Neighbors(0, 240)]
+
+
+def near(found, expected, tolerance):
+    assert found.axial == close(expected.axial, rel=tolerance)
+    assert found.torsional == close(expected.torsional, rel=tolerance)
+    assert found.influence == close(expected.influence, rel=tolerance)
+
+
+@pytest.mark.parametrize("support", SUPPORTS, ids=str)
+def test_blocked_throw_presses_with_c_z_over_e(superelement, support):
+    answers = support_throw(superelement, support)
+    found = reactions(superelement, support, superelement.end_load(np.array([0.0, -2e5, 0.0])))
+    thrust = answers.influence * 2e5 / answers.axial
+    assert thrust > 0.0
+    assert found.left.force[2] == close(thrust, rel=1e-6)
+    assert found.right.force[2] == close(-thrust, rel=1e-6)
+
+
+def test_pinned_ends_carry_no_tilting_moment(superelement):
+    found = reactions(superelement, "pinned", superelement.end_load(np.array([1e5, -1e5, 1e5])))
+    assert found.left.moment[:2] == close([0.0, 0.0], abs=1e-6)
+    assert found.right.moment[:2] == close([0.0, 0.0], abs=1e-6)
+    # The torque is that of the tangential force.
+    assert found.left.moment[2] == close(1e5 * 0.170, rel=1e-4)
+
+
+def test_reactions_superpose(superelement):
+    parts = [reactions(superelement, "guided", superelement.end_load(force)) for force in np.eye(3)]
+    both = reactions(superelement, "guided", superelement.end_load(np.array([2.0, -3.0, 5.0])))
+    wanted = 2.0 * parts[0].left.moment - 3.0 * parts[1].left.moment + 5.0 * parts[2].left.moment
+    assert both.left.moment == close(wanted, rel=1e-10, abs=1e-10)
+
+
+def test_neighbors_opposite_are_pinned(superelement):
+    found, pinned = (
+        support_throw(superelement, Neighbors(180, 180)),
+        support_throw(superelement, "pinned"),
+    )
+    assert found.axial == close(pinned.axial, rel=1e-9)
+    assert found.stretches[0] == close(pinned.stretches[0], rel=1e-9, abs=1e-20)
+    # Under torque opposite cranks keep each other's ends from tilting across the crank plane.
+    guided = support_throw(superelement, "guided")
+    assert found.torsional == close(guided.torsional, rel=1e-9)
+
+
+def test_neighbors_in_line_are_guided(superelement):
+    found, guided = (
+        support_throw(superelement, Neighbors(0, 0)),
+        support_throw(superelement, "guided"),
+    )
+    assert found.axial == close(guided.axial, rel=1e-9)
+    assert found.stretches[0] == close(guided.stretches[0], rel=1e-9, abs=1e-20)
+    # Under torque all cranks tilt alike and hold each other nowhere.
+    pinned = support_throw(superelement, "pinned")
+    assert found.torsional == close(pinned.torsional, rel=1e-9)
+
+
+@settings(max_examples=25, deadline=None)
+@given(left=st.floats(0.0, 360.0), right=st.floats(0.0, 360.0))
+def test_neighbors_lie_between_guided_and_pinned(superelement, left, right):
+    free, held = support_throw(superelement, "pinned"), support_throw(superelement, "guided")
+    found = support_throw(superelement, Neighbors(left, right))
+    for name in ("axial", "torsional", "influence"):
+        low, high = getattr(held, name), getattr(free, name)
+        assert low * (1.0 - 1e-9) <= getattr(found, name) <= high * (1.0 + 1e-9)
+    # Seen from the other end, and seen in a mirror, the throw has the same compliances.
+    near(support_throw(superelement, Neighbors(right, left)), found, 1e-8)
+    near(support_throw(superelement, Neighbors(-left, -right)), found, 1e-8)
+    near(support_throw(superelement, Neighbors(left + 360.0, right)), found, 1e-8)
+
+
+@pytest.mark.parametrize("support", [Neighbors(120, 120), Neighbors(70, 200)], ids=str)
+def test_neighbors_against_a_long_shaft(superelement, support):
+    """The middle one of 41 throws assembled one by one, with nothing condensed beforehand."""
+    reach = 20
+    places = np.arange(-reach, reach + 1)
+    steps = np.where(places < 0, support.left_deg, support.right_deg)
+    shaft = [
+        superelement.turned(angle_deg=np.degrees(angle)) for angle in np.radians(steps * places)
+    ]
+    loads = np.zeros((6 * (len(shaft) + 1), 5))
+    loads[-6 + UZ, 0] = loads[-6 + RZ, 1] = 1.0
+    # Each throw's left end takes the torque and the axial push of its own pin.
+    ends = superelement.pin_load[:6] + superelement.pin_load[6:]
+    for place, part in enumerate(shaft):
+        loads[6 * place : 6 * place + 12, 2:] += part.pin_load
+        loads[[6 * place + UZ, 6 * place + RZ], 2:] -= ends[[UZ, RZ]]
+    free = free_unknowns(len(shaft) + 1)
+    motions = np.zeros_like(loads)
+    motions[free] = np.linalg.solve(assemble_shaft(shaft)[np.ix_(free, free)], loads[free])
+    middle = motions[6 * reach : 6 * reach + 12]
+    found = support_throw(superelement, support)
+    stretch = middle[6 + UZ] - middle[UZ]
+    assert found.axial == close(stretch[0], rel=1e-6)
+    assert found.torsional == close((middle[6 + RZ] - middle[RZ])[1], rel=1e-6)
+    assert found.stretches[0] == close(stretch[2:], rel=1e-5, abs=1e-14)
+
+
+@pytest.mark.parametrize("support", ["pinned", "guided"])
+def test_two_classes_are_enough_for_these_supports(superelement, classes, support):
+    expected = support_throw(superelement, support)
+    axial, influence = class_axial_compliances(classes[0], support)
+    assert axial == close(expected.axial, rel=1e-10)
+    assert influence == close(expected.influence, rel=1e-10)
+    assert class_torsional_compliance(classes[-1], support) == close(expected.torsional, rel=1e-10)
+
+
+def test_lengthening_under_radial_force_is_the_pins_motion_under_axial_force(superelement):
+    """Maxwell and Betti: c is also the pin's mean motion towards the shaft per unit pull."""
+    blocked = [0, 1, 2, 5, 6, 7]
+    free = np.setdiff1d(np.arange(12), blocked)
+    motion = np.zeros(12)
+    pull = np.zeros(12)
+    pull[8] = 1.0
+    motion[free] = np.linalg.solve(superelement.stiffness[np.ix_(free, free)], pull[free])
+    inward = -(superelement.pin_load[:, 1] @ motion)
+    assert support_throw(superelement, "pinned").influence == close(inward, rel=1e-10)
+
+
+@pytest.mark.parametrize("support", ["free", "", None, 180, "Pinned"])
+def test_unknown_support(superelement, support):
+    with pytest.raises(InputError, match=r"^support: given .*pinned.*guided.*Neighbors"):
+        support_throw(superelement, support)
+
+
+@pytest.mark.parametrize("angle", [math.nan, math.inf, "120 deg", None])
+def test_neighbors_take_finite_angles(angle):
+    with pytest.raises(InputError, match=r"^Neighbors.right_deg: given "):
+        Neighbors(120, angle)

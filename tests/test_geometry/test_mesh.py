@@ -1,30 +1,37 @@
+"""Meshes of throws, and meshes made from sizes at the nodes of an earlier one."""
+
 import ctypes
+import math
 import multiprocessing
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
 
+import gmsh
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from skfem import ElementTetP2, ElementTriP2
+from skfem import ElementTetP2
 from skfem.quadrature import get_quadrature
 
 import geometry.mesh
 import geometry.mesh_checks
 from comparing import close
 from crankbase.errors import InputError, MeshError
+from geometry.gmsh_session import gmsh_session
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesh_checks import check_quality, check_volume
+from geometry.mesher import mesh_isolated
 from geometry.shapes import (
     EDGES,
     corner_quality,
     element_quadrature,
     element_volumes,
-    shapes_at,
     smallest_jacobians,
     straighten_elements,
-    triangle_shapes_at,
 )
+from geometry.size_fields import set_size_map
+from geometry.sizes import SizeMap, regular_volume
 from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MAIN_JOURNAL, MIDDLE_PLANE, PIN, WEB
 from geometry.throw import CrankThrow
 
@@ -113,22 +120,6 @@ def test_named_surfaces_cover_their_places(dimensions, scale):
     assert areas[CRANK_PLANE] == close(expected[CRANK_PLANE], rel=5e-3)
 
 
-def test_surfaces_lie_where_their_names_say(dimensions, coarse_mesh):
-    throw = CrankThrow(**dimensions)
-    x, y, z = coarse_mesh.points.T
-
-    def nodes(name):
-        return np.unique(coarse_mesh.surfaces[name])
-
-    assert np.abs(z[nodes(LEFT_END)]).max() < 1e-12
-    assert np.abs(x[nodes(CRANK_PLANE)]).max() < 1e-12
-    assert np.abs(z[nodes(MIDDLE_PLANE)] - throw.length / 2.0).max() < 1e-12
-    journal, pin = nodes(MAIN_JOURNAL), nodes(PIN)
-    assert np.hypot(x[journal], y[journal]) == close(throw.main_journal_diameter / 2.0)
-    assert np.hypot(x[pin], y[pin] - throw.crank_radius) == close(throw.pin_diameter / 2.0)
-    assert z[pin].min() >= throw.length / 2.0 - throw.pin_length / 2.0
-
-
 def test_sharp_corners_have_no_fillet_surface_and_small_elements(dimensions):
     throw = CrankThrow(**{**dimensions, "fillet_radius": 0.0})
     mesh = mesh_throw(throw, 1.0)
@@ -140,26 +131,6 @@ def test_sharp_corners_have_no_fillet_surface_and_small_elements(dimensions):
     )
     # Nodes stand about half an element's length apart along the half circle.
     assert on_corner.sum() > 0.8 * np.pi * corner / (0.05 * throw.web_thickness)
-
-
-def test_every_facet_belongs_to_one_name(coarse_mesh):
-    corners = coarse_mesh.elements[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
-    facets, counts = np.unique(np.sort(corners, axis=1), axis=0, return_counts=True)
-    named = np.concatenate(list(coarse_mesh.surfaces.values()))
-    named = np.unique(np.sort(named, axis=1), axis=0)
-    assert set(counts) == {1, 2}
-    assert np.array_equal(named, facets[counts == 1])
-    assert len(named) == sum(map(len, coarse_mesh.surfaces.values()))
-
-
-def test_nodes_are_numbered_without_gaps_and_edge_nodes_lie_on_their_edges(coarse_mesh):
-    assert np.array_equal(np.unique(coarse_mesh.elements), np.arange(len(coarse_mesh.points)))
-    assert coarse_mesh.unknowns == 3 * len(coarse_mesh.points)
-    where = coarse_mesh.points[coarse_mesh.elements]
-    for node, (first, second) in enumerate(EDGES, start=4):
-        off = where[:, node] - 0.5 * (where[:, first] + where[:, second])
-        length = np.linalg.norm(where[:, first] - where[:, second], axis=1)
-        assert (np.linalg.norm(off, axis=1) < 0.25 * length).all()
 
 
 def test_bit_identical_wherever_it_runs(dimensions, coarse_mesh):
@@ -194,28 +165,6 @@ def straight_tetrahedra(corners, connections):
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]
 TWO = [(0, 1, 2, 3), (1, 2, 3, 4)]
-
-
-def test_volumes_of_straight_tetrahedra():
-    points, elements = straight_tetrahedra(CORNERS, TWO)
-    assert element_volumes(points, elements) == close([1.0 / 6.0, 1.0 / 3.0], rel=1e-14)
-    where, volumes = element_quadrature(points, elements)
-    assert volumes.sum() == close(0.5, rel=1e-14)
-    center = (np.mean(CORNERS[:4], axis=0) / 6.0 + np.mean(CORNERS[1:], axis=0) / 3.0) / 0.5
-    assert volumes @ where / 0.5 == close(center, rel=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("element", "shapes", "order"),
-    [(ElementTetP2(), shapes_at, (2, 0, 1)), (ElementTriP2(), triangle_shapes_at, (0, 1, 2))],
-)
-def test_shape_functions_are_those_of_scikit_fem(element, shapes, order):
-    where = np.random.default_rng(1).random((element.refdom.dim(), 7))
-    values, gradients = shapes(where)
-    expected = [element.lbasis(where, node) for node in range(values.shape[1])]
-    assert values == close(np.array([value + np.zeros(7) for value, _ in expected]).T, abs=1e-14)
-    slopes = np.array([slope + np.zeros_like(where) for _, slope in expected])
-    assert gradients == close(slopes.transpose(order), abs=1e-14)
 
 
 def test_volumes_of_curved_tetrahedra_are_those_of_a_quadrature_that_is_more_than_exact():
@@ -379,3 +328,146 @@ def test_any_throw_that_can_be_built_is_meshed(throw):
     assert determinants(mesh, 5).min() > 0.0
     empty = {name for name, facets in mesh.surfaces.items() if len(facets) == 0}
     assert empty == (set() if throw.fillet_radius > 0.0 else {FILLET})
+
+
+# Corners and edges of a regular tetrahedron with edges of 1 m.
+REGULAR = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(8.0)
+
+
+def same(first, second):
+    return (
+        np.array_equal(first.points, second.points)
+        and np.array_equal(first.elements, second.elements)
+        and first.surfaces.keys() == second.surfaces.keys()
+        and all(
+            np.array_equal(first.surfaces[name], second.surfaces[name]) for name in first.surfaces
+        )
+    )
+
+
+def map_of(mesh, sizes):
+    """Sizes as a function of places, on the mesh's corners."""
+    corners, number = np.unique(mesh.elements[:, :4], return_inverse=True)
+    points = mesh.points[corners]
+    return SizeMap(points, number.reshape(-1, 4), np.asarray(sizes(points), dtype=float))
+
+
+def wished_size(points, throw):
+    return 0.030 - 0.032 * points[:, 2] / throw.length
+
+
+@pytest.fixture(scope="module")
+def map_throw(dimensions):
+    return CrankThrow(**dimensions)
+
+
+@pytest.fixture(scope="module")
+def graded(map_throw, coarse_mesh):
+    """From 30 mm at the left end to 14 mm at the other side of the meshed quarter, the pin's middle."""
+    return map_of(coarse_mesh, lambda points: wished_size(points, map_throw))
+
+
+@pytest.fixture(scope="module")
+def made(map_throw, graded):
+    return mesh_throw(map_throw, sizes=graded)
+
+
+def test_volume_of_a_regular_tetrahedron():
+    assert np.linalg.norm(REGULAR[0] - REGULAR[1]) == close(1.0)
+    expected = abs(np.linalg.det(REGULAR[1:] - REGULAR[0])) / 6.0
+    assert regular_volume(np.array([1.0, 0.02])) == close([expected, 8e-6 * expected])
+
+
+def test_expected_unknowns_do_not_depend_on_the_order_of_corners(coarse_mesh):
+    uniform = map_of(coarse_mesh, lambda points: np.full(len(points), 0.02))
+    turned = replace(uniform, tetrahedra=uniform.tetrahedra[::-1, [1, 0, 2, 3]])
+    assert turned.expected_unknowns() == uniform.expected_unknowns()
+
+
+def test_a_map_replaces_the_planned_sizes(map_throw, coarse_mesh, made):
+    assert not same(made, coarse_mesh)
+    assert made.size_factor == 1.0
+    assert made.part == coarse_mesh.part == "quarter"
+    assert made.pins == coarse_mesh.pins
+    assert made.surfaces.keys() == coarse_mesh.surfaces.keys()
+
+
+def test_the_factor_scales_the_map(map_throw, graded):
+    expected = mesh_throw(map_throw, sizes=replace(graded, sizes=0.8 * graded.sizes))
+    found = mesh_throw(map_throw, 0.8, sizes=graded)
+    assert found.size_factor == 0.8
+    assert same(found, expected)
+
+
+def test_the_mesh_is_checked_as_others_are(map_throw, made):
+    volume = element_volumes(made.points, made.elements).sum()
+    assert 4.0 * made.solid.volume == close(map_throw.volume, rel=1e-9)
+    assert volume == close(made.solid.volume, rel=1e-3)
+
+
+def test_a_map_of_any_size_gives_a_mesh_of_the_volume(map_throw, coarse_mesh):
+    """Elements as large as a journal's radius would cut chords off it: they are smaller there."""
+    for size in (0.1, 0.5):
+        coarse = map_of(coarse_mesh, lambda points, size=size: np.full(len(points), size))
+        mesh = mesh_throw(map_throw, sizes=coarse)
+        assert mesh.attempts == ()
+        volume = element_volumes(mesh.points, mesh.elements).sum()
+        assert volume == close(mesh.solid.volume, rel=5e-4)
+
+
+def test_a_map_whose_mesh_is_refused_is_meshed_finer(map_throw, graded, monkeypatch):
+    def refuse(*_):
+        monkeypatch.undo()
+        raise MeshError("refused")
+
+    monkeypatch.setattr(geometry.mesh, "check_volume", refuse)
+    mesh = mesh_throw(map_throw, sizes=graded)
+    assert mesh.attempts == ("as planned: refused",)
+    assert mesh.size_factor == MESHING_STRATEGIES[1].share
+
+
+def test_too_many_unknowns_are_refused_before_meshing(map_throw, graded):
+    factor = 0.5 * (graded.expected_unknowns() / 1_500_000) ** (1.0 / 3.0)
+    for mesher in (mesh_throw, mesh_isolated):
+        with pytest.raises(InputError, match=r"^size_factor: given .*; allowed are 1,500,000"):
+            mesher(map_throw, factor, sizes=graded)
+
+
+def test_an_open_gmsh_session_gets_nothing_left_behind(map_throw, graded, made):
+    """Sizes travel as a post-processing view, which does not belong to the model."""
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.add("of somebody else")
+        mine = gmsh.view.add("of somebody else")
+        assert same(mesh_throw(map_throw, sizes=graded), made)
+        assert same(mesh_throw(map_throw, sizes=graded), made)
+        assert list(gmsh.view.getTags()) == [mine]
+        assert gmsh.model.getCurrent() == "of somebody else"
+    finally:
+        gmsh.finalize()
+
+
+def test_the_field_between_nodes_and_beside_the_map():
+    """A box of its own, whose map covers half of it: linear inside, the closest node's beside it."""
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    sizes = SizeMap(corners, np.array([[0, 1, 2, 3]]), np.array([0.05, 0.2, 0.1, 0.1]))
+    with gmsh_session("a tetrahedron") as session:
+        points = [session.model.occ.addPoint(*corner) for corner in corners]
+        lines = {
+            (i, j): session.model.occ.addLine(points[i], points[j])
+            for i in range(4)
+            for j in range(i + 1, 4)
+        }
+        session.model.occ.synchronize()
+        set_size_map(session, sizes, 0.5)
+        session.model.mesh.generate(1)
+        count = {
+            ends: len(session.model.mesh.getElements(1, line)[1][0]) for ends, line in lines.items()
+        }
+    for (i, j), found in count.items():
+        # Along an edge with sizes from a to b there is room for the integral of 1 / size.
+        a, b = 0.5 * sizes.sizes[[i, j]]
+        length = np.linalg.norm(corners[i] - corners[j])
+        room = length / a if math.isclose(a, b) else length * np.log(b / a) / (b - a)
+        assert found == close(room, abs=1.5)

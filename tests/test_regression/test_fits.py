@@ -1,5 +1,8 @@
+"""Fits: forms, least squares, and the choice between equations."""
+
 import itertools
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -10,7 +13,22 @@ from scipy.stats import qmc
 from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
-from regression.fits.forms import FORMS
+from regression.fits.forms import FORMS, FittedForm, form_named
+from regression.fits.selection import (
+    adjusted,
+    backward,
+    choose,
+    coefficient_of_determination,
+    least_squares,
+    left_out_predictions,
+)
+from regression.fits.terms import (
+    design_matrix,
+    divisors,
+    levels_needed,
+    polynomial_terms,
+    term_name,
+)
 
 FACTORS = ("web_width", "web_thickness", "pin_length")
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}
@@ -65,32 +83,6 @@ def test_a_fit_is_shown_in_a_line():
     assert repr(found).endswith(f" % at {len(HELDOUT)} held out)")
 
 
-def test_coefficients_are_named_by_their_terms():
-    assert list(fit("linear").coefficients) == ["1", *FACTORS]
-    assert list(fit("quadratic").coefficients)[4:] == [
-        "web_width^2",
-        "web_thickness^2",
-        "pin_length^2",
-        "web_width * web_thickness",
-        "web_width * pin_length",
-        "web_thickness * pin_length",
-    ]
-    assert "ln(web_width) * ln(pin_length)" in fit("log-quadratic").coefficients
-
-
-@pytest.mark.parametrize("form", KINDS)
-def test_natural_coefficients_give_the_prediction(form):
-    found = fit(form)
-    u = np.log(HELDOUT) if found.fitted.logarithmic else HELDOUT
-    natural = found.fitted.natural_coefficients()
-    total = sum(
-        c * np.prod([u[:, i] for i in term] or [np.ones(len(u))], axis=0)
-        for term, c in natural.items()
-    )
-    expected = np.exp(total) if found.fitted.logarithmic else total
-    assert found.predict(HELDOUT) == close(expected, rel=1e-9)
-
-
 @pytest.mark.parametrize("form", KINDS)
 def test_q_squared_equals_refitting_without_each_run(form):
     found = fit(form)
@@ -102,21 +94,6 @@ def test_q_squared_equals_refitting_without_each_run(form):
     )
     expected = 1.0 - np.sum((Y - left_out) ** 2) / np.sum((Y - Y.mean()) ** 2)
     assert found.q_squared == close(expected, rel=1e-9)
-
-
-@pytest.mark.parametrize("form", KINDS)
-def test_errors_are_of_the_response_itself(form):
-    found = fit(form)
-    predicted = found.predict(RUNS)
-    r_squared = 1.0 - np.sum((Y - predicted) ** 2) / np.sum((Y - Y.mean()) ** 2)
-    assert found.r_squared == close(r_squared, rel=1e-12)
-    errors = np.abs(predicted / Y - 1.0)
-    heldout = np.abs(found.predict(HELDOUT) / HELDOUT_Y - 1.0)
-    assert found.largest_error == close(errors.max())
-    assert found.mean_error == close(errors.mean())
-    assert found.largest_heldout_error == close(heldout.max())
-    assert found.mean_heldout_error == close(heldout.mean())
-    assert (found.runs, found.heldout_runs) == (27, 12)
 
 
 def test_as_many_runs_as_coefficients_has_no_q_squared():
@@ -205,21 +182,6 @@ def test_two_levels_do_not_determine_a_square():
     assert len(found.coefficients) == 7
 
 
-def test_cubic_terms_where_the_levels_are():
-    levels = [np.linspace(*box, n) for box, n in zip(BOX.values(), (3, 4, 2), strict=True)]
-    x = np.array(list(itertools.product(*levels)))
-    found = fit_form("log-cubic", FACTORS, x, compliance(x))
-    assert set(found.undetermined) == {
-        "ln(pin_length)^2",
-        "ln(web_width)^3",
-        "ln(pin_length)^3",
-        "ln(web_width) * ln(pin_length)^2",
-        "ln(web_thickness) * ln(pin_length)^2",
-    }
-    # The rest is what a product of full polynomials of these degrees has up to degree 3.
-    assert len(found.coefficients) == 20 - 5
-
-
 def test_cubic_terms_that_follow_from_others_are_left_out():
     # Three levels of b, at which b^3 is a sum of its lower powers, and one run that gives a a fourth.
     square = np.array(list(itertools.product((1.0, 2.0, 3.0), repeat=2)))
@@ -235,25 +197,6 @@ def test_aliased_interactions_are_no_interactions():
     corners = np.array([[a, b, a * b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)] * 3)
     with pytest.raises(InputError, match=r"do not determine the coefficient of a \* b"):
         fit_form("interactions", ("a", "b", "c"), corners, np.arange(1.0, 13.0))
-
-
-def with_outline(x, share=0.9):
-    """Add a rectangle for each obround: columns of three labels, of which one never occurs."""
-    both = np.vstack(
-        [np.column_stack([x, np.zeros(len(x))]), np.column_stack([x, np.ones(len(x))])]
-    )
-    return both, np.concatenate([compliance(x), share * compliance(x)])
-
-
-def test_a_category_is_a_column_without_powers_or_logarithm():
-    x, y = with_outline(RUNS)
-    found = fit_form("power law", (*FACTORS, "web_outline=rectangle"), x, y)
-    assert found.fitted.log_factors == (True, True, True, False)
-    # ln of a constant share is its coefficient.
-    assert found.coefficients["web_outline=rectangle"] == close(math.log(0.9), rel=1e-9)
-    full = fit_form("log-quadratic", (*FACTORS, "web_outline=rectangle"), x, y)
-    assert "web_outline=rectangle^2" not in full.coefficients
-    assert "ln(web_width) * web_outline=rectangle" in full.coefficients
 
 
 def test_labels_of_one_category_are_never_multiplied():
@@ -287,23 +230,264 @@ def test_scaled_response_is_the_same_fit():
         fit_form("linear", FACTORS, RUNS, Y, scale=[1.0, 2.0, 3.0])
 
 
-def test_statistics_of_natural_coefficients():
-    """Standard errors in natural variables are those of a fit in natural variables."""
-    found = fit("linear")
-    plain = np.column_stack([np.ones(27), RUNS])
-    covariance = found.statistics.residual_variance * np.linalg.inv(plain.T @ plain)
-    assert list(found.natural_standard_errors.values()) == close(
-        np.sqrt(np.diag(covariance)), rel=1e-8
-    )
-    assert (
-        fit_form("quadratic", ("web_width",), RUNS[[0, 9, 18], :1], Y[:3]).natural_standard_errors
-        is None
-    )
-
-
 def test_ranges_are_those_of_the_runs():
     found = fit("linear")
     assert found.lowest == close(tuple(LOW))
     assert found.highest == close(tuple(HIGH))
     assert found.basis == "factors"
     assert fit_form("group power law", ("R/h",), RUNS[:, 1:2], Y).basis == "groups"
+
+
+def equation(**changes):
+    given = {
+        "form": "log-cubic",
+        "factors": ("a", "b"),
+        "logarithmic": True,
+        "log_factors": (True, False),
+        "center": (0.5, 2.0),
+        "half_range": (0.25, 4.0),
+        "terms": ((), (0,), (1,), (0, 0, 1)),
+        "coefficients": (1.0, 0.5, -0.25, 0.125),
+    }
+    return FittedForm(**(given | changes))
+
+
+def test_divisors_levels_and_names():
+    assert divisors((0, 0, 1)) == {(), (0,), (1,), (0, 0), (0, 1)}
+    assert divisors(()) == set()
+    assert levels_needed((0, 0, 0, 2)) == {0: 4, 2: 2}
+    assert term_name((0, 0, 1), ("a", "b")) == "a^2 * b"
+    assert term_name((), ("a",)) == "1"
+
+
+def test_natural_coefficients_in_other_units():
+    found = equation()
+    natural = found.natural_coefficients((1e-3, 10.0), 1e-9)
+    u = (math.log(3.0 / 1e-3), 5.0 / 10.0)
+    total = sum(c * math.prod(u[i] for i in term) for term, c in natural.items())
+    assert float(found.predict([3.0, 5.0])) == close(1e-9 * math.exp(total), rel=1e-10)
+
+
+def test_natural_transformation():
+    found = equation()
+    terms, matrix = found.natural_transformation()
+    natural = found.natural_coefficients()
+    assert terms == tuple(natural)
+    assert matrix @ found.coefficients == close(list(natural.values()), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"center": (0.5,)}, "center: given 1 values; allowed are 2"),
+        ({"coefficients": (1.0, 2.0)}, "coefficients: given 2 values; allowed are 4"),
+        ({"log_factors": (True,)}, "log_factors: given 1 values"),
+        ({"half_range": (0.25, 0.0)}, "half_range: .* all must be positive"),
+        ({"center": (0.5, np.nan)}, "center: .* all numbers must be finite"),
+        ({"terms": ((), (0,), (1,), (1, 0))}, r"terms: given \[1, 0\]; allowed .* in rising order"),
+        ({"terms": ((), (0,), (1,), (2,))}, r"terms: given \[2\]; allowed are numbers of columns"),
+        ({"terms": ((), (0,), (1,), (1,))}, "terms: given .*; each is allowed once"),
+    ],
+)
+def test_contradictory_equations(changes, match):
+    with pytest.raises(InputError, match=match):
+        equation(**changes)
+
+
+def test_points_that_cannot_be_evaluated():
+    with pytest.raises(InputError, match=r"x: given an array of shape \(3,\); its last axis"):
+        equation().predict([1.0, 2.0, 3.0])
+    with pytest.raises(InputError, match="x: given -3; allowed are positive values"):
+        equation().predict([-3.0, -2.0])
+    # Columns that are not logged may be negative.
+    assert np.isfinite(equation().predict([3.0, -2.0]))
+
+
+def test_unknown_form():
+    with pytest.raises(InputError, match="form: given 'cubic'; allowed are linear, interactions"):
+        form_named("cubic")
+
+
+TERMS = polynomial_terms(3, 2)
+
+
+@dataclass(frozen=True)
+class Judged:
+    form: str
+    coefficient_count: int
+    largest_heldout_error: float | None
+
+
+def noisy(seed=1):
+    rng = np.random.default_rng(seed)
+    z = rng.uniform(-1, 1, (40, 3))
+    y = 1 + z[:, 0] - 2 * z[:, 1] + 0.8 * z[:, 0] * z[:, 1] + 0.1 * rng.normal(size=40)
+    return design_matrix(TERMS, z), y
+
+
+def press(matrix, y):
+    return least_squares(matrix, y, [str(i) for i in range(matrix.shape[1])]).press
+
+
+def test_terms_of_nothing_go_and_the_others_stay():
+    kept, dropped = backward(*noisy(), TERMS)
+    assert (0, 1) in [TERMS[i] for i in kept]
+    assert len(dropped) >= 3
+    assert sorted(kept + dropped) == list(range(len(TERMS)))
+    # The constant and the factors stay, though the third does nothing.
+    assert kept[:4] == [0, 1, 2, 3]
+
+
+def test_a_form_with_as_many_terms_as_runs_loses_some_until_it_can_be_judged():
+    z = np.random.default_rng(2).uniform(-1, 1, (len(TERMS), 3))
+    matrix, y = design_matrix(TERMS, z), np.arange(1.0, 11.0)
+    assert press(matrix, y) is None
+    kept, dropped = backward(matrix, y, TERMS)
+    assert dropped
+    assert press(matrix[:, kept], y) is not None
+
+
+def test_nothing_goes_where_no_shorter_form_can_be_judged():
+    # Two runs at each of which one column alone is not 0 cannot be missed, whatever goes.
+    matrix = np.zeros((4, 4))
+    matrix[:, 0] = 1.0
+    matrix[0, 1] = matrix[1, 2] = matrix[2, 3] = 1.0
+    assert backward(matrix, np.arange(4.0), ((), (0,), (1,), (0, 1))) == ([0, 1, 2, 3], [])
+
+
+def selected(matrix, y):
+    """The selection by its definition: the worst term of those that may go, by refits."""
+    kept = list(range(len(TERMS)))
+    while True:
+        needed = set().union(*(divisors(TERMS[i]) for i in kept))
+        may_go = [i for i in kept if len(TERMS[i]) > 1 and TERMS[i] not in needed]
+        errors = {i: press(matrix[:, [j for j in kept if j != i]], y) for i in may_go}
+        best = min(errors, key=errors.get, default=None)
+        if best is None or errors[best] > press(matrix[:, kept], y):
+            return kept
+        kept.remove(best)
+
+
+def test_left_out_runs_are_left_out_of_the_selection_too():
+    matrix, y = noisy(2)
+    found = left_out_predictions(matrix, y, TERMS)
+    sizes = set()
+    for run in range(len(y)):
+        others = np.arange(len(y)) != run
+        kept = selected(matrix[others], y[others])
+        sizes.add(tuple(kept))
+        fit = least_squares(matrix[others][:, kept], y[others], [str(i) for i in kept])
+        assert found[run] == close(matrix[run, kept] @ fit.coefficients, rel=1e-9)
+    assert len(sizes) > 1  # the runs do not all keep the same terms
+    assert selected(matrix, y) == backward(matrix, y, TERMS)[0]
+
+
+def test_a_large_study_keeps_the_selection_of_all_runs(monkeypatch):
+    x = np.random.default_rng(8).uniform(1.0, 2.0, (40, 3))
+    y = x @ [1.0, -2.0, 0.5] + 0.3 * np.random.default_rng(9).normal(size=40) + 9.0
+    monkeypatch.setattr("regression.fits.fits.LARGEST_SELECTION", 40**2 * 10 - 1)
+    found = fit_form("quadratic", ("a", "b", "c"), x, y, drop_terms=True)
+    assert found.q_squared == close(found.statistics.q_squared, rel=1e-12)
+
+
+def test_a_run_that_cannot_be_missed_has_no_prediction():
+    z = np.random.default_rng(2).uniform(-1, 1, (len(TERMS), 3))
+    assert left_out_predictions(design_matrix(TERMS, z), np.arange(1.0, 11.0), TERMS) is None
+
+
+def test_the_smallest_error_is_chosen():
+    fits = [Judged("a", 4, 0.05), Judged("b", 10, 0.02), Judged("c", 20, 0.03)]
+    choice = choose(fits)
+    assert choice.place == 1
+    assert choice.reason.startswith("b has the smallest largest error at the held-out designs, 2 %")
+
+
+def test_of_nearly_equal_errors_the_shorter_form_is_chosen():
+    fits = [Judged("a", 4, 0.05), Judged("b", 10, 0.0219), Judged("c", 20, 0.02)]
+    choice = choose(fits)
+    assert choice.place == 1
+    assert "fewest coefficients, 10, of the 2 forms" in choice.reason
+    assert "the smallest is 2 % of c with 20 coefficients" in choice.reason
+    # A little over a tenth more, and it is not.
+    assert choose([*fits[:1], Judged("b", 10, 0.0221), fits[2]]).place == 2
+
+
+def test_errors_within_the_scatter_of_the_finite_elements_are_equal():
+    fits = [Judged("a", 10, 0.0015), Judged("b", 20, 0.001)]
+    assert choose(fits).place == 1
+    assert choose(fits, scatter=0.0006).place == 0
+    assert "scatter of 0.06 %" in choose(fits, scatter=0.0006).reason
+
+
+def test_of_equal_forms_the_first_is_chosen():
+    assert choose([Judged("a", 4, 0.02), Judged("b", 4, 0.02)]).place == 0
+
+
+def test_forms_must_be_judged():
+    with pytest.raises(InputError, match="linear fit without held-out designs"):
+        choose([Judged("linear", 4, None)])
+    with pytest.raises(InputError, match="fits: given none"):
+        choose([])
+
+
+def random_system(seed=0, rows=30, columns=6):
+    rng = np.random.default_rng(seed)
+    matrix = np.column_stack([np.ones(rows), rng.uniform(-1, 1, (rows, columns - 1))])
+    return matrix, matrix @ rng.normal(size=columns) + 0.3 * rng.normal(size=rows)
+
+
+def names(matrix):
+    return [f"c{i}" for i in range(matrix.shape[1])]
+
+
+def test_a_line_through_three_points():
+    # y = 0, 1, 1 over x = -1, 0, 1: slope 1/2, mean 2/3, residuals -1/6, 1/3, -1/6.
+    matrix = np.array([[1.0, -1.0], [1.0, 0.0], [1.0, 1.0]])
+    found = least_squares(matrix, np.array([0.0, 1.0, 1.0]), names(matrix))
+    assert found.coefficients == close([2 / 3, 1 / 2])
+    assert found.residuals == close([-1 / 6, 1 / 3, -1 / 6])
+    assert found.residual_variance == close(1 / 6)
+    assert found.standard_errors == close([np.sqrt(1 / 18), np.sqrt(1 / 12)])
+    assert found.r_squared == close(3 / 4)
+    assert found.adjusted_r_squared == close(1 / 2)
+    assert found.f_value == close(3.0)
+    assert found.leverage == close([5 / 6, 1 / 3, 5 / 6])
+    # Left out one by one: -1 at the first, 1/2 at the second, 2 at the third.
+    assert found.leave_one_out == close([1.0, 0.5, 2.0])
+    assert found.press == close(2.25)
+    assert found.q_squared == close(1 - 2.25 / (2 / 3))
+    assert found.variance_inflation == close([1.0])
+    assert found.condition_number == close(np.sqrt(3 / 2))
+
+
+def test_a_constant_response_has_nothing_to_explain():
+    matrix, _ = random_system()
+    found = least_squares(matrix, np.full(30, 0.5), names(matrix))
+    assert found.r_squared is None
+    assert found.q_squared is None
+    assert coefficient_of_determination(np.full(4, 2.0), np.full(4, 2.0)) == 1.0
+
+
+def test_variance_inflation_of_a_column_that_nearly_repeats_another():
+    matrix, y = random_system()
+    # x5 + a small part of its own: R2 of the new column by the others is 1 - (own part's share).
+    noise = 0.01 * np.random.default_rng(3).normal(size=30)
+    matrix = np.column_stack([matrix, matrix[:, 5] + noise])
+    found = least_squares(matrix, y, names(matrix))
+    others = least_squares(matrix[:, :-1], matrix[:, -1], names(matrix))
+    assert found.variance_inflation[-1] == close(1 / (1 - others.r_squared), rel=1e-9)
+    assert found.variance_inflation[-1] > 1000
+
+
+def test_what_cannot_be_solved():
+    matrix, y = random_system(rows=8)
+    with pytest.raises(InputError, match="runs: given 5; at least 6 are needed"):
+        least_squares(matrix[:5], y[:5], names(matrix))
+    double = np.column_stack([matrix, matrix[:, 2] - matrix[:, 1]])
+    with pytest.raises(InputError, match="do not determine the coefficient of c6"):
+        least_squares(double, y, names(double))
+
+
+def test_adjusted():
+    assert adjusted(0.9, 11, 3) == close(0.875)
+    assert adjusted(0.9, 3, 3) is None

@@ -1,17 +1,14 @@
-"""Plans of studies: their designs, what is excluded, and that nothing of a plan is lost.
-
-Numbers are compared exactly: what a plan gives is rounded to 12 digits, and so are the expectations.
-"""
+"""Factors and plans of studies."""
 
 import dataclasses
 import json
+import math
 import re
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial.distance import cdist
 
 from comparing import close
 from crankbase.errors import InputError
@@ -19,9 +16,16 @@ from fem.material import STEEL
 from geometry.throw import CrankThrow
 from plans import FILLETED, plan_of_levels
 from regression.plans.designs import SPACE_FILLING, DesignChoice
-from regression.plans.factors import Factor, rounded
-from regression.plans.plan import MODEL_VERSION, StudyPlan, plan_designs
-from regression.records import HELD_OUT, RUN, content_key
+from regression.plans.factors import (
+    Factor,
+    changed_record,
+    field_value,
+    rounded,
+    throw_fields,
+    unknown_field,
+)
+from regression.plans.plan import StudyPlan, plan_designs
+from regression.records import HELD_OUT, RUN
 from regression.runs.store import ResultStore
 
 THROW = FILLETED
@@ -57,49 +61,12 @@ def values_of(planned, role):
 # ----------------------------------------------------------------------------- runs and held-out designs
 
 
-def test_all_combinations_and_the_held_out_designs():
-    planned = plan_designs(plan_of_levels(THROW, THREE))
-    assert [design.role for design in planned.designs] == [RUN] * 27 + [HELD_OUT] * 10
-    assert len({design.key for design in planned.designs}) == 37
-    assert {design.values for design in of_role(planned, RUN)} == {
-        (b, h, length)
-        for b in THREE["web_width"]
-        for h in THREE["web_thickness"]
-        for length in THREE["pin_length"]
-    }
-    assert planned.statement == "full factorial, 3 x 3 x 3 = 27 runs"
-    assert planned.excluded == ()
-
-
 def test_held_out_designs_lie_between_the_levels_one_in_each_stratum():
     held = values_of(plan_designs(plan_of_levels(THROW, THREE, held_out=8)), HELD_OUT)
     for column, levels in zip(held.T, THREE.values(), strict=True):
         strata = np.floor(8 * (column - min(levels)) / (max(levels) - min(levels)))
         assert sorted(strata) == list(range(8))
         assert not set(column) & set(levels)
-
-
-def test_inputs_are_the_base_throw_with_the_factors_changed():
-    plan = plan_of_levels(THROW, THREE, accuracy=0.05, stresses=True)
-    for design in plan_designs(plan).designs:
-        changes = dict(zip(plan.names, design.values, strict=True))
-        assert design.inputs == {
-            "throw": THROW.model_dump(mode="json") | changes,
-            "material": STEEL.model_dump(),
-            "accuracy": 0.05,
-            "stresses": True,
-        }
-        assert design.key == content_key(design.inputs | {"model_version": MODEL_VERSION})
-        assert json.loads(json.dumps(design.inputs)) == design.inputs
-
-
-@pytest.mark.parametrize("kind", SPACE_FILLING)
-def test_held_out_designs_are_no_runs(kind):
-    """One seed for both, but not the same points, even if as many are drawn by the same method."""
-    plan = StudyPlan(THROW, (WIDTH, THICKNESS), DesignChoice(kind, runs=10), held_out=10)
-    planned = plan_designs(plan)
-    apart = cdist(values_of(planned, RUN), values_of(planned, HELD_OUT))
-    assert apart.min() > 1e-5
 
 
 def test_all_designs_over_a_box_are_judged_by_the_same():
@@ -128,21 +95,6 @@ def test_a_middle_that_is_calculated_is_the_level_that_is_written():
 
 
 # ------------------------------------------------------------------------------ factors of all kinds
-
-
-def test_choices_are_run_and_held_out():
-    plan = StudyPlan(THROW, (WIDTH, OUTLINE), DesignChoice(), held_out=10)
-    planned = plan_designs(plan)
-    assert {design.values for design in of_role(planned, RUN)} == {
-        (0.27, 0.0),
-        (0.27, 1.0),
-        (0.33, 0.0),
-        (0.33, 1.0),
-    }
-    outlines = [design.inputs["throw"]["web_outline"] for design in of_role(planned, HELD_OUT)]
-    assert sorted(outlines) == ["obround"] * 5 + ["rectangle"] * 5
-    for design in planned.designs:
-        assert design.inputs["throw"]["web_outline"] == OUTLINE.format_value(design.values[1])
 
 
 def test_nested_fields_and_fields_that_are_angles():
@@ -420,14 +372,6 @@ def test_the_order_of_relations_does_not_matter():
     assert plan_designs(first).designs == plan_designs(second).designs
 
 
-def test_every_field_of_a_plan_is_in_its_record():
-    names = {entry.name for entry in dataclasses.fields(StudyPlan)}
-    record = PLAN.as_record()
-    assert names | {"model_version"} == set(record)
-    assert set(record["design"]) == {entry.name for entry in dataclasses.fields(DesignChoice)}
-    assert set(record["factors"][0]) == {entry.name for entry in dataclasses.fields(Factor)}
-
-
 ENDS = st.tuples(st.floats(0.01, 1.0), st.floats(0.001, 1.0)).map(lambda e: (e[0], e[0] + e[1]))
 
 
@@ -473,9 +417,110 @@ def test_a_plan_comes_back_from_a_store(tmp_path):
     assert plan_designs(stored) == plan_designs(PLAN)
 
 
-def test_designs_are_listed_once_and_anew_for_another_plan():
-    plan = StudyPlan(THROW, (WIDTH,))
-    assert plan.planned is plan.planned
-    assert plan.planned.designs == plan_designs(plan).designs
-    other = dataclasses.replace(plan, held_out=3)
-    assert len(other.planned.designs) == len(plan.planned.designs) - plan.held_out + 3
+PLAIN = {
+    "crank_radius": 0.170,
+    "main_journal_diameter": 0.220,
+    "pin_diameter": 0.180,
+    "main_journal_length": 0.120,
+    "pin_length": 0.139,
+    "web_width": 0.285,
+    "web_thickness": 0.068,
+}
+FACTOR_THROW = CrankThrow(**PLAIN)
+RICH = CrankThrow(
+    **PLAIN,
+    counterweight={"outer_radius": 0.25, "angle": 2.0},
+    further_pins=({"angle": 2.0, "web_thickness": 0.06},),
+)
+
+
+def test_the_middle_of_a_range_is_what_one_would_write():
+    assert Factor.spread("pin_length", "m", 0.120, 0.158, 3, "even").levels[1] == 0.139
+    assert rounded(3 * 0.1) == 0.3
+    assert 3 * 0.1 != 0.3
+    assert rounded(0.0) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Factor("a", "m", 0.2, 0.1), "given the range 200 mm to 100 mm; the lowest"),
+        (lambda: Factor("a", "m", 0.1, math.inf), r"given \(0\.1, inf\); allowed are finite"),
+        (lambda: Factor.of_levels("a", "m", ()), "given no level; allowed are two or more"),
+        (lambda: Factor.of_levels("a", "m", (0.1,)), "given 1 level; allowed are two"),
+        (lambda: Factor.of_levels("a", "m", (0.1, 0.1)), "given 1 level; allowed are two"),
+        (lambda: Factor.of_levels("a", "m", (0.1, 0.2, 0.1)), "given 100 mm, 200 mm, 100 mm; each"),
+        (
+            lambda: Factor("a", "m", 0.1, 0.2, (0.1, 0.3)),
+            "given levels 100 mm, 300 mm; allowed are",
+        ),
+        (lambda: Factor.of_labels("a", ("x",)), "given x; allowed are two or more different"),
+        (lambda: Factor.of_labels("a", ("x", "y", "x")), "given x, y, x; allowed is each choice"),
+        (
+            lambda: Factor.spread("a", "m", 0.1, 0.2, 1, "even"),
+            "given 1; allowed is a whole number",
+        ),
+        (lambda: Factor.spread("a", "m", 0.1, 0.2, 3, "odd"), "given 'odd'; allowed are even, log"),
+        (lambda: Factor.spread("a", "m", 0.0, 0.2, 3, "log"), "given 0 mm; allowed is more than 0"),
+        (lambda: Factor.spread("a", "m", 0.2, 0.2, 3, "log"), "given the range 200 mm to 200 mm"),
+    ],
+)
+def test_factors_that_cannot_be(make, message):
+    with pytest.raises(InputError, match=rf"^study\.factors\.a[a-z.]*: {message}") as caught:
+        make()
+    assert str(caught.value).endswith(".")
+
+
+def test_fields_of_a_throw():
+    fields = throw_fields(RICH)
+    assert fields["web_width"].unit == "m"
+    assert fields["web_outline"].choices == ("obround", "rectangle")
+    assert fields["counterweight.angle"].unit == "rad"
+    assert fields["further_pins.0.length"].unit == "m"
+    assert fields["left_web.outline"].choices == ("obround", "rectangle")
+    assert "left_web.counterweight.angle" not in fields
+    assert "further_pins.1.length" not in fields
+    plain = throw_fields(FACTOR_THROW)
+    assert "counterweight.angle" not in plain
+    assert "left_web.width" in plain
+    assert all(field.unit in ("m", "rad") or field.choices for field in fields.values())
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("web_with", "did you mean web_width? "),
+        ("counterweight.angle", "the throw has no counterweight to vary; give it in [throw]"),
+        ("left_web.counterweight.angle", "the throw has no left_web.counterweight to vary"),
+        ("further_pins.0.length", "the throw has no further_pins to vary"),
+        ("nonsense.angle", "allowed are crank_radius, "),
+    ],
+)
+def test_unknown_fields(path, message):
+    assert unknown_field(path, throw_fields(FACTOR_THROW), FACTOR_THROW).startswith(message)
+
+
+def test_values_at_paths():
+    record = RICH.model_dump(mode="json")
+    before = RICH.model_dump(mode="json")
+    changed = changed_record(
+        record,
+        {
+            "web_width": 0.3,
+            "counterweight.angle": 1.5,
+            "further_pins.0.web_thickness": 0.05,
+            "left_web.width": 0.31,
+        },
+    )
+    assert record == before
+    throw = CrankThrow(**changed)
+    assert throw.web_width == 0.3
+    assert throw.counterweight.angle == 1.5
+    assert throw.further_pins[0].web_thickness == 0.05
+    assert throw.left_web.width == 0.31
+    assert throw.right_web is None
+    assert field_value(changed, "further_pins.0.web_thickness") == 0.05
+    assert field_value(changed, "right_web.width") is None
+    assert field_value(changed, "web_outline") == "obround"
+    for path in throw_fields(throw):
+        assert np.isscalar(field_value(changed, path)) or field_value(changed, path) is None

@@ -268,22 +268,6 @@ def test_nonsense_on_the_line_is_refused(service):
 
 
 @pytest.mark.parametrize(
-    "path",
-    [
-        "/page/..%2f..%2fapp.py",
-        "/page/%2e%2e/app.py",
-        "/api/jobs/..%2f..%2fjobs.sqlite",
-        "/api/jobs/0000000000000000/files/../../../jobs.sqlite",
-        "/api/models/..%2fsix",
-        "/api/models/%00",
-        "/docs",
-    ],
-)
-def test_paths_lead_nowhere_else(service, path):
-    assert service.ask(path)[0] == 404
-
-
-@pytest.mark.parametrize(
     "wrong",
     [
         {"name": "../mine.toml"},

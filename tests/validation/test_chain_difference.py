@@ -190,6 +190,16 @@ def test_flywheel_without_inertia_about_a_diameter(case, figure):
     figure("frequency without tilt", found.without, match.shaft_frequency, 1e-8, "Hz")
     both = " and ".join(f"{one:.1f}" for one in sorted(filter(None, (found.shaft, found.further))))
     assert f"from {found.without:.1f} Hz without to {both} Hz with it" in found.sentence
+    # Where a mode is told higher with more inertia, one more lies below it than without.
+    below = [
+        np.sum(crankshaft_modes(held).frequencies < 0.999 * frequency)
+        for held, frequency in ((shaft, found.without), (case.whole.crankshaft.shaft, found.shaft))
+    ]
+    assert ("brings another mode below it" in found.sentence) == (
+        found.further is None and found.shaft - found.without >= 0.05
+    )
+    if "brings" in found.sentence:
+        assert below[1] > below[0]
 
 
 def match_nominal(case, chain):
@@ -201,7 +211,7 @@ def match_nominal(case, chain):
 def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):
     engine, analysis = case.engine, case.analysis
     each = chains_over_bearings(engine, analysis)
-    found = bearing_sweep(engine, each, analysis, case.whole)
+    found = bearing_sweep(engine, each, case.whole)
     held = bearing_stiffness(engine)
     assert (found.stiffness[0], found.stiffness[3], found.stiffness[-1]) == close(
         (held.lowest, held.nominal, held.highest)

@@ -5,7 +5,7 @@ journals: under an axial pull these planes stay plane, without shear. One direct
 A throw and one turned by 180 deg are images of each other about the line x through the middle of the journal:
 ux is even in y, uy and uz odd. Prescribed polynomials of degree k there are too stiff, vanishing moments of
 the wrong parts too soft; both converge with k. Between throws of equal webs ends are guided in the first case
-and pinned in the second (tests/test_fem/test_neighbors_limits.py).
+and pinned in the second (tests/test_fem/test_end_sections.py).
 
 Tolerances: all are solved on one mesh, so the order is exact, and the discretization error nearly cancels in
 the differences: 15 %. The bounds at 180 deg meet to 6e-5 at k = 5: 1e-4; elsewhere round-off (1e-9).

@@ -30,6 +30,7 @@ from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.verdict import Verdict
+from dynamics.assessment.wording import undecided_sentence
 
 
 @dataclass(frozen=True)
@@ -150,7 +151,7 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
 def _findings(run: EngineVibration, cases: FiringCases, verdict: Verdict) -> DocumentPart:
     assert run.assessment is not None
     decision = run.assessment.decision
-    open_ = (f"Undecided: {decision.sentence}.",) if decision.status == "undecided" else ()
+    open_ = (undecided_sentence(decision.sentence),) if decision.status == "undecided" else ()
     sentences = [verdict.sentence, *open_]
     sentences += [_failing_sentence(cases, way) for way in cases.failing]
     sentences.append(mode_tables.major_sentences(run)[0])

@@ -18,15 +18,15 @@ from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_chain
 from crankfem.analyses.vibration.engine_limits import (
     Findings,
-    Limited,
     engine_limits,
     engine_verdict,
+    judges_axial,
     limit_findings,
     limited_series,
     strengths,
     unmodeled_plant,
 )
-from crankfem.analyses.vibration.forced import ForcedVibration, cause_at, forced_vibrations
+from crankfem.analyses.vibration.forced import ForcedVibration, cause_at, limit_curves
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.files.chain.chain_file import PLANT
 from crankfem.files.engine.engine_file import EngineFile
@@ -43,6 +43,7 @@ from dynamics.assessment.uncertainty import (
     scaled_chain,
 )
 from dynamics.assessment.verdict import Decision, Status, Trial, Verdict, changes, decide
+from dynamics.assessment.wording import conclusion_sentence
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.excitation.cylinders import CylinderHarmonics
@@ -64,7 +65,6 @@ HIGHEST_YIELD = 0.7
 # [Pa] The change of a verdict between two strengths is told to this.
 STRENGTH_STEP = 1e6
 
-Answers = tuple[Limited, Limited]
 Judged = Callable[[float], Status]
 
 
@@ -72,7 +72,7 @@ def engine_decision(
     engine_file: EngineFile,
     status: Status,
     findings: Findings,
-    again: Callable[[EngineFile], Answers] | None = None,
+    again: Callable[[EngineFile], Status] | None = None,
 ) -> Decision:
     """Check whether an engine's verdict holds for other values of its assumptions.
 
@@ -84,7 +84,7 @@ def engine_decision(
     findings : sequence of pairs of VibrationLimit and AmplitudeCurve
         Quantities compared with limits.
     again : callable, optional
-        Forced vibration of a changed engine; without it no other magnifier is tried.
+        Status of a changed engine; without it no other magnifier is tried.
 
     Returns
     -------
@@ -152,25 +152,20 @@ def _with_changes(made: Trial, others: set[float], judged: Judged) -> list[Trial
 
 
 def _magnifiers(
-    engine_file: EngineFile, status: Status, again: Callable[[EngineFile], Answers]
+    engine_file: EngineFile, status: Status, again: Callable[[EngineFile], Status]
 ) -> Iterable[Trial]:
     """Other magnifiers, of the axial chain only if its vibration is assessed."""
-    limits, _ = engine_limits(engine_file)
-    for kind in ("torsional", "axial"):
+    for kind in ("torsional", "axial") if judges_axial(engine_file) else ("torsional",):
         value, source = magnifier_of(engine_file, kind)
         field = f"{kind}_magnifier"
-        judges = kind == "torsional" or any(name.startswith("axial") for name in limits)
-        if value is None or not judges:
-            continue
-        if not source.startswith(ASSUMED):
+        if value is None or not source.startswith(ASSUMED):
             continue
 
         def judged(magnifier: float, field: str = field) -> Status:
             changed = engine_file.changed(damping={field: magnifier})
             # What is tried is still assumed, so parts with damping of their own do without it.
             sources = changed.provenance | {f"damping.{field}": ("tried", True)}
-            changed = replace(changed, provenance=sources)
-            return engine_verdict(changed, limit_findings(changed, *again(changed))).status
+            return again(replace(changed, provenance=sources))
 
         made = Trial(f"damping.{field}", f"{kind} magnifier", value, "", status, taken=True)
         yield made
@@ -201,78 +196,6 @@ SOURCES = {"fe": "finite elements", "fe pinned": "finite elements", "regression"
 LEAST = 1e-6
 
 Range = tuple[float, float]
-# An engine with its axial and torsional vibration to their forced vibration, as far as limits need it.
-Again = Callable[[EngineFile, Vibration, Vibration], tuple[ForcedVibration, ForcedVibration]]
-
-
-@dataclass(frozen=True)
-class SourceVerdicts:
-    """Verdicts over the range of one kind of compliance.
-
-    Attributes
-    ----------
-    trials : tuple of Trial
-        In the order of the factors, including the value used; empty if that kind is not assessed.
-    barred : tuple of pairs of float
-        Speeds that have to be barred with some compliance of the range [rad/s]; as far as permitted.
-    """
-
-    trials: tuple[Trial, ...] = ()
-    barred: tuple[Range, ...] = ()
-
-
-def source_verdicts(
-    engine_file: EngineFile,
-    chains: tuple[Vibration, Vibration],
-    kind: str,
-    spread: Spread,
-    verdict: Verdict,
-    again: Again,
-) -> SourceVerdicts:
-    """Assess an engine with compliances of one kind over their range.
-
-    Parameters
-    ----------
-    engine_file : EngineFile
-    chains : pair of Vibration
-        The axial and the torsional one.
-    kind : {"axial", "torsional"}
-        Whose compliances are varied.
-    spread : Spread
-        Of these, with its places.
-    verdict : Verdict
-        With the compliances used.
-    again : callable
-    """
-    limits, _ = engine_limits(engine_file)
-    if kind == "axial" and not any(name.startswith("axial") for name in limits):
-        return SourceVerdicts()
-    found = {1.0: verdict}
-    for factor in _factors(spread):
-        axial, torsional = (
-            _scaled(own, spread, factor) if own.kind == kind else own for own in chains
-        )
-        findings = limit_findings(engine_file, *again(engine_file, axial, torsional))
-        found[factor] = engine_verdict(engine_file, findings)
-    source = next(own for own in chains if own.kind == kind).chosen.source
-    given = getattr(engine_file.ranges, f"{kind}_compliance", None) is not None
-    made = Trial(
-        field=f"ranges.{kind}_compliance" if given else f"vibration.{kind}_source",
-        name=f"{kind} compliance, ratio to that by {SOURCES.get(source, source)}",
-        value=1.0,
-        unit="",
-        status=verdict.status,
-        taken=True,
-        why="the range given" if given else "the error of its source",
-    )
-    ordered = sorted(found.items())
-    return SourceVerdicts(
-        tuple(
-            replace(made, value=factor, status=own.status, taken=factor == 1.0)
-            for factor, own in ordered
-        ),
-        _joined([own.ranges_to_bar for _, own in ordered]),
-    )
 
 
 def _factors(spread: Spread) -> list[float]:
@@ -408,12 +331,8 @@ class Assessment:
     @property
     def conclusion(self) -> str:
         """What can be concluded despite the assumptions, then the verdict with the values used."""
-        decision, said = self.decision, self.verdict.sentence
-        if decision.status == "undecided":
-            with_used = f"{said[0].lower()}{said[1:]}"
-            return f"Undecided: {decision.sentence}. With the values used, {with_used}"
-        depends = "It depends on assumed or uncertain values"
-        return f"{said} {depends}: {decision.sentence}." if decision.sentence else said
+        undecided = self.decision.status == "undecided"
+        return conclusion_sentence(self.verdict.sentence, self.decision.sentence, undecided)
 
     def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
         """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""
@@ -431,86 +350,6 @@ class Assessment:
 
 def assess(
     engine_file: EngineFile,
-    axial: ForcedVibration,
-    torsional: ForcedVibration,
-    errors: Mapping[str, Spread],
-    held: Sequence[HeldChains] = (),
-    chains: tuple[Vibration, Vibration] | None = None,
-    again: Again | None = None,
-) -> Assessment:
-    """Compare the forced vibration of an engine with limits, including the uncertainties.
-
-    Parameters
-    ----------
-    engine_file : EngineFile
-        Its sections [limits] and [ranges] are used if given.
-    axial, torsional : ForcedVibration
-    errors : mapping of str to Spread
-        Kind to the error of its compliances' source; see `crankfem.analyses.shaft.sources`.
-    held : sequence of HeldChains, optional
-        The chains over the range of the bearings' stiffness with their responses; the bounds
-        of frequencies and critical speeds cover all of them.
-    chains : pair of Vibration, optional
-        The axial and the torsional one.
-    again : callable, optional
-        Forced vibration of an engine with other damping or other chains, to check whether the verdict
-        holds; without it and the chains neither is varied.
-
-    Raises
-    ------
-    InputError
-        If a limit is on an element that the chain does not have.
-    """
-    limits, remarks = engine_limits(engine_file)
-    findings = limit_findings(engine_file, axial, torsional)
-    verdict = engine_verdict(engine_file, findings)
-    limited = {
-        (limit.name, place): (forced, series)
-        for name, limit in limits.items()
-        for forced in (axial if name.startswith("axial") else torsional,)
-        for series in (limited_series(name, engine_file, axial, torsional),)
-        for place in series.names
-    }
-    *checks, worst = (
-        replace(
-            one,
-            cause=cause_at(
-                forced, torsional, series, one.curve.name, one.worst_speed, one.limit.unit
-            ),
-        )
-        for one in (*verdict.checks, verdict.worst)
-        for forced, series in (limited[one.limit.name, one.curve.name],)
-    )
-    spreads = {own.kind: _spreads(engine_file, own, errors[own.kind]) for own in (axial, torsional)}
-    trials: tuple[Trial, ...] = ()
-    barred: dict[str, tuple[tuple[float, float], ...]] = {}
-    damped = None
-    if again is not None and chains is not None:
-        known, answer = chains, again
-
-        def damped(other: EngineFile) -> tuple[ForcedVibration, ForcedVibration]:
-            return answer(other, *known)
-
-        for kind, own in spreads.items():
-            (spread,) = (one for one in own if one.kind == "compliance")
-            found = source_verdicts(engine_file, chains, kind, spread, verdict, again)
-            trials, barred = (*trials, *found.trials), barred | {kind: found.barred}
-    decision = engine_decision(engine_file, verdict.status, findings, damped)
-    return Assessment(
-        verdict=replace(verdict, checks=tuple(checks), worst=worst),
-        limits=limits,
-        decision=decide(verdict.status, (*decision.trials, *trials)),
-        remarks=remarks,
-        axial=_uncertainty(engine_file, axial, spreads["axial"], held, barred.get("axial", ())),
-        torsional=_uncertainty(
-            engine_file, torsional, spreads["torsional"], held, barred.get("torsional", ())
-        ),
-        beside=unmodeled_plant(engine_file),
-    )
-
-
-def assess_chains(
-    engine_file: EngineFile,
     harmonics: CylinderHarmonics,
     chains: tuple[Vibration, Vibration],
     forced: tuple[ForcedVibration, ForcedVibration],
@@ -519,11 +358,12 @@ def assess_chains(
     model: ComplianceModel | None,
     held: Sequence[HeldChains],
 ) -> Assessment:
-    """Assess the forced vibration of an engine's chains, with other chains and damping if decisive.
+    """Compare an engine's forced vibration with limits, and with other values of what is uncertain.
 
     Parameters
     ----------
     engine_file : EngineFile
+        Its sections [limits] and [ranges] are used if given.
     harmonics : CylinderHarmonics
         What excites.
     chains : pair of Vibration
@@ -533,21 +373,93 @@ def assess_chains(
     shaft, analysis, model
         Source of the compliances; see `source_spread`.
     held : sequence of HeldChains
-        As of `assess`.
+        The chains over the range of the bearings' stiffness with their responses; the bounds
+        of frequencies and critical speeds cover all of them.
+
+    Raises
+    ------
+    InputError
+        If a limit is on an element that the chain does not have.
     """
-
-    def again(
-        other: EngineFile, axial: Vibration, torsional: Vibration
-    ) -> tuple[ForcedVibration, ForcedVibration]:
-        return forced_vibrations(
-            other, harmonics, axial, torsional, shaft, analysis, limits_alone=True
-        )
-
-    errors = {
-        own.kind: source_spread(engine_file, own.kind, own.chosen.source, analysis, shaft, model)
-        for own in chains
+    axial, torsional = forced
+    limits, remarks = engine_limits(engine_file)
+    findings = limit_findings(engine_file, axial, torsional)
+    verdict = engine_verdict(engine_file, findings)
+    limited = {
+        (limit.name, place): (vibration, series)
+        for name, limit in limits.items()
+        for vibration in (axial if name.startswith("axial") else torsional,)
+        for series in (limited_series(name, engine_file, axial, torsional),)
+        for place in series.names
     }
-    return assess(engine_file, *forced, errors, held, chains, again)
+    *checks, worst = (
+        replace(
+            check,
+            cause=cause_at(
+                vibration, torsional, series, check.curve.name, check.worst_speed, check.limit.unit
+            ),
+        )
+        for check in (*verdict.checks, verdict.worst)
+        for vibration, series in (limited[check.limit.name, check.curve.name],)
+    )
+
+    def again(changed: EngineFile, vibrations: Sequence[Vibration]) -> Verdict:
+        return engine_verdict(changed, limit_curves(changed, harmonics, *vibrations, shaft))
+
+    decision = engine_decision(
+        engine_file, verdict.status, findings, lambda changed: again(changed, chains).status
+    )
+    trials, uncertain = decision.trials, {}
+    for vibration, answer in zip(chains, forced, strict=True):
+        error = source_spread(
+            engine_file, vibration.kind, vibration.chosen.source, analysis, shaft, model
+        )
+        spreads = _spreads(engine_file, answer, error)
+        barred: tuple[Range, ...] = ()
+        if vibration.kind == "torsional" or judges_axial(engine_file):
+            (spread,) = (spread for spread in spreads if spread.kind == "compliance")
+            tried = {
+                factor: again(
+                    engine_file,
+                    tuple(
+                        _scaled(own, spread, factor) if own is vibration else own for own in chains
+                    ),
+                )
+                for factor in _factors(spread)
+            }
+            tried = dict(sorted((tried | {1.0: verdict}).items()))
+            trials += _source_trials(engine_file, vibration, tried)
+            barred = _joined([other.ranges_to_bar for other in tried.values()])
+        uncertain[vibration.kind] = _uncertainty(engine_file, answer, spreads, held, barred)
+    return Assessment(
+        verdict=replace(verdict, checks=tuple(checks), worst=worst),
+        limits=limits,
+        decision=decide(verdict.status, trials),
+        remarks=remarks,
+        axial=uncertain["axial"],
+        torsional=uncertain["torsional"],
+        beside=unmodeled_plant(engine_file),
+    )
+
+
+def _source_trials(
+    engine_file: EngineFile, vibration: Vibration, tried: Mapping[float, Verdict]
+) -> tuple[Trial, ...]:
+    """The verdicts by the factor on the compliances of one kind, 1 for those used."""
+    kind, source = vibration.kind, vibration.chosen.source
+    given = getattr(engine_file.ranges, f"{kind}_compliance", None) is not None
+    return tuple(
+        Trial(
+            field=f"ranges.{kind}_compliance" if given else f"vibration.{kind}_source",
+            name=f"{kind} compliance, ratio to that by {SOURCES.get(source, source)}",
+            value=factor,
+            unit="",
+            status=verdict.status,
+            taken=factor == 1.0,
+            why="the range given" if given else "the error of its source",
+        )
+        for factor, verdict in tried.items()
+    )
 
 
 def _uncertainty(

@@ -11,7 +11,7 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.number_formats import compact
-from crankfem.analyses.shaft.chains import BearingStiffness, bearing_stiffness, damped_engine_chain
+from crankfem.analyses.shaft.chains import BearingStiffness, bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.shaft.whole_shaft import WholeShaft, not_comparable
@@ -19,11 +19,16 @@ from crankfem.analyses.vibration.engine_excitation import calculated_range
 from crankfem.analyses.vibration.engine_limits import (
     assessment_end_speeds,
     bending_speeds,
-    engine_limits,
     engine_verdict,
+    judges_axial,
     limit_findings,
 )
-from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations, resonances_of
+from crankfem.analyses.vibration.forced import (
+    EngineChains,
+    ForcedVibration,
+    resonances_of,
+    vibrations_at,
+)
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.verdict import Status, Trial, Verdict
@@ -224,9 +229,7 @@ def chains_over_bearings(
 def bearing_sweep(
     engine_file: EngineFile,
     each: Sequence[HeldChains],
-    analysis: Analyses,
     whole: WholeShaft | None = None,
-    harmonics: CylinderHarmonics | None = None,
     verdict: Verdict | None = None,
 ) -> BearingSweep:
     """Apply the range of the bearings' stiffness to frequencies, limits and verdict.
@@ -235,15 +238,11 @@ def bearing_sweep(
     ----------
     engine_file : EngineFile
     each : sequence of HeldChains
-        From `chains_over_bearings`.
-    analysis : ThrowAnalysis or mapping
-        Of the throw, or of each throw by its name.
+        From `chains_over_bearings`, and `with_answers` if there is a verdict.
     whole : WholeShaft, optional
         In the nominal bearings.
-    harmonics : CylinderHarmonics, optional
-        Excitation; without it nothing is assessed.
     verdict : Verdict, optional
-        At the nominal stiffness, if available.
+        At the nominal stiffness; without it nothing is assessed.
     """
     held = bearing_stiffness(engine_file)
     nominal = len(each) // 2
@@ -258,19 +257,16 @@ def bearing_sweep(
     for kind in KINDS if shafts else ():
         own = [one.chain(kind) for one in each]
         matched[kind], further[kind] = _followed(shafts, modes, own, nominal)
-    verdicts: list[Verdict] = []
-    if harmonics is not None:
-        verdicts = [
-            verdict
-            if verdict is not None and place == nominal
-            else engine_verdict(
-                engine_file,
-                limit_findings(
-                    engine_file, *(one.answers or _answers(engine_file, one, analysis, harmonics))
-                ),
-            )
-            for place, one in enumerate(each)
+    verdicts = (
+        []
+        if verdict is None
+        else [
+            engine_verdict(engine_file, limit_findings(engine_file, *held_chain.answers))
+            if held_chain.answers
+            else verdict
+            for held_chain in each
         ]
+    )
     limits = dict.fromkeys(check.limit.name for own in verdicts for check in own.checks)
     worst = {
         name: [
@@ -305,7 +301,6 @@ def in_bearings(shaft: AssembledShaft, added: float) -> AssembledShaft:
 def with_answers(
     engine_file: EngineFile,
     each: Sequence[HeldChains],
-    analysis: Analyses,
     harmonics: CylinderHarmonics,
 ) -> tuple[HeldChains, ...]:
     """Return chains of the sweep with their forced vibration and its resonances, except the nominal ones.
@@ -314,9 +309,7 @@ def with_answers(
     """
     nominal = len(each) // 2
     return tuple(
-        one
-        if place == nominal
-        else replace(one, answers=_answers(engine_file, one, analysis, harmonics))
+        one if place == nominal else replace(one, answers=_answers(engine_file, one, harmonics))
         for place, one in enumerate(each)
     )
 
@@ -376,38 +369,31 @@ def _followed(
 
 
 def _answers(
-    engine_file: EngineFile, held: HeldChains, analysis: Analyses, harmonics: CylinderHarmonics
+    engine_file: EngineFile, held: HeldChains, harmonics: CylinderHarmonics
 ) -> tuple[ForcedVibration, ForcedVibration]:
     """Return the forced vibration in bearings of one stiffness, at a coarse grid of speeds."""
-    lengthened, twisted = forced_vibrations(
-        engine_file,
-        harmonics,
-        held.axial,
-        held.torsional,
-        held.shaft,
-        analysis,
-        speeds=_coarse_speeds(engine_file, harmonics.orders, held),
+    chains = EngineChains.of(engine_file, held.axial, held.torsional, held.shaft)
+    speeds = _coarse_speeds(chains, harmonics.orders)
+    lengthened, twisted = (
+        replace(forced, resonances=resonances_of(engine_file, forced))
+        for forced in vibrations_at(chains, harmonics, speeds)
     )
-    return (
-        replace(lengthened, resonances=resonances_of(engine_file, lengthened)),
-        replace(twisted, resonances=resonances_of(engine_file, twisted)),
-    )
+    return lengthened, twisted
 
 
-def _coarse_speeds(engine_file: EngineFile, orders: FloatArray, held: HeldChains) -> FloatArray:
+def _coarse_speeds(chains: EngineChains, orders: FloatArray) -> FloatArray:
+    engine_file = chains.engine_file
     low, high = calculated_range(engine_file)
     marked = (*assessment_end_speeds(engine_file), *bending_speeds(engine_file))
-    found = [np.linspace(low, high, POINTS), np.clip(marked, low, high)]
-    limits, _ = engine_limits(engine_file)
-    judged = ("torsional", *(["axial"] if any(name.startswith("axial") for name in limits) else []))
-    for kind in judged:
-        system = damped_engine_chain(engine_file, held.chain(kind)).system
+    tried = [np.linspace(low, high, POINTS), np.clip(marked, low, high)]
+    axial, torsional = (damped.system for damped in chains.damped)
+    for system in (torsional, axial) if judges_axial(engine_file) else (torsional,):
         ratios = system.damping_ratios()
-        found += [
-            own.speed * (1.0 + ratios[own.mode] * NEAR)
-            for own in critical_speeds(system.elastic_frequencies, orders, (low, high))
+        tried += [
+            critical.speed * (1.0 + ratios[critical.mode] * NEAR)
+            for critical in critical_speeds(system.elastic_frequencies, orders, (low, high))
         ]
-    speeds = np.unique(np.concatenate(found))
+    speeds = np.unique(np.concatenate(tried))
     speeds = speeds[(speeds >= low) & (speeds <= high)]
     return np.asarray(speeds[np.diff(speeds, prepend=0.0) > 1e-9 * speeds])
 

@@ -224,6 +224,11 @@ def bending_speeds(engine_file: EngineFile) -> tuple[float, ...]:
     return tuple(sorted({engine_file.engine.rated_speed, *finite, *beyond}))
 
 
+def judges_axial(engine_file: EngineFile) -> bool:
+    """Whether any limit is on the axial vibration."""
+    return any(name.startswith("axial") for name in engine_limits(engine_file)[0])
+
+
 def limit_findings(
     engine_file: EngineFile, axial: Limited, torsional: Limited
 ) -> list[tuple[VibrationLimit, AmplitudeCurve]]:

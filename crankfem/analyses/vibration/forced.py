@@ -1,9 +1,9 @@
 """Forced vibration of an engine's chains over its speeds, under the forces of its cylinders."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,7 @@ from crankfem.analyses.vibration.engine_excitation import (
     with_propeller,
 )
 from crankfem.analyses.vibration.engine_limits import (
+    Findings,
     assessment_end_speeds,
     engine_limits,
     limit_findings,
@@ -35,7 +36,7 @@ from crankfem.analyses.vibration.engine_limits import (
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.barred_ranges import limit_end_speed
-from dynamics.assessment.limits import usage
+from dynamics.assessment.limits import AmplitudeCurve, usage
 from dynamics.assessment.response_curves import refined_maxima
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.critical import major_orders
@@ -161,6 +162,10 @@ class EngineChains:
         """Section modulus of each element of the crankshaft in torsion, that of the weaker throw [m^3]."""
         return _sections(self.engine_file, self.cranks)
 
+    def at(self, harmonics: CylinderHarmonics, speeds: FloatArray) -> Answers:
+        """Return the axial and the torsional vibration at speeds [rad/s], ascending."""
+        return self.answers(forces_over_speeds(self.engine_file, harmonics, speeds))
+
     def answers(self, forces: CylinderForces, *, propeller: bool = True) -> Answers:
         """Return the axial and the torsional vibration under forces of the cylinders.
 
@@ -187,38 +192,19 @@ class EngineChains:
         )
 
 
-class Answer(Protocol):
-    """Vibration of one chain: a `ChainAnswer`, or `crankfem.analyses.vibration.forced.ForcedVibration`."""
-
-    @property
-    def engine_chain(self) -> EngineChain:
-        """The chain, without damping."""
-
-    @property
-    def response(self) -> ForcedResponse:
-        """Its motion."""
-
-    @property
-    def modes(self) -> ComplexModes:
-        """Its damped modes."""
-
-    @property
-    def by_torque(self) -> OrderExcitation | None:
-        """Of axial vibration, the part of its excitation due to torques in the shaft."""
-
-    @property
-    def crank_elements(self) -> OrderSeries:
-        """Torque or force in the elements of the crankshaft."""
-
-
 def cause_at(
-    answer: Answer, torsional: Answer, series: OrderSeries, place: str, speed: float, unit: str
+    answer: ChainAnswer,
+    torsional: ChainAnswer,
+    series: OrderSeries,
+    place: str,
+    speed: float,
+    unit: str,
 ) -> PeakCause:
     """Find the orders responsible for what is reached at a place and a speed [rad/s].
 
     Parameters
     ----------
-    answer, torsional : Answer
+    answer, torsional : ChainAnswer
         The vibration, and the torsional one, which also drives the axial one.
     series : OrderSeries
         Of the vibration, with that place [unit].
@@ -280,120 +266,56 @@ def _sections(engine_file: EngineFile, chain: EngineChain) -> dict[int, float]:
     return found
 
 
-class FromForces(Protocol):
-    """A vibrating system; `crankfem.analyses.vibration.forced.ForcedVibration` is an example."""
-
-    @property
-    def response(self) -> ForcedResponse:
-        """Motion of the chain."""
-
-    @property
-    def modes(self) -> ComplexModes:
-        """The damped modes of the chain."""
-
-    @property
-    def running_range(self) -> tuple[float, float]:
-        """Speeds at which the engine runs [rad/s]."""
-
-    @property
-    def judged_range(self) -> tuple[float, float]:
-        """Speeds at which vibration is assessed [rad/s]."""
-
-
-def resonances_of(
-    engine_file: EngineFile, forced: FromForces, limited: Collection[str] = ()
-) -> tuple[DampedCritical, ...]:
-    """Return the peaks of all elements and nodes, ascending in speed, and then modes without a peak.
-
-    Major orders are those in which all cylinders fire in phase. A peak of the exciting forces
-    without a mode near it is not a resonance; it is not `in_band`. Places with limits are told first.
-    """
-    response = forced.response
-    major = major_orders(response.orders, engine_file.engine.firing_angles)
-    found = damped_criticals(
-        response, speed_range=forced.judged_range, modes=forced.modes, first=limited
-    )
-    told = [
-        replace(
-            one,
-            kind="major" if np.any(np.isclose(major, one.order)) else "minor",
-            in_running_range=_speed(one) <= forced.running_range[1],
-        )
-        for one in found
-    ]
-    return tuple(sorted(told, key=lambda one: (not one.has_peak, _speed(one))))
-
-
-def _speed(critical: DampedCritical) -> float:
-    """Speed of a peak; without one that at which the order meets the undamped mode [rad/s]."""
-    return critical.speed if critical.has_peak else critical.undamped_speed
-
-
 Forced = Literal["amplitude", "load", "stress", "power", "axial forces"]
 FORCED: tuple[Forced, ...] = ("amplitude", "load", "stress", "power", "axial forces")
 
 
 @summarized("kind", "response.orders", "response.speeds [rad/s]", "resonances", "remarks")
-@dataclass(frozen=True, eq=False)
-class ForcedVibration:
-    """One kind of forced vibration (axial or torsional) of an engine.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ForcedVibration(ChainAnswer):
+    """One kind of forced vibration (axial or torsional) of an engine over its speeds.
 
     Attributes
     ----------
-    kind : str
-    engine_chain : EngineChain
     damping : tuple of str
         Sources of damping, one sentence each.
-    remarks : tuple of str
-        Parts left out, a sentence each.
     forces : CylinderForces
         Of the cylinders on their pins.
-    response : ForcedResponse
-    loads : ElementLoads
-        Torque [N m] or force [N] in each element.
-    stress : OrderSeries or None
-        Nominal torsional stress of the crankshaft's elements [Pa]; None in the axial direction.
-    power : PowerBalance
+    running_range, judged_range : tuple of two floats
+        Speeds at which the engine runs, and at which vibration is assessed: above as far as a limit applies
+        and speeds were calculated [rad/s].
     resonances : tuple of DampedCritical
         Peaks of each single order at any element or node, with all damping, ascending in speed, at
         all speeds assessed: the running range, and above it as far as a limit applies. Peaks of the forces
         are among them, not `in_band`. Orders that meet a mode without a peak have no speed and come last.
-    by_torque : OrderExcitation or None
-        Of axial vibration, the part of its excitation due to torques in the shaft.
     axial_forces : AxialForceComparison or None
         Exciting force of each throw by its own coefficient and by the assembled shaft.
-    running_range, judged_range : tuple of two floats
-        Speeds at which the engine runs, and at which vibration is assessed: above as far as a limit applies
-        and speeds were calculated [rad/s].
     """
 
-    kind: str
-    engine_chain: EngineChain
     damping: tuple[str, ...]
-    remarks: tuple[str, ...]
     forces: CylinderForces
-    response: ForcedResponse
-    loads: ElementLoads
-    stress: OrderSeries | None
-    power: PowerBalance
-    resonances: tuple[DampedCritical, ...]
-    by_torque: OrderExcitation | None
-    axial_forces: AxialForceComparison | None
     running_range: tuple[float, float]
     judged_range: tuple[float, float]
+    resonances: tuple[DampedCritical, ...] = ()
+    axial_forces: AxialForceComparison | None = None
+
+    @property
+    def kind(self) -> str:
+        """Axial or torsional."""
+        return self.engine_chain.kind
 
     @cached_property
-    def modes(self) -> ComplexModes:
-        """The damped modes of the chain."""
-        return complex_modes(self.response)
+    def power(self) -> PowerBalance:
+        """Mean power put in by the forces and lost in the dampers, checked against each other."""
+        return checked_power_balance(self.response)
 
     @property
     def frequencies(self) -> FloatArray:
         """Damped natural frequencies [Hz] by the number of the mode; undamped for an overdamped mode."""
-        found = self.modes.undamped.copy()
+        damped = self.modes.undamped.copy()
         numbered = self.modes.numbers > 0
-        found[self.modes.numbers[numbered] - 1] = self.modes.frequencies[numbered]
-        return found
+        damped[self.modes.numbers[numbered] - 1] = self.modes.frequencies[numbered]
+        return damped
 
     def damped_shifts(self, mode: int, order: float) -> tuple[float, ...]:
         """Return the critical speeds of an order and a mode with damping over those without, peak by peak.
@@ -416,16 +338,6 @@ class ForcedVibration:
             for one in self.resonances
             if one.has_peak and one.in_band and one.severity >= LEAST_PEAK
         )
-
-    @property
-    def free_end(self) -> OrderSeries:
-        """Motion of the free end [rad or m], relative to that of the rigid body, one location."""
-        return first_places(self.response.elastic, 1)
-
-    @property
-    def crank_elements(self) -> OrderSeries:
-        """Torque or force in the elements of the crankshaft itself, from the free end."""
-        return first_places(self.loads.elements, crank_element_count(self.engine_chain))
 
     @property
     def speed_parts(self) -> dict[str, NDArray[np.bool_]]:
@@ -557,8 +469,6 @@ def forced_vibrations(
     shaft: ShaftCompliances,
     analysis: Analyses,
     further: Frequencies = (),
-    speeds: FloatArray | None = None,
-    limits_alone: bool = False,
 ) -> tuple[ForcedVibration, ForcedVibration]:
     """Calculate the forced vibration of an engine's chains over its speeds.
 
@@ -575,11 +485,6 @@ def forced_vibrations(
         Of the engine's throw, or of each throw by its name.
     further : (m,) array, optional
         Further natural frequencies to be resolved by the speeds [Hz].
-    speeds : (S,) array, optional
-        Ascending, to calculate at these alone [rad/s]: neither worst speeds between
-        them nor resonances are then searched for.
-    limits_alone : bool, optional
-        Whether to omit resonances and the comparison of axial forces, which have no limits.
 
     Returns
     -------
@@ -589,79 +494,122 @@ def forced_vibrations(
         vibration.
     """
     chains = EngineChains.of(engine_file, axial, torsional, shaft)
-
-    def answers(speeds: FloatArray) -> Answers:
-        return chains.answers(forces_over_speeds(engine_file, harmonics, speeds))
-
-    if speeds is not None:
-        return _vibrations(chains, forces_over_speeds(engine_file, harmonics, speeds))
     # The worst speeds are looked for among those of the chains alone, so that what else is to be
     # calculated has no part in them.
-    own = calculated_speeds(engine_file, harmonics.orders, chains.damped)
-    worst = _worst_speeds(engine_file, answers, own)
-    speeds = (
-        calculated_speeds(engine_file, harmonics.orders, chains.damped, further)
-        if len(further)
-        else own
+    speeds, _, worst = _searched(chains, harmonics)
+    if len(further):
+        speeds = calculated_speeds(engine_file, harmonics.orders, chains.damped, further)
+    lengthened, twisted = vibrations_at(chains, harmonics, merged_speeds(speeds, worst))
+    compared = compared_axial_forces(
+        engine_file, lengthened.forces, chains.pulled.compliances, shaft, analysis
     )
-    forces = forces_over_speeds(engine_file, harmonics, merged_speeds(speeds, worst))
-    if limits_alone:
-        return _vibrations(chains, forces)
-    compliances = chains.pulled.compliances
-    compared = compared_axial_forces(engine_file, forces, compliances, shaft, analysis)
-    lengthened, twisted = _vibrations(chains, forces)
-    lengthened = replace(lengthened, axial_forces=compared)
     limited = [
         name
         for limit in engine_limits(engine_file)[0]
         for name in limited_series(limit, engine_file, lengthened, twisted).names
     ]
     return (
-        replace(lengthened, resonances=resonances_of(engine_file, lengthened, limited)),
+        replace(
+            lengthened,
+            axial_forces=compared,
+            resonances=resonances_of(engine_file, lengthened, limited),
+        ),
         replace(twisted, resonances=resonances_of(engine_file, twisted, limited)),
     )
 
 
-def _vibrations(
-    chains: EngineChains, forces: CylinderForces
+def limit_curves(
+    engine_file: EngineFile,
+    harmonics: CylinderHarmonics,
+    axial: Vibration,
+    torsional: Vibration,
+    shaft: ShaftCompliances,
+) -> Findings:
+    """Return each limit with its curves at the speeds of `forced_vibrations`, and nothing else."""
+    chains = EngineChains.of(engine_file, axial, torsional, shaft)
+    grid, answers, worst = _searched(chains, harmonics)
+    curves = limit_findings(engine_file, *answers)
+    speeds = merged_speeds(grid, worst)
+    known, kept = np.isin(speeds, grid), np.isin(grid, speeds)
+    if np.all(known):
+        return curves
+    between = limit_findings(engine_file, *chains.at(harmonics, speeds[~known]))
+    merged = []
+    for (limit, curve), (_, added) in zip(curves, between, strict=True):
+        values = np.empty(speeds.size)
+        values[known], values[~known] = curve.values[kept], added.values
+        merged.append((limit, AmplitudeCurve(curve.name, speeds, values)))
+    return merged
+
+
+def vibrations_at(
+    chains: EngineChains, harmonics: CylinderHarmonics, speeds: FloatArray
 ) -> tuple[ForcedVibration, ForcedVibration]:
-    """Return the axial and the torsional vibration under forces of the cylinders."""
+    """Return the axial and the torsional vibration at speeds [rad/s], without resonances."""
+    file = chains.engine_file
+    forces = forces_over_speeds(file, harmonics, speeds)
+    engine, ends = file.engine, assessment_end_speeds(file)
     lengthened, twisted = (
-        _vibration(chains.engine_file, forces, damped, answer)
+        ForcedVibration(
+            engine_chain=answer.engine_chain,
+            response=answer.response,
+            moduli=answer.moduli,
+            by_torque=answer.by_torque,
+            remarks=(*excitation_remarks(file, answer.engine_chain.kind), *answer.remarks),
+            damping=damped.record,
+            forces=forces,
+            running_range=(engine.lowest_speed, engine.highest_speed),
+            judged_range=(ends[0], min(ends[-1], float(speeds[-1]))),
+        )
         for damped, answer in zip(chains.damped, chains.answers(forces), strict=True)
     )
     return lengthened, twisted
 
 
-def _vibration(
-    engine_file: EngineFile, forces: CylinderForces, damped: DampedChain, answer: ChainAnswer
-) -> ForcedVibration:
-    """Return all results of one chain, except its resonances and the comparison of axial forces."""
-    engine, ends = engine_file.engine, assessment_end_speeds(engine_file)
-    kind, response = answer.engine_chain.kind, answer.response
-    return ForcedVibration(
-        kind=kind,
-        engine_chain=answer.engine_chain,
-        damping=damped.record,
-        remarks=(*excitation_remarks(engine_file, kind), *answer.remarks),
-        forces=forces,
-        response=response,
-        loads=answer.loads,
-        stress=answer.stress,
-        power=checked_power_balance(response),
-        resonances=(),
-        by_torque=answer.by_torque,
-        axial_forces=None,
-        running_range=(engine.lowest_speed, engine.highest_speed),
-        judged_range=(ends[0], min(ends[-1], float(response.speeds[-1]))),
+def resonances_of(
+    engine_file: EngineFile, forced: ForcedVibration, limited: Collection[str] = ()
+) -> tuple[DampedCritical, ...]:
+    """Return the peaks of all elements and nodes, ascending in speed, and then modes without a peak.
+
+    Major orders are those in which all cylinders fire in phase. A peak of the exciting forces
+    without a mode near it is not a resonance; it is not `in_band`. Places with limits are told first.
+    """
+    response = forced.response
+    major = major_orders(response.orders, engine_file.engine.firing_angles)
+    criticals = damped_criticals(
+        response, speed_range=forced.judged_range, modes=forced.modes, first=limited
     )
+    listed = [
+        replace(
+            critical,
+            kind="major" if np.any(np.isclose(major, critical.order)) else "minor",
+            in_running_range=_speed(critical) <= forced.running_range[1],
+        )
+        for critical in criticals
+    ]
+    return tuple(sorted(listed, key=lambda critical: (not critical.has_peak, _speed(critical))))
 
 
-def _worst_speeds(
-    engine_file: EngineFile, answers: Callable[[FloatArray], Answers], speeds: FloatArray
-) -> FloatArray:
-    """Speeds with the largest use of the limits and motion of the free ends, closer than the grid."""
-    return refined_maxima(lambda some: _limit_usage(engine_file, answers(some)), speeds, least=1.0)
+def _speed(critical: DampedCritical) -> float:
+    """Speed of a peak; without one that at which the order meets the undamped mode [rad/s]."""
+    return critical.speed if critical.has_peak else critical.undamped_speed
+
+
+def _searched(
+    chains: EngineChains, harmonics: CylinderHarmonics
+) -> tuple[FloatArray, Answers, FloatArray]:
+    """Return the grid of speeds, the answers there, and the worst speeds, closer than the grid.
+
+    Those with the largest use of the limits and motion of the free ends.
+    """
+    file = chains.engine_file
+    grid = calculated_speeds(file, harmonics.orders, chains.damped)
+    answers = chains.at(harmonics, grid)
+
+    def used(speeds: FloatArray) -> FloatArray:
+        return _limit_usage(file, answers if speeds is grid else chains.at(harmonics, speeds))
+
+    return grid, answers, refined_maxima(used, grid, least=1.0)
 
 
 def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
@@ -674,6 +622,6 @@ def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
         for limit, curve in limit_findings(engine_file, *answers)
     ]
     # Speeds below the running ones are passed on starting: their maxima are for themselves.
-    kept = [np.where(within(speeds, *running), own, 0.0) for own in used]
-    moved = [own.free_end.synthesis.amplitude[:, 0] for own in answers]
+    kept = [np.where(within(speeds, *running), share, 0.0) for share in used]
+    moved = [answer.free_end.synthesis.amplitude[:, 0] for answer in answers]
     return np.array([*used, *kept, *moved])

@@ -327,8 +327,9 @@ class Misfiring:
         # What normal firing keeps at all speeds comes first; then the largest use, and further speeds.
         first = self.worst.news if self.worst.normal_keeps else ""
         most = max(self.checks, key=lambda one: one.misfiring.used)
-        told = [first] if first and most is self.worst else [first, most.sentence]
-        told.append("" if most.normal_keeps else most.news)
+        newest = most.new is not None and most.new.reached is most.misfiring
+        told = [first, "" if newest else most.sentence]
+        told.append("" if most.normal_keeps and most is self.worst else most.news)
         who = named(self.cases[0]) if len(self.cases) == 1 else "a cylinder"
         keeps = (
             f"restrict running to {_listed(self.remaining)} then"
@@ -556,15 +557,17 @@ def _new(
     """Return the worst that misfiring alone exceeds, with its cause, where normal firing is well below."""
     if alone is None:
         return None
-    # Where normal firing keeps the limit at all speeds, the worst is known more closely.
-    reached, case = (each[worst], worst) if each[()].used <= 1.0 else alone
-    file, at = added.chains.engine_file, np.array([reached.speed])
-    if not reached.used > 1.0 or np.isinf(reached.value):
-        return None
-    answers = {own: added.chains.answers(added.forces(at, own)) for own in ((), case)}
-    series = {own: added.series(file, *found)[key] for own, found in answers.items()}
-    normal = at_place(series[()], reached.place).synthesis.amplitude[0, 0] / reached.permitted
-    # Misfiring alone exceeds nothing where normal firing does, as where that keeps the limit at no speed.
+    file = added.chains.engine_file
+    # The worst is known more closely, and counts unless normal firing exceeds the limit there too.
+    for reached, case in ((each[worst], worst), alone):
+        if not reached.used > 1.0 or np.isinf(reached.value):
+            return None
+        at = np.array([reached.speed])
+        answers = {firing: added.chains.answers(added.forces(at, firing)) for firing in ((), case)}
+        series = {firing: added.series(file, *answer)[key] for firing, answer in answers.items()}
+        normal = at_place(series[()], reached.place).synthesis.amplitude[0, 0] / reached.permitted
+        if normal <= 1.0:
+            break
     if normal > 1.0 or reached.used - normal < NEWS:
         return None
     lengthened, twisted = answers[case]

@@ -23,7 +23,7 @@ from crankfem.analyses.shaft.whole_shaft import (
     whole_shaft,
     with_differences,
 )
-from crankfem.analyses.vibration.assessment import Assessment, assess_chains
+from crankfem.analyses.vibration.assessment import Assessment, assess
 from crankfem.analyses.vibration.axial_cycle import axial_cycle
 from crankfem.analyses.vibration.bearing_sweep import (
     BearingSweep,
@@ -312,11 +312,11 @@ def engine_vibration(
         misfiring, note = misfiring_or_reason(ready, mechanism, harmonics)
         if held:
             tell("Varying the main bearings")
-            held = with_answers(read, held, analyses, harmonics)
+            held = with_answers(read, held, harmonics)
         if read.ranges is not None:
             tell("Sampling what is uncertain")
         chains, forced = (axial, torsional), (lengthened, twisted)
-        assessment = assess_chains(read, harmonics, chains, forced, shaft, analyses, model, held)
+        assessment = assess(read, harmonics, chains, forced, shaft, analyses, model, held)
         if misfiring is not None:
             misfiring = misfiring.outside(assessment.verdict.ranges_to_bar)
     if whole is not None:
@@ -344,7 +344,7 @@ def engine_vibration(
     sweep = None
     if held:
         verdict = None if assessment is None else assessment.verdict
-        sweep = bearing_sweep(read, held, analyses, whole, harmonics, verdict)
+        sweep = bearing_sweep(read, held, whole, verdict)
     if assessment is not None and sweep is not None:
         assessment = with_bearings(assessment, sweep)
     if assessment is not None and comparison is not None:

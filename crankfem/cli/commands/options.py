@@ -203,9 +203,11 @@ def exit_unless_acceptable(vibration: dict[str, Any]) -> None:
     SystemExit
         With code 4 if the verdict is "not acceptable" for all assumptions, with 5 if it is undecided.
     """
+    from dynamics.assessment.wording import undecided_sentence  # here: numpy takes its time
+
     assessment = vibration["assessment"]
     decision = assessment["decision"]
     if decision["status"] == UNDECIDED:
-        console.exit_by_verdict(f"Undecided: {decision['sentence']}.", EXIT_UNDECIDED)
+        console.exit_by_verdict(undecided_sentence(decision["sentence"]), EXIT_UNDECIDED)
     if decision["status"] == NOT_ACCEPTABLE:
         console.exit_by_verdict(f"Limits are exceeded: {assessment['sentence']}", EXIT_LIMITS)

@@ -15,7 +15,7 @@ from crankbase.units.quantity import format_quantity
 from crankbase.units.units import PER_MINUTE
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.sections.mechanism_sections import Gas
-from dynamics.engine.forces import piston_position
+from dynamics.engine import forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.pressure_map import (
     SAME,
@@ -28,14 +28,9 @@ from dynamics.gas.cycle_values import (
     USUAL_VALUES,
     GasCycle,
     name_of_field,
-    usual_gas_cycle,
 )
-from dynamics.gas.cylinder_volume import Position
-from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle
+from dynamics.gas.gas_cycle import FullLoad, GasCycleResult
 from dynamics.gas.pressure import ATMOSPHERE, HIGHEST_PEAK, GasPressure, read_pressure_table
-
-# Peak pressure over that without combustion, usual for diesel engines at rated load: 1.4 to 1.8.
-USUAL_PRESSURE_RISE = 1.6
 
 Result = TypeVar("Result")
 
@@ -45,14 +40,6 @@ def cylinder_pressures(
 ) -> tuple[GasPressure, ...]:
     """Return the pressure in each cylinder over the angle from its firing top.
 
-    Parameters
-    ----------
-    gas : Gas
-        The section of the engine file.
-    layout : EngineLayout
-    files : InputFiles
-        The engine file and those that it may name.
-
     Raises
     ------
     InputError
@@ -61,55 +48,22 @@ def cylinder_pressures(
     if gas.pressure_table is not None:
         table = files.named("gas.pressure_table", gas.pressure_table, "tables")
         return (read_pressure_table(table, layout.strokes),) * len(layout.cylinders)
-    return tuple(one.pressure for one in full_load_cycles(gas, layout))
+    return tuple(cycle.pressure for cycle in full_load_cycles(gas, layout))
 
 
 def full_load_cycles(gas: Gas, layout: EngineLayout) -> tuple[GasCycleResult, ...]:
-    """Return the cycle in each cylinder that reaches what a section without a pressure table gives.
-
-    Raises
-    ------
-    InputError
-        If the cycle cannot reach it.
-    """
-    cycle, remarks = _parameters(gas, layout)
-
-    def fired(position: Position, area: float) -> GasCycleResult:
-        found = _cycle_reaching_target(gas, cycle, position, area)
-        return replace(found, pressure=_with_remarks(found.pressure, remarks))
-
-    return for_each_cylinder(layout, fired)
+    """Return the cycle in each cylinder that reaches what a section without a pressure table gives."""
+    return _of_section(gas, layout, forces.full_load_cycles)
 
 
 def motored_pressures(gas: Gas, layout: EngineLayout) -> tuple[GasPressure, ...]:
-    """Return the pressure in each cylinder of the engine turned without combustion.
-
-    Raises
-    ------
-    InputError
-        If the cycle's values do not fit.
-    """
-    cycle, remarks = _parameters(gas, layout)
-
-    def motored(position: Position, area: float) -> GasPressure:
-        return _with_remarks(gas_cycle(cycle, position, area, heat=0.0).pressure, remarks)
-
-    return for_each_cylinder(layout, motored)
-
-
-def _with_remarks(pressure: GasPressure, remarks: tuple[str, ...]) -> GasPressure:
-    return replace(pressure, remarks=remarks + pressure.remarks)
+    """Return the pressure in each cylinder of the engine turned without combustion."""
+    return _of_section(gas, layout, forces.motored_pressures)
 
 
 def assumed_cycle(gas: Gas, layout: EngineLayout) -> GasCycle:
-    """Return the parameters of the cycle model that a file's pressure comes from.
-
-    Raises
-    ------
-    InputError
-        If the cycle's values do not fit.
-    """
-    return _parameters(gas, layout)[0]
+    """Return the parameters of the cycle model that a file's pressure comes from."""
+    return _of_section(gas, layout, forces.full_load_parameters)[0]
 
 
 def given_of_cycle(section: InputModel) -> dict[str, float]:
@@ -127,77 +81,35 @@ def name_fields(error: InputError) -> str:
     return str(error).replace("_deg", "")
 
 
-def for_each_cylinder(
-    layout: EngineLayout, calculate: Callable[[Position, float], Result]
-) -> tuple[Result, ...]:
-    """Calculate something of each cylinder's piston and area, once for all whose pistons move alike."""
-    found: dict[object, Result] = {}
-    results = []
-    for number, cylinder in enumerate(layout.cylinders, start=1):
-        main = layout.cylinders[layout.main_of(number) - 1]
-        turned = round(math.radians(cylinder.bank_angle_deg - main.bank_angle_deg), 12)
-        pin = None if cylinder.slave_pin is None else cylinder.slave_pin.place
-        alike = (cylinder.bore, cylinder.rod, cylinder.pin_offset, main.rod, turned, pin)
-        if alike not in found:
-            found[alike] = calculate(piston_position(layout, number), cylinder.area)
-        results.append(found[alike])
-    return tuple(results)
+def _of_section(
+    gas: Gas, layout: EngineLayout, calculate: Callable[[FullLoad, EngineLayout], Result]
+) -> Result:
+    """Calculate from the section's values; errors name its fields and pressures above ambient.
 
-
-def _cycle_reaching_target(
-    gas: Gas, cycle: GasCycle, position: Position, area: float
-) -> GasCycleResult:
-    """Return the cycle that reaches what the file asks for."""
+    Raises
+    ------
+    InputError
+        If the cycle's values do not fit, or it cannot reach them.
+    """
     peak = None if gas.peak_pressure is None else gas.peak_pressure + ATMOSPHERE
-    try:
-        return gas_cycle(
-            cycle,
-            position,
-            area,
-            peak_pressure=peak,
-            mean_effective_pressure=gas.mean_effective_pressure,
+    above = "" if gas.peak_pressure is None else format_quantity(gas.peak_pressure, "Pa")
+    if peak is not None and peak > HIGHEST_PEAK:
+        raise InputError(
+            f"gas.peak_pressure: given {above} above ambient; allowed is "
+            f"{format_quantity(HIGHEST_PEAK, 'Pa')} absolute at most, because no piston engine withstands "
+            "more."
         )
+    load = FullLoad(gas.compression_ratio, given_of_cycle(gas), peak, gas.mean_effective_pressure)
+    try:
+        return calculate(load, layout)
     except InputError as error:
         text = name_fields(error)
-        if gas.peak_pressure is not None and peak is not None and text.startswith("peak"):
-            above, absolute = (format_quantity(value, "Pa") for value in (gas.peak_pressure, peak))
+        if peak is not None and text.startswith("peak"):
+            absolute = format_quantity(peak, "Pa")
             text = text.replace(
                 f"given {absolute}; allowed are", f"given {above} above ambient; allowed in all are"
             )
         raise InputError(f"gas.{text}") from None
-
-
-def _parameters(gas: Gas, layout: EngineLayout) -> tuple[GasCycle, tuple[str, ...]]:
-    """Return the cycle's parameters, with an intake pressure that suits the peak if none is given.
-
-    All cylinders breathe from one receiver: the intake is found for the first main cylinder.
-    """
-    if gas.peak_pressure is not None and gas.peak_pressure + ATMOSPHERE > HIGHEST_PEAK:
-        raise InputError(
-            f"gas.peak_pressure: given {format_quantity(gas.peak_pressure, 'Pa')} above ambient; allowed is "
-            f"{format_quantity(HIGHEST_PEAK, 'Pa')} absolute at most, because no piston engine withstands "
-            "more."
-        )
-    given = given_of_cycle(gas)
-    number = layout.main_of(1)
-    area = layout.cylinders[number - 1].area
-    try:
-        cycle = usual_gas_cycle(gas.compression_ratio, layout.strokes, **given)
-        if gas.intake_pressure is not None or gas.peak_pressure is None:
-            return cycle, ()
-        plain = gas_cycle(cycle, piston_position(layout, number), area, heat=0.0)
-        rise = (gas.peak_pressure + ATMOSPHERE) / plain.compression_pressure
-        intake = cycle.intake_pressure * rise / USUAL_PRESSURE_RISE
-        suited = usual_gas_cycle(
-            gas.compression_ratio, layout.strokes, **(given | {"intake_pressure": intake})
-        )
-    except InputError as error:
-        raise InputError(f"gas.{name_fields(error)}") from None
-    remark = (
-        f"Assumed: intake_pressure {format_quantity(intake, 'Pa', 4)}, so that combustion raises the "
-        f"pressure {USUAL_PRESSURE_RISE:g} times, as is usual for diesel engines at rated load."
-    )
-    return suited, (remark,)
 
 
 class LoadPoint(InputModel):
@@ -233,7 +145,7 @@ class LoadSection(InputModel):
 
     section: ClassVar[str] = "load"
 
-    law: Literal["constant", "propeller"] | None = Field(
+    law: Literal["propeller", "constant"] | None = Field(
         None,
         description="full load at all speeds, or that of a propeller, whose power is proportional to the "
         "cube of the speed; none if points are given",
@@ -389,7 +301,7 @@ def _map_along(
     try:
         return pressure_map_from_cycles(
             cycle,
-            piston_position(layout, number),
+            forces.piston_position(layout, number),
             area,
             curve.speeds,
             [1.0],

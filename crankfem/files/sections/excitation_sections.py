@@ -47,7 +47,7 @@ class GasMap(InputModel):
         "torque",
         description="quantity of which load is a share: torque (or mean effective pressure), or power",
     )
-    law: Literal["constant", "propeller"] | None = Field(
+    law: Literal["propeller", "constant"] | None = Field(
         None, description="load over the speed; none if each speed has its own diagram"
     )
     rated_load: float = quantity_field(

@@ -1,0 +1,398 @@
+"""Excitation of engines: cylinders' forces and torque on chains."""
+
+import math
+
+import numpy as np
+import pytest
+
+from comparing import close
+from crankbase.errors import InputError
+from dynamics.chains.engine_chains import axial_chain, torsional_chain
+from dynamics.engine.forces import gas_forces, mechanism_forces
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
+from dynamics.engine.rods import ConnectingRod
+from dynamics.excitation.axial_forces import compare_axial_forces
+from dynamics.excitation.chain_excitation import (
+    axial_excitation,
+    axial_excitation_of_torsion,
+    axial_throw_forces,
+    combined_excitation,
+    node_torques,
+    tangential_towards_flywheel,
+    torque_excitation,
+    torsion_influence,
+)
+from dynamics.excitation.cylinders import cylinder_forces, cylinder_harmonics, forces_at_speeds
+from dynamics.excitation.pressure_map import propeller_load
+from dynamics.gas.cycle_values import usual_gas_cycle
+from dynamics.gas.cylinder_volume import cylinder_volume, motored_from_compression
+from dynamics.gas.gas_cycle import gas_cycle
+from dynamics.gas.pressure import gas_pressure
+from dynamics.response.forced import forced_response
+from dynamics.response.order_excitation import OrderExcitation
+
+ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
+RADIUS = 0.07
+SPEEDS = np.array([50.0, 100.0])
+RANDOM = np.random.default_rng(3)
+
+
+class Waves:
+    strokes = 4
+
+    def at(self, *, angle_deg):
+        angle = np.radians(angle_deg)
+        return 1e5 * (12.0 + 9.0 * np.cos(0.5 * angle - 0.4) + 3.0 * np.cos(angle - 0.7))
+
+
+def chains_engine():
+    """A V of three throws at 0, 120, 240 deg with rods side by side."""
+    cylinders = [
+        EngineCylinder(
+            0.12,
+            3.0,
+            ROD,
+            crank_angle_deg=math.degrees(crank),
+            bank_angle_deg=math.degrees(bank),
+            position=0.2 * throw + 0.02 * side,
+        )
+        for throw, crank in enumerate(np.radians([0.0, 120.0, 240.0]).tolist())
+        for side, bank in enumerate(np.radians([-45.0, 45.0]).tolist())
+    ]
+    return EngineLayout(RADIUS, cylinders, [1, 2, 5, 6, 3, 4])
+
+
+HARMONICS = cylinder_harmonics(chains_engine(), 6.0, Waves())
+FORCES = forces_at_speeds(HARMONICS, SPEEDS)
+TORSIONAL = torsional_chain([1e-7] * 3, [0.2] * 3, 20.0, 0.1, cylinders=2)
+E_THROWS = np.array([1.0e-9, 0.8e-9, 1.1e-9])
+AXIAL = axial_chain(E_THROWS, [60.0] * 3, 300.0, 3, 8e8)
+
+
+def test_torques_act_on_the_nodes_of_throws():
+    found = torque_excitation(FORCES, TORSIONAL)
+    first = TORSIONAL.throw_nodes[0]
+    by_throw = FORCES.torque[:, :, ::2] + FORCES.torque[:, :, 1::2]
+    assert found.forces[:, :, first : first + 3] == close(by_throw, abs=1e-9)
+    others = np.delete(found.forces, list(TORSIONAL.throw_nodes), axis=2)
+    assert np.all(others == 0.0)
+    angles = RANDOM.uniform(0.0, 40.0, 9)
+    over_time = node_torques(HARMONICS, TORSIONAL, SPEEDS[1], shaft_angle_deg=np.degrees(angles))
+    waves = found.at_angle(1, shaft_angle_deg=np.degrees(angles))
+    # What is left of both is the mean, the same at all angles.
+    assert np.ptp(over_time - waves, axis=0) == close(np.zeros(waves.shape[1]), abs=1e-8)
+    assert (over_time - waves)[0].sum() == close(FORCES.mean_torque[1], rel=1e-12)
+
+
+def test_axial_forces_press_the_ends_of_throws_apart():
+    own = np.array([0.5e-9, 0.4e-9, 0.6e-9])
+    found = axial_excitation(FORCES, AXIAL, E_THROWS, own).forces
+    pressing = (FORCES.radial[:, :, ::2] + FORCES.radial[:, :, 1::2]) * own / E_THROWS
+    # Some orders cancel: what is left of them is round-off of the others.
+    round_off = 1e-13 * np.abs(pressing).max()
+    assert found[:, :, 0] == close(-pressing[:, :, 0], rel=1e-12, abs=round_off)
+    assert found[:, :, 3] == close(pressing[:, :, 2], rel=1e-12, abs=round_off)
+    assert found.sum(axis=2) == close(np.zeros(found.shape[:2]), abs=1e-9)
+    # Statically, far below resonance, the chain lengthens as the free throws would: by c Z.
+    quiet = axial_chain(E_THROWS, [1e-9] * 3, 1e-9, 3, 8e8)
+    motion = forced_response(
+        quiet.chain, axial_excitation(FORCES, quiet, E_THROWS, own), method="direct"
+    ).motion
+    lengthening = np.diff(motion, axis=2)
+    wanted = pressing * E_THROWS
+    assert lengthening == close(wanted, rel=1e-9, abs=1e-12 * np.abs(wanted).max())
+
+
+def test_influence_of_neighbors_and_pins():
+    influence = RANDOM.normal(size=(3, 3, 2)) * 1e-9
+    found = axial_throw_forces(FORCES, E_THROWS, influence)
+    wanted = np.zeros_like(found)
+    for throw in range(3):
+        for cylinder, pin in enumerate(FORCES.throws):
+            wanted[..., throw] += influence[throw, pin, 0] * FORCES.radial[..., cylinder]
+            wanted[..., throw] += influence[throw, pin, 1] * FORCES.tangential[..., cylinder]
+    assert found == close(wanted / E_THROWS, abs=1e-9 * np.abs(wanted / E_THROWS).max())
+    split = np.repeat(influence, 2, axis=1)
+    assert axial_throw_forces(FORCES, E_THROWS, split, pins=range(6)) == close(found)
+    radial_only = axial_throw_forces(FORCES, E_THROWS, influence[..., 0])
+    assert radial_only != close(found)
+
+
+def test_comparison_shows_what_neighbors_do():
+    own, influence = np.full(3, 0.5e-9), np.full((3, 3), 0.1e-9) + 0.4e-9 * np.eye(3)
+    shapes = np.array([[1.0, 0.8, 0.5, 0.1]])
+    found = compare_axial_forces(FORCES, E_THROWS, own, influence, shapes=shapes)
+    pins = FORCES.radial[:, :, ::2] + FORCES.radial[:, :, 1::2]
+    apart = np.abs(0.1e-9 / E_THROWS * (pins - pins.sum(axis=2, keepdims=True))).max(axis=2)
+    assert found.difference * np.abs(found.in_shaft).max(axis=2) == close(
+        apart, rel=1e-9, abs=1e-13 * apart.max()
+    )
+    assert found.modal_alone[..., 0] == close(found.alone @ np.diff(shapes[0]))
+    table = found.columns(1)
+    assert list(table)[:3] == ["order", "throw_1_alone_N", "throw_1_in_shaft_N"]
+    assert table["mode_1_in_shaft_N"] == close(np.abs(found.modal_in_shaft[:, 1, 0]))
+    scaled = compare_axial_forces(FORCES, E_THROWS, own, influence, own_compliances=2 * E_THROWS)
+    assert scaled.alone == close(0.5 * found.alone)
+    assert scaled.modal_alone.shape == (12, 2, 0)
+
+
+def test_torsion_lengthens_throws_as_the_tangential_forces_do_when_the_shaft_is_stiff():
+    tangential, through = RANDOM.normal(size=(3, 3)) * 1e-10, RANDOM.normal(size=3) * 1e-9
+    by_torque = torsion_influence(tangential, through, RADIUS)
+    # Held at the flywheel instead: a torque R per T through the whole shaft is taken away.
+    other_end = tangential - RADIUS * through[:, np.newaxis]
+    assert tangential_towards_flywheel(tangential, through, RADIUS) == close(other_end)
+    assert by_torque.sum(axis=1) == close(through)
+    stiff = torsional_chain([1e-13] * 3, [1e-4] * 3, 1e9, 1e-4, cylinders=2)
+    torsion = forced_response(stiff.chain, torque_excitation(FORCES, stiff), method="direct")
+    found = axial_excitation_of_torsion(torsion, stiff, AXIAL, E_THROWS, by_torque)
+    influence = np.stack((np.zeros((3, 3)), other_end), axis=-1)
+    direct = axial_excitation(FORCES, AXIAL, E_THROWS, influence)
+    # Inertia torques are 1e-6 of those of the gas here: 1e-4 kg m^2, 1e-13 rad/(N m), 600 rad/s.
+    assert found.forces == close(direct.forces, abs=1e-5 * np.abs(direct.forces).max())
+
+
+def test_orders_of_engine_and_propeller_combine():
+    one = OrderExcitation([1.0, 2.0], SPEEDS, np.ones((2, 2, 3)))
+    other = OrderExcitation([1.5, 2.0 * (1 + 1e-12)], SPEEDS, np.full((2, 2, 3), 2j))
+    found = combined_excitation(one, other)
+    assert found.orders == close([1.0, 1.5, 2.0])
+    assert found.forces[:, 0, 0].tolist() == [1.0, 2j, 1.0 + 2j]
+    with pytest.raises(InputError, match="allowed are the same speeds and nodes"):
+        combined_excitation(one, OrderExcitation([1.0], SPEEDS, np.ones((1, 2, 4))))
+    with pytest.raises(InputError, match="excitations: given none"):
+        combined_excitation()
+
+
+def test_what_does_not_fit_is_refused():
+    with pytest.raises(InputError, match="given a torsional one; allowed is an axial"):
+        axial_excitation(FORCES, TORSIONAL, E_THROWS, np.ones(3))
+    with pytest.raises(InputError, match="allowed is a torsional one"):
+        torque_excitation(FORCES, AXIAL)
+    with pytest.raises(InputError, match="given one of 2 throws for cylinders on 3"):
+        torque_excitation(FORCES, torsional_chain([1e-7] * 2, [0.2] * 2, 20.0))
+    with pytest.raises(InputError, match=r"influence: given an array of shape \(2,\)"):
+        axial_throw_forces(FORCES, E_THROWS, np.ones(2))
+    with pytest.raises(InputError, match="pins: given"):
+        axial_throw_forces(FORCES, E_THROWS, np.ones((3, 3)), pins=[0, 1])
+    with pytest.raises(InputError, match="given 2 for a chain of 4 sections"):
+        axial_excitation(
+            forces_at_speeds(
+                cylinder_harmonics(chains_engine(), 2.0, Waves(), throws=[0, 0, 1, 1, 0, 0]), SPEEDS
+            ),
+            AXIAL,
+            E_THROWS[:2],
+            np.ones(2),
+        )
+    with pytest.raises(InputError, match="shapes: given an array of shape"):
+        compare_axial_forces(FORCES, E_THROWS, np.ones(3), np.ones((3, 3)), shapes=np.ones((1, 3)))
+    with pytest.raises(InputError, match=r"tangential: given an array of shape \(2, 3\)"):
+        torsion_influence(np.ones((2, 3)), np.ones(3), RADIUS)
+
+
+SLAVE_ROD = ConnectingRod(0.18, 1.2, 0.07, 0.008)
+CYLINDER_SPEEDS = np.array([60.0, 150.0, 240.0])
+CYLINDER_RANDOM = np.random.default_rng(7)
+
+
+class SmoothPressure:
+    """A pressure of few harmonics: with those of the mechanism, which fade, the orders are all."""
+
+    def __init__(self, strokes, size=1.0):
+        self.strokes = strokes
+        self.size = size
+
+    def at(self, *, angle_deg):
+        angle = np.radians(angle_deg)
+        part = 2.0 / self.strokes
+        waves = 9.0 * np.cos(part * angle - 0.4) + 3.0 * np.cos(2 * part * angle - 0.7)
+        return 1e5 * (12.0 + self.size * waves)
+
+
+def offset_two_stroke():
+    cylinders = [
+        EngineCylinder(
+            0.12, 3.0, ROD, crank_angle_deg=math.degrees(c), position=0.2 * i, pin_offset=0.003
+        )
+        for i, c in enumerate(np.radians([0.0, 120.0, 240.0]).tolist())
+    ]
+    return EngineLayout(0.07, cylinders, [1, 3, 2], strokes=2)
+
+
+def vee(hinged):
+    """Two throws of two cylinders, 60 deg between the banks: rods hinged, or side by side."""
+    cylinders = []
+    for throw, crank in enumerate((0.0, math.pi)):
+        place = 0.2 * throw
+        pin = SlavePin(2 * throw + 1, 0.06, angle_deg=60.0) if hinged else None
+        rod, apart = (SLAVE_ROD, 0.0) if hinged else (ROD, 0.03)
+        cylinders.append(
+            EngineCylinder(
+                0.12,
+                3.0,
+                ROD,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=-30.0,
+                position=place,
+            )
+        )
+        cylinders.append(
+            EngineCylinder(
+                0.12,
+                2.8,
+                rod,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=30.0,
+                position=place + apart,
+                slave_pin=pin,
+            )
+        )
+    return EngineLayout(0.07, cylinders, [1, 2, 3, 4])
+
+
+ENGINES = pytest.mark.parametrize("engine", [offset_two_stroke(), vee(True), vee(False)])
+
+
+@ENGINES
+@pytest.mark.parametrize("model", ["rigid", "two-mass"])
+def test_orders_add_up_to_the_forces_of_the_mechanism(engine, model):
+    pressure = SmoothPressure(engine.strokes)
+    angles = CYLINDER_RANDOM.uniform(-20.0, 20.0, 40)
+    found = cylinder_forces(engine, CYLINDER_SPEEDS, 36.0, pressure, model=model)
+    gas = gas_forces(engine, pressure, shaft_angles_deg=np.degrees(angles))
+    for place, speed in enumerate(CYLINDER_SPEEDS):
+        forces = mechanism_forces(
+            engine, speed, gas, model=model, shaft_angles_deg=np.degrees(angles)
+        )
+        tangential, radial = found.at_angle(place, shaft_angle_deg=np.degrees(angles))
+        # Orders of rods fade by lambda / 4 each: beyond the 36th they are round-off.
+        largest = np.max(np.abs(forces.crankpin))
+        assert tangential == close(forces.tangential.T, abs=1e-11 * largest)
+        assert radial == close(forces.radial.T, abs=1e-11 * largest)
+
+
+def test_a_failing_cylinder_follows_the_pressure_without_combustion():
+    engine, fired, cold = vee(True), SmoothPressure(4), SmoothPressure(4, 0.3)
+    mixed = cylinder_forces(engine, CYLINDER_SPEEDS, 8.0, fired, misfire={3: 0.25}, motored=cold)
+    each = [fired, fired, SmoothPressure(4, 0.75 + 0.25 * 0.3), fired]
+    direct = cylinder_forces(engine, CYLINDER_SPEEDS, 8.0, each)
+    assert mixed.tangential == close(direct.tangential, abs=1e-9)
+    assert mixed.mean_radial == close(direct.mean_radial, abs=1e-9)
+    all_fire = cylinder_forces(engine, CYLINDER_SPEEDS, 8.0, fired)
+    same = np.isclose(mixed.tangential, all_fire.tangential, rtol=1e-12, atol=1e-9).all(axis=(0, 1))
+    assert same.tolist() == [True, True, False, True]
+
+
+def test_time_functions_follow_the_speed():
+    engine = offset_two_stroke()
+    harmonics = cylinder_harmonics(engine, 30.0, SmoothPressure(2))
+    angles = CYLINDER_RANDOM.uniform(0.0, 50.0, 20)
+    turning = np.linspace(50.0, 200.0, 20)
+    tangential, radial = harmonics.at(turning, shaft_angle_deg=np.degrees(angles))
+    gas = gas_forces(engine, SmoothPressure(2), shaft_angles_deg=np.degrees(angles))
+    forces = mechanism_forces(engine, turning, gas, shaft_angles_deg=np.degrees(angles))
+    largest = np.max(np.abs(forces.crankpin))
+    assert tangential == close(forces.tangential.T, abs=1e-11 * largest)
+    assert radial == close(forces.radial.T, abs=1e-11 * largest)
+    steady = cylinder_forces(engine, [120.0], 30.0, SmoothPressure(2)).at_angle(
+        0, shaft_angle_deg=np.degrees(angles)
+    )
+    assert np.array(harmonics.at(120.0, shaft_angle_deg=np.degrees(angles))) == close(
+        np.array(steady), rel=1e-9
+    )
+
+
+def crank_slider(angle):
+    return 0.07 * np.cos(angle) + np.sqrt(0.25**2 - (0.07 * np.sin(angle)) ** 2)
+
+
+def test_motored_pressure_from_a_fired_diagram():
+    cycle = usual_gas_cycle(15.0, intake_pressure=2.5e5, exhaust_pressure=2.2e5)
+    volume = cylinder_volume(crank_slider, 0.0133, 15.0)
+    fired = gas_cycle(cycle, crank_slider, 0.0133, peak_pressure=16e6).pressure
+    cold = gas_cycle(cycle, crank_slider, 0.0133, heat=0.0).pressure
+    found = motored_from_compression(fired, volume)
+    # The model compresses by one exponent, so that the closed part comes back to round-off. Only
+    # the blow-down differs, measured 6.3e-4 of the peak.
+    closed = np.abs(np.angle(np.exp(0.5j * np.radians(found.angles_deg)))) < math.radians(60.0)
+    assert found.pressure[closed] == close(cold.pressure[closed], rel=1e-9)
+    assert np.max(np.abs(found.pressure - cold.pressure)) < 1e-3 * fired.peak_pressure
+    assert f"exponent {cycle.heat_capacity_ratio:.4g}" in found.remarks[-1]
+    with pytest.raises(InputError, match="below 0, because the gas is compressed there"):
+        motored_from_compression(fired, volume, fit_to_deg=12.0)
+    lagging = gas_pressure(np.roll(fired.pressure, 600), angles_deg=fired.angles_deg)
+    with pytest.raises(InputError, match=r"polytropic exponent .* allowed is one from 1 to 2"):
+        motored_from_compression(lagging, volume)
+
+
+def diagram(step_deg, strokes=4):
+    angle = np.radians(np.arange(0.0, 180.0 * strokes, step_deg))
+    return gas_pressure(
+        SmoothPressure(strokes).at(angle_deg=np.degrees(angle)),
+        strokes,
+        angles_deg=np.degrees(angle),
+    )
+
+
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ({"orders": [0.75]}, r"orders\[0\]: given 0.75; allowed are multiples of 0.5"),
+        ({"orders": [1.0, 200.0], "samples": 360}, r"given 200; allowed are orders up to 89.5"),
+        (
+            {"orders": [1.0, 18.0], "pressure": diagram(10.0)},
+            r"given 18; allowed are orders up to 17.5, because the pressure diagrams have 72 samples",
+        ),
+        ({"speeds": [100.0, 90.0]}, r"speeds\[1\]: given 90 rad/s after 100 rad/s"),
+        ({"pressure": [SmoothPressure(4)]}, "pressure: given 1 for 4 cylinders"),
+        ({"pressure": diagram(5.0, 2)}, "pressure: given a cycle of 2 strokes; allowed is 4"),
+        ({"misfire": {1: 1.0}}, "motored: given none for misfire in cylinder 1"),
+        (
+            {"misfire": {5: 1.0}, "motored": SmoothPressure(4)},
+            "cylinder: given 5; allowed are the whole numbers 1 to 4",
+        ),
+        (
+            {"misfire": {1: 1.5}, "motored": SmoothPressure(4)},
+            r"misfire\[1\]: given 1.5; allowed is 0 to 1",
+        ),
+        ({"misfire": {1: 1.0}, "pressure": None}, "misfire: given without a pressure"),
+        ({"load": 0.5}, "load: given without a pressure map"),
+        ({"throws": [0, 0, 2, 2]}, "throws: given .* without a gap"),
+    ],
+)
+def test_what_does_not_fit_is_refused_cylinder(changed, sentence):
+    given = {"speeds": CYLINDER_SPEEDS, "orders": 6.0, "pressure": SmoothPressure(4)} | changed
+    with pytest.raises(InputError, match=sentence):
+        cylinder_forces(vee(True), **given)
+
+
+def test_a_firing_order_that_does_not_fit_the_cranks_is_refused():
+    cranks = np.radians([0.0, 180.0, 180.0, 0.0]).tolist()
+    cylinders = [
+        EngineCylinder(
+            0.12, 3.0, ROD, crank_angle_deg=math.degrees(c), bank_angle_deg=0.0, position=0.2 * i
+        )
+        for i, c in enumerate(cranks)
+    ]
+    with pytest.raises(
+        InputError, match=r"firing_order: given \[1, 4, 3, 2\]; allowed is an order"
+    ):
+        EngineLayout(0.07, cylinders, [1, 4, 3, 2])
+
+
+def test_remarks_say_that_one_diagram_served_all_speeds():
+    engine = vee(True)
+    (remark,) = cylinder_forces(engine, CYLINDER_SPEEDS, 6.0, diagram(2.0)).remarks
+    assert remark.startswith(
+        "One pressure diagram was used at all speeds from 572.958 1/min to 2291.83"
+    )
+    assert cylinder_forces(engine, CYLINDER_SPEEDS[:1], 6.0, diagram(2.0)).remarks == ()
+    assert cylinder_forces(engine, CYLINDER_SPEEDS, 6.0).remarks == ()
+
+
+def test_propeller_load():
+    assert propeller_load(100.0, 0.9, measure="power")(CYLINDER_SPEEDS) == close(
+        0.9 * (CYLINDER_SPEEDS / 100.0) ** 3
+    )
+    with pytest.raises(InputError, match="measure: given 'thrust'"):
+        propeller_load(100.0, measure="thrust")

@@ -1,0 +1,438 @@
+"""Gas pressure: measured, tabulated, over speed and load, and by the cycle model."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from comparing import close
+from crankbase.errors import InputError
+from dynamics.cycle import cycle_radians
+from dynamics.excitation.pressure_map import pressure_map, pressure_map_from_cycles
+from dynamics.gas.cycle_values import usual_gas_cycle
+from dynamics.gas.cylinder_volume import (
+    indicated_mean_effective_pressure,
+    indicated_work,
+    periodic_slope,
+)
+from dynamics.gas.gas_cycle import gas_cycle
+from dynamics.gas.pressure import gas_pressure, read_pressure_table
+
+
+def curve(angle, cycle):
+    """A smooth periodic pressure with its peak 10 deg after the top."""
+    return 2e5 + 9e6 * np.exp(-60.0 * np.sin((angle - np.radians(10.0)) * np.pi / cycle) ** 2)
+
+
+def even(count, strokes, start=0.0):
+    cycle = np.pi * strokes
+    angles = np.radians(start) + cycle / count * np.arange(count)
+    return gas_pressure(curve(angles, cycle), strokes, angles_deg=np.degrees(angles))
+
+
+@given(st.lists(st.floats(1e4, 2e7), min_size=72, max_size=90), st.floats(-30.0, 30.0))
+@settings(max_examples=50)
+def test_curve_stays_between_neighboring_samples(values, angle):
+    angles = 2.0 * np.pi / len(values) * np.arange(len(values))
+    found = gas_pressure(values, 2, angles_deg=np.degrees(angles))
+    place = (
+        int(
+            np.searchsorted(
+                np.radians(found.angles_deg), angle % cycle_radians(found.strokes), side="right"
+            )
+        )
+        - 1
+    )
+    pair = found.pressure[place], found.pressure[(place + 1) % len(values)]
+    value = float(found.at(angle_deg=np.degrees(angle)))
+    # Round-off of the cubic on the largest value.
+    assert min(pair) - 1e-8 <= value <= max(pair) + 1e-8
+
+
+def test_uneven_samples_are_made_even_on_their_curve_and_said():
+    coarse = np.concatenate([np.arange(-360.0, -40.0, 4.0), np.arange(-40.0, 60.0, 1.0)])
+    angles = np.radians(np.concatenate([coarse, np.arange(60.0, 360.0, 4.0)]))
+    found = gas_pressure(
+        curve(angles, 4.0 * np.pi), 4, remarks=("Before.",), angles_deg=np.degrees(angles)
+    )
+    assert found.remarks[0] == "Before."
+    assert (
+        "255 uneven samples were replaced by 1440 even ones in steps of 0.5 deg"
+        in (found.remarks[1])
+    )
+    assert np.diff(np.radians(found.angles_deg)) == close(np.radians(0.5))
+    # The highest sample is one of the even ones.
+    assert found.peak_angle_deg == close(10.0)
+    assert found.peak_pressure == close(9.2e6, rel=1e-12)
+    # Where the samples are 4 deg apart the curve is flat, elsewhere they are 1 deg apart.
+    assert found.pressure == close(curve(np.radians(found.angles_deg), 4.0 * np.pi), abs=2e-4 * 9e6)
+
+
+def test_angles_printed_rounded_are_moved_to_even_places():
+    angles = np.round(np.arange(540) * 720.0 / 540.0, 2)
+    found = gas_pressure(curve(np.radians(angles), 4.0 * np.pi), angles_deg=angles)
+    assert np.radians(found.angles_deg) == close(4.0 * np.pi / 540 * np.arange(540), abs=1e-12)
+    assert found.remarks == ("Angles were moved by up to 0.0033 deg to their even places.",)
+
+
+DEGREES = np.arange(0.0, 360.0, 5.0)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "values", "message"),
+    [
+        (DEGREES, np.ones(71), "angles_deg: given 72 angles for 71 pressures"),
+        (DEGREES, np.zeros(72), r"pressure\[0\]: given 0 Pa; allowed are .* more than zero"),
+        (DEGREES, np.full(72, np.nan), r"pressure\[0\]: given nan; allowed are finite"),
+        (DEGREES[::-1], np.ones(72), r"angles_deg\[1\]: given 350 deg after 355 deg"),
+        (np.append(DEGREES, 360.0), np.ones(73), "without the closing sample"),
+        (DEGREES[:60], np.ones(60), "given no sample for 65 deg before 0 deg"),
+        (np.delete(DEGREES, [10, 11]), np.ones(70), "given no sample for 15 deg before 60 deg"),
+        ([1.0], [1.0], "angles_deg: given 1 samples"),
+    ],
+)
+def test_unusable_samples_are_refused(degrees, values, message):
+    with pytest.raises(InputError, match=message):
+        gas_pressure(values, 2, angles_deg=degrees)
+
+
+def test_angle_must_be_a_number():
+    with pytest.raises(InputError, match="angle_deg: given nan"):
+        even(360, 4).at(angle_deg=np.nan)
+    with pytest.raises(InputError, match="strokes: given 3"):
+        even(360, 3)
+
+
+BAR = "crank_angle_deg,absolute_pressure_bar"
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text):
+        path = tmp_path / "pressure.csv"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def bar(angle, cycle=720.0, peak=8.0):
+    """A pressure [bar] with its peak at an angle [deg]."""
+    return 2.0 + 118.0 * np.exp(-40.0 * np.sin((angle - peak) * np.pi / cycle) ** 2)
+
+
+def rows(angles, values):
+    return "".join(f"{float(a)!r},{float(p)!r}\n" for a, p in zip(angles, values, strict=True))
+
+
+def table(angles, values, header=BAR, comments="# Engine X\n# Indicated at rated load\n"):
+    return f"{comments}{header}\n{rows(angles, values)}"
+
+
+def test_uneven_angles_are_resampled_and_said(written):
+    angles = np.concatenate([np.arange(-360.0, -30.0, 5.0), np.arange(-30.0, 60.0, 1.0)])
+    angles = np.concatenate([angles, np.arange(60.0, 360.0, 5.0)])
+    found = read_pressure_table(written(table(angles, bar(angles))))
+    assert "uneven samples were replaced" in found.remarks[0]
+    assert found.peak_pressure == close(120e5)
+    assert found.at(angle_deg=angles) == close(1e5 * bar(angles), rel=2e-3)
+
+
+def test_closing_sample_may_differ_by_what_is_printed(written):
+    angles = np.arange(0.0, 721.0, 1.0)
+    values = bar(angles)
+    values[-1] += 0.1
+    assert read_pressure_table(written(table(angles, values))).pressure.size == 720
+
+
+def test_motored_cycle_is_read(written):
+    angles = np.arange(-360.0, 360.0, 1.0)
+    values = 1.0 + 34.0 * np.exp(-40.0 * np.sin((angles + 0.7) * np.pi / 720.0) ** 2)
+    found = read_pressure_table(written(table(angles, values)))
+    assert found.peak_angle_deg == close(-1.0)
+
+
+ANGLES = np.arange(0.0, 720.0, 5.0)
+VALUES = bar(ANGLES, peak=10.0)
+
+
+def changed(index, value):
+    values = VALUES.copy()
+    values[index] = value
+    return table(ANGLES, values)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", 'no header; allowed is "crank_angle_deg,absolute_pressure_bar" or the like'),
+        ("crank_angle_deg,pressure\n0,1\n", 'line 1: given the header "crank_angle_deg,pressure"'),
+        ("crank_angle_deg,absolute_pressure_psi\n", "line 1: given the header"),
+        (BAR + "\n", "given 0 samples; allowed are 3 or more, over a whole cycle"),
+        (BAR + "\n0,1\n1;2\n", 'line 3: given "1;2"; allowed are two numbers'),
+        (BAR + "\n0,1\n1,high\n", 'line 3: absolute_pressure_bar: given "high"; allowed are fin'),
+        (BAR + "\n0,1\n0,2\n5,3\n", "line 3: crank_angle_deg: given 0 deg after 0 deg"),
+        (BAR + "\n0,1\n5,2\n6,3\n", "line 4: .*allowed is one cycle of 720 deg or 360 deg"),
+        (table(ANGLES[:-4], VALUES[:-4]), "line 143: .* given angles from 0 to 695 deg"),
+        (table(np.append(ANGLES, 730.0), np.append(VALUES, 2.0)), "from 0 to 730 deg"),
+        (
+            table(np.append(ANGLES, 720.0), np.append(VALUES, VALUES[0] + 1.0)),
+            "line 148: absolute_pressure_bar: given .* for the closing sample; allowed is the .* of "
+            "line 4",
+        ),
+        (
+            table(np.delete(ANGLES, [50, 51]), np.delete(VALUES, [50, 51])),
+            "line 54: crank_angle_deg: given 260 deg after 245 deg; allowed are gaps of 10 deg",
+        ),
+        (changed(90, 0.0), "line 94: absolute_pressure_bar: given 0; allowed is what gives"),
+        (changed(90, -0.5), "line 94: absolute_pressure_bar: given -0.5"),
+        (table(ANGLES, VALUES / 1e3), "line 6: .* given a peak of 0.12, which is 0.012 MPa"),
+        (table(ANGLES, VALUES * 1e3), "line 6: .*because any other comes from a wrong unit"),
+        (
+            table(ANGLES, bar(ANGLES, peak=370.0)),
+            "line 78: crank_angle_deg: given the highest pressure at 370 deg; allowed is a peak "
+            "from -10 to 40 deg, .*; the table looks shifted by 360 deg",
+        ),
+        (table(ANGLES, bar(ANGLES, peak=100.0)), r"highest pressure at 100 deg; .* center\.$"),
+    ],
+)
+def test_unusable_tables_are_refused_with_file_and_line(written, text, message):
+    path = written(text)
+    with pytest.raises(InputError, match=message) as raised:
+        read_pressure_table(path)
+    assert str(raised.value).startswith(str(path))
+    assert "\n" not in str(raised.value)
+
+
+def test_gauge_pressure_below_vacuum_is_refused(written):
+    values = VALUES.copy()
+    values[90] = -1.02
+    path = written(table(ANGLES, values, "crank_angle_deg,gauge_pressure_bar"))
+    with pytest.raises(InputError, match=r"line 94: gauge_pressure_bar: given -1\.02"):
+        read_pressure_table(path)
+
+
+def test_strokes_must_agree_with_the_angles(written):
+    path = written(table(ANGLES, VALUES))
+    assert read_pressure_table(path, 4).strokes == 4
+    with pytest.raises(InputError, match="allowed is one cycle of 360 deg,"):
+        read_pressure_table(path, 2)
+    with pytest.raises(InputError, match="strokes: given 3"):
+        read_pressure_table(path, 3)
+
+
+def test_missing_file_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"absent\.csv: cannot be read as a pressure table"):
+        read_pressure_table(tmp_path / "absent.csv")
+
+
+R, L, AREA = 0.07, 0.25, 0.0133
+
+
+def position(angle):
+    return R * np.cos(angle) + np.sqrt(L**2 - (R * np.sin(angle)) ** 2)
+
+
+def position_slope(angle):
+    rod = np.sqrt(L**2 - (R * np.sin(angle)) ** 2)
+    return -R * np.sin(angle) * (1.0 + R * np.cos(angle) / rod)
+
+
+def indicated_even(count, strokes=4):
+    return np.pi * strokes / count * np.arange(count)
+
+
+@given(st.lists(st.floats(1e4, 2e7), min_size=72, max_size=144), st.floats(0.0, 2e5))
+def test_gas_torque_does_the_indicated_work(values, under):
+    """Torque by the paper's P sin(alpha + beta) / cos(beta) R, work from p dV."""
+    angle = indicated_even(len(values))
+    beta = np.arcsin(R / L * np.sin(angle))
+    force = AREA * (np.array(values) - under)
+    torque = force * R * np.sin(angle + beta) / np.cos(beta)
+    slope = -AREA * position_slope(angle)
+    # Round-off of the work that goes to and fro.
+    exchanged = indicated_work(np.array(values) + under, np.abs(slope))
+    assert 4.0 * np.pi * np.mean(torque) == close(
+        indicated_work(values, slope), abs=1e-13 * exchanged
+    )
+
+
+@pytest.mark.parametrize("count", [720, 1441])
+def test_slope_of_the_piston_position(count):
+    """Orders of the position fall as (R / 2 L)^k: the series has died out long before half."""
+    angle = indicated_even(count)
+    slope = periodic_slope(position(angle), 4.0 * np.pi)
+    assert slope == close(position_slope(angle), abs=1e-12 * R)
+
+
+def test_slope_of_samples_that_alternate_is_unseen():
+    assert periodic_slope(np.array([1.0, -1.0] * 4), 1.0) == close(np.zeros(8), abs=1e-14)
+
+
+def test_mean_effective_pressure_is_work_over_swept_volume():
+    assert indicated_mean_effective_pressure(3000.0, 1.5e-3) == 2e6
+    with pytest.raises(InputError, match="swept: given 0"):
+        indicated_mean_effective_pressure(3000.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: indicated_work([1.0, 2.0], [1.0]), "volume_slope: given 1 values for 2 of press"),
+        (lambda: indicated_work([], []), "volume_slope: given 0 values for 0"),
+        (lambda: indicated_work([1.0, np.inf], [1.0, 1.0]), r"pressure\[1\]: given inf"),
+        (lambda: indicated_work([1.0], [1.0], 3), "strokes: given 3"),
+    ],
+)
+def test_unusable_arrays_are_refused(call, message):
+    with pytest.raises(InputError, match=message):
+        call()
+
+
+PER_MINUTE = math.pi / 30.0
+MAP_ANGLES = np.radians(np.arange(0.0, 720.0, 2.0))
+ORDERS = np.arange(0.5, 12.1, 0.5)
+
+
+def diagram(speed, load):
+    """A diagram whose height, place and width of the peak follow speed and load smoothly."""
+    peak = 3e6 + 6e6 * load + 1e6 * (speed / 200.0) ** 2
+    place, width = 0.1 + 0.15 * speed / 200.0 - 0.05 * load, 0.35 + 0.1 * load
+    since = (MAP_ANGLES + 2.0 * np.pi) % (4.0 * np.pi) - 2.0 * np.pi
+    return gas_pressure(
+        1.5e5 + peak * np.exp(-(((since - place) / width) ** 2)), angles_deg=np.degrees(MAP_ANGLES)
+    )
+
+
+def grid(speeds, loads, method="cubic"):
+    points = [(float(s), float(b), diagram(s, b)) for s in speeds for b in loads]
+    return pressure_map(points[::-1], method=method)
+
+
+@pytest.mark.parametrize(
+    ("method", "worst"),
+    # Of the largest harmonic; measured 5.4e-5 and 5.3e-3 with five speeds and four loads: cubic splines
+    # are of fourth order in the distance of the points, straight lines of second.
+    [("cubic", 1e-4), ("linear", 8e-3)],
+)
+def test_held_out_points_of_a_family_are_met(method, worst):
+    found = grid(np.linspace(80.0, 240.0, 5), np.linspace(0.25, 1.0, 4), method)
+    speeds, loads = np.array([97.0, 143.0, 181.0, 222.0]), np.array([0.31, 0.6, 0.86, 0.4])
+    phasors = found.phasors(ORDERS, speeds, loads)
+    for place, (speed, load) in enumerate(zip(speeds, loads, strict=True)):
+        own = grid([speed], [load]).phasors(ORDERS, [speed])[:, 0]
+        error = np.max(np.abs(phasors[:, place] - own)) / np.max(np.abs(own))
+        assert error < worst
+        assert (method == "linear") == (error > 1e-3)
+        at = found.at(speed, load)
+        assert "pressure map at" in at.source
+        # Weights of the diagrams are those of the harmonics, so that both are missed by the same.
+        missing = np.max(np.abs(diagram(speed, load).pressure - at.pressure))
+        assert missing < 2.0 * error * at.peak_pressure
+        again = np.fft.rfft(at.pressure)[1:25] * 2.0 / at.pressure.size
+        assert phasors[:, place] == close(again, abs=1e-9 * np.abs(again).max())
+
+
+def test_a_map_along_a_curve_takes_no_load():
+    speeds = np.linspace(100.0, 200.0, 4)
+    points = [(float(s), float((s / 200.0) ** 2), diagram(s, (s / 200.0) ** 2)) for s in speeds]
+    found = pressure_map(points)
+    assert found.loads is None
+    assert found.load_of_speed == close((speeds / 200.0) ** 2)
+    # At its points a map has its diagrams.
+    assert found.at(100.0).pressure == close(points[0][2].pressure, rel=1e-12)
+    assert found.weights([140.0]).sum() == close(1.0)
+    with pytest.raises(InputError, match="load: given for a pressure map with one diagram at each"):
+        found.at(140.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("speed", "load", "sentence"),
+    [
+        (
+            70.0,
+            0.5,
+            "speed: given 668.451 1/min; allowed is 763.944 1/min to 2291.83 1/min, because",
+        ),
+        (100.0, 1.2, "load: given 1.2; allowed is 0.25 to 1, because the pressure map has no"),
+        (100.0, None, "load: given none; allowed are 0.25 to 1"),
+        (100.0, [0.5, 0.6], r"load: given an array of shape \(2,\)"),
+    ],
+)
+def test_a_map_is_never_extended(speed, load, sentence):
+    found = grid([80.0, 160.0, 240.0], [0.25, 1.0])
+    with pytest.raises(InputError, match=sentence):
+        found.weights([speed], load)
+    # A range that ends on the map's own end, but for round-off, is inside.
+    found.weights([240.0 * (1 + 1e-12)], 1.0)
+
+
+def test_maps_that_are_none_are_refused():
+    own = diagram(100.0, 0.5)
+    other = gas_pressure(own.pressure[:180], 2, angles_deg=np.degrees(MAP_ANGLES[:180]))
+    for points, sentence in (
+        ([], "points: given none"),
+        ([(100.0, 0.5, own), (100.0, 0.5, own)], "of which 1 differ"),
+        ([(100.0, 0.5, own), (120.0, 0.5, other)], "diagrams of 2 and of 4 strokes"),
+        (
+            [(100.0, 0.5, own), (100.0, 1.0, own), (120.0, 1.0, own)],
+            "none at 1145.92 1/min and load 0.5",
+        ),
+        ([(0.0, 0.5, own)], "pressure map speed: given 0 rad/s"),
+    ):
+        with pytest.raises(InputError, match=sentence):
+            pressure_map(points)
+    with pytest.raises(InputError, match="method: given 'nearest'"):
+        pressure_map([(100.0, 0.5, own)], method="nearest")
+    with pytest.raises(
+        InputError, match=r"allowed are orders up to 89.5, because the pressure map's"
+    ):
+        pressure_map([(100.0, 0.5, own)]).phasors([90.0], [100.0])
+
+
+def test_a_map_from_cycles_has_its_targets_at_the_points():
+    def position(angle):
+        return 0.07 * np.cos(angle) + np.sqrt(0.25**2 - (0.07 * np.sin(angle)) ** 2)
+
+    speeds, loads = np.array([1000.0, 1500.0, 2000.0]) * PER_MINUTE, [0.5, 1.0]
+    means = np.outer([1.0, 1.05, 0.95], loads) * 16e5
+    intakes = 1e5 * (1.0 + np.outer([0.6, 1.0, 1.3], loads))
+    found = pressure_map_from_cycles(
+        usual_gas_cycle(15.0),
+        position,
+        0.0133,
+        speeds,
+        loads,
+        mean_effective_pressure=means,
+        intake_pressure=intakes,
+        exhaust_pressure=0.9 * intakes,
+        samples=720,
+    )
+    bar = float(intakes[1, 1])
+    middle = gas_cycle(
+        usual_gas_cycle(15.0, intake_pressure=bar, exhaust_pressure=0.9 * bar),
+        position,
+        0.0133,
+        mean_effective_pressure=float(means[1, 1]),
+        samples=720,
+    )
+    assert found.at(speeds[1], 1.0).pressure == close(middle.pressure.pressure, rel=1e-12)
+    assert not any("Solved" in text for text in found.remarks)
+    with pytest.raises(
+        InputError, match="at 1500 1/min and load 1: mean_effective_pressure: given"
+    ):
+        pressure_map_from_cycles(
+            usual_gas_cycle(15.0),
+            position,
+            0.0133,
+            speeds[1:2],
+            [1.0],
+            mean_effective_pressure=[[1e8]],
+            samples=720,
+        )
+    with pytest.raises(InputError, match=r"peak_pressure: given an array of shape \(2,\)"):
+        pressure_map_from_cycles(
+            usual_gas_cycle(15.0), position, 0.0133, speeds, [1.0], peak_pressure=[1e7, 2e7]
+        )

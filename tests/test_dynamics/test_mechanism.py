@@ -1,0 +1,426 @@
+"""Motion and forces of crank mechanisms, by rods of several models."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from comparing import close
+from crankbase.errors import InputError
+from dynamics.engine import ROD_MODELS
+from dynamics.engine.forces import mechanism_forces, rod_models, summed
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
+from dynamics.engine.motions import cylinder_motion, reduced_inertia
+from dynamics.engine.rods import ConnectingRod
+from dynamics.engine.slider_crank import SliderCrank, crankpin_motion
+
+STEP = 1e-3
+ANGLES = np.linspace(0.0, 2.0 * math.pi, 13)
+share = st.floats(-1.0, 1.0)
+
+
+def differences(function, angles):
+    """First and second derivative by five points."""
+    far, near = 2.0 * STEP, STEP
+    values = [function(angles + shift) for shift in (-far, -near, 0.0, near, far)]
+    first = np.dot([1.0, -8.0, 0.0, 8.0, -1.0], np.array(values).reshape(5, -1)) / (12.0 * STEP)
+    second = np.dot([-1.0, 16.0, -30.0, 16.0, -1.0], np.array(values).reshape(5, -1))
+    return first, second / (12.0 * STEP**2)
+
+
+@st.composite
+def drives(draw):
+    ratio = draw(st.floats(0.05, 0.5))
+    offset = 0.5 * (1.0 - ratio) * draw(share)
+    return SliderCrank(0.07, 0.07 / ratio, offset * 0.07 / ratio)
+
+
+@settings(max_examples=20, deadline=None)
+@given(drives(), st.floats(-0.2, 1.2), st.floats(-0.3, 0.3))
+def test_all_derivatives_are_those_of_the_positions(drive, along, across):
+    length = drive.rod_length
+    point = (along * length, across * length)
+    for motion in (
+        drive.crankpin,
+        drive.piston,
+        drive.travel,
+        lambda angle_deg: drive.rod_point(*point, angle_deg=angle_deg),
+    ):
+        first, second = differences(
+            lambda angle, motion=motion: motion(angle_deg=np.degrees(angle)).place, ANGLES
+        )
+        found = motion(angle_deg=np.degrees(ANGLES))
+        np.testing.assert_allclose(found.first, first, rtol=0.0, atol=1e-9 * length)
+        np.testing.assert_allclose(found.second, second, rtol=0.0, atol=1e-8 * length)
+    first, second = differences(
+        lambda angle: drive.rod(angle_deg=np.degrees(angle)).angle_rad, ANGLES
+    )
+    np.testing.assert_allclose(
+        drive.rod(angle_deg=np.degrees(ANGLES)).first, first, rtol=0.0, atol=1e-9
+    )
+    np.testing.assert_allclose(
+        drive.rod(angle_deg=np.degrees(ANGLES)).second, second, rtol=0.0, atol=1e-8
+    )
+
+
+@settings(max_examples=20, deadline=None)
+@given(drives())
+def test_the_rod_keeps_its_length_and_the_piston_its_line(drive):
+    crank, piston = (
+        drive.crankpin(angle_deg=np.degrees(ANGLES)).place,
+        drive.piston(angle_deg=np.degrees(ANGLES)).place,
+    )
+    # Round-off of sums of numbers of the rod's size.
+    room = 1e-14 * drive.rod_length
+    np.testing.assert_allclose(np.abs(piston - crank), drive.rod_length, rtol=1e-14)
+    np.testing.assert_allclose(piston.imag, drive.pin_offset, rtol=0.0, atol=room)
+    np.testing.assert_allclose(np.abs(crank), drive.crank_radius, rtol=1e-14)
+    assert np.all(piston.real > crank.real)
+    np.testing.assert_allclose(
+        drive.rod_point(0.0, angle_deg=np.degrees(ANGLES)).place, crank, rtol=0.0, atol=room
+    )
+
+
+@settings(max_examples=20, deadline=None)
+@given(drives())
+def test_running_backwards_mirrors_the_offset(drive):
+    mirrored = SliderCrank(drive.crank_radius, drive.rod_length, -drive.pin_offset)
+    room = 1e-14 * drive.rod_length
+    forth, back = (
+        drive.rod_point(0.1, 0.02, angle_deg=np.degrees(ANGLES)),
+        mirrored.rod_point(0.1, -0.02, angle_deg=np.degrees(-ANGLES)),
+    )
+    np.testing.assert_allclose(back.place, forth.place.conj(), rtol=0.0, atol=room)
+    np.testing.assert_allclose(back.first, -forth.first.conj(), rtol=0.0, atol=room)
+    np.testing.assert_allclose(back.second, forth.second.conj(), rtol=0.0, atol=room)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.05, 0.4))
+def test_orders_of_the_piston_acceleration_are_the_binomial_series(ratio):
+    """-R (cos a + A_2 cos 2a + A_4 cos 4a ...); the next terms are below 0.15 lambda^7."""
+    angles = np.arange(64) * math.pi / 32.0
+    found = SliderCrank(1.0, 1.0 / ratio).piston(angle_deg=np.degrees(angles)).second.real
+    second, fourth = (-2.0 * np.mean(found * np.cos(k * angles)) for k in (2, 4))
+    room = 0.15 * ratio**7 / (1.0 - ratio**2) ** 2 + 1e-14
+    assert second == close(ratio + ratio**3 / 4.0 + 15.0 * ratio**5 / 128.0, abs=room)
+    assert fourth == close(-(ratio**3 / 4.0 + 3.0 * ratio**5 / 16.0), abs=room)
+
+
+def test_signs_of_a_quarter_turn():
+    """The crankpin moves to +n at the top; the rod then leans back, so its turning is negative."""
+    drive = SliderCrank(0.07, 0.265)
+    quarter = np.array([0.5 * math.pi])
+    assert drive.crankpin(angle_deg=np.degrees([0.0])).first[0] == close(0.07j)
+    assert drive.crankpin(angle_deg=np.degrees(quarter)).place[0] == close(0.07j)
+    assert drive.rod(angle_deg=np.degrees(quarter)).angle_rad[0] == close(-math.asin(0.07 / 0.265))
+    assert drive.rod_point(0.1, 0.02, angle_deg=np.degrees([0.0])).place[0] == close(0.17 + 0.02j)
+
+
+def test_velocity_and_acceleration_of_a_crank_that_speeds_up():
+    """Against differences in time of a point of the rod, angle = 1 + 200 t + 5000 t^2 / 2."""
+    drive = SliderCrank(0.07, 0.265, 0.01)
+    speed, gain, step = 200.0, 5000.0, 2e-5
+    times = step * np.arange(-2.0, 3.0)
+    places = drive.rod_point(
+        0.1, 0.02, angle_deg=np.degrees(1.0 + speed * times + 0.5 * gain * times**2)
+    ).place
+    velocity = np.dot([1.0, -8.0, 0.0, 8.0, -1.0], places) / (12.0 * step)
+    acceleration = np.dot([-1.0, 16.0, -30.0, 16.0, -1.0], places) / (12.0 * step**2)
+    point, turn = (
+        drive.rod_point(0.1, 0.02, angle_deg=np.degrees([1.0])),
+        drive.rod(angle_deg=np.degrees([1.0])),
+    )
+    assert point.velocity(speed)[0] == close(velocity, rel=1e-9)
+    # Round-off: 1e-17 m / (2e-5 s)^2 of 1e3 m/s^2.
+    assert point.acceleration(speed, gain)[0] == close(acceleration, rel=1e-8)
+    turned = turn.acceleration(speed, gain)[0]
+    angles = drive.rod(angle_deg=np.degrees(1.0 + speed * times + 0.5 * gain * times**2)).angle_rad
+    wanted = np.dot([-1.0, 16.0, -30.0, 16.0, -1.0], angles) / (12.0 * step**2)
+    assert turned == close(wanted, rel=1e-8)
+
+
+def test_turned_by_a_right_angle_along_becomes_across():
+    motion = crankpin_motion(0.07, ANGLES).turned(angle_deg=math.degrees(0.5 * math.pi))
+    later = crankpin_motion(0.07, ANGLES + 0.5 * math.pi)
+    for name in ("place", "first", "second"):
+        np.testing.assert_allclose(
+            getattr(motion, name), getattr(later, name), rtol=0.0, atol=1e-16
+        )
+
+
+@pytest.mark.parametrize(
+    ("sizes", "words"),
+    [
+        ((0.0, 0.265), "crank_radius: given 0 m; .*more than zero"),
+        ((0.07, -0.265), "rod_length: given -0.265 m; .*more than zero"),
+        ((0.07, math.nan), "rod_length: given nan m"),
+        (
+            (0.265, 0.265),
+            "crank_radius: given 0.265 m .* less than rod length minus offset, 0.265 m",
+        ),
+        ((0.07, 0.1, 0.03), "pin offset of 0.03 m; .*minus offset, 0.07 m, because the crank must"),
+        ((0.07, 0.1, -0.03), "pin offset of 0.03 m; .*minus offset, 0.07 m"),
+        ((0.07, 0.1, math.inf), "pin_offset: given inf"),
+    ],
+)
+def test_cranks_that_do_not_turn_are_refused(sizes, words):
+    with pytest.raises(InputError, match=words):
+        SliderCrank(*sizes)
+
+
+def test_angles_that_are_not_numbers_are_refused():
+    drive = SliderCrank(0.07, 0.265)
+    with pytest.raises(InputError, match=r"angle_deg\[1\]: given nan"):
+        drive.piston(angle_deg=np.degrees([0.0, math.nan]))
+    with pytest.raises(InputError, match="along, across"):
+        drive.rod_point(math.nan, angle_deg=np.degrees([0.0]))
+
+
+SPEED, GAIN = 220.0, 9000.0
+FORCE_ANGLES = np.linspace(0.0, 4.0 * math.pi, 24, endpoint=False)
+
+
+@st.composite
+def rods(draw, length):
+    center = length * draw(st.floats(0.2, 0.8))
+    mass = draw(st.floats(0.5, 8.0))
+    inertia = mass * length**2 * draw(st.floats(0.02, 0.3))
+    return ConnectingRod(length, mass, center, inertia, 0.1 * length * draw(share))
+
+
+@st.composite
+def vee_engines(draw):
+    """Two cylinders on one crankpin, the second one's rod hinged to the first one's."""
+    main = EngineCylinder(
+        bore=0.13,
+        piston_mass=draw(st.floats(1.0, 6.0)),
+        rod=draw(rods(0.265)),
+        crank_angle_deg=math.degrees(draw(share)),
+        bank_angle_deg=math.degrees(draw(share)),
+        pin_offset=0.01 * draw(share),
+    )
+    vee = 0.8 * draw(share)
+    hinged = EngineCylinder(
+        bore=0.12,
+        piston_mass=draw(st.floats(1.0, 6.0)),
+        rod=draw(rods(0.21)),
+        crank_angle_deg=main.crank_angle_deg,
+        bank_angle_deg=math.degrees(math.radians(main.bank_angle_deg) + vee),
+        pin_offset=0.01 * draw(share),
+        slave_pin=SlavePin(1, 0.06, angle_deg=math.degrees(vee + 0.2 * draw(share))),
+    )
+    firing = np.degrees(tops(main, hinged))
+    assume(
+        not 1.0 <= np.ptp(firing) < 13.0
+    )  # two such angles may be meant as radians, and are refused
+    return EngineLayout(0.07, [main, hinged], [1, 2], firing_angles_deg=firing)
+
+
+def tops(*cylinders):
+    return [math.radians(cylinder.top_shaft_angle_deg) for cylinder in cylinders]
+
+
+GAS = np.array(
+    [30e3 * (1.2 + np.cos(FORCE_ANGLES / 2.0)), 20e3 * (1.1 + np.sin(FORCE_ANGLES / 2.0))]
+)
+RUB = np.array([400.0 * np.sin(FORCE_ANGLES), -300.0 * np.cos(FORCE_ANGLES)])
+
+
+def solved_forces(engine, angles, model, *, gas=GAS, friction=RUB, speed=SPEED, gain=GAIN):
+    return mechanism_forces(
+        engine,
+        speed,
+        gas,
+        model=model,
+        friction=friction,
+        crank_acceleration=gain,
+        shaft_angles_deg=np.degrees(angles),
+    )
+
+
+# --- One linear system of all equations of motion, in coordinates (y, -x) of the engine's frame.
+
+
+@dataclass
+class Place:
+    """Position of everything at one shaft angle, as complex numbers of the engine's frame."""
+
+    crank: complex
+    pistons: list
+    directions: list
+    slave: complex
+
+
+def place_of(engine, shaft_angle):
+    main, hinged = engine.cylinders
+    crank = engine.crank_radius * np.exp(1j * (math.radians(main.crank_angle_deg) + shaft_angle))
+    first, direction = reached(crank, main)
+    pin = hinged.slave_pin
+    slave = crank + direction * pin.radius * np.exp(1j * math.radians(pin.angle_deg))
+    second, other = reached(slave, hinged)
+    return Place(crank, [first, second], [direction, other], slave)
+
+
+def reached(foot, cylinder):
+    """Return where a circle of the rod's length round the foot cuts the line of the piston pin."""
+    axis = np.exp(1j * math.radians(cylinder.bank_angle_deg))
+    local = foot / axis
+    aside = local.imag - cylinder.pin_offset
+    along = local.real + math.sqrt(cylinder.rod.length**2 - aside**2)
+    piston = axis * complex(along, cylinder.pin_offset)
+    return piston, (piston - foot) / cylinder.rod.length
+
+
+def second_in_time(function, shaft_angle):
+    """Differences over times at which the crank moves by about 1e-3 rad."""
+    step = 1e-3 / SPEED
+    times = step * np.arange(-2.0, 3.0)
+    values = [function(shaft_angle + SPEED * t + 0.5 * GAIN * t * t) for t in times]
+    return np.dot([-1.0, 16.0, -30.0, 16.0, -1.0], values) / (12.0 * step**2)
+
+
+def newton_euler(engine, shaft_angle, model, gas, friction):
+    """Solve 10 equations for: crankpin on rod 1, pin 1 on rod 1, rod 1 on rod 2, pin 2 on rod 2, N1, N2.
+
+    Every point mass of a rod enters with its own force and moment about the rod's foot.
+    """
+    now = place_of(engine, shaft_angle)
+    matrix, right = np.zeros((10, 10)), np.zeros(10)
+    crank, pin_1, hinge, pin_2, wall = 0, 2, 4, 6, 8
+    feet = [now.crank, now.slave]
+    for number, cylinder in enumerate(engine.cylinders):
+        rod, row = cylinder.rod.model(model), 3 * number
+        foot_force, pin_force = (crank, pin_1) if number == 0 else (hinge, pin_2)
+        arm = now.pistons[number] - feet[number]
+        matrix[row, foot_force] = matrix[row + 1, foot_force + 1] = 1.0
+        matrix[row, pin_force] = matrix[row + 1, pin_force + 1] = 1.0
+        matrix[row + 2, pin_force : pin_force + 2] = -arm.imag, arm.real
+        if number == 0:
+            matrix[row, hinge] = matrix[row + 1, hinge + 1] = -1.0
+            lever = now.slave - now.crank
+            matrix[row + 2, hinge : hinge + 2] = lever.imag, -lever.real
+        for mass, where in zip(rod.masses, rod.places, strict=True):
+
+            def point(angle, number=number, where=where):
+                place = place_of(engine, angle)
+                foot = place.crank if number == 0 else place.slave
+                return foot + where * place.directions[number]
+
+            force = mass * second_in_time(point, shaft_angle)
+            lever = where * now.directions[number]
+            right[row] += force.real
+            right[row + 1] += force.imag
+            right[row + 2] += lever.real * force.imag - lever.imag * force.real
+        turn = second_in_time(
+            lambda angle, number=number: np.angle(
+                place_of(engine, angle).directions[number] / now.directions[number]
+            ),
+            shaft_angle,
+        )
+        right[row + 2] += rod.added_inertia * turn
+        # The piston: gas and friction along the axis, the wall across it, the rod's pin against it.
+        axis = np.exp(1j * math.radians(cylinder.bank_angle_deg))
+        push = (friction[number] - gas[number]) * axis
+        moved = cylinder.piston_mass * second_in_time(
+            lambda angle, number=number: place_of(engine, angle).pistons[number], shaft_angle
+        )
+        row = 6 + 2 * number
+        matrix[row, pin_force] = matrix[row + 1, pin_force + 1] = -1.0
+        matrix[row, wall + number], matrix[row + 1, wall + number] = -axis.imag, axis.real
+        right[row], right[row + 1] = (moved - push).real, (moved - push).imag
+    found = np.linalg.solve(matrix, right)
+    pairs = found[0:8:2] + 1j * found[1:8:2]
+    return pairs, found[8:]
+
+
+@pytest.mark.parametrize("model", ROD_MODELS)
+@settings(max_examples=4, deadline=None)
+@given(engine=vee_engines(), start=st.integers(0, 23))
+def test_forces_solve_the_equations_of_motion_of_all_bodies(model, engine, start):
+    forces = solved_forces(engine, FORCE_ANGLES, model)
+    size = np.max(np.abs(forces.foot))
+    axes = [np.exp(1j * math.radians(cylinder.bank_angle_deg)) for cylinder in engine.cylinders]
+    for place in (start, (start + 7) % 24):
+        (crank, pin_1, hinge, pin_2), walls = newton_euler(
+            engine, FORCE_ANGLES[place], model, GAS[:, place], RUB[:, place]
+        )
+        np.testing.assert_allclose(forces.side[:, place], walls, rtol=0.0, atol=1e-7 * size)
+        ours = np.array(
+            [
+                -summed(forces, (1, 2))[place],
+                -forces.foot[0, place] * axes[0],
+                -forces.piston_pin[0, place] * axes[0],
+                -forces.foot[1, place] * axes[1],
+                -forces.piston_pin[1, place] * axes[1],
+            ]
+        )
+        wanted = np.array([crank, crank, pin_1, hinge, pin_2])
+        np.testing.assert_allclose(ours, wanted, rtol=0.0, atol=1e-7 * size)
+
+
+# --- Balances of the whole mechanism.
+
+
+@pytest.mark.parametrize("model", ROD_MODELS)
+@settings(max_examples=8, deadline=None)
+@given(engine=vee_engines())
+def test_torque_is_gas_and_friction_power_less_the_rise_of_kinetic_energy(model, engine):
+    forces = solved_forces(engine, FORCE_ANGLES, model)
+    inertia, slope = reduced_inertia(
+        engine, rod_models(engine, model), shaft_angles_deg=np.degrees(FORCE_ANGLES)
+    )
+    slopes = np.array(
+        [
+            cylinder_motion(engine, n, shaft_angles_deg=np.degrees(FORCE_ANGLES)).piston.first.real
+            for n in (1, 2)
+        ]
+    )
+    power = np.sum((RUB - GAS) * slopes, axis=0)
+    wanted = power - (0.5 * slope * SPEED**2 + inertia * GAIN)
+    torque = np.sum(forces.torque, axis=0)
+    np.testing.assert_allclose(torque, wanted, rtol=0.0, atol=1e-9 * np.max(np.abs(wanted)))
+
+
+@settings(max_examples=8, deadline=None)
+@given(engine=vee_engines())
+def test_kinetic_energy_is_that_of_all_masses(engine):
+    """Energy 0.5 I w^2 from the speeds of point masses, and dI/dphi by differences."""
+    step = 1e-3
+    for model in ROD_MODELS:
+        models = rod_models(engine, model)
+        inertia, slope = reduced_inertia(engine, models, shaft_angles_deg=np.degrees(FORCE_ANGLES))
+        total = np.zeros(FORCE_ANGLES.shape)
+        for number, (cylinder, rod) in enumerate(zip(engine.cylinders, models, strict=True), 1):
+            motion = cylinder_motion(engine, number, shaft_angles_deg=np.degrees(FORCE_ANGLES))
+            total += cylinder.piston_mass * np.abs(motion.piston.first) ** 2
+            total += rod.added_inertia * motion.rod.first**2
+            for mass, place in zip(rod.masses, rod.places, strict=True):
+                total += mass * np.abs(motion.rod_point(place).first) ** 2
+        np.testing.assert_allclose(inertia, total, rtol=0.0, atol=1e-13 * np.max(total))
+        with_shaft = reduced_inertia(
+            replace(engine, shaft_inertia=1.5), models, shaft_angles_deg=np.degrees(FORCE_ANGLES)
+        )[0]
+        np.testing.assert_allclose(with_shaft, 1.5 + inertia, rtol=1e-14)
+        around = [
+            reduced_inertia(
+                engine, models, shaft_angles_deg=np.degrees(FORCE_ANGLES + shift * step)
+            )[0]
+            for shift in (-2, -1, 1, 2)
+        ]
+        wanted = np.dot([1.0, -8.0, 8.0, -1.0], around) / (12.0 * step)
+        # The differences' own error: step^4 times the fifth derivative, and round-off.
+        np.testing.assert_allclose(slope, wanted, rtol=0.0, atol=1e-9 * np.max(total))
+
+
+# --- What must not matter.
+
+
+def test_forces_are_those_at_an_angle():
+    rod = ConnectingRod(0.2, 1.0, 0.07, 0.006)
+    engine = EngineLayout(0.05, [EngineCylinder(0.1, 1.0, rod)], [1])
+    with pytest.raises(InputError, match="shaft_angles_deg: given none"):
+        mechanism_forces(engine, 10.0, shaft_angles_deg=np.degrees([]))
