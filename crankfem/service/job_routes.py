@@ -26,7 +26,7 @@ from crankfem.service.job_runner import LOADING, JobRunner
 from crankfem.service.job_store import Followers, JobStore
 from crankfem.service.responses import JSON, answer, described
 from crankfem.service.tasks import REPORT, RESULT
-from geometry.isolated import IsolatedProcess
+from geometry.gmsh_session import IsolatedProcess
 
 MOST_LISTED = 100
 RETRY_SECONDS = "5"

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 import crankbase.processes
 import crankfem.service.app
-import geometry.isolated
+import geometry.gmsh_session
 from crankbase.errors import MeshError, with_short_quotes
 from crankfem.cli import app as cli
 from crankfem.service import tasks
@@ -57,7 +57,7 @@ def nothing_started() -> Iterator[None]:
         return getattr(tasks, name)(*arguments) if module == tasks.__name__ else _no_process()
 
     with contextlib.ExitStack() as put:
-        put.enter_context(mock.patch.object(geometry.isolated.IsolatedProcess, "call", call))
+        put.enter_context(mock.patch.object(geometry.gmsh_session.IsolatedProcess, "call", call))
         put.enter_context(mock.patch.object(crankbase.processes.subprocess, "Popen", _no_process))
         put.enter_context(mock.patch.object(crankfem.service.app, "serve"))
         yield

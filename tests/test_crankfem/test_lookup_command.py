@@ -25,7 +25,6 @@ from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequenc
 from crankfem.analyses.throw.law_record import law_answers, law_record, law_sentence
 from crankfem.cli.arguments import law_throw
 from crankfem.cli.commands import lookup as optimum_command
-from crankfem.cli.commands import optimum as optimum_command
 from crankfem.cli.commands.lookup import lookup, optimum
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw

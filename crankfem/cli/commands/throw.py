@@ -84,8 +84,8 @@ def throw(
     from crankfem.cli.tables import throw_tables
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
-    from fem.class_modes import MOST_MODES
-    from fem.section_motions import degree_of
+    from fem.modes import MOST_MODES
+    from fem.symmetry import degree_of
     from geometry.throw import CrankThrow
 
     angle = None if gamma is None else parse_gamma(gamma, out.quiet)
@@ -206,10 +206,9 @@ def export(
     from crankfem.files.engine.throw_file import load_crankshaft
     from crankfem.jobs.outputs import check_writable
     from fem.calculix import write_calculix
-    from geometry.mesh_files import ENDINGS as MESH_ENDINGS
-    from geometry.mesh_files import SOLID_ENDINGS, SURFACE_ENDINGS, write_mesh
     from geometry.mesher import mesh_isolated
-    from geometry.solid_files import ENDINGS, write_step
+    from geometry.solid_files import ENDINGS, SOLID_ENDINGS, SURFACE_ENDINGS, write_mesh, write_step
+    from geometry.solid_files import ENDINGS as MESH_ENDINGS
 
     if name is not None and shaft:
         raise InputError(

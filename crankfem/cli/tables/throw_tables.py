@@ -30,7 +30,7 @@ from crankfem.cli import console
 from crankfem.cli.arguments import angle_text
 from crankfem.cli.console import print_line, print_notes, print_table
 from dynamics.engine.firing import repeating_intervals
-from fem.rule_mesh import (
+from fem.fillet_peaks import (
     ACROSS_WEB,
     LARGEST_NORMAL,
     LARGEST_SIZE,
