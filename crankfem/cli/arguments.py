@@ -21,7 +21,7 @@ from dynamics.engine.firing import MOST_CYLINDERS, firing_order_from_text
 from fem.material import STEEL, Material
 from geometry.imported import import_throw
 from geometry.mesher import Throw
-from geometry.solid_files import ENDINGS
+from geometry.solid_files import STEP_ENDINGS
 from geometry.throw import CrankThrow
 from regression.models.compliance_model import ComplianceModel
 from regression.optimum import Limit
@@ -143,7 +143,7 @@ def select_part(
     ------
     InputError
     """
-    if Path(engine).suffix.lower() not in ENDINGS:
+    if Path(engine).suffix.lower() not in STEP_ENDINGS:
         if pins:
             raise InputError(
                 f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."

@@ -207,8 +207,14 @@ def export(
     from crankfem.jobs.outputs import check_writable
     from fem.calculix import write_calculix
     from geometry.mesher import mesh_isolated
-    from geometry.solid_files import ENDINGS, SOLID_ENDINGS, SURFACE_ENDINGS, write_mesh, write_step
-    from geometry.solid_files import ENDINGS as MESH_ENDINGS
+    from geometry.solid_files import (
+        MESH_ENDINGS,
+        SOLID_ENDINGS,
+        STEP_ENDINGS,
+        SURFACE_ENDINGS,
+        write_mesh,
+        write_step,
+    )
 
     if name is not None and shaft:
         raise InputError(
@@ -223,7 +229,7 @@ def export(
             f"--calculix: given {file.name} and --part {part}; allowed is a file ending in .inp with the "
             "whole throw, because the deck holds and loads both ends."
         )
-    if shaft or file.suffix.lower() in ENDINGS:
+    if shaft or file.suffix.lower() in STEP_ENDINGS:
         if size != 1.0:
             raise InputError(f"--size: given {size:g}; allowed only for meshes, not for solids.")
         check_writable(file, "solid", content.path)
@@ -231,8 +237,8 @@ def export(
     else:
         if file.suffix.lower() not in MESH_ENDINGS:
             raise InputError(
-                f"{file.name}: given the ending {file.suffix!r}; allowed are {', '.join(ENDINGS)} (solid), "
-                f"{', '.join(SOLID_ENDINGS)} (mesh) and {', '.join(SURFACE_ENDINGS)} (surface)."
+                f"{file.name}: given the ending {file.suffix!r}; allowed are {', '.join(STEP_ENDINGS)} "
+                f"(solid), {', '.join(SOLID_ENDINGS)} (mesh) and {', '.join(SURFACE_ENDINGS)} (surface)."
             )
         if not 0.05 <= size <= 10.0:
             raise InputError(f"--size: given {size:g}; allowed is 0.05 to 10.")
