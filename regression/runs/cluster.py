@@ -352,8 +352,8 @@ ADDRESS = re.compile(
 )
 
 
-# Dask may report a result just when it has been lost with its worker, and then wait for it: only the thread that
-# fetches it waits.
+# Dask may report a result just when it has been lost with its worker, and then wait for it: only the thread
+# that fetches it waits.
 class _DaskTask:
     """A design in progress as a future of Dask, whose result is fetched in a separate thread."""
 
