@@ -176,9 +176,9 @@ class EndBody:
         InputError
             If it is neither.
         """
-        own = [self.mass] * 3 + [self.diametral] * 2 + [self.polar_inertia]
+        diagonal = [self.mass] * 3 + [self.diametral] * 2 + [self.polar_inertia]
         center = self.center_motion(outward)
-        return np.asarray(center.T @ np.diag(own) @ center)
+        return np.asarray(center.T @ np.diag(diagonal) @ center)
 
     def center_motion(self, outward: float) -> FloatArray:
         """Return the motion of its center per motion of its section, (6, 6); as `mass_matrix`."""
@@ -316,8 +316,8 @@ class ShaftSurroundings:
         return [(name, ring, section) for name, ring, section in both if ring is not None]
 
 
-def _each(name: str, given: ArrayLike, count: int, *, held: bool) -> FloatArray:
-    values = np.array(given, dtype=np.float64)
+def _each(name: str, stiffness: ArrayLike, count: int, *, held: bool) -> FloatArray:
+    values = np.array(stiffness, dtype=np.float64)
     values = np.full(count, values) if values.ndim == 0 else values
     allowed = "zero or more, or infinite for one that is held" if held else "zero or more"
     if values.shape != (count,):

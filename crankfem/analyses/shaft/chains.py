@@ -12,7 +12,7 @@ from crankbase.units.number_formats import compact, significant
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import UNITS, VIBRATING, unit_symbol
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
-from crankfem.files.chain.shaft_lines import PLANT, plant_chain
+from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import layout_of
 from dynamics.chains.dampers import TorsionalDamper
