@@ -9,12 +9,18 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
-from fem.axial_analysis import class_axial_compliances, class_torsional_compliance
 from fem.loads import radial_directions, uniform_pin_loads
 from fem.responses import evaluate_throw
 from fem.shaft import shaft_compliances, solve_shaft
 from fem.superelement import UZ
-from fem.supports import Neighbors, end_motions, reactions, support_throw
+from fem.supports import (
+    Neighbors,
+    class_axial_compliances,
+    class_torsional_compliance,
+    end_motions,
+    reactions,
+    support_throw,
+)
 from fem.symmetry import axial_class, torsional_class
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
