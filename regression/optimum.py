@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from crankbase.checks.arrays import LARGEST, SMALLEST
-from crankbase.checks.choices import did_you_mean
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import did_you_mean, is_number
 from crankbase.drawing.bars import draw_groups
 from crankbase.drawing.diagram_style import RED, new_axes
 from crankbase.drawing.legends import write_title

@@ -10,7 +10,7 @@ from pydantic import Field
 from pydantic_core import from_json
 from starlette.requests import Request
 
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind, quantity_field
 from crankfem.service.problems import ProblemError

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from crankbase.calls import GIGABYTE
-from crankbase.checks.scalars import is_whole_within
+from crankbase.checks.choices import is_whole_within
 from crankbase.errors import InputError
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")

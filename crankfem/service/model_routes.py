@@ -12,7 +12,7 @@ from fastapi import APIRouter
 from starlette.requests import Request
 from starlette.responses import Response
 
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.units.quantity import parse_quantity
 from crankfem.service.answers import Lookups, ModelDescription, ModelNames

@@ -11,9 +11,8 @@ from crankbase.drawing.curves import ORDER_COLORS
 from crankbase.drawing.diagram_style import BLUE, GRAY, ORANGE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_below, legend_inside, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table, table_of
+from crankbase.tables.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.assessment.barred_ranges import (

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.choices import check_not_given
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import check_not_given, whole_number
 from crankbase.drawing.diagram_style import BLUE, RED, new_axes
 from crankbase.drawing.legends import display_unit, write_title
 from crankbase.errors import InputError

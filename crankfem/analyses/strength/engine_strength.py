@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.errors import InputError
-from crankbase.library_types import DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table_of
+from crankbase.tables.frames import DataFrame, table_of
 from crankbase.units.units import RPM
 from crankfem.analyses.strength.cycle_loads import supported_throws
 from crankfem.analyses.strength.element_factors import (

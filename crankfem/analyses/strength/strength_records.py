@@ -3,10 +3,8 @@
 from dataclasses import asdict, fields
 
 from crankbase.errors import InputError
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
-from crankbase.units.number_formats import UNBOUNDED
-from crankbase.units.units import RPM
+from crankbase.tables.table import SI, Column, OutputUnits, Table
+from crankbase.units.units import RPM, UNBOUNDED
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.strength.engine_strength import EQUAL, EngineStrength, ThrowStrength
 from dynamics.strength.concentration import (

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.choices import check_choice, check_not_given
-from crankbase.checks.scalars import is_whole_within
+from crankbase.checks.choices import check_choice, check_not_given, is_whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError, visible

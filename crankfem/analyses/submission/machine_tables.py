@@ -5,9 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crankbase.tables.output_units import OutputUnit
-from crankbase.tables.table import Cell, Column, Table
-from crankbase.units.number_formats import UNBOUNDED
+from crankbase.tables.table import Cell, Column, OutputUnit, Table
+from crankbase.units.units import UNBOUNDED
 from crankfem.analyses.submission.firing_cases import (
     GEARS,
     GENERATOR,

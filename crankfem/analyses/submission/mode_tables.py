@@ -7,8 +7,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
-from crankbase.tables.output_units import OutputUnit
-from crankbase.tables.table import Column, Table
+from crankbase.tables.table import Column, OutputUnit, Table
 from crankfem.analyses.submission.firing_cases import HIGHEST_SHARE
 from crankfem.analyses.vibration.run import EngineVibration
 from dynamics.assessment.separation import (

@@ -7,7 +7,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.tables.table import Cell, Column, Table
-from crankbase.units.number_formats import UNBOUNDED
+from crankbase.units.units import UNBOUNDED
 from crankfem.analyses.submission.firing_cases import MEANING, STRESS, TORQUE, FiringCases, limit_of
 from crankfem.analyses.vibration.misfiring import Reached, permitted_at
 from crankfem.analyses.vibration.run import EngineVibration

@@ -13,7 +13,7 @@ from crankfem.cli.commands.options import Output, SpeedOption, with_output
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
-    from crankbase.tables.output_units import OutputUnits
+    from crankbase.tables.table import OutputUnits
     from dynamics.harmonics import Harmonics
 
 USUAL_ORDERS, USUAL_ENGINE_ORDERS = 9.0, 12.0

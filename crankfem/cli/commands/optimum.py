@@ -11,7 +11,7 @@ from crankfem.cli.commands.options import ModelArgument, Output, with_output
 from crankfem.cli.console import print_json, print_line, print_table
 
 if TYPE_CHECKING:
-    from crankbase.tables.output_units import OutputUnits
+    from crankbase.tables.table import OutputUnits
     from crankfem.analyses.study.frequency_limits import Kind
     from regression.models.compliance_model import ComplianceModel
     from regression.optimum import Limit, Optimum

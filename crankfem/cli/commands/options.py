@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from crankbase.outputs import replacing_files
-from crankbase.tables.output_units import OutputUnits, parse_output_units
+from crankbase.tables.table import OutputUnits, parse_output_units
 from crankfem.cli.commands import completion
 
 Command = Callable[..., None]

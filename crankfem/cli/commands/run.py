@@ -20,7 +20,7 @@ from crankfem.cli.commands.strict import check_has_limits, exit_unless_acceptabl
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
-    from crankbase.tables.output_units import OutputUnits
+    from crankbase.tables.table import OutputUnits
 
 
 @with_output(files=True, units=True)

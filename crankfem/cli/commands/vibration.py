@@ -12,7 +12,7 @@ from crankfem.cli.commands.strict import check_has_limits, exit_unless_acceptabl
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
-    from crankbase.tables.output_units import OutputUnits
+    from crankbase.tables.table import OutputUnits
     from crankfem.files.reading.toml_file import TomlFile
 
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
+from crankbase.tables.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.cli.console import number, print_line, print_table
 from crankfem.files.chain.chain_file import ChainFile

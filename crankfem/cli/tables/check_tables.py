@@ -3,8 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
-from crankbase.tables.table import Column, Table
+from crankbase.tables.table import SI, Column, OutputUnit, OutputUnits, Table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.law_record import law_sentence

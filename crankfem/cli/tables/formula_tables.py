@@ -5,9 +5,8 @@ from typing import Any
 
 from rich.table import Table as RichTable
 
-from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
-from crankbase.tables.table import Column, Table
-from crankbase.units.number_formats import significant
+from crankbase.tables.table import SI, Column, OutputUnit, OutputUnits, Table
+from crankbase.units.units import significant
 from crankfem.analyses.throw.formula_records import (
     EngineSpread,
     FormulaSpread,

@@ -1,6 +1,6 @@
 """Tables of a crank mechanism on the command line: its forces and its balance."""
 
-from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.tables.table import SI, OutputUnits
 from crankbase.units.units import RPM
 from crankfem.analyses.mechanism.balance_records import (
     BALANCED_TEXT,

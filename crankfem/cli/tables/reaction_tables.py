@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from crankbase.errors import InputError
-from crankbase.tables.output_units import OutputUnits
+from crankbase.tables.table import OutputUnits
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.throw_record import reaction_table
 from crankfem.cli.console import print_line, print_table

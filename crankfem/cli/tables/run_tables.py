@@ -4,10 +4,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
-from crankbase.units.number_formats import UNBOUNDED
-from crankbase.units.units import RPM
+from crankbase.tables.table import SI, Column, OutputUnits, Table
+from crankbase.units.units import RPM, UNBOUNDED
 from crankfem.analyses.vibration.tables import speed_table
 from crankfem.cli.console import print_line, print_table
 from crankfem.report.conclusions import conclusions, reached_and_permitted, verdict_line

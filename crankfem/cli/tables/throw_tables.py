@@ -2,8 +2,7 @@
 
 import math
 
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
+from crankbase.tables.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import (

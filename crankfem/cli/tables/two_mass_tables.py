@@ -1,8 +1,6 @@
 """Output of the command two-mass, from its plain record."""
 
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
-from crankbase.tables.table_units import table_unit
+from crankbase.tables.table import SI, Column, OutputUnits, Table, table_unit
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.cli.console import print_line, print_table

@@ -1,6 +1,6 @@
 """Tables of an engine's vibration on the command line, from the plain records of a run."""
 
-from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.tables.table import SI, OutputUnits
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.tables import (

@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.errors import InputError
-from crankbase.input_file import InputFile
+from crankbase.input_file import LARGEST_TEXT_FILE, InputFile
 from crankbase.summaries import summarized
-from crankbase.text_limits import LARGEST_TEXT_FILE
 from crankfem.files.chain.chain_build import Section, chain_of
 from crankfem.files.chain.chain_sections import AxialChainSection, TorsionalChainSection
 from crankfem.files.chain.chain_text import read_chain_text

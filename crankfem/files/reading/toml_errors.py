@@ -4,7 +4,7 @@ import re
 import tomllib
 
 from crankbase.errors import shortened
-from crankbase.units.separators import SEPARATED_NUMBER, either, readings
+from crankbase.units.quantity import SEPARATED_NUMBER, either, readings
 
 # Of a line that is looked at.
 LONGEST_LINE = 500

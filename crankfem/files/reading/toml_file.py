@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError, InputErrors
+from crankbase.input_file import LARGEST_TEXT_FILE
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.text_limits import LARGEST_TEXT_FILE
 from crankbase.units.quantity import format_quantity
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_errors import not_toml

@@ -5,7 +5,7 @@ import re
 from typing import Any
 
 from crankbase.errors import InputError, shortened
-from crankbase.text_limits import DEEPEST_TABLE, LONGEST_TEXT, MOST_BITS, MOST_VALUES
+from crankbase.input_file import DEEPEST_TABLE, LONGEST_TEXT, MOST_BITS, MOST_VALUES
 
 # A key of more names than tables may lie in tables; taking it apart would take long. Nothing is gone
 # back on, so that looking for it does not take long either.

@@ -4,10 +4,8 @@ import csv
 from collections.abc import Mapping, Sequence
 
 from crankbase.errors import InputError
-from crankbase.input_file import InputFile
-from crankbase.text_limits import LARGEST_TABLE_FILE
+from crankbase.input_file import CSV, LARGEST_TABLE_FILE, InputFile
 from crankbase.units.quantity import parse_quantity
-from crankbase.wrong_files import CSV
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
 

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.drawing.curves import order_line_style
 from crankbase.drawing.diagram_style import GRAY, STYLE
-from crankbase.units.number_formats import format_number
-from crankbase.units.units import DISPLAY_UNITS
+from crankbase.units.units import DISPLAY_UNITS, format_number
 from regression.plans.factors import Factor
 from regression.throw_values import factor_label
 
