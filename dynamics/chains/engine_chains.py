@@ -22,7 +22,7 @@ from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.dampers import AxialDamper, TorsionalDamper, check_axial, check_torsional
-from dynamics.chains.editing import add_node, join_chains, with_damper, with_ground
+from dynamics.chains.editing import join_chains, with_damper, with_ground
 from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
@@ -316,24 +316,11 @@ def torsional_chain(
         chain = join_chains(chain, FLYWHEEL, shaft_line)
     machines = (driven,) if isinstance(driven, DrivenMachine) else tuple(driven or ())
     for machine in machines:
-        chain = _with_machine(chain, machine)
+        chain = machine.attached(chain)
     if damper is not None:
         chain = with_damper(chain, FREE_END, damper)
     throws = tuple(range(len(ends), len(ends) + count))
     return EngineChain(chain, "torsional", throw_nodes=throws)
-
-
-def _with_machine(chain: Chain, machine: DrivenMachine) -> Chain:
-    wider = add_node(
-        chain,
-        machine.name,
-        machine.inertia,
-        to=machine.on,
-        stiffness=machine.coupling_stiffness,
-        damping=machine.coupling_damping,
-        loss_factor=machine.coupling_loss_factor,
-    )
-    return with_ground(wider, machine.name, damping=machine.damping)
 
 
 def throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:

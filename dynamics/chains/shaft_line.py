@@ -12,6 +12,8 @@ from crankbase.checks.choices import check_choice, whole_number, whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
+from dynamics.chains.dampers import TorsionalRing
+from dynamics.chains.editing import with_ground
 
 # Shares of the dry propeller that designers often take before they know better; assumed here, no
 # published table stands behind them. D. M. MacPherson, V. R. Puleo, M. B. Packard, Estimation of
@@ -68,6 +70,18 @@ class DrivenMachine:
         nonnegative_number("driven.coupling_damping", self.coupling_damping, unit, why)
         nonnegative_number("driven.coupling_loss_factor", self.coupling_loss_factor, "", why)
         nonnegative_number("driven.damping", self.damping, unit, why)
+
+    @property
+    def ring(self) -> TorsionalRing:
+        """The machine behind its coupling, without its absolute damping."""
+        return TorsionalRing(
+            self.inertia, self.coupling_stiffness, self.coupling_damping, self.coupling_loss_factor
+        )
+
+    def attached(self, chain: Chain) -> Chain:
+        """Return the chain with this machine on its node."""
+        wider = self.ring.attached(chain, self.on, self.name)
+        return with_ground(wider, self.name, damping=self.damping)
 
 
 @dataclass(frozen=True)

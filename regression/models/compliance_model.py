@@ -454,10 +454,6 @@ class ComplianceModel(ModelValues):
     def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
         """Return the dimensions and labels of a throw for queries to the model.
 
-        Parameters
-        ----------
-        throw : CrankThrow
-
         Raises
         ------
         InputError
@@ -472,7 +468,6 @@ class ComplianceModel(ModelValues):
 
         Parameters
         ----------
-        throw : CrankThrow
         gamma_deg, strict
             As in `axial_compliance`; the angle is for the responses that depend on it.
 
@@ -530,10 +525,6 @@ class ComplianceModel(ModelValues):
             As in `lookup`. By default factors are in the middle of their range, choices at
             their first label.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError
@@ -577,10 +568,6 @@ class ComplianceModel(ModelValues):
         **dimensions : float, str or (n,) array_like
             Arrays form the grid. By default factors are in the middle of their range,
             choices at their first label; these are in ``attrs`` of the dataset.
-
-        Returns
-        -------
-        xarray.Dataset
 
         Raises
         ------

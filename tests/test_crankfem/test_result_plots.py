@@ -28,7 +28,7 @@ from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration import run as vibration_run
 from crankfem.analyses.vibration.run_up import run_up
 from crankfem.files.engine.mechanism_file import load_mechanism
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from geometry.mass import MassProperties

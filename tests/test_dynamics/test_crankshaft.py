@@ -11,6 +11,7 @@ from scipy.linalg import eigh
 
 from comparing import close
 from crankbase.errors import InputError
+from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
@@ -33,7 +34,6 @@ from dynamics.crankshaft.surroundings import (
     MainBearings,
     ShaftSurroundings,
     ShaftThrow,
-    TorsionalRing,
     rotation,
 )
 from dynamics.response.forced import forced_response

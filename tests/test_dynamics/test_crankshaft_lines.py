@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from dynamics.chains.chain import Chain, Dashpot, Gear
+from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import match_modes
@@ -21,7 +22,6 @@ from dynamics.crankshaft.surroundings import (
     MainBearings,
     ShaftSurroundings,
     ShaftThrow,
-    TorsionalRing,
 )
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import checked_power_balance
