@@ -43,16 +43,6 @@ def test_values_are_read_in_si_units():
     assert firing == [0, 480, 240, 600, 120, 360]
 
 
-def test_sources_and_assumptions_are_kept_with_the_values():
-    engine = load_engine("6chn25-34")
-    records = {record.field: record for record in engine.records}
-    radius, fillet = records["throw.crank_radius"], records["throw.fillet_radius"]
-    assert (radius.given, radius.assumed) == ("170 mm", False)
-    assert radius.source == "[yamanin2021], figure 3; half the stroke"
-    assert (fillet.given, fillet.assumed) == ("12 mm", True)
-    assert "yamanin2021" in engine.sources
-
-
 def test_names_of_sources_are_found_as_words_only(tmp_path, six_cylinders, edit):
     text = edit(six_cylinders, {"sources.a": '"one letter"', "piston.mass": '"30 kg"'})
     text = edit(text, {"rod.mass": '{ value = "56 kg", source = "a, table of data" }'})
@@ -460,15 +450,6 @@ def test_a_choice_that_is_not_made_is_shown_as_not_given():
 @pytest.fixture(scope="module")
 def engine():
     return load_engine("6chn25-34")
-
-
-def test_an_unchanged_engine_has_the_files_mechanism(engine):
-    read, made = load_mechanism("6chn25-34"), mechanism_of(engine)
-    assert made.layout == read.layout
-    assert made.remarks == read.remarks
-    assert (made.throws, made.throw_angles_deg) == (read.throws, read.throw_angles_deg)
-    assert made.attached_inertia == read.attached_inertia
-    assert made.pressure[0].pressure.tolist() == read.pressure[0].pressure.tolist()
 
 
 @pytest.mark.parametrize(

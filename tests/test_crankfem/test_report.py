@@ -328,19 +328,6 @@ def test_scripts_hold_nothing_that_a_page_cannot():
     assert str(script_text('{"a": "<!--"}\n')) == '{"a": "\\u003c!--"}'
 
 
-def test_words_go_with_their_number(results, page):
-    table = results["repeat"]["files"][0] | {"name": "tables/gas.csv"}
-    before = page(results).section("repeat")
-    assert "2 processors" in before
-    assert "With crankfem 0.1.0 installed, save the input below as 6chn25-34.toml, then:" in before
-    results["about"]["processors"] = 1
-    results["repeat"]["files"].append(table)
-    after = page(results).section("repeat")
-    assert "1 processor." in after
-    assert "6chn25-34.toml, each table under its name beside it, then:" in after
-    assert "tables/gas.csv" in after
-
-
 def test_what_a_run_was_made_with(tmp_path):
     about = provenance_record()
     assert re.match(r"\d+\.\d+", about["version"])

@@ -158,31 +158,6 @@ def test_free_shaft_has_six_rigid_motions_by_name():
     assert found[:4] == close([4 * inertia, 4 * mass, 4 * mass, 4 * mass])
 
 
-@pytest.mark.parametrize(
-    ("around", "names"),
-    [
-        (
-            ShaftSurroundings(bearings=MainBearings(1e9)),
-            ("rotation about the shaft axis", "axial translation"),
-        ),
-        (AROUND, ("rotation about the shaft axis", "rotation of the ring alone")),
-        (
-            ShaftSurroundings(
-                bearings=MainBearings([0.0, 0.0, 1e9, 0.0, 0.0]),
-                axial_supports=(AxialSupport(0, math.inf),),
-            ),
-            ("rotation about the shaft axis", "tilt about x", "tilt about y"),
-        ),
-    ],
-)
-def test_rigid_motions_in_bearings(around, names):
-    shaft = shaft_of(CRANKS, around)
-    modes = crankshaft_modes(shaft)
-    assert modes.names[: modes.rigid] == names
-    assert np.abs(shaft.stiffness @ shaft.rigid).max() < 1e-12 * np.abs(shaft.stiffness).max()
-    assert modes.angular_frequencies[modes.rigid] > 10.0
-
-
 def test_elastic_modes_are_those_of_the_matrices(surrounded):
     """The same by a general solver, which sees rigid motions as small numbers."""
     modes = crankshaft_modes(surrounded)
@@ -724,17 +699,6 @@ def test_a_geared_line_reduces_like_that_of_a_chain():
     plain = Chain([5.0 + 2.0 * ratio**2, 4.0 * ratio**2], [3e6 * ratio**2], names=["wheel", "pump"])
     found, reduced = of_kind(whole(geared), "torsional"), of_kind(whole(plain), "torsional")
     assert found[:10] == close(reduced[:10], 1e-8)
-
-
-def test_a_line_along_the_shaft_is_that_of_the_axial_chain():
-    line = Chain(
-        [100.0, 50.0, 3000.0], [2e8, 4e8], ground={2: 1e6}, names=["flange", "a", "propeller"]
-    )
-    own = axial_chain(
-        [1.0 / ALONG] * THROWS, [LINE_MASS] * THROWS, 400.0, THROWS, 5e8, {0: 10.0}, shaft_line=line
-    )
-    expected = own.chain.modes().frequencies
-    assert of_kind(whole(line, kind="axial"), "axial")[: expected.size] == close(expected, 1e-6)
 
 
 def test_what_holds_the_line_holds_the_shaft_and_dashpots_alone_do_not():

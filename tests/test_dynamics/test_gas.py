@@ -27,7 +27,7 @@ from dynamics.gas.cylinder_volume import (
     indicated_work,
     periodic_slope,
 )
-from dynamics.gas.gas_cycle import gas_cycle, pressure_rise_per_heat
+from dynamics.gas.gas_cycle import gas_cycle
 from dynamics.gas.pressure import gas_pressure, read_pressure_table
 from references import closed_pressure
 
@@ -140,15 +140,6 @@ def rows(angles, values):
 
 def table(angles, values, header=BAR, comments="# Engine X\n# Indicated at rated load\n"):
     return f"{comments}{header}\n{rows(angles, values)}"
-
-
-def test_uneven_angles_are_resampled_and_said(written):
-    angles = np.concatenate([np.arange(-360.0, -30.0, 5.0), np.arange(-30.0, 60.0, 1.0)])
-    angles = np.concatenate([angles, np.arange(60.0, 360.0, 5.0)])
-    found = read_pressure_table(written(table(angles, bar(angles))))
-    assert "uneven samples were replaced" in found.remarks[0]
-    assert found.peak_pressure == close(120e5)
-    assert found.at(angle_deg=angles) == close(1e5 * bar(angles), rel=2e-3)
 
 
 def test_closing_sample_may_differ_by_what_is_printed(written):
@@ -507,37 +498,6 @@ def test_unusable_pistons_are_refused(law, area, ratio, message):
 # The closed part
 
 
-def burnt_share(cycle, angles):
-    """The model's integral of V^(g - 1) dx with V^(g - 1) constant: the burnt share.
-
-    A ratio of heat capacities of 1 + e leaves V^e, which is 1 but for 3 e: 4e-11 here; e is a power
-    of two to be exact.
-    """
-    cycle = replace(cycle, heat_capacity_ratio=1.0 + 2.0**-36)
-    law = cylinder_volume(cycle_position, AREA, 15.0)
-    return pressure_rise_per_heat(cycle, law, angles) * law.at(angle_deg=angles) * 2.0**36
-
-
-@given(st.floats(0.0, 5.0), st.floats(0.6, 0.9999), st.floats(-40.0, 10.0), st.floats(5.0, 110.0))
-@settings(max_examples=40)
-def test_burnt_share_rises_from_nothing_to_all(shape, completeness, start, duration):
-    cycle = replace(
-        FOUR,
-        wiebe_shape=shape,
-        wiebe_completeness=completeness,
-        combustion_start_deg=start,
-        combustion_duration_deg=duration,
-    )
-    end = start + duration
-    # From a little before, for angles from 0 to 6.28 deg look like a turn in radians.
-    share = burnt_share(cycle, [start - 1.0, *np.linspace(start, end, 200)])
-    assert share[1] == 0.0
-    assert share[-1] == close(1.0, abs=1e-10)
-    # Where all is burnt but 1e-11 the small part of V^e that is not constant shows.
-    assert np.all(np.diff(share) >= -1e-11)
-    assert burnt_share(cycle, [-110.0, end + 6.0]).tolist() == close([0.0, 1.0], abs=1e-10)
-
-
 def balance(cycle, law, slope, heat):
     """Return heat, rise of internal energy and work from quadrature of p dV in the closed part."""
     nodes, weights = np.polynomial.legendre.leggauss(8)
@@ -606,15 +566,6 @@ def test_pressure_solves_the_equation_of_the_first_law(shape, volume):
             found.y[0], rel=1e-8
         )
         pressure, begin = found.y[:, -1], end
-
-
-def test_pressure_is_found_at_any_angle_alone(volume):
-    angles = [40.0, -3.0, 100.0, -90.0, 3.0]
-    together = pressure_rise_per_heat(FOUR, volume, angles)
-    alone = [pressure_rise_per_heat(FOUR, volume, [angle])[0] for angle in angles]
-    # Other parts of the same integral: its own accuracy.
-    assert together == close(np.array(alone), rel=1e-10)
-    assert together[3] == 0.0
 
 
 # The whole cycle
