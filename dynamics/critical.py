@@ -311,9 +311,9 @@ def critical_speeds(
         "speed_range", speed_range, "rad/s", "a critical speed is that of a turning shaft"
     )
     if limits.size != 2 or not limits[0] < limits[1]:
-        given = ", ".join(f"{limit:g}" for limit in limits)
+        shown = ", ".join(f"{limit:g}" for limit in limits)
         raise InputError(
-            f"speed_range: given ({given}) rad/s; allowed is the lowest speed and then a higher "
+            f"speed_range: given ({shown}) rad/s; allowed is the lowest speed and then a higher "
             "one, because critical speeds are looked for between them."
         )
     meetings = (
@@ -321,8 +321,8 @@ def critical_speeds(
         for mode, frequency in enumerate(natural.tolist())
         for order in excited.tolist()
     )
-    found = (meeting for meeting in meetings if within(meeting.speed, *limits.tolist()))
-    return tuple(sorted(found, key=lambda item: (item.speed, item.mode, item.order)))
+    within_range = (meeting for meeting in meetings if within(meeting.speed, *limits.tolist()))
+    return tuple(sorted(within_range, key=lambda item: (item.speed, item.mode, item.order)))
 
 
 def vector_sums(

@@ -398,17 +398,19 @@ def read_torque_table(path: GivenFile, *, strokes: int | None = None) -> TorqueT
         )
     if rows.angle_name == CYCLE_ANGLE:
         cycles = {4 if strokes is None else strokes: 360.0}
-    found = rows.strokes(
+    cycle_strokes = rows.strokes(
         cycles,
         lambda angles, cycle: covers_cycle(angles, cycle) or has_closing_sample(angles, cycle),
     )
     used = rows.angles.size
-    if has_closing_sample(rows.angles, cycles[found]):
+    if has_closing_sample(rows.angles, cycles[cycle_strokes]):
         rows.check_closing(rows.values, CLOSING_TOLERANCE)
         used -= 1
     return TorqueTable(
-        crank_angle_deg=read_only(cycle_degrees(found) / cycles[found] * rows.angles[:used]),
+        crank_angle_deg=read_only(
+            cycle_degrees(cycle_strokes) / cycles[cycle_strokes] * rows.angles[:used]
+        ),
         torque=read_only(rows.values[:used].copy()),
         source=rows.source,
-        strokes=found,
+        strokes=cycle_strokes,
     )

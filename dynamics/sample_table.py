@@ -124,9 +124,9 @@ def possible_cycles(strokes: int | None) -> dict[int, float]:
     return {number: cycle_degrees(number) for number in possible}
 
 
-def read_sample_rows(given: GivenFile, kind: TableKind) -> SampleRows:
+def read_sample_rows(path: GivenFile, kind: TableKind) -> SampleRows:
     """Read comment lines, header and rows of two numbers."""
-    file = InputFile.of(given)
+    file = InputFile.of(path)
     path = file.path
     text = file.text(LARGEST_TABLE_FILE, f"a {kind.name}", f"a {kind.name} (CSV)", CSV)
     names = ("", "")

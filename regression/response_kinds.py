@@ -19,9 +19,6 @@ ABOVE_ZERO = (
     *(AXIAL, TORSIONAL, TILT_RATIO),
     *("cross_tilt_stiffness_ratio", "mass", "fillet_stress_factor"),
 )
-# Compliances of a force at its own place, which finite elements find too small if nothing corrects them;
-# an influence coefficient is none.
-TOO_SMALL = (AXIAL, TORSIONAL)
 # Responses that depend on the angle to the neighbors, and what their angle law needs.
 ANGLE_LAWS: Mapping[str, tuple[str, str, str]] = {
     name: (f"{name}_in_line", f"{name}_opposite", TILT_RATIO) for name in (AXIAL, INFLUENCE)

@@ -26,8 +26,7 @@ from crankfem.analyses.throw.stress import stress_record
 from crankfem.analyses.throw.throw_record import reciprocity_record, throw_record
 from crankfem.analyses.vibration.records import run_record
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.jobs.run_computation import RunComputation
-from crankfem.jobs.run_inputs import RunInputs
+from crankfem.jobs.run_computation import RunComputation, RunInputs
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics

@@ -222,18 +222,18 @@ def _unit(number: complex) -> complex:
 
 def hodograph_sum(order: int, hodographs: Iterable[Hodograph]) -> Hodograph:
     """Return the hodograph of the sum of vectors of one order."""
-    given = list(hodographs)
+    terms = list(hodographs)
     return Hodograph(
         order,
-        _accurate_sum(one.forward for one in given),
-        _accurate_sum(one.backward for one in given),
+        _accurate_sum(term.forward for term in terms),
+        _accurate_sum(term.backward for term in terms),
     )
 
 
 def _accurate_sum(numbers: Iterable[complex]) -> complex:
     """Return the sum with round-off set to zero where terms cancel."""
-    given = list(numbers)
-    return complex(math.fsum(one.real for one in given), math.fsum(one.imag for one in given))
+    terms = list(numbers)
+    return complex(math.fsum(term.real for term in terms), math.fsum(term.imag for term in terms))
 
 
 def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph, ...]:
@@ -264,19 +264,20 @@ def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph,
     >>> round(found.major, 9), round(found.minor, 9), found.sense
     (4.0, 2.0, 1)
     """
-    given = complex_array("vectors", vectors)
-    if given.ndim != 1 or not np.all(np.isfinite(given)):
+    samples = complex_array("vectors", vectors)
+    if samples.ndim != 1 or not np.all(np.isfinite(samples)):
         raise InputError(
-            f"vectors: given an array of shape {given.shape} with {np.count_nonzero(~np.isfinite(given))} "
+            f"vectors: given an array of shape {samples.shape} with "
+            f"{np.count_nonzero(~np.isfinite(samples))} "
             "values not finite; allowed is a row of finite ones, because they follow the shaft."
         )
     wanted = checked_orders(orders)
-    if 2 * max(wanted) >= given.size:
+    if 2 * max(wanted) >= samples.size:
         raise InputError(
-            f"orders: given {max(wanted)} with {given.size} samples; allowed is less than half the number "
+            f"orders: given {max(wanted)} with {samples.size} samples; allowed is less than half the number "
             "of samples over a turn, because they resolve no more."
         )
-    coefficients = np.fft.fft(given) / given.size
+    coefficients = np.fft.fft(samples) / samples.size
     return tuple(
         Hodograph(order, complex(coefficients[order]), complex(coefficients[-order]))
         for order in wanted
@@ -457,10 +458,10 @@ def cylinder_forces(
         For each order the n forces [N].
     """
     spectrum = turn_spectrum(forces, max(orders))
-    found: dict[int, list[PlacedForce]] = {}
+    by_order: dict[int, list[PlacedForce]] = {}
     for order in orders:
         ahead, back = spectrum[..., order].tolist(), spectrum[..., -order].tolist()
-        found[order] = [
+        by_order[order] = [
             (
                 cylinder.position,
                 Hodograph(order, forward, backward).times(
@@ -469,4 +470,4 @@ def cylinder_forces(
             )
             for cylinder, forward, backward in zip(engine.cylinders, ahead, back, strict=True)
         ]
-    return found
+    return by_order

@@ -133,7 +133,7 @@ class Modes:
                 "mode": (list(self.names), ""),
                 "frequency": (self.frequencies, "Hz"),
                 "angular_frequency": (self.angular_frequencies, "rad/s"),
-                "nodes": ([len(found) for found in self.node_positions], "1"),
+                "nodes": ([len(positions) for positions in self.node_positions], "1"),
                 "modal_inertia": (self.modal_inertia, "kg m^2 or kg"),
             }
         )

@@ -13,6 +13,65 @@ from dynamics.chains.editing import add_node, find_node, with_ground, with_inert
 
 
 @dataclass(frozen=True)
+class TorsionalRing:
+    """A body that turns with a node of a chain or a section of a shaft through a spring and a dashpot.
+
+    The ring of a viscous damper (no stiffness) or of a rubber damper (a loss factor), a driven machine
+    behind a coupling.
+
+    Parameters
+    ----------
+    inertia : float
+        [kg m^2]
+    stiffness : float
+        [N m/rad]
+    damping : float
+        [N m s/rad]
+    loss_factor : float
+        Imaginary part of the stiffness relative to the real one.
+
+    Raises
+    ------
+    InputError
+        If the inertia is not above zero, another value is negative, or there is no connection.
+    """
+
+    inertia: float
+    stiffness: float = 0.0
+    damping: float = 0.0
+    loss_factor: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive_number("ring inertia", self.inertia, "kg m^2", "a body has inertia")
+        why = "it is that of a passive element"
+        for name, unit in (("stiffness", "N m/rad"), ("damping", "N m s/rad"), ("loss_factor", "")):
+            nonnegative_number(f"ring {name}", getattr(self, name), unit, why)
+        if self.stiffness == 0.0 and self.damping == 0.0:
+            raise InputError(
+                "ring: given neither stiffness nor damping; allowed is one of them or both, because the "
+                "ring would not be joined to the shaft."
+            )
+
+    def attached(self, chain: Chain, node: str | int, name: str) -> Chain:
+        """Return the chain with this body on a node, as its last node, of the given name.
+
+        Raises
+        ------
+        InputError
+            If the node is unknown, or the name is taken.
+        """
+        return add_node(
+            chain,
+            name,
+            self.inertia,
+            to=node,
+            stiffness=self.stiffness or None,
+            damping=self.damping,
+            loss_factor=self.loss_factor,
+        )
+
+
+@dataclass(frozen=True)
 class ViscousDamper:
     """Viscous torsional damper: a ring that floats in silicone oil in a housing, without a spring.
 
@@ -44,6 +103,11 @@ class ViscousDamper:
             "damper.damping", self.damping, "N m s/rad", "oil alone joins the ring to the shaft"
         )
 
+    @property
+    def ring(self) -> TorsionalRing:
+        """Ring and oil, without the hub."""
+        return TorsionalRing(self.ring_inertia, damping=self.damping)
+
     def attached(self, chain: Chain, node: str | int) -> Chain:
         """Return the chain with this damper on a node; its ring is the last node.
 
@@ -52,8 +116,7 @@ class ViscousDamper:
         InputError
             If the node is unknown, or the ring's name is taken.
         """
-        held = with_inertia(chain, node, self.hub_inertia)
-        return add_node(held, self.name, self.ring_inertia, to=node, damping=self.damping)
+        return self.ring.attached(with_inertia(chain, node, self.hub_inertia), node, self.name)
 
 
 @dataclass(frozen=True)
@@ -98,6 +161,11 @@ class RubberDamper:
         nonnegative_number("damper.damping", self.damping, "N m s/rad", why)
 
     @property
+    def ring(self) -> TorsionalRing:
+        """Ring and rubber, without the hub."""
+        return TorsionalRing(self.ring_inertia, self.stiffness, self.damping, self.loss_factor)
+
+    @property
     def angular_frequency(self) -> float:
         """Natural frequency of the ring with the shaft held [rad/s]."""
         return float((self.stiffness / self.ring_inertia) ** 0.5)
@@ -110,15 +178,7 @@ class RubberDamper:
         InputError
             If the node is unknown, or the ring's name is taken.
         """
-        return add_node(
-            with_inertia(chain, node, self.hub_inertia),
-            self.name,
-            self.ring_inertia,
-            to=node,
-            stiffness=self.stiffness,
-            loss_factor=self.loss_factor,
-            damping=self.damping,
-        )
+        return self.ring.attached(with_inertia(chain, node, self.hub_inertia), node, self.name)
 
 
 @dataclass(frozen=True)

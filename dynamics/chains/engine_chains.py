@@ -23,7 +23,7 @@ from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.dampers import AxialDamper, TorsionalDamper, check_axial, check_torsional
-from dynamics.chains.editing import add_node, join_chains, with_damper, with_ground
+from dynamics.chains.editing import join_chains, with_damper, with_ground
 from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
@@ -93,8 +93,10 @@ class EngineChain:
 
         Modes of a coupling, a damper's ring or a shaft line are skipped. None if there is no other.
         """
-        own = np.flatnonzero(self.crankshaft_shares(modes)[modes.rigid :] >= CRANKSHAFT_MODE)
-        return modes.rigid + int(own[0]) if own.size else None
+        shaft_modes = np.flatnonzero(
+            self.crankshaft_shares(modes)[modes.rigid :] >= CRANKSHAFT_MODE
+        )
+        return modes.rigid + int(shaft_modes[0]) if shaft_modes.size else None
 
     def with_chain(self, chain: Chain) -> "EngineChain":
         """Return the same engine with its chain changed by the functions that edit chains.
@@ -315,35 +317,22 @@ def torsional_chain(
         chain = join_chains(chain, FLYWHEEL, shaft_line)
     machines = (driven,) if isinstance(driven, DrivenMachine) else tuple(driven or ())
     for machine in machines:
-        chain = _with_machine(chain, machine)
+        chain = machine.attached(chain)
     if damper is not None:
         chain = with_damper(chain, FREE_END, damper)
     throws = tuple(range(len(ends), len(ends) + count))
     return EngineChain(chain, "torsional", throw_nodes=throws)
 
 
-def _with_machine(chain: Chain, machine: DrivenMachine) -> Chain:
-    wider = add_node(
-        chain,
-        machine.name,
-        machine.inertia,
-        to=machine.on,
-        stiffness=machine.coupling_stiffness,
-        damping=machine.coupling_damping,
-        loss_factor=machine.coupling_loss_factor,
-    )
-    return with_ground(wider, machine.name, damping=machine.damping)
-
-
 def throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:
     """Return the names of the cranks' nodes, from the free end."""
-    given = [cylinders] * count if isinstance(cylinders, int | np.integer) else list(cylinders)
-    if len(given) != count:
+    counts = [cylinders] * count if isinstance(cylinders, int | np.integer) else list(cylinders)
+    if len(counts) != count:
         raise InputError(
-            f"cylinders: given {len(given)} values; allowed are {count}, or one for all, because "
+            f"cylinders: given {len(counts)} values; allowed are {count}, or one for all, because "
             "there is one for each throw."
         )
-    on_each = [whole_number("cylinders", value, 1, "a throw carries cylinders") for value in given]
+    on_each = [whole_number("cylinders", value, 1, "a throw carries cylinders") for value in counts]
     word = "cylinder" if max(on_each) == 1 else "throw"
     return [f"{word} {number}" for number in range(1, count + 1)]
 
@@ -471,8 +460,8 @@ def throw_inertias(
         "every throw has inertia",
         zero_allowed=False,
     )
-    own = _half_shares(engine) if reciprocating == "half" else _means(engine)
-    shares = [sum(own[number - 1] for number in group) for group in groups]
+    inertias = _half_shares(engine) if reciprocating == "half" else _means(engine)
+    shares = [sum(inertias[number - 1] for number in group) for group in groups]
     return np.asarray(solids + np.array(shares))
 
 
@@ -518,7 +507,7 @@ def _means(engine: EngineLayout) -> list[float]:
 
 def _masses(field: str, masses: ArrayLike) -> FloatArray:
     why = "it adds to the inertia of the throw"
-    given = finite_array(field, masses)
-    if given.ndim == 0:
-        return np.array([nonnegative_number(field, float(given), "kg", why)])
-    return nonnegative_vector(field, given, "kg", why)
+    checked = finite_array(field, masses)
+    if checked.ndim == 0:
+        return np.array([nonnegative_number(field, float(checked), "kg", why)])
+    return nonnegative_vector(field, checked, "kg", why)

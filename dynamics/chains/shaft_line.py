@@ -13,6 +13,8 @@ from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
+from dynamics.chains.dampers import TorsionalRing
+from dynamics.chains.editing import with_ground
 
 # Shares of the dry propeller that designers often take before they know better; assumed here, no
 # published table stands behind them. D. M. MacPherson, V. R. Puleo, M. B. Packard, Estimation of
@@ -69,6 +71,18 @@ class DrivenMachine:
         nonnegative_number("driven.coupling_damping", self.coupling_damping, unit, why)
         nonnegative_number("driven.coupling_loss_factor", self.coupling_loss_factor, "", why)
         nonnegative_number("driven.damping", self.damping, unit, why)
+
+    @property
+    def ring(self) -> TorsionalRing:
+        """The machine behind its coupling, without its absolute damping."""
+        return TorsionalRing(
+            self.inertia, self.coupling_stiffness, self.coupling_damping, self.coupling_loss_factor
+        )
+
+    def attached(self, chain: Chain) -> Chain:
+        """Return the chain with this machine on its node."""
+        wider = self.ring.attached(chain, self.on, self.name)
+        return with_ground(wider, self.name, damping=self.damping)
 
 
 @dataclass(frozen=True)
@@ -665,10 +679,10 @@ class _Row:
         self.elements: list[tuple[float, float, float, float]] = []
 
     def add_shaft(self, part: ShaftCone, kind: Motion, loss: float, *, lumped: bool) -> None:
-        own = part.polar_inertia if kind == "torsional" else part.mass
-        ends = own / 2.0 if lumped else 0.0
+        spread = part.polar_inertia if kind == "torsional" else part.mass
+        ends = spread / 2.0 if lumped else 0.0
         self.inertia[-1] += ends
-        self._element(1.0 / _compliance(part, kind), 0.0, loss, 0.0 if lumped else own, ends)
+        self._element(1.0 / _compliance(part, kind), 0.0, loss, 0.0 if lumped else spread, ends)
 
     def add_coupling(self, piece: Coupling, kind: Motion) -> None:
         torsional = kind == "torsional"
@@ -693,8 +707,8 @@ class _Row:
             ground_damping=self.ground_damping,
             distributed_inertia=spread,
             names=[
-                ", ".join(own) if own else f"{name} {number}"
-                for number, own in enumerate(self.names)
+                ", ".join(bodies) if bodies else f"{name} {number}"
+                for number, bodies in enumerate(self.names)
             ],
         )
 

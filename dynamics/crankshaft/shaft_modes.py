@@ -94,9 +94,9 @@ class ShaftModes:
             If there is no such class.
         """
         check_choice("kind", kind, CLASSES, "modes are of these kinds")
-        own = self.crankshaft_shares[self.rigid :] >= CRANKSHAFT_MODE
-        found = np.flatnonzero(own & (np.array(self.kinds[self.rigid :]) == kind))
-        return self.rigid + int(found[0]) if found.size else None
+        of_cranks = self.crankshaft_shares[self.rigid :] >= CRANKSHAFT_MODE
+        modes = np.flatnonzero(of_cranks & (np.array(self.kinds[self.rigid :]) == kind))
+        return self.rigid + int(modes[0]) if modes.size else None
 
     def plot(
         self, axes: Axes | None = None, *, mode: int | None = None, radius: float | None = None
@@ -105,17 +105,11 @@ class ShaftModes:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         mode : int, optional
             Its number, as in the arrays, rigid motions included; the first elastic one by default.
         radius : float, optional
             Crank radius, at which rotation about the shaft is shown as displacement [m]; without it
             nothing can be drawn.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -141,37 +135,21 @@ class ShaftModes:
     def to_pandas(self) -> DataFrame:
         """Return one row for each mode: name, frequency, and shares of its energy.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         return table(
             {
                 "mode": (list(self.names), ""),
                 "frequency": (self.frequencies, "Hz"),
                 "kind": (list(self.kinds), ""),
-                **{name: (own, "1") for name, own in zip(CLASSES, self.shares, strict=True)},
+                **{name: (share, "1") for name, share in zip(CLASSES, self.shares, strict=True)},
             }
         )
 
     def to_xarray(self) -> Dataset:
         """Return frequencies, energy shares and the motions of all stations.
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Units and errors are those of `crankbase.tables.frames.grid`.
         """
         over = ("station", "axis", "mode")
         return grid(
@@ -191,16 +169,7 @@ class ShaftModes:
 
 
 def crankshaft_modes(shaft: AssembledShaft) -> ShaftModes:
-    """Find all natural modes of a crankshaft without its damping.
-
-    Parameters
-    ----------
-    shaft : AssembledShaft
-
-    Returns
-    -------
-    ShaftModes
-    """
+    """Find all natural modes of a crankshaft without its damping."""
     natural, shapes = natural_modes(shaft.mass, shaft.stiffness, shaft.rigid)
     rigid = shaft.rigid.shape[1]
     # Of rigid motions any combinations are modes; the plain ones have names.
@@ -254,7 +223,6 @@ class CrankshaftSystem:
 
     Attributes
     ----------
-    shaft : AssembledShaft
     modes : ShaftModes
         Of all unknowns, before modes are left out.
     system : LinearSystem
@@ -302,13 +270,8 @@ def crankshaft_system(
 
     Parameters
     ----------
-    shaft : AssembledShaft
     highest_frequency : float, optional
         Modes up to this are kept [Hz]; all by default.
-
-    Returns
-    -------
-    CrankshaftSystem
 
     Raises
     ------

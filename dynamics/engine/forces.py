@@ -248,12 +248,12 @@ def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: 
     ----------
     values : number or array_like
     """
-    given = finite_array(field, values)
+    array = finite_array(field, values)
     try:
-        return np.array(np.broadcast_to(given, shape))
+        return np.array(np.broadcast_to(array, shape))
     except ValueError:
         raise InputError(
-            f"{field}: given an array of shape {given.shape}; allowed is a number or an array that fits "
+            f"{field}: given an array of shape {array.shape}; allowed is a number or an array that fits "
             f"{shape}, because {reason}."
         ) from None
 
@@ -356,15 +356,15 @@ def gas_forces(
             "for each cylinder, because each piston has its own force."
         )
     forces = []
-    for cylinder, firing, own in zip(
+    for cylinder, firing, curve in zip(
         engine.cylinders, np.radians(engine.firing_deg), pressures, strict=True
     ):
-        if own.strokes != engine.strokes:
+        if curve.strokes != engine.strokes:
             raise InputError(
-                f"pressure: given a cycle of {own.strokes} strokes; allowed is {engine.strokes}, because "
+                f"pressure: given a cycle of {curve.strokes} strokes; allowed is {engine.strokes}, because "
                 "that is the engine's."
             )
-        forces.append(cylinder.area * (own.at(angle_deg=np.degrees(angles - firing)) - under))
+        forces.append(cylinder.area * (curve.at(angle_deg=np.degrees(angles - firing)) - under))
     return np.array(forces)
 
 
@@ -382,9 +382,9 @@ def piston_position(engine: EngineLayout, number: int) -> Position:
     InputError
         If the engine has no such cylinder.
     """
-    own = checked_cylinder(engine, number)
-    firing = np.radians(engine.firing_deg[own - 1])
-    return lambda angle: parts_motion(engine, own, firing + angle).piston.place.real
+    checked = checked_cylinder(engine, number)
+    firing = np.radians(engine.firing_deg[checked - 1])
+    return lambda angle: parts_motion(engine, checked, firing + angle).piston.place.real
 
 
 Result = TypeVar("Result")

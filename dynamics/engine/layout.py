@@ -251,8 +251,8 @@ class EngineLayout:
         refuse_crank_radians(
             "crank_angle_deg", [cylinder.crank_angle_deg for cylinder in self.cylinders]
         )
-        given = self.firing_order
-        order = firing_order_from_text(given) if isinstance(given, str) else tuple(given)
+        order = self.firing_order
+        order = firing_order_from_text(order) if isinstance(order, str) else tuple(order)
         check_firing_order(order, len(self.cylinders))
         object.__setattr__(self, "firing_order", tuple(int(number) for number in order))
         if self.firing_angles_deg is None:
@@ -271,8 +271,10 @@ class EngineLayout:
         if self.firing_angles_deg is not None:
             return tuple(self.firing_angles_deg)
         tops = [math.radians(cylinder.top_shaft_angle_deg) for cylinder in self.cylinders]
-        found = firing_angles_of_order(tuple(map(int, self.firing_order)), tops, self.strokes)
-        return tuple(math.degrees(angle) for angle in found)
+        firing_angles = firing_angles_of_order(
+            tuple(map(int, self.firing_order)), tops, self.strokes
+        )
+        return tuple(math.degrees(angle) for angle in firing_angles)
 
     @property
     def cycle_deg(self) -> float:
@@ -346,14 +348,14 @@ class EngineLayout:
             raise InputError(f"{name}{error}") from None
 
     def _checked_angles(self, firing_angles_deg: Sequence[float]) -> tuple[float, ...]:
-        given = finite_array("firing_angles_deg", list(firing_angles_deg))
-        refuse_crank_radians("firing_angles_deg", given)
-        if given.shape != (len(self.cylinders),):
+        firing_angles = finite_array("firing_angles_deg", list(firing_angles_deg))
+        refuse_crank_radians("firing_angles_deg", firing_angles)
+        if firing_angles.shape != (len(self.cylinders),):
             raise InputError(
-                f"firing_angles_deg: given {given.size} angles; allowed is one for each of the "
+                f"firing_angles_deg: given {firing_angles.size} angles; allowed is one for each of the "
                 f"{len(self.cylinders)} cylinders, because each fires at its own."
             )
-        angles = tuple(math.radians(angle) for angle in given.tolist())
+        angles = tuple(math.radians(angle) for angle in firing_angles.tolist())
         for number, (angle, cylinder) in enumerate(
             zip(angles, self.cylinders, strict=True), start=1
         ):
@@ -365,7 +367,7 @@ class EngineLayout:
                     "where its crank lies along its axis."
                 )
         check_order_of_angles(tuple(map(int, self.firing_order)), angles, self.strokes)
-        return tuple(given.tolist())
+        return tuple(firing_angles.tolist())
 
 
 def check_distinct_positions(engine: EngineLayout) -> None:

@@ -140,7 +140,7 @@ class LoadDiagram:
     def to_pandas(self) -> DataFrame:
         """Return the force in both frames, a row for each shaft angle."""
         forces = {
-            name[:-2]: (own, "N") for name, own in self.columns().items() if name[-2:] == "_N"
+            name[:-2]: (force, "N") for name, force in self.columns().items() if name[-2:] == "_N"
         }
         return table({"shaft_angle": (self.angles_deg, "deg"), **forces})
 

@@ -176,14 +176,14 @@ def turn_spectrum(
 
 def checked_orders(orders: Sequence[int]) -> tuple[int, ...]:
     """Return orders as integers."""
-    given = list(orders)
-    whole = [order for order in given if is_whole(order) and order >= 1]
-    if not given or len(whole) != len(given) or len(set(given)) != len(given):
+    numbers = list(orders)
+    whole = [order for order in numbers if is_whole(order) and order >= 1]
+    if not numbers or len(whole) != len(numbers) or len(set(numbers)) != len(numbers):
         raise InputError(
-            f"orders: given {given}; allowed are different whole numbers of 1 or more, because "
+            f"orders: given {numbers}; allowed are different whole numbers of 1 or more, because "
             "inertia forces repeat every turn."
         )
-    return tuple(int(order) for order in given)
+    return tuple(int(order) for order in numbers)
 
 
 def checked_cylinder(engine: EngineLayout, number: int) -> int:
@@ -274,9 +274,10 @@ def acceleration_orders(
     return harmonics(piston_acceleration(engine, number, speed, angles_deg=angles), strokes=2)
 
 
-def order_part(found: Harmonics, order: int, angles: FloatArray) -> FloatArray:
+def order_part(spectrum: Harmonics, order: int, angles: FloatArray) -> FloatArray:
     """Return one order of an acceleration at crank angles (m,) [rad], shape (m,) [m/s^2]."""
-    place = found.index_of(order)
+    place = spectrum.index_of(order)
     return np.asarray(
-        found.cosine[place] * np.cos(order * angles) + found.sine[place] * np.sin(order * angles)
+        spectrum.cosine[place] * np.cos(order * angles)
+        + spectrum.sine[place] * np.sin(order * angles)
     )

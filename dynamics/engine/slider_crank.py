@@ -116,9 +116,9 @@ def _acceleration(
 
 def _at_places(field: str, values: float | FloatArray, places: Any) -> FloatArray:
     """Check values that are one for all positions or one for each."""
-    given = finite_array(field, values)
-    check_shape(field, given, (), np.shape(places))
-    return given
+    array = finite_array(field, values)
+    check_shape(field, array, (), np.shape(places))
+    return array
 
 
 def crankpin_motion(crank_radius: float, angle: FloatArray) -> PointMotion:

@@ -71,7 +71,7 @@ class AxialForceComparison:
         Zero where no throw has a force of this order.
         """
         apart, most = (
-            np.max(np.abs(found), axis=2) for found in (self.alone - self.in_shaft, self.in_shaft)
+            np.max(np.abs(forces), axis=2) for forces in (self.alone - self.in_shaft, self.in_shaft)
         )
         share: FloatArray = np.divide(apart, most, out=np.zeros_like(most), where=most > 0.0)
         return share
@@ -119,7 +119,7 @@ class AxialForceComparison:
         """
         whole_within("throw", throw, 1, self.alone.shape[2], "the shaft has that many")
         alone, in_shaft = (
-            KILO * np.abs(found[:, :, throw - 1]) for found in (self.alone, self.in_shaft)
+            KILO * np.abs(forces[:, :, throw - 1]) for forces in (self.alone, self.in_shaft)
         )
         most = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
         axes = new_axes(axes)
@@ -248,18 +248,18 @@ class AxialForceOverCycle:
 
     def columns(self) -> dict[str, FloatArray]:
         """Return all forces over the shaft angle, units in the names, each (m,)."""
-        found = {"shaft_angle_deg": self.shaft_angles_deg}
+        columns = {"shaft_angle_deg": self.shaft_angles_deg}
         if self.thrust_bearing is not None:
-            found["thrust_bearing_N"] = self.thrust_bearing
-        found["held_N"] = self.held
-        for place, own in enumerate(self.throws.T, start=1):
-            found[f"throw_{place}_N"] = own
-        return found
+            columns["thrust_bearing_N"] = self.thrust_bearing
+        columns["held_N"] = self.held
+        for place, force in enumerate(self.throws.T, start=1):
+            columns[f"throw_{place}_N"] = force
+        return columns
 
     def to_pandas(self) -> DataFrame:
         """Return a row for each shaft angle."""
         angles, *forces = self.columns().items()
-        named = {name.removesuffix("_N"): (own, "N") for name, own in forces}
+        named = {name.removesuffix("_N"): (force, "N") for name, force in forces}
         return table({"shaft_angle": (angles[1], "deg")} | named)
 
 

@@ -52,9 +52,9 @@ def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
         sampling rate is left out: the samples do not determine its phase.
     """
     count = samples.shape[-1]
-    found = np.fft.rfft(samples)[..., : (count - 1) // 2 + 1] / count
-    found[..., 1:] *= 2.0
-    return np.asarray(found)
+    phasors = np.fft.rfft(samples)[..., : (count - 1) // 2 + 1] / count
+    phasors[..., 1:] *= 2.0
+    return np.asarray(phasors)
 
 
 def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> NDArray[np.int64]:
@@ -186,7 +186,7 @@ def axis_weights(field: str, grid: FloatArray, asked: FloatArray, method: Method
     if grid.size == 1:
         return np.ones((asked.size, 1))
     if method == "linear":
-        return np.array([np.interp(within, grid, own) for own in unit]).T
+        return np.array([np.interp(within, grid, node_values) for node_values in unit]).T
     from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
 
     # Through three points a parabola, through two a straight line.
@@ -256,7 +256,7 @@ class PressureMap:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Changes made to the diagrams, each sentence once."""
-        return tuple(dict.fromkeys(text for own in self.diagrams for text in own.remarks))
+        return tuple(dict.fromkeys(text for diagram in self.diagrams for text in diagram.remarks))
 
     def weights(self, speeds: ArrayLike, load: Load | None = None) -> FloatArray:
         """Return the weight of each diagram at speeds, and at a load for each of them.
@@ -396,7 +396,7 @@ class PressureMap:
         names = _speed_names(self.speeds)
         if self.load_of_speed is not None:
             pairs = zip(names, self.load_of_speed, strict=True)
-            names = [f"{name}, load {own:g}" for name, own in pairs]
+            names = [f"{name}, load {speed_load:g}" for name, speed_load in pairs]
         curves = {
             name: MEGA * self._sampled[number * apart + place] for number, name in enumerate(names)
         }
@@ -421,9 +421,9 @@ class PressureMap:
         known = np.array([]) if self.loads is None else self.loads
         near = np.flatnonzero(np.abs(known - wanted) <= SAME * np.abs(known))
         if not near.size:
-            said = ", ".join(f"{own:g}" for own in known) or "none"
+            allowed = ", ".join(f"{map_load:g}" for map_load in known) or "none"
             raise InputError(
-                f"load: given {wanted:g} without a speed; allowed are {said}, because the map's own "
+                f"load: given {wanted:g} without a speed; allowed are {allowed}, because the map's own "
                 "diagrams at all speeds are drawn."
             )
         return int(near[0])
@@ -454,7 +454,7 @@ def pressure_map(
             "points: given one that is not of three; allowed are (speed, load, diagram), because each "
             "diagram has both."
         )
-    given = [
+    checked = [
         (
             positive_number("pressure map speed", speed, "rad/s", "the engine runs"),
             nonnegative_number("pressure map load", load, "", "it drives"),
@@ -462,45 +462,45 @@ def pressure_map(
         )
         for speed, load, diagram in points
     ]
-    if not given:
+    if not checked:
         raise InputError("points: given none; allowed are one or more, because a map has diagrams.")
     check_choice("method", method, get_args(Method), "these are the ways between the diagrams")
-    strokes = {diagram.strokes for _, _, diagram in given}
+    strokes = {diagram.strokes for _, _, diagram in checked}
     if len(strokes) > 1:
         raise InputError(
             "points: given diagrams of 2 and of 4 strokes; allowed is one kind, because they are of "
             "one engine."
         )
-    speeds = sorted_unique([speed for speed, _, _ in given])
-    loads = sorted_unique([load for _, load, _ in given])
+    speeds = sorted_unique([speed for speed, _, _ in checked])
+    loads = sorted_unique([load for _, load, _ in checked])
     places = [
-        (nearest_index(speeds, speed), nearest_index(loads, load)) for speed, load, _ in given
+        (nearest_index(speeds, speed), nearest_index(loads, load)) for speed, load, _ in checked
     ]
-    found = dict(zip(places, [diagram for _, _, diagram in given], strict=True))
-    if len(found) < len(given):
+    diagrams = dict(zip(places, [diagram for _, _, diagram in checked], strict=True))
+    if len(diagrams) < len(checked):
         raise InputError(
-            f"points: given {len(given)} points of which {len(found)} differ in speed or load; allowed "
+            f"points: given {len(checked)} points of which {len(diagrams)} differ in speed or load; allowed "
             "is each point once, because it has one diagram."
         )
-    if len(found) == speeds.size * loads.size:
+    if len(diagrams) == speeds.size * loads.size:
         return PressureMap(
             read_only(speeds),
             read_only(loads),
-            tuple(found[row, column] for row, column in np.ndindex(speeds.size, loads.size)),
+            tuple(diagrams[row, column] for row, column in np.ndindex(speeds.size, loads.size)),
             method,
         )
-    if len(found) == speeds.size == len({row for row, _ in found}):
-        along = sorted(found)
+    if len(diagrams) == speeds.size == len({row for row, _ in diagrams}):
+        along = sorted(diagrams)
         return PressureMap(
             read_only(speeds),
             None,
-            tuple(found[place] for place in along),
+            tuple(diagrams[place] for place in along),
             method,
             read_only(np.array([loads[column] for _, column in along])),
         )
-    missing = next(place for place in np.ndindex(speeds.size, loads.size) if place not in found)
+    missing = next(place for place in np.ndindex(speeds.size, loads.size) if place not in diagrams)
     raise InputError(
-        f"points: given {len(found)} points with {speeds.size} speeds and {loads.size} loads, none at "
+        f"points: given {len(diagrams)} points with {speeds.size} speeds and {loads.size} loads, none at "
         f"{per_minute(float(speeds[missing[0]]))} and load {loads[missing[1]]:g}; allowed are all loads "
         "at every speed, or one at each, because what lies between is interpolated along both (loads as "
         "shares of the full load of each speed make a grid)."
@@ -510,7 +510,9 @@ def pressure_map(
 def _speed_names(speeds: FloatArray) -> list[str]:
     """Return speeds [rad/s] for a legend, to four digits if these distinguish them."""
     short = [f"{RPM * speed:.4g} 1/min" for speed in speeds.tolist()]
-    return short if len(set(short)) == len(short) else [per_minute(one) for one in speeds.tolist()]
+    return (
+        short if len(set(short)) == len(short) else [per_minute(speed) for speed in speeds.tolist()]
+    )
 
 
 # What a cycle has of its own, and its solution is not told.
@@ -564,7 +566,7 @@ def pressure_map_from_cycles(
     """
     running, loaded = finite_vector("speeds", speeds), finite_vector("loads", loads)
     shape = (running.size, loaded.size)
-    given = {
+    targets = {
         "heat": heat,
         "peak_pressure": peak_pressure,
         "mean_effective_pressure": mean_effective_pressure,
@@ -573,17 +575,17 @@ def pressure_map_from_cycles(
     }
     known = {
         name: _at_points(name, values, shape)
-        for name, values in given.items()
+        for name, values in targets.items()
         if values is not None
     }
     points = []
     for place in np.ndindex(*shape):
         speed, load = float(running[place[0]]), float(loaded[place[1]])
         wanted = {name: float(values[place]) for name, values in known.items()}
-        own: dict[str, Any] = {name: wanted.pop(name) for name in OF_CYCLE if name in wanted}
+        receivers: dict[str, Any] = {name: wanted.pop(name) for name in OF_CYCLE if name in wanted}
         try:
-            found = gas_cycle(
-                replace(cycle, **own),
+            solved = gas_cycle(
+                replace(cycle, **receivers),
                 position,
                 area,
                 **wanted,
@@ -593,17 +595,17 @@ def pressure_map_from_cycles(
         except InputError as error:
             raise InputError(f"at {per_minute(speed)} and load {load:g}: {error}") from None
         # What was solved at each point would make a remark of its own for every one.
-        kept = tuple(text for text in found.pressure.remarks if not text.startswith("Solved"))
-        points.append((speed, load, replace(found.pressure, remarks=kept)))
+        kept = tuple(text for text in solved.pressure.remarks if not text.startswith("Solved"))
+        points.append((speed, load, replace(solved.pressure, remarks=kept)))
     return pressure_map(points, method=method)
 
 
 def _at_points(field: str, values: ArrayLike, shape: tuple[int, int]) -> FloatArray:
-    given = finite_array(field, values)
+    array = finite_array(field, values)
     try:
-        return np.asarray(np.broadcast_to(given, shape))
+        return np.asarray(np.broadcast_to(array, shape))
     except ValueError:
         raise InputError(
-            f"{field}: given an array of shape {given.shape}; allowed is {shape}, because there is one for "
+            f"{field}: given an array of shape {array.shape}; allowed is {shape}, because there is one for "
             "each speed and load."
         ) from None

@@ -93,11 +93,11 @@ class PropellerForces:
                 "",
                 "they are amplitudes",
             )
-            given = getattr(self, f"{kind}_phases_deg")
+            phases = getattr(self, f"{kind}_phases_deg")
             phases = (
                 np.zeros(shares.size)
-                if given is None
-                else finite_vector(f"propeller_forces.{kind}_phases", given)
+                if phases is None
+                else finite_vector(f"propeller_forces.{kind}_phases", phases)
             )
             if phases.size != shares.size:
                 raise InputError(

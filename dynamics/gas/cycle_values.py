@@ -228,14 +228,14 @@ USUAL_VALUES: dict[str, UsualValue] = {
 }
 
 
-def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) -> GasCycle:
+def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **known: float) -> GasCycle:
     """Return the parameters of a cycle; by default those of a turbocharged diesel.
 
     Parameters
     ----------
     compression_ratio : float
         Largest over smallest volume.
-    **given : float
+    **known : float
         Any other parameters of `GasCycle`: angles in degrees, the rest in SI units.
 
     Returns
@@ -267,16 +267,16 @@ def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) 
     (270000.0, 'exhaust_pressure')
     """
     checked_strokes(strokes)
-    unknown = [name for name in given if name not in USUAL_VALUES]
+    unknown = [name for name in known if name not in USUAL_VALUES]
     if unknown:
         raise InputError(
-            f"{unknown[0]}: given {given[unknown[0]]!r}; allowed are {', '.join(USUAL_VALUES)}, "
+            f"{unknown[0]}: given {known[unknown[0]]!r}; allowed are {', '.join(USUAL_VALUES)}, "
             "because the cycle model has no other parameters."
         )
-    for name, value in given.items():
+    for name, value in known.items():
         _check_finite(name, value)
-    values = dict(given)
-    assumed = tuple(name for name in USUAL_VALUES if name not in given)
+    values = dict(known)
+    assumed = tuple(name for name in USUAL_VALUES if name not in known)
     for name in assumed:
         values[name] = USUAL_VALUES[name].value(strokes, values)
     return GasCycle(

@@ -105,16 +105,16 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
         )
     step = 2.0 * math.pi / SEARCH_PLACES
     places = step * np.arange(SEARCH_PLACES + 1, dtype=np.float64)
-    found = finite_array("position", position(places))
-    way = float(np.ptp(found))
-    if way <= 0.0 or abs(found[-1] - found[0]) > RETURN_TOLERANCE * way:
+    positions = finite_array("position", position(places))
+    way = float(np.ptp(positions))
+    if way <= 0.0 or abs(positions[-1] - positions[0]) > RETURN_TOLERANCE * way:
         raise InputError(
-            f"position: given {found[0]:g} m at 0 deg, {found[-1]:g} m at 360 deg and a way of "
+            f"position: given {positions[0]:g} m at 0 deg, {positions[-1]:g} m at 360 deg and a way of "
             f"{way:g} m between; allowed is a piston that moves and is back after one turn, because "
             "its volume repeats with the turn."
         )
-    top_angle, highest = _extreme(position, places[int(np.argmax(found[:-1]))], step, 1.0)
-    bottom_angle, lowest = _extreme(position, places[int(np.argmin(found[:-1]))], step, -1.0)
+    top_angle, highest = _extreme(position, places[int(np.argmax(positions[:-1]))], step, 1.0)
+    bottom_angle, lowest = _extreme(position, places[int(np.argmin(positions[:-1]))], step, -1.0)
     top_angle_deg = math.remainder(math.degrees(top_angle), 360.0)
     if abs(top_angle_deg) > FARTHEST_TOP:
         raise InputError(

@@ -475,13 +475,13 @@ def gas_cycle(
         )
     remarks: list[str] = []
     if peak_pressure is not None and mean_effective_pressure is not None:
-        given = cycle
+        before = cycle
         cycle = _solved_combustion(
             cycle, volume, angles_deg, peak_pressure, mean_effective_pressure, solve_for
         )
         remarks.append(
             f"Solved: {name_of_field(solve_for)} {getattr(cycle, solve_for):.4g} deg in place of "
-            f"{getattr(given, solve_for):.4g} deg."
+            f"{getattr(before, solve_for):.4g} deg."
         )
     _check_resolved(cycle, count)
     state = cycle_samples(cycle, volume, angles_deg)
@@ -625,18 +625,16 @@ def _solved_combustion(
     from scipy.optimize import brentq  # here: loading it takes a quarter second
 
     first = int(below[0])
-    found = brentq(
-        lambda value: peak_at(value) - peak, places[first], places[first + 1], xtol=1e-15
-    )
-    return changed(float(found))
+    root = brentq(lambda value: peak_at(value) - peak, places[first], places[first + 1], xtol=1e-15)
+    return changed(float(root))
 
 
 def _search_angles(cycle: GasCycle, samples: int, name: Solved) -> FloatArray:
     """Return the angles at which to search for the start or the duration of the combustion [deg]."""
     if name == "combustion_start_deg":
-        given = cycle.combustion_start_deg
+        start = cycle.combustion_start_deg
         low = max(EARLIEST_START, cycle.intake_closes_deg)
         high = min(LATEST_START, cycle.exhaust_opens_deg - cycle.combustion_duration_deg)
-        return np.linspace(min(low, given), max(high, given), SEARCH_PLACES, dtype=np.float64)
+        return np.linspace(min(low, start), max(high, start), SEARCH_PLACES, dtype=np.float64)
     high = min(LONGEST_DURATION, cycle.exhaust_opens_deg - cycle.combustion_start_deg)
     return np.linspace(_shortest_duration(cycle, samples), high, SEARCH_PLACES, dtype=np.float64)

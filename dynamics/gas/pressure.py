@@ -220,12 +220,14 @@ def gas_pressure(
     (9.2, 12.0)
     """
     cycle = cycle_degrees(checked_strokes(strokes))
-    given = checked_degrees("angles_deg", angles_deg, vector=True)
+    degrees = checked_degrees("angles_deg", angles_deg, vector=True)
     values = positive_vector("pressure", pressure, "Pa", "it is absolute pressure")
-    _check_samples(given, values, cycle)
-    even = is_even_cycle(given, cycle)
+    _check_samples(degrees, values, cycle)
+    even = is_even_cycle(degrees, cycle)
     places, values, remark = (
-        _even_angles_in_cycle(given, values, cycle) if even else _resampled(given, values, cycle)
+        _even_angles_in_cycle(degrees, values, cycle)
+        if even
+        else _resampled(degrees, values, cycle)
     )
     return GasPressure(
         angles_deg=places,
@@ -384,12 +386,12 @@ def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPress
     cycles = possible_cycles(strokes)
     rows = read_sample_rows(path, TABLE)
     remarks: list[str] = []
-    found = rows.strokes(
+    cycle_strokes = rows.strokes(
         cycles,
         lambda angles, cycle: closes_cycle(angles, cycle) or opens_little(angles, cycle),
         f" and open by {WIDEST_GAP:g} deg at most",
     )
-    cycle = cycles[found]
+    cycle = cycles[cycle_strokes]
     kind, _, unit = rows.value_name.split("_")
     pressure = UNITS[unit] * rows.values
     if kind == "gauge":
@@ -410,7 +412,7 @@ def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPress
     _check_pressure(rows, pressure)
     _check_peak_angle(rows, pressure, cycle)
     return gas_pressure(
-        pressure, found, source=rows.source, remarks=tuple(remarks), angles_deg=rows.angles
+        pressure, cycle_strokes, source=rows.source, remarks=tuple(remarks), angles_deg=rows.angles
     )
 
 
@@ -445,13 +447,13 @@ def _check_pressure(rows: SampleRows, pressure: FloatArray) -> None:
 
 def _check_peak_angle(rows: SampleRows, pressure: FloatArray, cycle: float) -> None:
     index = int(np.argmax(pressure))
-    given, half = float(rows.angles[index]), cycle / 2.0
-    if _near_top(given, cycle):
+    peak, half = float(rows.angles[index]), cycle / 2.0
+    if _near_top(peak, cycle):
         return
-    hint = f"; the table looks shifted by {half:g} deg" if _near_top(given + half, cycle) else ""
+    hint = f"; the table looks shifted by {half:g} deg" if _near_top(peak + half, cycle) else ""
     raise rows.angle_error(
         index,
-        f"given the highest pressure at {given:g} deg; allowed is a peak from {EARLIEST_PEAK:g} to "
+        f"given the highest pressure at {peak:g} deg; allowed is a peak from {EARLIEST_PEAK:g} to "
         f"{LATEST_PEAK:g} deg, because angles count from the firing top dead center{hint}",
     )
 

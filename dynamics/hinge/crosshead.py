@@ -55,8 +55,8 @@ def antiderivative(samples: FloatArray) -> FloatArray:
     spectrum = np.fft.rfft(samples)
     spectrum[1:] /= 1j * np.arange(1, spectrum.size)
     spectrum[0] = 0.0
-    found = np.fft.irfft(spectrum, samples.size)
-    return np.asarray(found - found[0])
+    integral = np.fft.irfft(spectrum, samples.size)
+    return np.asarray(integral - integral[0])
 
 
 def periodic_spline(samples: FloatArray) -> "CubicSpline":

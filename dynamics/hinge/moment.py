@@ -204,10 +204,10 @@ def as_function(gas_force: GasForce | ArrayLike) -> GasForce:
     """Return a gas force as a function of angles [rad]; samples are interpolated by a periodic spline."""
     if callable(gas_force):
         return gas_force
-    given = finite_vector("gas_force", gas_force)
-    if given.size < FEWEST_SAMPLES:
+    forces = finite_vector("gas_force", gas_force)
+    if forces.size < FEWEST_SAMPLES:
         raise InputError(
-            f"gas_force: given {given.size} values; allowed are {FEWEST_SAMPLES} or more at even angles "
+            f"gas_force: given {forces.size} values; allowed are {FEWEST_SAMPLES} or more at even angles "
             "over a turn, because fewer do not show the rise of the pressure."
         )
-    return periodic_spline(given)
+    return periodic_spline(forces)

@@ -225,11 +225,11 @@ class GasSpring:
         wanted = finite_array("work", work)
         self._check_energy(wanted)
         self._check_column(wanted)
-        found = self._closed_form(wanted + self.piston_area * self.ambient * self.height)
+        shortening = self._closed_form(wanted + self.piston_area * self.ambient * self.height)
         if self.ambient > 0.0:
             for _ in range(NEWTON_STEPS):
-                found = found - (self.work(found) - wanted) / self.force(found)
-        return np.asarray(found)
+                shortening = shortening - (self.work(shortening) - wanted) / self.force(shortening)
+        return np.asarray(shortening)
 
     def _within(self, compression: ArrayLike) -> FloatArray:
         """Return compressions that leave part of the column."""
@@ -266,17 +266,17 @@ class GasSpring:
         asked = -float(np.min(work, initial=0.0))
         if self.ambient > 0.0:
             slack = self.height * (1.0 - (self.absolute / self.ambient) ** (1.0 / self.exponent))
-            given = -float(self.work(slack))
+            released = -float(self.work(slack))
         elif self.exponent > 1.0:
             scale = self.piston_area * self.absolute * self.height
-            given = scale / (self.exponent - 1.0)
+            released = scale / (self.exponent - 1.0)
         else:
             return
-        if asked >= given * (1.0 - 1e-9):
+        if asked >= released * (1.0 - 1e-9):
             raise InputError(
                 f"pressure: given {self.pressure / 1e6:g} MPa in a spring that must give "
                 f"{asked / 1e3:.4g} kJ; allowed is a pressure at which the gas gives more, here at most "
-                f"{given / 1e3:.4g} kJ, because it does no more work when it has expanded."
+                f"{released / 1e3:.4g} kJ, because it does no more work when it has expanded."
             )
 
 
@@ -468,7 +468,7 @@ class HingeProfile:
         least, column = float(self.radius.min()), self.spring.height - float(self.compression.max())
         least_column = LEAST_COLUMN * self.spring.height
         hollow, lowest = smallest_hollow(self.curvature), float(self.pressure.min())
-        found = {
+        conditions = {
             "smallest radius": (least, self.roller_radius, "m"),
             "shortest gas column": (column, least_column, "m"),
             "lowest spring pressure": (lowest, 0.0, "Pa"),
@@ -476,33 +476,33 @@ class HingeProfile:
         }
         return tuple(
             ProfileCheck(name, value > limit, value, limit, unit, MUST_BE[name])
-            for name, (value, limit, unit) in found.items()
+            for name, (value, limit, unit) in conditions.items()
         )
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """Remarks on conditions that are met."""
-        found = []
+        sentences = []
         longest = -float(self.compression.min())
         if longest > 1e-6 * self.spring.height:
-            found.append(
+            sentences.append(
                 f"The spring gets {longest * 1e3:.3g} mm longer than at the top dead center: its "
                 "cylinder needs room for that."
             )
         steepest = float(np.radians(np.max(np.abs(self.force_angle_deg))))
         if steepest > STEEP:
-            found.append(
+            sentences.append(
                 f"The guides are steep: the roller force is up to {np.degrees(steepest):.0f} "
                 "deg off the spring's axis (cams are kept below 30 deg), so friction matters."
             )
         half = np.roll(self.radius, -(self.radius.size // 2))
         apart = float(np.max(np.abs(half - self.radius)))
         if apart > 1e-6 * self.start_radius:
-            found.append(
+            sentences.append(
                 f"Radii half a turn apart differ by up to {apart * 1e3:.3g} mm: each of the two rollers "
                 "needs a guide of its own, one turned by 180 deg against the other."
             )
-        return tuple(found)
+        return tuple(sentences)
 
     def plot(
         self, axes: Axes | None = None, *, show: Literal["guide", "moment", "radius"] = "guide"

@@ -333,10 +333,10 @@ def flywheel_for(
 
     def excess(inertia: float) -> float:
         try:
-            found = steady_at(energy, inertia, point.speed).fluctuation
+            reached = steady_at(energy, inertia, point.speed).fluctuation
         except InputError:
-            found = STANDING
-        return math.log(found / fluctuation)
+            reached = STANDING
+        return math.log(reached / fluctuation)
 
     if excess(0.0) <= 0.0:
         return 0.0
@@ -406,27 +406,27 @@ def best_pressure(
 
     tried = np.linspace(math.log(low), math.log(high), TRIED_PRESSURES)
     place = int(np.argmin([fluctuation(value) for value in tried]))
-    found = minimize_scalar(
+    minimum = minimize_scalar(
         fluctuation,
         bounds=(tried[max(place - 1, 0)], tried[min(place + 1, tried.size - 1)]),
         method="bounded",
         options={"xatol": PRESSURE_STEP},
     )
-    if not found.fun < STANDING:
+    if not minimum.fun < STANDING:
         raise InputError(
             f"bounds: given {low:g} to {high:g}; allowed are bounds between which the crank completes "
             f"revolutions at {point.speed:g} rad/s, because there is nothing to compare otherwise."
         )
     unchanged = fluctuation(0.0)
-    ratio = math.exp(float(found.x))
-    wanted, given = point.moment, hinge.moment_at(angles_deg=point.angles_deg)
+    ratio = math.exp(float(minimum.x))
+    wanted, hinged = point.moment, hinge.moment_at(angles_deg=point.angles_deg)
     residual = wanted - hinge.moment_at(ratio * hinge.spring.pressure, angles_deg=point.angles_deg)
     return BestPressure(
         pressure=ratio * hinge.spring.pressure,
         ratio=ratio,
-        fluctuation=float(found.fun),
+        fluctuation=float(minimum.fun),
         unchanged=unchanged if unchanged < STANDING else None,
         moment_residual=math.sqrt(float(np.mean(residual**2) / np.mean(wanted**2))),
         largest_residual=float(np.max(np.abs(residual)) / np.max(np.abs(wanted))),
-        fitted_ratio=float(np.dot(wanted, given) / np.dot(given, given)),
+        fitted_ratio=float(np.dot(wanted, hinged) / np.dot(hinged, hinged)),
     )

@@ -162,8 +162,8 @@ def star_diagram(
     shape = (asked.size, firing.size)
     reason = "each order's vector of each cylinder takes its own"
     lengths, shares, turns = (
-        spread_array(field, otherwise if given is None else given, shape, reason)
-        for field, given, otherwise in (
+        spread_array(field, otherwise if spread is None else spread, shape, reason)
+        for field, spread, otherwise in (
             ("amplitudes", amplitudes, 1.0),
             ("mode_shape", mode_shape, 1.0),
             ("phases_deg", phases_deg, 0.0),
@@ -175,9 +175,9 @@ def star_diagram(
         Star(
             order,
             read_only(np.degrees([_turned(angle) for angle in row.tolist()])),
-            read_only(own.copy()),
+            read_only(row_lengths.copy()),
         )
-        for order, row, own in zip(asked.tolist(), directions, lengths, strict=True)
+        for order, row, row_lengths in zip(asked.tolist(), directions, lengths, strict=True)
     )
 
 
@@ -185,13 +185,13 @@ def _firing_and_strokes(
     engine: EngineLayout | None, firing_angles_deg: ArrayLike | None, strokes: int | None
 ) -> tuple[FloatArray, int | None]:
     """Return the firing angles [rad], and the strokes if known."""
-    told = None if strokes is None else checked_strokes(strokes)
+    checked = None if strokes is None else checked_strokes(strokes)
     if engine is None and firing_angles_deg is not None:
         firing = np.radians(finite_vector("firing_angles_deg", firing_angles_deg))
     elif isinstance(engine, EngineLayout) and firing_angles_deg is None:
-        if told not in (None, engine.strokes):
+        if checked not in (None, engine.strokes):
             raise InputError(
-                f"strokes: given {told}; allowed is {engine.strokes} or nothing, because that is the "
+                f"strokes: given {checked}; allowed is {engine.strokes} or nothing, because that is the "
                 "engine's."
             )
         return np.radians(engine.firing_deg), engine.strokes
@@ -206,7 +206,7 @@ def _firing_and_strokes(
             "firing_angles_deg: given none; allowed is one for each cylinder, because the star has a "
             "vector of each."
         )
-    return firing, told
+    return firing, checked
 
 
 def _requested_orders(orders: ArrayLike | float, strokes: int | None) -> FloatArray:
@@ -256,13 +256,13 @@ def same_stars(stars: Iterable[Star]) -> tuple[tuple[Star, ...], ...]:
     return tuple(tuple(group) for group in groups)
 
 
-def _alike(one: Star, other: Star) -> bool:
-    if one.weights.shape != other.weights.shape or not np.allclose(
-        one.weights, other.weights, rtol=1e-9, atol=0.0
+def _alike(star: Star, reference: Star) -> bool:
+    if star.weights.shape != reference.weights.shape or not np.allclose(
+        star.weights, reference.weights, rtol=1e-9, atol=0.0
     ):
         return False
     first, second = (
-        np.radians(star.directions_deg - star.directions_deg[0]) for star in (one, other)
+        np.radians(star.directions_deg - star.directions_deg[0]) for star in (star, reference)
     )
     return _equal_directions(first, second) or _equal_directions(first, -second)
 

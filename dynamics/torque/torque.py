@@ -51,13 +51,13 @@ def samples_and_gas(
         return angles, gas_forces(
             engine, pressure, crankcase_pressure, shaft_angles_deg=np.degrees(angles)
         )
-    given = finite_array("pressure", np.asarray(pressure))
-    if given.shape != shape:
+    forces = finite_array("pressure", np.asarray(pressure))
+    if forces.shape != shape:
         raise InputError(
-            f"pressure: given forces of shape {given.shape}; allowed is {shape}, because there is one "
+            f"pressure: given forces of shape {forces.shape}; allowed is {shape}, because there is one "
             "for each cylinder and sample."
         )
-    return angles, given
+    return angles, forces
 
 
 def forces_by_cause(
@@ -72,9 +72,9 @@ def forces_by_cause(
 
 
 def _are_pressures(
-    given: "Pressure | Sequence[Pressure] | ArrayLike",
+    pressure: "Pressure | Sequence[Pressure] | ArrayLike",
 ) -> TypeGuard["Pressure | Sequence[Pressure]"]:
-    first = given[0] if isinstance(given, Sequence) and given else given
+    first = pressure[0] if isinstance(pressure, Sequence) and pressure else pressure
     return hasattr(first, "at")
 
 
@@ -109,41 +109,41 @@ def throws_along_shaft(engine: EngineLayout) -> tuple[tuple[int, ...], ...]:
 
 
 def _shares(engine: EngineLayout, throw: list[int], number: int) -> bool:
-    own = engine.cylinders[number - 1]
+    cylinder = engine.cylinders[number - 1]
     for other in (engine.cylinders[member - 1] for member in throw):
         turned = math.remainder(
-            math.radians(own.crank_angle_deg - other.crank_angle_deg), 2.0 * math.pi
+            math.radians(cylinder.crank_angle_deg - other.crank_angle_deg), 2.0 * math.pi
         )
         leaning = math.remainder(
-            math.radians(own.bank_angle_deg - other.bank_angle_deg), 2.0 * math.pi
+            math.radians(cylinder.bank_angle_deg - other.bank_angle_deg), 2.0 * math.pi
         )
-        apart = abs(own.position - other.position)
-        if abs(turned) > IN_LINE or abs(leaning) <= IN_LINE or apart >= CLOSE * own.bore:
+        apart = abs(cylinder.position - other.position)
+        if abs(turned) > IN_LINE or abs(leaning) <= IN_LINE or apart >= CLOSE * cylinder.bore:
             return False
     return True
 
 
 def checked_throws(engine: EngineLayout, throws: Sequence[int]) -> tuple[tuple[int, ...], ...]:
     """Return the numbers of the cylinders on each throw from the throw of each cylinder, from 0."""
-    given = list(throws)
-    if len(given) != len(engine.cylinders):
+    of_cylinders = list(throws)
+    if len(of_cylinders) != len(engine.cylinders):
         raise InputError(
-            f"throws: given {len(given)}; allowed are {len(engine.cylinders)}, because each cylinder "
+            f"throws: given {len(of_cylinders)}; allowed are {len(engine.cylinders)}, because each cylinder "
             "works on one."
         )
-    if not all(is_whole(throw) for throw in given):
+    if not all(is_whole(throw) for throw in of_cylinders):
         raise InputError(
-            f"throws: given {given}; allowed are whole numbers from 0 on, because throws are counted "
+            f"throws: given {of_cylinders}; allowed are whole numbers from 0 on, because throws are counted "
             "from the free end."
         )
-    if sorted(set(given)) != list(range(max(given) + 1)):
+    if sorted(set(of_cylinders)) != list(range(max(of_cylinders) + 1)):
         raise InputError(
-            f"throws: given {given}; allowed are throws from 0 on without a gap, because each has a "
+            f"throws: given {of_cylinders}; allowed are throws from 0 on without a gap, because each has a "
             "cylinder."
         )
     return tuple(
-        tuple(place + 1 for place, own in enumerate(given) if own == throw)
-        for throw in range(max(given) + 1)
+        tuple(place + 1 for place, number in enumerate(of_cylinders) if number == throw)
+        for throw in range(max(of_cylinders) + 1)
     )
 
 
@@ -204,23 +204,23 @@ class PinForceHarmonics:
             If there is no such force, or no order is left.
         """
         check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
-        found = {
+        series = {
             name: getattr(self, show + ending)
             for name, ending in (("gas", "_gas"), ("inertia", "_inertia"), ("both", ""))
         }
         if highest_order is not None:
-            found = {name: own.up_to(highest_order) for name, own in found.items()}
-        bars = {name: KILO * own.amplitude for name, own in found.items()}
+            series = {name: spectrum.up_to(highest_order) for name, spectrum in series.items()}
+        bars = {name: KILO * spectrum.amplitude for name, spectrum in series.items()}
         title = f"Harmonics of the {show} force, cylinder {self.number}"
-        return draw_harmonics(axes, found["both"].orders, bars, "amplitude [kN]", title=title)
+        return draw_harmonics(axes, series["both"].orders, bars, "amplitude [kN]", title=title)
 
     def to_pandas(self) -> DataFrame:
         """Return one row for each order: amplitude and phase of T and Z by cause."""
         columns: dict[str, tuple[FloatArray, str]] = {"order": (self.tangential.orders, "1")}
         for name in CAUSES:
-            own: Harmonics = getattr(self, name)
-            columns[name] = (own.amplitude, "N")
-            columns[f"{name}_phase"] = (own.phase, "rad")
+            spectrum: Harmonics = getattr(self, name)
+            columns[name] = (spectrum.amplitude, "N")
+            columns[f"{name}_phase"] = (spectrum.phase, "rad")
         return table(columns)
 
 
@@ -270,14 +270,14 @@ def pin_force_harmonics(
         (of_gas.radial, of_masses.radial),
     ):
         parts += [by_gas, by_masses, by_gas + by_masses]
-    found = []
+    by_cylinder = []
     for place, firing in enumerate(np.radians(engine.firing_deg)):
         split = [
             from_firing_top(engine, place, angles, part[place]).up_to(highest_order)
             for part in parts
         ]
-        found.append(PinForceHarmonics(place + 1, math.degrees(firing), *split))
-    return tuple(found)
+        by_cylinder.append(PinForceHarmonics(place + 1, math.degrees(firing), *split))
+    return tuple(by_cylinder)
 
 
 # A mean torque below this share of the largest is round-off.
@@ -326,9 +326,9 @@ class EngineTorque:
     @property
     def per_throw(self) -> FloatArray:
         """Torque of each throw, along the shaft (k, m) [N m]."""
-        own = self.per_cylinder
+        torques = self.per_cylinder
         return np.array(
-            [own[[number - 1 for number in throw]].sum(axis=0) for throw in self.throws]
+            [torques[[number - 1 for number in throw]].sum(axis=0) for throw in self.throws]
         )
 
     @property
@@ -417,9 +417,9 @@ class EngineTorque:
             curves = {"engine": self.total, "mean": mean}
         else:
             title = f"Torque of throw {throw}"
-            own = [number - 1 for number in self.throws[self._checked_throw(throw)]]
+            members = [number - 1 for number in self.throws[self._checked_throw(throw)]]
             parts = {"gas": self.gas, "inertia": self.inertia, "both": self.per_cylinder}
-            curves = {name: values[own].sum(axis=0) for name, values in parts.items()}
+            curves = {name: values[members].sum(axis=0) for name, values in parts.items()}
             colors = (COLORS[1], COLORS[2], COLORS[0])
         shown = {name: KILO * values for name, values in curves.items()}
         axes = draw_over_angle(

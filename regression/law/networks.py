@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.throw_layout import COLLAR_MARGIN
+from geometry.throw import COLLAR_MARGIN
 from regression.law.hand_formula import hand_parts
 from regression.law.ratios import FILLETS, REAL, Ratios
 

@@ -123,25 +123,17 @@ class ModelValues(ModelContent):
         self, name: str, gamma_deg: ArrayLike | None, strict: bool, dimensions: Mapping[str, Any]
     ) -> Value:
         """Evaluate, with warnings for the caller of the public method, two frames up."""
-        found: Value
-        if gamma_deg is None:
-            value = self._compiled.fast_lookup(name, dimensions)
-            if value is not None:
-                return value
-            answers = [self.answer(name, dimensions)]
-            found = answers[0].values
-        else:
-            parts = self.angle_law(name)
-            values: list[Any] | None = self._compiled.fast_lookups(parts, dimensions)
-            answers = [] if values else [self.answer(part, dimensions) for part in parts]
-            values = values or [answer.values for answer in answers]
-            found = between_values(fold_angle(gamma_deg), values)
+        parts = (name,) if gamma_deg is None else self.angle_law(name)
+        answers = [self.answer(part, dimensions) for part in parts]
+        value: Value = answers[0].values
+        if gamma_deg is not None:
+            value = between_values(fold_angle(gamma_deg), [answer.values for answer in answers])
         # Each dimension is told of once.
-        for one in {one.name: one for answer in answers for one in answer.outside}.values():
+        for finding in {part.name: part for answer in answers for part in answer.outside}.values():
             if strict:
-                raise InputError(one.error_sentence)
-            warnings.warn(one.remark, OutsideRangeWarning, stacklevel=3)
-        return found
+                raise InputError(finding.error_sentence)
+            warnings.warn(finding.remark, OutsideRangeWarning, stacklevel=3)
+        return value
 
     def answer(self, response: str, dimensions: Mapping[str, ArrayLike | str]) -> ResponseValues:
         """Values of a response with those outside its range, without warnings."""
@@ -415,12 +407,7 @@ class ComplianceModel(ModelValues):
         )
 
     def _lookup(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> Lookup:
-        value = self._compiled.fast_lookup(name, dimensions)
-        if value is None:
-            answer = self._answered(name, dimensions, strict)
-        else:
-            answer = ResponseValues(value, (), True)
-        compiled = self._compiled
+        answer, compiled = self._answered(name, dimensions, strict), self._compiled
         return make_lookup(self.responses[name], compiled.bands[name], answer, compiled.remarks)
 
     def _answered(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> ResponseValues:

@@ -113,11 +113,16 @@ class Family:
         if self._fixes_a_length:
             return 1.0
         lengths = [(given[n], ends) for n, ends in self._varied_lengths.items() if n in given]
-        if all(low <= np.min(value) and np.max(value) <= high for value, (low, high) in lengths):
+        for value, (low, high) in lengths:
+            least, most = smallest_and_largest(value)
+            if least < low or most > high:
+                break
+        else:
             return 1.0
-        least = [value / high for value, (_, high) in lengths]
-        most = [value / low for value, (low, _) in lengths]
-        ends = reduce(np.maximum, least), reduce(np.minimum, most)
+        ends = (
+            reduce(np.maximum, [value / high for value, (_, high) in lengths]),
+            reduce(np.minimum, [value / low for value, (low, _) in lengths]),
+        )
         size = np.minimum(np.maximum(1.0, np.minimum(*ends)), np.maximum(*ends))
         return size if size.ndim else float(size)
 
@@ -189,6 +194,9 @@ class Family:
         return {n: value * size if units[n] == "m" else value for n, value in found.items()}
 
     def _check_equal(self, name: str, given: Given, expected: Given, reason: str) -> None:
+        plain = given.__class__ is float and expected.__class__ is float
+        if plain and abs(given - expected) <= SAME * abs(expected):
+            return
         values, wanted = np.broadcast_arrays(given, expected)
         wrong = np.abs(values - wanted) > SAME * np.abs(wanted)
         if not np.any(wrong):
@@ -209,12 +217,19 @@ class Family:
         return 1.0 if minimum is None else float(minimum)
 
 
+def smallest_and_largest(values: Any) -> tuple[float, float]:
+    """Ends of a number or an array; for numbers without numpy, which takes longer than a lookup may."""
+    if values.__class__ is float:
+        return values, values
+    return float(np.min(values)), float(np.max(values))
+
+
 def _checked_numbers(
     name: str, value: object, least: float, family: Family
 ) -> float | NDArray[np.float64]:
     """Return finite numbers, positive ones unless the model's least value permits otherwise."""
     if isinstance(value, float) and 0.0 < value < math.inf:
-        return value
+        return float(value)
     sign = "positive finite numbers" if least > 0.0 else "positive finite numbers (or 0)"
     sign = "finite numbers" if least < 0.0 else sign
     kind = "in SI units (m for a length)" if family.unit(name) else "without a unit"

@@ -11,8 +11,7 @@ from crankbase.checks.arrays import check_sizes, finite_array
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from fem.end_reactions import LARGEST_LOAD, EndReaction, Reactions
-from fem.throw_frames import END_LOADS, LOAD_UNITS
+from fem.end_reactions import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
 from geometry.throw import CrankThrow
 from regression.models.angle import between_ends, between_values
 from regression.models.extrapolation import ErrorBand

@@ -1,8 +1,6 @@
 """One response of a compliance model, ready for queries: names to columns, columns to a value.
 
-A query of plain numbers inside the range has a fast evaluator: the checks and the evaluation are then
-a few comparisons and multiplications. Everything else (arrays, values outside, errors) takes
-the full path, which gives the messages.
+Numbers and arrays take the same path; for plain numbers it needs no numpy.
 """
 
 import math
@@ -22,11 +20,10 @@ from regression.models.extrapolation import (
     FARTHEST,
     Finding,
     StudyConstraint,
-    edges,
     find_out_of_range,
     worst,
 )
-from regression.models.family import Family, Given
+from regression.models.family import Family, Given, smallest_and_largest
 from regression.models.response_model import IS, ResponseModel
 from regression.response_kinds import is_positive_response, response_scale
 
@@ -168,8 +165,6 @@ AGREES = 1e-5
 Reader = Callable[[Mapping[str, Given]], Any]
 # The throw's size among the known dimensions; no name has a space.
 _SIZE = "its size"
-# The plain numbers; a subclass of float counts too, but goes the long way.
-_PLAIN = (float, int, np.float64)
 
 
 @dataclass(frozen=True)
@@ -246,101 +241,6 @@ class ResponseQuery:
         """Lower limit of the response: 0 by nature, or none."""
         return 0.0 if is_positive_response(self.name) else -math.inf
 
-    def fast_evaluator(self, names: Sequence[str]) -> Callable[[Mapping[str, Given]], float | None]:
-        """Make the fast evaluator for queries with exactly these names.
-
-        Returns
-        -------
-        callable
-            Dimensions to the value, or None if the full path is needed.
-        """
-        read, value_of = self._fast_reader(names), self._fast_value
-
-        def answer(dimensions: Mapping[str, Given]) -> float | None:
-            found = read(dimensions)
-            return None if found is None else value_of(*found)
-
-        return answer
-
-    def shares_columns(self, other: "ResponseQuery") -> bool:
-        """Whether the fast evaluator's columns and checks for another response are those of this one."""
-        return self.scale is other.scale is None and self._ranges == other._ranges
-
-    def fast_evaluator_with(
-        self, others: Sequence["ResponseQuery"], names: Sequence[str]
-    ) -> Callable[[Mapping[str, Given]], list[float | None]]:
-        """Make a fast evaluator of several responses, whose columns are read once if they share them."""
-        queries = (self, *others)
-        if not all(self.shares_columns(other) for other in others):
-            alone = [query.fast_evaluator(names) for query in queries]
-            return lambda dimensions: [evaluate(dimensions) for evaluate in alone]
-        read, values = self._fast_reader(names), [query._fast_value for query in queries]
-
-        def answers(dimensions: Mapping[str, Given]) -> list[float | None]:
-            found = read(dimensions)
-            return [None] if found is None else [value_of(*found) for value_of in values]
-
-        return answers
-
-    def _fast_value(self, columns: Sequence[Any], dimensions: Mapping[str, Given]) -> float | None:
-        try:
-            found: float = self.equation.scalar(columns)
-            if self.scale is not None:
-                found *= self.scale(dimensions)
-        except ArithmeticError:
-            return None
-        return found if self.lower_limit < found < math.inf else None
-
-    def _fast_reader(
-        self, names: Sequence[str]
-    ) -> Callable[[Mapping[str, Given]], tuple[list[Any], Mapping[str, Given]] | None]:
-        """Make the function that checks plain numbers and reads columns and dimensions from them."""
-        family, given = self.family, set(names)
-        complete = set(self.needed) <= given | family.fixed.keys() | family.labels.keys()
-        if self.scale is not None:
-            whole = bool(family.ranges) and family.ranges.keys() <= given
-            complete &= whole and not family.relations
-        if not complete or not given <= {*family.factors, *family.fixed}:
-            return _needs_full_evaluation
-        numbers = tuple(name for name in names if name not in family.categories)
-        labels = tuple((n, family.categories[n]) for n in names if n in family.categories)
-        limits: list[tuple[Reader, float, float]] = [
-            (itemgetter(name), *edges(low, high)) for name, (low, high, _) in self._ranges.items()
-        ]
-        fixed = [(name, family.fixed[name]) for name in names if name in family.fixed]
-        limits += [(itemgetter(name), *edges(value, value)) for name, value in fixed]
-        limits += [
-            (ratio.read, *_agreeing(ratio.value))
-            for ratio in self.ratios
-            if not set(ratio.names) <= family.fixed.keys()
-        ]
-        checks, readers = tuple(limits), tuple(column.read for column in self.columns)
-        tests = tuple(constraint.holds for constraint in self.constraints)
-        scaled = self.scale is not None
-        rest = {} if set(self.needed) <= given else {**family.fixed, **family.labels}
-
-        def read_all(
-            dimensions: Mapping[str, Given],
-        ) -> tuple[list[Any], Mapping[str, Given]] | None:
-            for name in numbers:
-                given = dimensions[name]
-                if given.__class__ not in _PLAIN or (scaled and not given > 0.0):
-                    return None
-            for name, allowed in labels:
-                if dimensions[name].__class__ is not str or dimensions[name] not in allowed:
-                    return None
-            if rest:
-                dimensions = {**rest, **dimensions}
-            for read, low, high in checks:
-                if not low <= read(dimensions) <= high:
-                    return None
-            for test in tests:
-                if not test(dimensions):
-                    return None
-            return [read(dimensions) for read in readers], dimensions
-
-        return read_all
-
     def evaluate(self, given: Mapping[str, Given]) -> ResponseValues:
         """Evaluate any query, or report its error.
 
@@ -355,30 +255,33 @@ class ResponseQuery:
             If something is missing, unknown or unusable, a fixed dimension or ratio differs from
             the study, or the equation has no finite or a physically impossible value.
         """
-        used, shape, size = self._used(given)
+        known, shape = self._used(given)
         found: list[Finding] = []
         values: Any
         if shape == ():
-            values, inside = self._piece({**used, _SIZE: size}, self.equation.scalar, found)
+            least, inside = self._piece(known, self.equation.scalar, found)
+            values, finite = least, math.isfinite(least)
         else:
             values, inside = np.empty(shape), np.ones(shape, dtype=bool)
             flat, flat_inside = values.reshape(-1), inside.reshape(-1)
-            for start, piece in pieces({**used, _SIZE: size}, shape):
-                place = slice(start, start + PIECE)
-                flat[place], flat_inside[place] = self._piece(piece, self.equation.array, found)
+            with np.errstate(all="ignore"):
+                for start, piece in pieces(known, shape):
+                    place = slice(start, start + PIECE)
+                    flat[place], flat_inside[place] = self._piece(piece, self.equation.array, found)
+            least, finite = float(np.min(values)), bool(np.isfinite(values).all())
         outside = tuple(worst(found))
-        for one in outside:
-            one.check_distance()
-        if not np.all(np.isfinite(values)):
+        for finding in outside:
+            finding.check_distance()
+        if not finite:
             beyond = "far outside the range of the fit" if found else "small or large"
             raise InputError(
                 f"dimensions: given ones so {beyond} that its equation has no finite value; allowed are "
                 "those near the range, because beyond it the equation is meaningless."
             )
-        if not np.min(values) > self.lower_limit:
+        if not least > self.lower_limit:
             raise InputError(
-                f"{self.name}: given {float(np.min(values)):g}; allowed is a number above zero, as every "
-                "throw has it: an equation that gives another one does not hold for these dimensions."
+                f"{self.name}: given {least:g}; allowed is a number above zero, as every throw has it: an "
+                "equation that gives another one does not hold for these dimensions."
             )
         return ResponseValues(values, outside, inside)
 
@@ -391,8 +294,8 @@ class ResponseQuery:
         family = self.family
         return {name: (*ends, family.unit(name)) for name, ends in family.ranges.items()}
 
-    def _used(self, given: Mapping[str, Given]) -> tuple[dict[str, Given], tuple[int, ...], Given]:
-        """Check and complete the query; also return its shape and the size."""
+    def _used(self, given: Mapping[str, Given]) -> tuple[dict[str, Given], tuple[int, ...]]:
+        """Check and complete the query, with the throw's size; also return its shape."""
         family = self.family
         checked = family.checked(given)
         shape = _common_shape(checked)
@@ -410,8 +313,8 @@ class ResponseQuery:
             raise InputError(
                 f"{missing[0]}: missing; the model needs its factors {', '.join(family.factors)}."
             )
-        used = dict.fromkeys((*self.needed, *checked))
-        return {name: known[name] for name in used}, shape, size
+        used = {name: known[name] for name in dict.fromkeys((*self.needed, *checked))}
+        return used | {_SIZE: size}, shape
 
     def _piece(
         self,
@@ -424,15 +327,14 @@ class ResponseQuery:
             _check_ratio(ratio, ratio.read(known))
         columns = [column.read(known) for column in self.columns]
         inside: Any = True
-        for one in self._outside(known, columns):
-            found.append(one[0])
-            inside = inside & np.logical_not(one[1])
+        for finding, where in self._outside(known, columns):
+            found.append(finding)
+            inside = inside & np.logical_not(where)
         try:
-            with np.errstate(all="ignore"):
-                value = evaluate(columns)
-                return (value if self.scale is None else value * self.scale(known)), inside
+            value = evaluate(columns)
+            return (value if self.scale is None else value * self.scale(known)), inside
         except (ArithmeticError, ValueError):
-            return np.nan, inside  # told of by the caller
+            return math.nan, inside  # told of by the caller
 
     def _outside(
         self, known: Mapping[str, Given], columns: Sequence[Given]
@@ -450,27 +352,20 @@ class ResponseQuery:
                 for one, values in zip(self.columns, columns, strict=True)
             ]
         for values in asked:
-            found = find_out_of_range(*values)
-            if found is not None:
-                yield found
+            if (beyond := find_out_of_range(*values)) is not None:
+                yield beyond
         for constraint in self.constraints:
-            broken = constraint.find_broken(_at_study_size(constraint, known, size))
-            if broken is not None:
+            at_study_size = {
+                name: known[name] / size if constraint.units[name] == "m" else known[name]
+                for name in constraint.read.names
+            }
+            if (broken := constraint.find_broken(at_study_size)) is not None:
                 yield broken
-
-
-def _at_study_size(
-    constraint: StudyConstraint, known: Mapping[str, Given], size: Given
-) -> dict[str, Given]:
-    return {
-        name: known[name] / size if constraint.units[name] == "m" else known[name]
-        for name in constraint.read.names
-    }
 
 
 def _check_size(size: Given) -> None:
     """Refuse a throw so much larger or smaller than the study's that its unit must be wrong."""
-    least, most = float(np.min(size)), float(np.max(size))
+    least, most = smallest_and_largest(size)
     if least * FARTHEST < 1.0 or most > FARTHEST:
         hint = " (mm given in place of m?)" if most > FARTHEST else ""
         raise InputError(
@@ -480,18 +375,9 @@ def _check_size(size: Given) -> None:
         )
 
 
-def _needs_full_evaluation(_: Mapping[str, Given]) -> None:
-    """Return nothing: the full evaluation is needed."""
-
-
-def _agreeing(value: float) -> tuple[float, float]:
-    margin = AGREES * max(1.0, abs(value))
-    return value - margin, value + margin
-
-
 def _check_ratio(ratio: Ratio, values: Any) -> None:
-    low, high = _agreeing(ratio.value)
-    if np.all((low <= values) & (values <= high)):
+    margin, (least, most) = AGREES * max(1.0, abs(ratio.value)), smallest_and_largest(values)
+    if ratio.value - margin <= least and most <= ratio.value + margin:
         return
     differences = np.atleast_1d(np.abs(values - ratio.value))
     given = float(np.atleast_1d(values)[int(np.argmax(differences))])
@@ -503,6 +389,8 @@ def _check_ratio(ratio: Ratio, values: Any) -> None:
 
 
 def _common_shape(values: Mapping[str, Any]) -> tuple[int, ...]:
+    if all(value.__class__ in (float, str) for value in values.values()):
+        return ()
     try:
         return np.broadcast_shapes(*(np.shape(value) for value in values.values()))
     except ValueError:

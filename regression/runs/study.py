@@ -14,9 +14,8 @@ from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from crankbase.memory import check_memory, free_memory
 from crankbase.wrong_files import not_a_file
-from fem.accuracy import predicted_unknowns
-from fem.memory import solving_memory
-from geometry.mesh_checks import MESHING_MEMORY
+from fem.analysis import predicted_unknowns, solving_memory
+from geometry.mesh import MESHING_MEMORY
 from geometry.mesher import expected_unknowns
 from geometry.throw import CrankThrow
 from regression.plans.plan import (

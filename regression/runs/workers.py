@@ -140,7 +140,7 @@ def spawn_worker(folder: Path | None = None) -> subprocess.Popen[bytes]:
     """Start a worker process in a folder; with one thread, so that no result depends on the machine."""
     return start_child(
         "crankbase.calls",
-        "geometry.built_solid:keep_solids",
+        "geometry.mesh:keep_solids",
         environment=ONE_THREAD | KEPT_MEMORY,
         cwd=folder,
         stdin=subprocess.PIPE,

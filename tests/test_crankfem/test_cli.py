@@ -14,7 +14,7 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError, SolveError
 from crankfem.cli import app as cli
-from crankfem.cli.angle_and_speed import parse_gamma
+from crankfem.cli.arguments import parse_gamma
 from crankfem.cli.commands import completion
 from crankfem.cli.console import RunProgress
 from crankfem.files.engine.engine_file import SECTIONS
@@ -134,8 +134,12 @@ def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     decision = {"status": status, "sentence": "give this"}
     judged = {"sentence": "The verdict.", "decision": decision}
     monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: None)
-    tables = ("vibration_tables.print_run", "run_tables.print_verdict")
-    for name in ("analyses.vibration.records.run_record", *(f"cli.tables.{one}" for one in tables)):
+    tables = "cli.tables.vibration_tables"
+    for name in (
+        "analyses.vibration.records.run_record",
+        f"{tables}.print_run",
+        f"{tables}.print_verdict",
+    ):
         made = {"assessment": judged}
         monkeypatch.setattr(f"crankfem.{name}", lambda *_, made=made, **__: made)
     answer = call("vibration", "6chn25-34", "--strict", option)

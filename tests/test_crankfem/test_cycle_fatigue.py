@@ -22,8 +22,8 @@ from crankfem.files.engine.mechanism_file import mechanism_of
 from dynamics.response.order_excitation import at_angles
 from dynamics.strength.fatigue import critical_plane, findley_factor, findley_limit
 from fem import fillet_stress
+from fem.fields import stress_fields
 from fem.shaft import assemble_shaft, shaft_unknowns
-from fem.stress_fields import stress_fields
 from stand_ins import COARSE_STRESSES
 
 STEEL = {"tensile_strength": 8e8, "manufacture": "continuous grain flow", "piston": "trunk"}

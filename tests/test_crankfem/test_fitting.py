@@ -24,7 +24,7 @@ from crankfem.analyses.study.response_fits import (
     response_name,
     surface,
 )
-from crankfem.cli.tables.fit_tables import print_comparisons, print_fits
+from crankfem.cli.tables.study_tables import print_comparisons, print_fits
 from geometry.throw import CrankThrow
 from plans import plan_of_levels, table_of_function
 from regression.plans.designs import DesignChoice

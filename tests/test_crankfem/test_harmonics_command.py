@@ -11,7 +11,7 @@ from crankbase.errors import InputError
 from crankbase.tables.table_units import table_unit
 from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.mechanism.plots import picture_torque_table, table_files
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
 from dynamics.chains.chain import Chain
 from dynamics.response.forced import forced_response

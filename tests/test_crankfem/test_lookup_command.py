@@ -23,14 +23,13 @@ from crankfem.analyses.shaft.sources import (
 )
 from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
 from crankfem.analyses.throw.law_record import law_answers, law_record, law_sentence
-from crankfem.cli.commands import optimum as optimum_command
-from crankfem.cli.commands.lookup import lookup
-from crankfem.cli.commands.optimum import optimum
-from crankfem.cli.law_arguments import law_throw
+from crankfem.cli.arguments import law_throw
+from crankfem.cli.commands import lookup as optimum_command
+from crankfem.cli.commands.lookup import lookup, optimum
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path
-from crankfem.jobs.run_inputs import read_inputs
+from crankfem.jobs.run_computation import read_inputs
 from dynamics.chains.engine_chains import axial_chain
 from fem.analysis import analyze_throw
 from fem.angle_law import AngleLaw

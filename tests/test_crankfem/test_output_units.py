@@ -269,7 +269,7 @@ def test_nothing_else_writes_to_the_terminal():
     assert found == {
         "crankfem/cli/console.py",
         "crankfem/cli/entry.py",
-        "crankfem/service/log.py",
+        "crankfem/service/guard.py",
         "crankfem/analyses/study/studies.py",
     }
 

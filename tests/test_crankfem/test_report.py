@@ -27,7 +27,7 @@ from crankfem.report.figures import load_figures, script_text
 from crankfem.report.summary import summary
 from crankfem.report.text_filters import check_value_text
 from crankfem.report.writing import render_report, script, write_report
-from fem.solution_checks import asymmetry, rigid_body_residual
+from fem.solver import asymmetry, rigid_body_residual
 from regression.models.compliance_model import ComplianceModel
 
 STORED = Path(__file__).with_name("report_results.json")

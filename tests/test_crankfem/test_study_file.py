@@ -13,11 +13,9 @@ from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankfem.analyses.study.studies import run_study, study_key
 from crankfem.cli import console
-from crankfem.cli.tables.design_tables import plan_record, print_plan
+from crankfem.cli.tables.study_tables import plan_record, print_plan
 from crankfem.files.reading.toml_file import read_toml
-from crankfem.files.sections.study_section import StudySection
-from crankfem.files.study.design_file import read_design
-from crankfem.files.study.study_file import study_plan
+from crankfem.files.study_file import StudySection, read_design, study_plan
 from fem.material import STEEL
 from geometry.throw import CrankThrow
 from plans import FILLETED

@@ -8,17 +8,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import fem.accuracy
+import fem.analysis
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
-from fem.accuracy import Problem, solve_level, solve_to_accuracy
-from fem.analysis import analyze_axial, analyze_throw
+from fem.analysis import (
+    Problem,
+    analyze_axial,
+    analyze_throw,
+    refined_sizes,
+    solve_level,
+    solve_to_accuracy,
+)
 from fem.angle_law import AngleLaw, angle_law, is_symmetric
-from fem.axial_analysis import class_axial_compliances
 from fem.material import STEEL, Material
-from fem.refinement import refined_sizes
-from fem.supports import Neighbors
+from fem.supports import Neighbors, class_axial_compliances
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web
@@ -181,7 +185,7 @@ def test_error_estimate_covers_the_true_error(dimensions, radius, accuracies, fi
 
 
 def test_an_accuracy_that_cannot_be_met_is_told(throw, monkeypatch):
-    monkeypatch.setattr(fem.accuracy, "MOST_UNKNOWNS", 12_000)
+    monkeypatch.setattr(fem.analysis, "MOST_UNKNOWNS", 12_000)
     found = analyze_axial(throw, accuracy=0.001)
     assert not found.accuracy_met
     assert found.error_estimate > 0.001

@@ -13,25 +13,24 @@ from crankbase.errors import InputError
 from dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.analysis import analyze_throw
 from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
-from fem.class_modes import frequencies_of
 from fem.condensation import condense, nodes_on
 from fem.craig_bampton import dynamic_superelement
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
-from fem.modes import free_modes
-from fem.section_motions import (
+from fem.modes import free_modes, frequencies_of
+from fem.shaft import assemble_shaft, shaft_compliances, sharing_sections
+from fem.solver import factorize
+from fem.superelement import combine_classes, superelement_of_end_forces
+from fem.supports import Neighbors
+from fem.symmetry import (
     KEPT,
     SectionMotions,
     _basis,
     _ring,
     both_ends,
     degree_of,
+    symmetry_classes,
 )
-from fem.shaft import assemble_shaft, shaft_compliances, sharing_sections
-from fem.solver import factorize
-from fem.superelement import combine_classes, superelement_of_end_forces
-from fem.supports import Neighbors
-from fem.symmetry import symmetry_classes
 from geometry.mesh import mesh_throw
 from geometry.solid import LEFT_END, RIGHT_END
 

@@ -6,20 +6,24 @@ import numpy as np
 import pytest
 from skfem import MeshTet
 
-import fem.recovery
+import fem.correction
 from comparing import close
 from crankfem.analyses.record import units_of
 from crankfem.analyses.throw.throw_record import NOT_CORRECTED, throw_record
 from crankfem.cli.tables.throw_tables import print_throw
 from fem import correction
-from fem.accuracy import FIRST_FILLETED, first_factor
-from fem.analysis import analyze_axial, analyze_throw
+from fem.analysis import FIRST_FILLETED, analyze_axial, analyze_throw, first_factor
 from fem.assembly import assemble_stiffness, physical_gradients, symmetric_product
 from fem.condensation import condense
-from fem.correction import corrected_class
+from fem.correction import (
+    corrected_class,
+    energy_errors,
+    recovered_stress,
+    strain_energy,
+    stresses_at,
+)
 from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import STEEL
-from fem.recovery import energy_errors, recovered_stress, strain_energy, stresses_at
 from fem.supports import Neighbors
 from fem.symmetry import symmetry_classes
 from geometry.mesh import mesh_throw
@@ -123,7 +127,7 @@ def test_quadratic_stress_is_exact_at_inner_corners(cube, monkeypatch):
     assert of_elements > 0.01
     assert error() <= 1e-4
     # So little that corners of the cube, with too few samples for a fit, have some solution.
-    monkeypatch.setattr(fem.recovery, "HELD_BACK", np.full(10, 1e-15))
+    monkeypatch.setattr(fem.correction, "HELD_BACK", np.full(10, 1e-15))
     assert error() <= ROUND_OFF
 
 

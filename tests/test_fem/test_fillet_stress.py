@@ -10,29 +10,26 @@ from crankbase.errors import InputError
 from fem import fillet_stress
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import nodes_on
-from fem.fields import displacement_field, images
-from fem.fillet_peaks import fillet_points, fillet_surface
-from fem.fillet_stress import fillet_stresses
-from fem.fillets import sharp_corners, throw_fillets
+from fem.fields import displacement_field, images, stress_fields
+from fem.fillet_peaks import fillet_points, fillet_surface, reading_quality
+from fem.fillet_stress import fillet_stresses, nominal_stress, torsion_modulus, web_section
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
-from fem.nominal_stress import nominal_stress, torsion_modulus, web_section
-from fem.rule_mesh import reading_quality
-from fem.stress_fields import stress_fields
 from fem.surface_stress import (
     as_components,
     as_matrices,
+    sharp_corners,
     smallest_rotations,
     surface_stress,
     tangent_frames,
+    throw_fillets,
     von_mises,
 )
 from fem.symmetry import SymmetryClass
 from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads, whole_facets, whole_nodes
-from geometry.facets import six_node_triangles
 from geometry.imported import import_throw, imported_parts
-from geometry.imported_mesh import mesh_imported_throw
-from geometry.mesh import mesh_throw
+from geometry.mesh import mesh_throw, six_node_triangles
+from geometry.mesher import mesh_imported_throw
 from geometry.sizes import SizeMap
 from geometry.solid import FILLET, LEFT_END, RIGHT_END
 from geometry.solid_files import write_step

@@ -10,10 +10,18 @@ from scipy.linalg import eigh
 from comparing import close
 from crankbase.errors import InputError, SolveError
 from fem.assembly import symmetric_product
-from fem.class_modes import ClassModes, PartMatrices, class_problem, frequencies_of
 from fem.condensation import blocked_unknowns
 from fem.material import STEEL
-from fem.modes import _lowest_modes, free_modes, name_of_motion, rigid_count
+from fem.modes import (
+    ClassModes,
+    PartMatrices,
+    _lowest_modes,
+    class_problem,
+    free_modes,
+    frequencies_of,
+    name_of_motion,
+    rigid_count,
+)
 from fem.symmetry import SymmetryClass, symmetry_classes
 from geometry.mesh import mesh_throw
 
@@ -169,7 +177,7 @@ def test_a_mesh_in_two_pieces_is_refused(coarse):
 
 
 def test_a_mode_that_misses_its_equation_is_refused(coarse, monkeypatch):
-    monkeypatch.setattr("fem.class_modes.LARGEST_RESIDUAL", 1e-15)
+    monkeypatch.setattr("fem.modes.LARGEST_RESIDUAL", 1e-15)
     with pytest.raises(
         SolveError, match=r"leaves a relative residual of .* \(allowed 1e-15\): (pardiso|superlu)"
     ):
@@ -196,7 +204,7 @@ def test_wishes_that_make_no_sense(coarse, wish, message):
 
 
 def test_more_modes_than_the_mesh_can_show(coarse, monkeypatch):
-    monkeypatch.setattr("fem.class_modes.MOST_MODES", 4)
+    monkeypatch.setattr("fem.modes.MOST_MODES", 4)
     matrices = PartMatrices.of_mesh(coarse, STEEL)
     with class_problem(coarse, matrices, SymmetryClass(1, 1), shift=1e7) as problem:
         assert problem.most_modes == 10

@@ -9,13 +9,13 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
-from fem.axial_analysis import class_axial_compliances, class_torsional_compliance
 from fem.loads import radial_directions
 from fem.responses import evaluate_throw
 from fem.shaft import shaft_compliances, solve_shaft
 from fem.superelement import UZ
-from fem.supports import Neighbors, support_throw
+from fem.supports import Neighbors, class_torsional_compliance, support_throw
 from fem.symmetry import axial_class, torsional_class
+from fem.throw_analysis import class_axial_compliances
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web

@@ -17,10 +17,17 @@ from fem.condensation import nodes_on
 from fem.fillet_stress import fillet_stresses
 from fem.loads import pin_load, pin_surfaces, unit_pin_loads
 from fem.material import STEEL
-from fem.pin_response import equivalent_load, local_motion, pin_compliance, pin_response
 from fem.responses import RESPONSES, evaluate_throw
 from fem.solver import Factorization, factorize
-from fem.supports import Neighbors, all_end_motions, end_motions
+from fem.supports import (
+    Neighbors,
+    all_end_motions,
+    end_motions,
+    equivalent_load,
+    local_motion,
+    pin_compliance,
+    pin_response,
+)
 from geometry.solid import LEFT_END, MAIN_JOURNAL, RIGHT_END
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web

@@ -13,25 +13,28 @@ from hypothesis import strategies as st
 from scipy import sparse
 from scipy.sparse.csgraph import dijkstra
 
-import fem.accuracy
-import fem.refinement
+import fem.analysis
 from comparing import close
 from crankbase.stopwatch import Stopwatch
-from fem.accuracy import (
+from fem.analysis import (
     AIM_FILLETED,
     FIRST_FILLETED,
     FIRST_SHARP,
+    GROWTH,
+    MADE_SMALLER,
+    MOST_COARSENED,
     MOST_CORRECTED,
+    MOST_REFINED,
+    ORDER,
     Problem,
+    refined_sizes,
     solve_level,
     solve_to_accuracy,
 )
-from fem.axial_analysis import class_axial_compliances
+from fem.correction import EnergyErrors
 from fem.material import STEEL
-from fem.recovery import EnergyErrors
-from fem.refinement import GROWTH, MADE_SMALLER, MOST_COARSENED, MOST_REFINED, ORDER, refined_sizes
-from geometry.mesh import mesh_throw
-from geometry.mesh_checks import check_quality
+from fem.supports import class_axial_compliances
+from geometry.mesh import check_quality, mesh_throw
 from geometry.mesher import expected_unknowns
 from geometry.shapes import element_volumes
 
@@ -45,7 +48,7 @@ PROBLEM = Problem(STEEL, "auto", "rigid", Stopwatch())
 @pytest.fixture
 def all_digits(monkeypatch):
     """Sizes with all their digits, for laws that hold exactly."""
-    monkeypatch.setattr(fem.refinement, "SIZE_STEP", 1e-14)
+    monkeypatch.setattr(fem.analysis, "SIZE_STEP", 1e-14)
 
 
 def separate_elements(mesh, edges):
@@ -161,7 +164,7 @@ def test_sizes_grow_gently_and_no_more_than_needed(mesh, monkeypatch):
     errors = EnergyErrors(10.0 ** rng.uniform(-8.0, 0.0, len(mesh.elements)), 100.0)
     found = {}
     for growth in (0.15, GROWTH, 1e9):
-        monkeypatch.setattr(fem.refinement, "GROWTH", growth)
+        monkeypatch.setattr(fem.analysis, "GROWTH", growth)
         found[growth] = refined_sizes(mesh, errors, 0.01)
     wished = found.pop(1e9).sizes
     for growth, limited in found.items():
@@ -259,7 +262,7 @@ def test_a_mesh_that_gets_no_better_ends_the_search(throw, mesh, level):
 
 def test_meshes_stay_within_the_budget(throw, mesh, monkeypatch):
     """Sizes are scaled so that no more unknowns are expected than allowed; the first mesh's too."""
-    monkeypatch.setattr(fem.accuracy, "MOST_UNKNOWNS", 5_000)
+    monkeypatch.setattr(fem.analysis, "MOST_UNKNOWNS", 5_000)
     mesher = Recorder(mesh)
     solve_to_accuracy(throw, 0.001, PROBLEM, mesher)
     first, (factor, _, sizes) = mesher.asked[0][0], mesher.asked[1]

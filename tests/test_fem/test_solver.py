@@ -11,15 +11,18 @@ from comparing import close
 from crankbase import memory
 from crankbase.errors import InputError, NotEnoughMemoryError, SolveError
 from crankbase.stopwatch import Stopwatch
-from fem import accuracy
-from fem.accuracy import Problem, solve_level
-from fem.analysis import analyze_throw
+from fem import analysis
+from fem.analysis import Problem, analyze_throw, solve_level
 from fem.assembly import assemble_stiffness
 from fem.condensation import condense
 from fem.fillet_stress import fillet_stresses
 from fem.loads import RADIAL, unit_pin_loads
 from fem.material import STEEL
-from fem.solver import Factorization, SharedSolver, refined_solution
+from fem.solver import (
+    Factorization,
+    SharedSolver,
+    refined_solution,
+)
 from fem.superelement import checked_superelement
 from fem.symmetry import axial_class, symmetry_classes
 from geometry.throw import CrankThrow
@@ -202,7 +205,7 @@ def test_a_stiffness_that_holds_the_throw_in_space(mesh, monkeypatch):
         spring = 1e-4 * found.diagonal().max() * (np.arange(found.shape[0]) == 3 * len(points) // 2)
         return (found + sparse.diags_array(spring)).tocsr()
 
-    monkeypatch.setattr(accuracy, "assemble_stiffness", grounded)
+    monkeypatch.setattr(analysis, "assemble_stiffness", grounded)
     with pytest.raises(SolveError, match="Rigid motions of the throw meet forces of"):
         solved(mesh)
 
@@ -213,7 +216,7 @@ def test_a_web_without_stiffness(mesh, monkeypatch):
         left, right = (assemble_stiffness(points, elements[own], material) for own in (cut, ~cut))
         return (1e-10 * left + right).tocsr()
 
-    monkeypatch.setattr(accuracy, "assemble_stiffness", soft)
+    monkeypatch.setattr(analysis, "assemble_stiffness", soft)
     with pytest.raises(SolveError, match="stiffness is not positive definite"):
         solved(mesh)
 
@@ -225,7 +228,7 @@ def test_a_load_of_which_a_node_is_lost(mesh, monkeypatch):
         values[:, 0] = 0.0
         return (replace(load, values=values),)
 
-    monkeypatch.setattr(accuracy, "unit_pin_loads", dropped)
+    monkeypatch.setattr(analysis, "unit_pin_loads", dropped)
     with pytest.raises(SolveError, match="leave an unbalanced share of a pin's load of"):
         solved(mesh)
 

@@ -13,13 +13,18 @@ from crankbase.errors import InputError
 from crankfem.analyses.throw.throw_record import reciprocity_record
 from fem.analysis import analyze_throw
 from fem.assembly import assemble_stiffness
-from fem.axial_analysis import class_axial_compliances, class_torsional_compliance
 from fem.condensation import nodes_on
 from fem.loads import uniform_pin_loads
 from fem.material import STEEL
 from fem.shaft import assemble_shaft, free_unknowns
 from fem.superelement import RZ, UZ, superelement_of_end_forces
-from fem.supports import Neighbors, reactions, support_throw
+from fem.supports import (
+    Neighbors,
+    class_axial_compliances,
+    class_torsional_compliance,
+    reactions,
+    support_throw,
+)
 from fem.symmetry import symmetry_classes
 from geometry.shapes import smallest_jacobians
 from geometry.solid import LEFT_END

@@ -8,12 +8,10 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from geometry.drilled_solid import on_drilling
 from geometry.gmsh_session import gmsh_session
 from geometry.mass import mass_properties, mesh_mass_properties
-from geometry.mesh import mesh_throw
-from geometry.mesh_checks import check_solid, solid_properties
-from geometry.solid import OIL_HOLE, build_solid
+from geometry.mesh import check_solid, mesh_throw, solid_properties
+from geometry.solid import OIL_HOLE, build_solid, on_drilling
 from geometry.throw import CrankThrow
 from geometry.throw_checks import FIRST_EIGHT, fits_plainly
 from geometry.throw_dimensions import Counterweight, FurtherPin, OilHole, ThrowDimensions, Web

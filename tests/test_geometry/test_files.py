@@ -27,9 +27,8 @@ from crankbase.outputs import (
 )
 from geometry.imported import import_throw
 from geometry.mesh import mesh_throw
-from geometry.mesh_files import ENDINGS, write_mesh
 from geometry.shapes import element_volumes
-from geometry.solid_files import write_step
+from geometry.solid_files import MESH_ENDINGS, write_mesh, write_step
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web
 
@@ -342,7 +341,7 @@ def test_values_at_nodes_travel(mesh, tmp_path):
 def test_unknown_endings_and_missing_folders(mesh, tmp_path):
     with pytest.raises(InputError, match=r"'\.bdf'; allowed for a mesh are \.msh"):
         write_mesh(mesh, tmp_path / "throw.bdf")
-    for ending in ENDINGS:
+    for ending in MESH_ENDINGS:
         if ending == ".med":
             continue
         with pytest.raises(InputError, match="cannot be written"):

@@ -15,8 +15,14 @@ import pytest
 from comparing import close
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError, MeshError, MissingLibraryError
-from geometry.gmsh_session import DEBIAN_PACKAGES, gmsh_session, load_gmsh, missing_library_advice
-from geometry.isolated import IsolatedProcess, shared_process
+from geometry.gmsh_session import (
+    DEBIAN_PACKAGES,
+    IsolatedProcess,
+    gmsh_session,
+    load_gmsh,
+    missing_library_advice,
+    shared_process,
+)
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
@@ -248,7 +254,7 @@ def test_a_call_ends_with_an_owner_that_is_killed(own, tmp_path):
     setup = f"import ctypes, pathlib; pathlib.Path({str(begun)!r}).touch()"
     call = ["-n1", "-r1", "-s", setup, "ctypes.PyDLL(None).sleep(60)"]
     owner = own(
-        "from geometry.isolated import IsolatedProcess\n"
+        "from geometry.gmsh_session import IsolatedProcess\n"
         f"IsolatedProcess().call('timeit:main', {call!r}, time_limit=60.0)"
     )
     owner.wait_for(begun.exists)

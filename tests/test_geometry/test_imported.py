@@ -9,17 +9,16 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError, MeshError
 from fem.assembly import assemble_stiffness
-from fem.axial_analysis import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
+from fem.supports import class_axial_compliances
 from fem.symmetry import axial_class
-from geometry.gmsh_session import gmsh_session
-from geometry.imported import import_throw
-from geometry.imported_mesh import mesh_imported_throw
-from geometry.isolated import IsolatedProcess
+from geometry.gmsh_session import IsolatedProcess, gmsh_session
+from geometry.imported import decode_string, import_throw, read_step
 from geometry.mass import mass_properties
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
+from geometry.mesher import mesh_imported_throw
 from geometry.shapes import element_volumes
 from geometry.solid import (
     BORE,
@@ -31,7 +30,6 @@ from geometry.solid import (
     make_solid,
     remove_loose,
 )
-from geometry.step_file import decode_string, read_step
 from geometry.throw import CrankThrow
 
 METER = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT($,.METRE.) )"

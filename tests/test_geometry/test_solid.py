@@ -8,25 +8,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import geometry.built_solid
 import geometry.mesh
 from comparing import close
 from crankbase.errors import InputError, MeshError
 from geometry import crankshaft
-from geometry.built_solid import SolidKeeper
 from geometry.crankshaft import Crankshaft, ShaftEnds, make_shaft, throw_masses, throw_solid
-from geometry.gmsh_session import gmsh_session
-from geometry.isolated import IsolatedProcess
+from geometry.gmsh_session import IsolatedProcess, gmsh_session
 from geometry.mass import cylinder_mass_properties, mass_properties, mesh_mass_properties, unbalance
-from geometry.mesh import mesh_throw
-from geometry.mesh_checks import solid_properties
+from geometry.mesh import SolidKeeper, mesh_throw, solid_properties
 from geometry.mesher import mesh_isolated
 from geometry.outline import Arc, obround, rectangle
-from geometry.parts import scaled_parts
+from geometry.parts import counterweight_moment, scaled_parts
 from geometry.sizes import element_sizes, sizes_at_corners
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight, FurtherPin, OilHole, Web
-from geometry.volume import counterweight_moment
 
 
 def same(first, second):
@@ -42,7 +37,7 @@ def same(first, second):
 def keeper(monkeypatch):
     made = SolidKeeper()
     made.keeps = True
-    monkeypatch.setattr(geometry.built_solid, "_KEEPER", made)
+    monkeypatch.setattr(geometry.mesh, "_KEEPER", made)
     yield made
     made.close()
     assert not gmsh.isInitialized()
@@ -58,7 +53,7 @@ def bored(dimensions):
 def test_meshes_of_a_kept_solid_are_bit_identical(bored, keeper, part):
     """Whatever was meshed before, by a plan or a map."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(geometry.built_solid, "_KEEPER", SolidKeeper())
+        patch.setattr(geometry.mesh, "_KEEPER", SolidKeeper())
         coarse = mesh_throw(bored, 3.0, part)
         corners = coarse.elements[:, :4]
         sizes = sizes_at_corners(coarse.points, corners, element_sizes(coarse.points, corners))

@@ -181,7 +181,7 @@ def damaged(text, kind):
         ("other kind", "given a file of another kind; allowed is a compliance model file"),
         ("list", "given a file of another kind"),
         ("empty", "not complete JSON"),
-        ("newer", "given format version 5; allowed are 1 to 4"),
+        ("newer", "given format version 5; allowed is 4"),
         ("long number", "given a number of thousands of digits"),
         ("no responses", "checksum does not fit"),
     ],

@@ -5,7 +5,6 @@ Bands and the angle law are recalculated here from their definitions; they agree
 
 import copy
 import itertools
-import json
 import math
 import pickle
 import re
@@ -25,7 +24,6 @@ from regression.fits.terms import polynomial_terms
 from regression.models.angle import between, fold_angle
 from regression.models.compliance_model import ComplianceModel
 from regression.models.extrapolation import OutsideRangeWarning
-from regression.models.model_file import UNCORRECTED, UNKNOWN_CONSTRAINTS, checksum
 from regression.models.response_model import ResponseModel
 from regression.models.response_query import PIECE, compile_equation
 
@@ -438,78 +436,6 @@ def test_copies_and_processes_answer_alike(model):
         update={"responses": {"axial_compliance": model.responses["axial_compliance_in_line"]}}
     )
     assert changed.axial_compliance(**MIDDLE) == model.value("axial_compliance_in_line", **MIDDLE)
-
-
-def test_many_spellings_do_not_fill_the_memory(model):
-    for names in itertools.permutations(BOX):
-        model.axial_compliance(**{name: MIDDLE[name] for name in names})
-    for number in range(1200):
-        with pytest.raises(InputError, match="unknown dimension"):
-            model.axial_compliance(**MIDDLE, **{f"color_{number}": 1.0})
-    assert len(model._compiled._ways) <= 1000
-    assert model.axial_compliance(**MIDDLE) > 0.0
-
-
-# ------------------------------------------------------------------------------------- older files
-
-
-def old_file(model):
-    """The file of the previous format for the first response of a model."""
-    kept = (
-        *("form", "factors", "center", "half_range", "coefficients", "lowest", "highest", "symbol"),
-        *("unit", "support", "r_squared", "q_squared", "largest_error", "largest_heldout_error"),
-        *("runs", "heldout_runs", "equation"),
-    )
-    responses = {
-        name: {field: response.model_dump(mode="json")[field] for field in kept}
-        for name, response in model.responses.items()
-    }
-    content = {
-        "responses": responses,
-        "fixed": {"crank_radius": 0.17},
-        "material": {},
-        "provenance": {"study": "abc", "largest_fe_error_estimate": 0.008},
-    }
-    return {
-        "format": "crankfem compliance model",
-        "version": 1,
-        "checksum": checksum(content),
-        **content,
-    }
-
-
-@pytest.mark.parametrize("form", ["linear", "quadratic", "log-quadratic"])
-def test_files_of_the_previous_format_are_read(tmp_path, form):
-    model = ComplianceModel(
-        responses={"axial_compliance": response(power(1e-9, -1.0), "e_n", "m/N", form)}
-    )
-    path = tmp_path / "old.json"
-    path.write_text(json.dumps(old_file(model)))
-    loaded = ComplianceModel.load(path)
-    assert loaded.axial_compliance(**MIDDLE) == model.axial_compliance(**MIDDLE)
-    assert loaded.lookup("axial_compliance", **MIDDLE).fe_error == 0.008
-    assert loaded.provenance["study"] == "abc"
-    loaded.save(path)
-    assert json.loads(path.read_text())["version"] == 4
-    assert ComplianceModel.load(path) == loaded
-    for found in (
-        loaded.lookup("axial_compliance", **MIDDLE),
-        loaded.lookups("axial_compliance", **MIDDLE),
-    ):
-        assert found.inside
-        assert found.remarks == (UNKNOWN_CONSTRAINTS, UNCORRECTED)
-
-
-def test_a_damaged_file_of_the_previous_format(tmp_path, model):
-    record = old_file(model)
-    del record["responses"]["mass"]["factors"]
-    record["checksum"] = checksum(
-        {name: record[name] for name in ("responses", "fixed", "material", "provenance")}
-    )
-    path = tmp_path / "old.json"
-    path.write_text(json.dumps(record))
-    with pytest.raises(InputError, match="its content is not that of format 1"):
-        ComplianceModel.load(path)
 
 
 def test_no_warning_from_numpy(model):

@@ -13,7 +13,7 @@ from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.angle_law import angle_law
-from fem.end_moments import end_moment_numbers
+from fem.responses import end_moment_numbers
 from fem.supports import Neighbors, reactions, support_throw
 from plans import FILLETED
 from regression.fits.fits import fit_form

@@ -15,7 +15,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, assumed_values, attributes
-from crankfem.files.hinge.hinge_file import HingeFile
+from crankfem.files.hinge_file import HingeFile
 from dynamics.hinge.crosshead import KINEMATICS, Kinematics
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import GasSpring, HingeProfile

@@ -19,7 +19,7 @@ from dynamics.balance.balance import (
     hodograph_change,
 )
 from dynamics.balance.moving_masses import Hodograph, moving_masses
-from geometry.volume import counterweight_moment
+from geometry.parts import counterweight_moment
 
 BALANCED_TEXT = "balanced"
 SENSES = {1: "with shaft", -1: "against", 0: "line"}

@@ -16,7 +16,7 @@ from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
 from crankfem.analyses.mechanism.rod_models import ROUND_OFF, ModelDifference, compare_rod_models
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
-from crankfem.files.engine.rated_power import EnginePower, indicated_power
+from crankfem.files.engine.usual_sizes import EnginePower, indicated_power
 from dynamics.cycle import cycle_radians
 from dynamics.engine.firing import firing_intervals
 from dynamics.engine.forces import pin_groups

@@ -20,7 +20,7 @@ from crankbase.units.number_formats import UNBOUNDED, significant
 from crankbase.units.units import RPM
 from crankfem.analyses.shaft.chains import ASSUMED, MOTION, magnifier_of, shaft_surroundings
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
-from crankfem.files.chain.shaft_lines import PLANT
+from crankfem.files.chain.chain_file import PLANT
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.excitation_sections import PropellerForcesSection
 from dynamics.chains.engine_chains import EngineChain, Kind

@@ -38,9 +38,9 @@ from dynamics.strength.fatigue import (
     findley_factor,
     findley_limit,
 )
+from fem.fields import StressedSite, StressFields, stress_fields
 from fem.fillet_peaks import FilletStresses
 from fem.fillet_stress import fillet_stresses
-from fem.stress_fields import StressedSite, StressFields, stress_fields
 
 # Speeds at which nodes are chosen first, how many are followed over all speeds, and how far these are apart
 # beside the radius of the fillet or hole.

@@ -6,9 +6,8 @@ from pathlib import Path
 
 from crankbase.errors import InputError, MeshError
 from crankbase.outputs import atomic_file, check_output, is_listed, write_errors
-from geometry.mesh_files import SOLID_ENDINGS, write_mesh
 from geometry.mesher import mesh_isolated
-from geometry.solid_files import write_step
+from geometry.solid_files import SOLID_ENDINGS, write_mesh, write_step
 from geometry.throw import CrankThrow
 from regression.plans.plan import PlannedDesign, PlannedStudy
 from regression.records import content_key

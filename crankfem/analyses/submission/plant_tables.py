@@ -11,10 +11,15 @@ from crankfem.analyses.submission.firing_cases import HIGHEST_SHARE
 from crankfem.analyses.submission.mode_tables import MEGA_STIFFNESS, orders_of
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
-from crankfem.files.engine.mechanism_load import curve_at, full_load_only, pressure_maps
+from crankfem.files.engine.mechanism_file import (
+    MechanismFile,
+    curve_at,
+    full_load_only,
+    mechanism_of,
+    pressure_maps,
+)
+from crankfem.files.sections.cylinder_pressures import LoadSection
 from crankfem.files.sections.excitation_sections import gas_map_load
-from crankfem.files.sections.load_section import LoadSection
 from dynamics.chains.chain import Chain
 from dynamics.excitation.cylinders import CylinderHarmonics, cylinder_harmonics
 

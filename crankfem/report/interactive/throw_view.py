@@ -29,7 +29,7 @@ from crankfem.report.interactive.triangles import TriangleSurface, decimate_tria
 from fem.fillet_peaks import FilletStresses
 from fem.throw_analysis import ThrowAnalysis
 from fem.unit_loads import whole_nodes
-from geometry.facets import SUBTRIANGLES
+from geometry.mesh import SUBTRIANGLES
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

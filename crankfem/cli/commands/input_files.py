@@ -1,4 +1,4 @@
-"""A file to start from: a commented template, or a copy of a shipped one."""
+"""`crankfem check`, `new` and `fields`: input files."""
 
 import os
 from pathlib import Path
@@ -11,7 +11,52 @@ from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import Output, with_output
-from crankfem.cli.console import print_json
+from crankfem.cli.console import print_json, print_table
+
+
+@with_output(files=True, units=True)
+def check(
+    file: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE.toml",
+            help="Engine, throw, hinge or chain file, or the name of a shipped one.",
+            autocompletion=completion.any_input,
+        ),
+    ],
+    picture: Annotated[
+        Path | None,
+        typer.Option(metavar="THROW.svg", help="Also draw the throw with its dimensions."),
+    ] = None,
+    *,
+    out: Output,
+) -> None:
+    """Check a file: show how it is read, what is assumed, and which commands can use it."""
+    from crankbase.errors import InputError
+    from crankfem.analyses.file_check import check_file, check_record
+    from crankfem.cli.tables.throw_tables import print_check
+
+    checked = check_file(file)
+    record = check_record(checked)
+    if picture is not None:
+        from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
+        from crankfem.jobs.outputs import check_writable
+
+        if checked.throw is None:
+            raise InputError(
+                f"--picture: given with a {checked.kind} file; allowed is a file with a throw, because "
+                "that is drawn."
+            )
+        check_drawing_ending(picture)
+        check_writable(picture, "picture", checked.path)
+        record["picture"] = str(write_drawing(checked.throw, picture, checked.path.stem))
+    if out.json:
+        print_json(record)
+        return
+    print_check(record, out.units)
+    if picture is not None:
+        console.print_line(f"{picture} written.")
+
 
 CYLINDERS, STROKES = 6, 4
 # What serves a file best, by its kind.
@@ -92,7 +137,7 @@ def new(
 
 def _write_template(file: Path, cylinders: int | None, strokes: int | None) -> None:
     from crankbase.outputs import write_user_file
-    from crankfem.files.engine.engine_template import engine_template
+    from crankfem.files.engine.file_kinds import engine_template
 
     text = engine_template(
         file.name,
@@ -105,7 +150,7 @@ def _write_template(file: Path, cylinders: int | None, strokes: int | None) -> N
 def _copy(source: str, file: Path) -> str:
     """Copy a shipped file; return its kind."""
     from crankbase.outputs import write_user_file
-    from crankfem.files.engine.shipped import shipped_files
+    from crankfem.files.engine.file_kinds import shipped_files
     from crankfem.jobs.outputs import check_writable
 
     known = {one.name: one for one in shipped_files()}
@@ -122,7 +167,7 @@ def _copy(source: str, file: Path) -> str:
 def _list(json: bool) -> None:
     from crankbase.tables.table import Column, Table
     from crankfem.analyses.record import attributes
-    from crankfem.files.engine.shipped import shipped_files
+    from crankfem.files.engine.file_kinds import shipped_files
 
     if json:
         print_json(
@@ -141,3 +186,32 @@ def _list(json: bool) -> None:
             [[one.name, one.kind, one.about] for one in shipped_files()],
         )
     )
+
+
+@with_output()
+def fields(
+    section: Annotated[
+        str | None,
+        typer.Argument(
+            help="Section of an engine file, such as throw, or chain for a chain file; by default all "
+            "sections of an engine file.",
+            autocompletion=completion.sections,
+        ),
+    ] = None,
+    *,
+    out: Output,
+) -> None:
+    """List the fields of an engine or chain file: meaning, unit, allowed range, default."""
+    from dataclasses import asdict, astuple
+
+    from crankbase.tables.table import Column, Table
+    from crankfem.files.engine.field_tables import section_tables
+
+    found = section_tables(section)
+    if out.json:
+        print_json({"sections": [asdict(table) for table in found]})
+        return
+    for table in found:
+        columns = [Column(name, words=True) for name in ("field", "unit", "allowed", "meaning")]
+        rows = [list(astuple(row)) for row in table.rows]
+        print_table(Table(f"{table.title} ({table.need})", columns, rows))
