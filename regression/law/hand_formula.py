@@ -48,7 +48,6 @@ def hand_formula(throw: CrankThrow, *, youngs_modulus: float = 2.1e11) -> Formul
 
     Parameters
     ----------
-    throw : CrankThrow
     youngs_modulus : float
         E [Pa].
 

@@ -455,10 +455,6 @@ class ComplianceModel(ModelValues):
     def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
         """Return the dimensions and labels of a throw for queries to the model.
 
-        Parameters
-        ----------
-        throw : CrankThrow
-
         Raises
         ------
         InputError
@@ -473,7 +469,6 @@ class ComplianceModel(ModelValues):
 
         Parameters
         ----------
-        throw : CrankThrow
         gamma_deg, strict
             As in `axial_compliance`; the angle is for the responses that depend on it.
 
@@ -531,10 +526,6 @@ class ComplianceModel(ModelValues):
             As in `lookup`. By default factors are in the middle of their range, choices at
             their first label.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError
@@ -578,10 +569,6 @@ class ComplianceModel(ModelValues):
         **dimensions : float, str or (n,) array_like
             Arrays form the grid. By default factors are in the middle of their range,
             choices at their first label; these are in ``attrs`` of the dataset.
-
-        Returns
-        -------
-        xarray.Dataset
 
         Raises
         ------
