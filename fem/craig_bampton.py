@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import block_diag, eigh
 
-from crankbase.checks.scalars import is_number, whole_within
+from crankbase.checks.choices import is_number, whole_within
 from crankbase.diagrams import GRAY, new_axes
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized

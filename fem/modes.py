@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from crankbase.checks.scalars import is_number, whole_within
+from crankbase.checks.choices import is_number, whole_within
 from crankbase.diagrams import new_axes
 from crankbase.errors import InputError, SolveError, quoted
 from crankbase.summaries import summarized

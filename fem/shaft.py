@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.angles import refuse_crank_radians
-from crankbase.checks.arrays import finite_vector
+from crankbase.checks.arrays import finite_vector, refuse_crank_radians
 from crankbase.checks.choices import check_choice
 from crankbase.diagrams import display_unit, draw_groups, draw_matrix, new_axes, write_title
 from crankbase.errors import InputError

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from crankbase.checks.arrays import LARGEST, SMALLEST
-from crankbase.checks.choices import did_you_mean
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import did_you_mean, is_number
 from crankbase.diagrams import RED, draw_groups, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized

@@ -20,9 +20,8 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table, table_of
+from crankbase.tables.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.assessment.barred_ranges import (

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.scalars import is_whole_within
+from crankbase.checks.choices import is_whole_within
 from crankbase.diagrams import (
     BLUE,
     ORANGE,
@@ -21,9 +21,8 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from crankbase.units.units import RPM
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     check_shape,
+    checked_degrees,
     finite_array,
     positive_vector,
     turning_speeds,
 )
-from crankbase.checks.scalars import whole_number, whole_within
+from crankbase.checks.choices import whole_number, whole_within
 from crankbase.diagrams import (
     BLUE,
     COLORS,
@@ -28,9 +28,8 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.units import RPM
 from dynamics.excitation.chain_excitation import axial_throw_forces
 from dynamics.excitation.cylinders import CylinderForces

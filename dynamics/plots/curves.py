@@ -27,7 +27,7 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
+from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.indices import within
 from dynamics.plots.quantities import SPEED_LABEL, QuantityDisplay

@@ -19,7 +19,7 @@ from crankbase.diagrams import (
     new_axes,
     write_title,
 )
-from crankbase.library_types import Axes
+from crankbase.tables.frames import Axes
 from dynamics.indices import grouped
 
 ORDER_LABEL = "harmonic order [cycles per revolution]"

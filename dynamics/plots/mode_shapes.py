@@ -6,7 +6,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.diagrams import BLUE, COLORS, GRAY, GREEN, ORANGE, legend_above
-from crankbase.library_types import Axes
+from crankbase.tables.frames import Axes
 from dynamics.plots.quantities import MILLI
 
 # Letters that stand side by side under the axis.

@@ -11,9 +11,8 @@ from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, posi
 from crankbase.checks.choices import check_choice
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, SolveError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name
 from dynamics.plots.curves import draw_named_curves

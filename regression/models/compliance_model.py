@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.choices import check_not_given
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import check_not_given, whole_number
 from crankbase.diagrams import BLUE, RED, display_unit, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid, table

@@ -52,20 +52,6 @@ def test_other_readings(call):
         assert content["left_out"] == []
 
 
-def test_constants(call):
-    arguments = ("formulas", "6chn25-34", "--no-fe", "--json")
-    plain = call(*arguments).json()["axial"]
-    given = call(*arguments, "--constant", "k_n=0.5", "--constant", "C=2").json()["axial"]
-    for before, after in zip(plain, given, strict=True):
-        if before["name"] == "Guglielmotti-Macchiotta":
-            assert after["value"] == close(2.0 * before["value"], rel=1e-12)
-        elif before["name"] == "Stoyanov":
-            assert after["value"] < before["value"]
-            assert after["valid"] > before["valid"]
-        else:
-            assert after == before
-
-
 @pytest.mark.parametrize(
     ("arguments", "fragment"),
     [

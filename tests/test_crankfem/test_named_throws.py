@@ -560,15 +560,6 @@ def test_every_value_says_where_it_comes_from(name):
     assert not without
 
 
-@pytest.mark.parametrize("name", shipped_names("engine"))
-def test_citations_and_short_names_belong_together(name):
-    text = input_path(name).read_text(encoding="utf-8")
-    body, _, _ = text.partition("[sources]")
-    short = set(read_toml(input_path(name)).sources)
-    assert all(re.search(rf"\b{source}\b", body) for source in short)
-    assert set(re.findall(r"\b(?:yamanin|makushev|mikhina|cat)\d{4}\b", body)) <= short
-
-
 @pytest.mark.parametrize("name", SHIPPED_FULL)
 def test_full_engine_files_are_valid(name):
     engine = load_engine(name)

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError, MeshError, SolveError
-from crankbase.library_types import DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table_of
+from crankbase.tables.frames import DataFrame, Row, table_of
 from crankbase.tables.table import Column, Table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain

@@ -6,13 +6,10 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 
 from crankbase.errors import InputError
-from crankbase.library_types import DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table_of
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
-from crankbase.units.number_formats import UNBOUNDED
-from crankbase.units.units import RPM
+from crankbase.tables.frames import DataFrame, table_of
+from crankbase.tables.table import SI, Column, OutputUnits, Table
+from crankbase.units.units import RPM, UNBOUNDED
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.strength.cycle_loads import (
     HIGHEST_ORDER,

@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.tables.output_units import OutputUnit
-from crankbase.tables.table import Cell, Column, Table
-from crankbase.units.number_formats import UNBOUNDED
+from crankbase.tables.table import Cell, Column, OutputUnit, Table
 from crankbase.units.quantity import format_quantity
+from crankbase.units.units import UNBOUNDED
 from crankfem.analyses.submission.firing_cases import (
     GEARS,
     GENERATOR,

@@ -9,9 +9,8 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
-from crankbase.tables.output_units import OutputUnit
-from crankbase.tables.table import Cell, Column, Table
-from crankbase.units.number_formats import UNBOUNDED
+from crankbase.tables.table import Cell, Column, OutputUnit, Table
+from crankbase.units.units import UNBOUNDED
 from crankfem.analyses.submission.firing_cases import (
     HIGHEST_SHARE,
     MEANING,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized

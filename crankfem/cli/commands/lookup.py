@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crankbase.errors import InputError
-from crankbase.wrong_files import not_a_file
+from crankbase.input_file import not_a_file
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import GammaOption, ModelArgument, Output, with_output
 from crankfem.cli.console import print_json, print_line, print_table
 
 if TYPE_CHECKING:
-    from crankbase.tables.output_units import OutputUnits
+    from crankbase.tables.table import OutputUnits
     from crankfem.analyses.study.nominal_throw import Kind
     from regression.models.compliance_model import ComplianceModel
     from regression.models.lookup import Lookup

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.diagrams import GRAY, STYLE, Band, Curves, Mark, order_line_style
-from crankbase.units.number_formats import format_number
-from crankbase.units.units import DISPLAY_UNITS
+from crankbase.units.units import DISPLAY_UNITS, format_number
 from regression.plans.factors import Factor
 from regression.throw_values import factor_label
 
