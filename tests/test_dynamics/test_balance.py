@@ -351,22 +351,6 @@ def test_no_order_leads_where_all_are_balanced():
     assert leading_stars(stars) == ()
 
 
-parts = st.builds(cmath.rect, st.floats(0.1, 10.0), st.floats(-math.pi, math.pi, exclude_min=True))
-hodographs = st.builds(Hodograph, st.integers(1, 6), parts, parts)
-
-
-@given(hodographs, st.floats(-4.0, 4.0))
-@settings(max_examples=20)
-def test_amplitude_along_a_direction(shape, direction):
-    turn = cmath.exp(-1j * direction)
-    component = order_vectors(
-        (shape.at(shaft_angle_deg=np.arange(20) * 18.0) * turn).real, [shape.order]
-    )[0]
-    assert shape.amplitude_along(angle_deg=np.degrees(direction)) == close(
-        component.major, abs=1e-14 * shape.major
-    )
-
-
 def test_sense_and_points():
     forward, backward = Hodograph(1, 2.0, 1.0), Hodograph(2, 1.0, 2j)
     assert (forward.sense, backward.sense) == (1, -1)

@@ -237,15 +237,6 @@ def test_cycle_angles_are_turned_into_crank_angles(written, strokes, last):
     assert table.crank_angle_deg.tolist() == [0.0, last / 2.0, last]
 
 
-def test_harmonics_count_from_crank_angle_zero(written):
-    angles = np.arange(-360.0, 360.0, 60.0)
-    torques = np.sin(np.radians(angles) + 0.4)
-    rows = [f"{angle},{torque:.15g}" for angle, torque in zip(angles, torques, strict=True)]
-    found = read_torque_table(written(CRANK + "\n".join(rows))).harmonics()
-    assert found.amplitude[1] == close(1.0)
-    assert found.phase[1] == close(0.4)
-
-
 def test_byte_order_mark_and_windows_lines_are_accepted(tmp_path):
     path = tmp_path / "torque.csv"
     path.write_bytes(b"\xef\xbb\xbf" + CYCLE.encode() + b"0,1\r\n120,2\r\n240,3\r\n")

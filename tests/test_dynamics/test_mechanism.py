@@ -84,32 +84,6 @@ def test_the_rod_keeps_its_length_and_the_piston_its_line(drive):
     )
 
 
-@settings(max_examples=20, deadline=None)
-@given(drives())
-def test_running_backwards_mirrors_the_offset(drive):
-    mirrored = SliderCrank(drive.crank_radius, drive.rod_length, -drive.pin_offset)
-    room = 1e-14 * drive.rod_length
-    forth, back = (
-        drive.rod_point(0.1, 0.02, angle_deg=np.degrees(ANGLES)),
-        mirrored.rod_point(0.1, -0.02, angle_deg=np.degrees(-ANGLES)),
-    )
-    np.testing.assert_allclose(back.place, forth.place.conj(), rtol=0.0, atol=room)
-    np.testing.assert_allclose(back.first, -forth.first.conj(), rtol=0.0, atol=room)
-    np.testing.assert_allclose(back.second, forth.second.conj(), rtol=0.0, atol=room)
-
-
-@settings(max_examples=20, deadline=None)
-@given(st.floats(0.05, 0.4))
-def test_orders_of_the_piston_acceleration_are_the_binomial_series(ratio):
-    """-R (cos a + A_2 cos 2a + A_4 cos 4a ...); the next terms are below 0.15 lambda^7."""
-    angles = np.arange(64) * math.pi / 32.0
-    found = SliderCrank(1.0, 1.0 / ratio).piston(angle_deg=np.degrees(angles)).second.real
-    second, fourth = (-2.0 * np.mean(found * np.cos(k * angles)) for k in (2, 4))
-    room = 0.15 * ratio**7 / (1.0 - ratio**2) ** 2 + 1e-14
-    assert second == close(ratio + ratio**3 / 4.0 + 15.0 * ratio**5 / 128.0, abs=room)
-    assert fourth == close(-(ratio**3 / 4.0 + 3.0 * ratio**5 / 16.0), abs=room)
-
-
 def test_signs_of_a_quarter_turn():
     """The crankpin moves to +n at the top; the rod then leans back, so its turning is negative."""
     drive = SliderCrank(0.07, 0.265)
@@ -477,18 +451,6 @@ def test_what_each_model_keeps(rod):
         )
     plain = rod.mass * rod.center_distance * (rod.length - rod.center_distance)
     assert rod.model("two-mass").inertia == close(plain, rel=1e-13)
-
-
-@settings(max_examples=30, deadline=None)
-@given(rod_rods())
-def test_the_three_mass_model_misses_the_lateral_static_moment(rod):
-    model = rod.model("three-mass")
-    at_pins = model.masses[0] + model.masses[1]
-    off = rod.center_offset - model.center.imag
-    assert off == close(at_pins * rod.center_offset / rod.mass, abs=1e-13 * rod.length)
-    assert model.masses[0] > 0.0
-    assert model.masses[1] > 0.0
-    assert model.places == (0j, complex(rod.length), rod.center)
 
 
 @settings(max_examples=30, deadline=None)
