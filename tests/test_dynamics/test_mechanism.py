@@ -16,6 +16,7 @@ from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import cylinder_motion, reduced_inertia
 from dynamics.engine.rods import ConnectingRod
 from dynamics.engine.slider_crank import SliderCrank, crankpin_motion
+from parts_in_a_line import cylinder as made_cylinder
 
 STEP = 1e-3
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 13)
@@ -169,21 +170,21 @@ def rods(draw, length):
 @st.composite
 def vee_engines(draw):
     """Two cylinders on one crankpin, the second one's rod hinged to the first one's."""
-    main = EngineCylinder(
-        bore=0.13,
-        piston_mass=draw(st.floats(1.0, 6.0)),
-        rod=draw(rods(0.265)),
-        crank_angle_deg=math.degrees(draw(share)),
-        bank_angle_deg=math.degrees(draw(share)),
+    main = made_cylinder(
+        0.13,
+        draw(st.floats(1.0, 6.0)),
+        draw(rods(0.265)),
+        math.degrees(draw(share)),
+        math.degrees(draw(share)),
         pin_offset=0.01 * draw(share),
     )
     vee = 0.8 * draw(share)
-    hinged = EngineCylinder(
-        bore=0.12,
-        piston_mass=draw(st.floats(1.0, 6.0)),
-        rod=draw(rods(0.21)),
-        crank_angle_deg=main.crank_angle_deg,
-        bank_angle_deg=math.degrees(math.radians(main.bank_angle_deg) + vee),
+    hinged = made_cylinder(
+        0.12,
+        draw(st.floats(1.0, 6.0)),
+        draw(rods(0.21)),
+        main.crank_angle_deg,
+        math.degrees(math.radians(main.bank_angle_deg) + vee),
         pin_offset=0.01 * draw(share),
         slave_pin=SlavePin(1, 0.06, angle_deg=math.degrees(vee + 0.2 * draw(share))),
     )
@@ -575,11 +576,11 @@ def test_a_rod_hinged_at_the_crankpin_stands_beside_the_main_rod():
         EngineCylinder(0.13, 4.0, rod),
         EngineCylinder(0.13, 4.0, rod, bank_angle_deg=math.degrees(0.8)),
     )
-    at_pin = EngineCylinder(
+    at_pin = made_cylinder(
         0.13,
         4.0,
         rod,
-        bank_angle_deg=math.degrees(0.8),
+        bank=math.degrees(0.8),
         slave_pin=SlavePin(1, 1e-9, angle_deg=math.degrees(0.8)),
     )
     side_by_side = EngineLayout(0.07, [left, right], [1, 2])

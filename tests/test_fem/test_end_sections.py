@@ -17,6 +17,7 @@ from geometry.mesh import mesh_throw
 from geometry.solid import LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web
+from parts_in_a_line import crank_throw
 
 # Finite elements throughout: not for the inner loop.
 pytestmark = pytest.mark.slow
@@ -179,14 +180,14 @@ def test_a_chain_of_unequal_webs_is_periodic(unequal_webs, web, angle, sign):
 
 def slender_throw(diameter):
     """R = 1 m; dimensions across the parts grow with the diameter [m]. One web is 30 % thicker."""
-    return CrankThrow(
-        crank_radius=1.0,
-        main_journal_diameter=diameter,
-        pin_diameter=0.95 * diameter,
-        main_journal_length=0.6,
-        pin_length=0.5,
-        web_width=1.3 * diameter,
-        web_thickness=0.7 * diameter,
+    return crank_throw(
+        1.0,
+        diameter,
+        0.95 * diameter,
+        0.6,
+        0.5,
+        1.3 * diameter,
+        0.7 * diameter,
         fillet_radius=0.1 * diameter,
         right_web=Web(thickness=0.91 * diameter),
     )

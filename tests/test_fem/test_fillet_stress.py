@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from geometry.mesher import mesh_imported_throw
 
 from comparing import close
 from crankbase.errors import InputError
@@ -29,6 +28,7 @@ from fem.symmetry import SymmetryClass
 from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads, whole_nodes
 from geometry.imported import import_throw, imported_parts
 from geometry.mesh import mesh_throw
+from geometry.mesher import mesh_imported_throw
 from geometry.sizes import SizeMap
 from geometry.solid import LEFT_END, RIGHT_END
 from geometry.solid_files import write_step

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fem.supports import class_axial_compliances, class_torsional_compliance
 
 from comparing import close
 from crankbase.errors import InputError
@@ -14,7 +13,12 @@ from fem.loads import radial_directions
 from fem.responses import evaluate_throw
 from fem.shaft import shaft_compliances, solve_shaft
 from fem.superelement import UZ
-from fem.supports import Neighbors, support_throw
+from fem.supports import (
+    Neighbors,
+    class_axial_compliances,
+    class_torsional_compliance,
+    support_throw,
+)
 from fem.symmetry import axial_class, torsional_class
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
