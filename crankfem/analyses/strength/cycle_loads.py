@@ -28,8 +28,15 @@ from dynamics.response.order_excitation import at_angles
 from dynamics.response.series import OrderSeries, common_order
 from dynamics.strength.nominal import SupportedThrow
 from dynamics.torque.torque import DEFAULT_SAMPLES, samples_and_gas
-from fem.shaft import shaft_unknowns, sharing_sections, solve_shaft
-from fem.superelement import RZ, UZ, Superelement, section_rotation
+from fem.superelement import (
+    RZ,
+    UZ,
+    Superelement,
+    section_rotation,
+    shaft_unknowns,
+    sharing_sections,
+    solve_shaft,
+)
 
 
 def supported_throws(
