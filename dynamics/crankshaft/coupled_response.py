@@ -61,11 +61,6 @@ def shaft_excitation(
     OrderExcitation
         On the points of the system.
 
-    Raises
-    ------
-    InputError
-        If there is not one pin for each cylinder, or a pin does not exist.
-
     Notes
     -----
     Forces of several cylinders on one pin act at its middle and add up: rods side by side load it off the
@@ -95,11 +90,6 @@ def pins_of_cylinders(
         Throw of each cylinder.
     pins : sequence of c int, optional
         As for `shaft_excitation`.
-
-    Raises
-    ------
-    InputError
-        As `shaft_excitation`.
     """
     if pins is None:
         if len(set(pin_throws)) != len(pin_throws):

@@ -151,11 +151,6 @@ def plot_run(
         [s, rad/s]
     steady : (speeds [rad/s], amplitudes in SI) or None
         At constant speeds, ascending, drawn where the run passes these speeds.
-
-    Raises
-    ------
-    InputError
-        If steady is not a pair, its speeds do not ascend, or there is not an amplitude for each.
     """
     known = None if steady is None else _checked_steady(steady)
     axes = new_axes(axes)

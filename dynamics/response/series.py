@@ -44,12 +44,6 @@ def checked_limits(
         In SI; inf where none is stated.
     speed_count : int
         S.
-
-    Raises
-    ------
-    InputError
-        If it is not a mapping, or a limit is neither a number nor one for each speed, below zero or not
-        a number.
     """
     if limits is None:
         return {}
@@ -78,13 +72,7 @@ def checked_limits(
 
 
 def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return barred ranges of speed [rad/s].
-
-    Raises
-    ------
-    InputError
-        If one is not a pair of finite numbers of zero or more, the lower first.
-    """
+    """Return barred ranges of speed [rad/s]."""
     if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
         raise InputError(
             f"barred: given {quoted(barred)}; allowed are pairs of speeds in rad/s, because each "
@@ -166,11 +154,6 @@ def synthesis(
     unbounded : ndarray of shape (K, S), bool, optional
         Where there is no steady vibration.
 
-    Raises
-    ------
-    InputError
-        If the orders have no common period.
-
     Notes
     -----
     A sum of orders up to N times the lowest common one is a trigonometric polynomial of degree N.
@@ -221,11 +204,6 @@ def common_order(orders: FloatArray) -> tuple[NDArray[np.int64], float]:
     multiples : ndarray of shape (K,), int
     common : float
         The vibration repeats after 1/common revolutions.
-
-    Raises
-    ------
-    InputError
-        If there is none, or the highest order is too large a multiple of it.
     """
     multiples, common = _common_order(tuple(orders.tolist()))
     return multiples.copy(), common

@@ -74,11 +74,6 @@ def select_curve(
         Number from 0, or name.
     motion : ndarray of shape (m, n)
     torque : ndarray of shape (m, e)
-
-    Raises
-    ------
-    InputError
-        If there is no chain, no such quantity, or no such element or node.
     """
     if chain is None or not isinstance(quantity, str) or quantity not in MOVING:
         raise InputError(
@@ -107,11 +102,6 @@ def units_of(quantity: Moving | None) -> tuple[str, str]:
     ----------
     quantity : {"torque", "force", "twist", "displacement"} or None
         That of a torsional or of an axial chain; None for a chain of unknown kind.
-
-    Raises
-    ------
-    InputError
-        If it is none of these.
 
     Examples
     --------
@@ -147,11 +137,6 @@ def motion_grid(
         Quantity of the motion.
     **more
         Other arrays of the dataset, for `grid`.
-
-    Raises
-    ------
-    InputError
-        If there is no such quantity.
     """
     (axis,) = over
     moved, loaded = units_of(quantity)
@@ -251,11 +236,6 @@ def envelope_over(
     turns : int
         Revolutions of the shaft in one window: those after which the orders repeat, or more.
 
-    Raises
-    ------
-    InputError
-        If the motion is shorter than one window, or the number is not whole.
-
     Notes
     -----
     Windows begin at the start; an incomplete one at the end is not used. Half of the range
@@ -340,13 +320,7 @@ class CycleMotion:
         return self._half_way(self.torque)
 
     def phasors(self, orders: ArrayLike) -> ComplexArray:
-        """Return X_k of the motion, mean + Re sum X_k exp(i k phi), shape (K, n).
-
-        Raises
-        ------
-        InputError
-            If an order does not repeat with the cycle, or the samples cannot show it.
-        """
+        """Return X_k of the motion, mean + Re sum X_k exp(i k phi), shape (K, n)."""
         return self._phasors(orders, self.motion)
 
     def torque_phasors(self, orders: ArrayLike) -> ComplexArray:
@@ -364,11 +338,6 @@ class CycleMotion:
             Element, or node for "twist" and "displacement", by number from 0 or name.
         quantity : {"torque", "force", "twist", "displacement"}, optional
             Torque or force in the spring of an element, or twist or displacement of a node.
-
-        Raises
-        ------
-        InputError
-            If it is not the motion of a chain, an element, node or quantity is unknown, or it is unbounded.
         """
         chain, speed = self._chain_and_speed()
         shown = format_quantity(speed, "rad/s", 5)
@@ -428,13 +397,7 @@ class ShaftRun:
     system: ViscousSystem
 
     def envelope(self, turns: int | None = None) -> Envelope:
-        """Return the amplitudes in windows of whole revolutions; by default as the run repeats.
-
-        Raises
-        ------
-        InputError
-            If the run is shorter than one window.
-        """
+        """Return the amplitudes in windows of whole revolutions; by default as the run repeats."""
         return self._envelope(self.motion, turns)
 
     def _envelope(self, motion: FloatArray, turns: int | None) -> Envelope:
@@ -468,12 +431,6 @@ class ShaftRun:
             Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
         turns : int, optional
             Revolutions of the shaft for one amplitude; by default those after which the run repeats.
-
-        Raises
-        ------
-        InputError
-            If it is not the run of a chain, an element, node or quantity is unknown, the run is shorter than
-            one window of its envelope, or steady amplitudes do not fit their speeds.
         """
         picked = select_curve(self.system.chain, quantity, place, self.motion, self.torque)
         envelope = self.envelope(turns)
