@@ -170,16 +170,6 @@ class CoupledResponse:
         """
         return self.total.motion[:, :, self.crankshaft.point(point)]
 
-    def elastic_motion(self, point: str) -> ComplexArray:
-        """Return the motion (K, S) of a point under all forces without rigid-body motion.
-
-        Raises
-        ------
-        InputError
-            If there is no such point.
-        """
-        return self._elastic(self.total, point)
-
     def _elastic(self, response: ForcedResponse, point: str) -> ComplexArray:
         rigid = self.crankshaft.system.rigid.shape[1]
         # Amplitudes of modes are the unknowns of this system, rigid motions first.

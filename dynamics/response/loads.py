@@ -67,8 +67,8 @@ class ElementLoads:
         ----------
         element : int or str, optional
             By number from 0 or name; of nodes or dashpots for these parts.
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            Quantity of the values, for the unit of the axis; SI by default.
+        quantity
+            As for `quantity_display`.
         part : {"elastic", "elements", "ground", "dashpots"}, optional
             Which of the four series.
         **drawn

@@ -202,10 +202,7 @@ class OrderExcitation:
 
         Units and errors are those of `crankbase.tables.frames.grid`.
 
-        Parameters
-        ----------
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
+        `quantity`, for the unit of the axis, is that of `quantity_display`.
         """
         unit = quantity_display(quantity, "N m or N").unit
         over = ("order", "speed", "node")

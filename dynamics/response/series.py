@@ -408,8 +408,8 @@ class OrderSeries:
         ----------
         place : int or str, optional
             The location, by number from 0 or name.
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
+        quantity
+            As for `quantity_display`.
         **drawn
             As `DrawnBeside` says: limits, barred, main_orders.
 
@@ -481,10 +481,7 @@ class OrderSeries:
     def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``values`` and ``unbounded`` over order, speed and location.
 
-        Parameters
-        ----------
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
+        `quantity`, for the unit of the axis, is that of `quantity_display`.
 
         Raises
         ------
