@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +21,7 @@ from crankbase.units.units import RPM
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name, node_index
 from dynamics.plots.curves import (
-    RunCurve,
+    SelectedCurve,
     draw_named_curves,
     draw_over_angle,
     draw_over_time,
@@ -32,33 +32,6 @@ from dynamics.transient.propagator import ViscousSystem
 
 Moving: TypeAlias = Literal["torque", "force", "twist", "displacement"]
 OF_ELEMENTS = ("torque", "force")
-
-
-class SelectedCurve(NamedTuple):
-    """The curve of a diagram.
-
-    Parameters
-    ----------
-    values : ndarray of shape (m,)
-        In the unit of the axis.
-    number : int
-        Of the element or node.
-    name : str
-        Of the element or node.
-    label : str
-        Of the axis, with its unit.
-    factor : float
-        Factor from SI to the unit of the axis.
-    of_element : bool
-        Whether it is the load of an element, not the motion of a node.
-    """
-
-    values: FloatArray
-    number: int
-    name: str
-    label: str
-    factor: float
-    of_element: bool
 
 
 def select_curve(
@@ -435,16 +408,8 @@ class ShaftRun:
         picked = select_curve(self.system.chain, quantity, place, self.motion, self.torque)
         envelope = self.envelope(turns)
         both = envelope.torque if picked.of_element else envelope.motion
-        curve = RunCurve(
-            picked.values,
-            envelope.time,
-            picked.factor * both[:, picked.number],
-            envelope.turns,
-            picked.factor,
-            picked.label,
-            picked.name,
-        )
-        return plot_run(axes, self.time, self.shaft_speed, curve, steady)
+        windows = (envelope.time, both[:, picked.number], envelope.turns)
+        return plot_run(axes, self.time, self.shaft_speed, picked, windows, steady)
 
     def _grid(self, quantity: Moving | None, **more: Any) -> Dataset:
         """Return the data common to all runs and `more`, over time, node and element."""
