@@ -6,14 +6,18 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import radians_of
-from crankbase.checks.arrays import FloatArray, finite_vector, positive_number, read_only
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_vector,
+    positive_number,
+    radians_of,
+    read_only,
+)
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.cycle import (
     check_even_cycle,
     covers_cycle,

@@ -9,9 +9,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError, shortened
-from crankbase.input_file import GivenFile, InputFile
-from crankbase.text_limits import LARGEST_TABLE_FILE
-from crankbase.wrong_files import CSV
+from crankbase.input_file import CSV, LARGEST_TABLE_FILE, GivenFile, InputFile
 from dynamics.cycle import checked_strokes, cycle_degrees, first_not_increasing, mean_step
 
 # Fewer samples show no cycle.

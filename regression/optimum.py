@@ -10,11 +10,8 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from crankbase.checks.arrays import LARGEST, SMALLEST
-from crankbase.checks.choices import did_you_mean
-from crankbase.checks.scalars import is_number
-from crankbase.drawing.bars import draw_groups
-from crankbase.drawing.diagram_style import RED, new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import did_you_mean, is_number
+from crankbase.diagrams import RED, draw_groups, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -116,20 +113,7 @@ class Limit:
 
 
 def check_minimized(model: ComplianceModel, name: str, argument: str = "minimize") -> None:
-    """Refuse to minimize a name that is not a number of the model.
-
-    Parameters
-    ----------
-    model : ComplianceModel
-    name : str
-        A response or dimension.
-    argument : str
-        Argument of the name, for the message.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse to minimize what is no number of the model (`InputError` on `argument`)."""
     if name not in model.responses and name not in model.family.all_units:
         raise _unknown(argument, model, name)
 
@@ -154,10 +138,7 @@ class Points:
     def dimension(self, name: str) -> Any:
         """Value of a factor, a fixed dimension or one that follows from others.
 
-        Raises
-        ------
-        InputError
-            If the model knows no such dimension.
+        `InputError` if there is none.
         """
         if name in self.factors:
             return self.factors[name]
@@ -171,10 +152,7 @@ class Points:
     def band(self, name: str, gamma_deg: float | None = None) -> tuple[Any, ...]:
         """Value of a quantity, and the ends of its error band if it has one.
 
-        Raises
-        ------
-        InputError
-            If the model knows no such quantity, or its band is open on one side.
+        `InputError` if the model knows no such quantity, or its band is open on one side.
         """
         if gamma_deg is not None and name in ANGLE_LAWS:
             parts = [self.band(part) for part in self.model.angle_law(name)]
@@ -193,19 +171,9 @@ class Points:
 
 
 def worst_values(limit: Limit, points: Points, margins: bool) -> Any:
-    """Return the worst values of a limit's quantity within the model's error bands.
+    """Worst values of a limit's quantity within the error bands; without `margins` by the equations.
 
-    Parameters
-    ----------
-    limit : Limit
-    points : Points
-    margins : bool
-        Whether to use the error bands; otherwise the values by the equations.
-
-    Raises
-    ------
-    InputError
-        If a quantity is unknown or has no band, or a function of it is not finite.
+    `InputError` if a quantity is unknown or has no band, or a function of it is not finite.
     """
     bands = [points.band(name, limit.gamma_deg) for name in limit.quantities]
     if not margins:
@@ -243,21 +211,7 @@ Excess = Callable[[Points], Any]
 
 @dataclass(frozen=True)
 class SearchSpace:
-    """A box of numbers, 0 to 1 each, and choices.
-
-    Attributes
-    ----------
-    model : ComplianceModel
-    ranges : dict
-        Number to its range.
-    fixed : dict
-        Fixed numbers.
-    choices : dict
-        Category to its labels.
-    labels : dict
-        Fixed labels.
-    constraints : tuple of callable
-    """
+    """A box of numbers, 0 to 1 each, and choices; `fixed` numbers and `labels` stay."""
 
     model: ComplianceModel
     ranges: dict[str, tuple[float, float]]
@@ -320,19 +274,7 @@ class SearchSpace:
 
 
 def search_space(model: ComplianceModel, fixed: Mapping[str, float | str]) -> SearchSpace:
-    """Set up the box of a search.
-
-    Parameters
-    ----------
-    model : ComplianceModel
-    fixed : mapping
-        Fixed factors.
-
-    Raises
-    ------
-    InputError
-        If a fixed factor is not one of the model's, or is outside its range.
-    """
+    """Set up the box of a search; `InputError` if a fixed factor is unknown or outside its range."""
     family = model.family
     numbers: dict[str, float] = {}
     labels: dict[str, str] = {}
@@ -382,17 +324,9 @@ def _constraint(model: ComplianceModel, text: str) -> Excess:
 
 @dataclass(frozen=True)
 class LimitCheck:
-    """A limit at the optimum.
+    """A limit at the optimum: its value by the equation, and at the worst end of the band.
 
-    Attributes
-    ----------
-    limit : Limit
-    value : float
-        By the equation.
-    worst : float
-        At the worst end of the error band, which keeps the bound.
-    active : bool
-        Whether the optimum is at this limit.
+    That end keeps the bound. `active`: whether the optimum is at this limit.
     """
 
     limit: Limit
@@ -412,19 +346,16 @@ class Optimum:
         Minimized quantity: a dimension or a response.
     value : float
         Its value [SI]; of a response, by the equation.
-    unit : str
     dimensions : dict
         All known dimensions and labels of the throw.
     factors : dict
         The model's factors.
-    limits : tuple of LimitCheck
     at_ends : tuple of str
         Factors at an end of their range.
     lookups : dict of str to Lookup
         All responses of the model at the optimum.
     throw : CrankThrow or None
         The throw, if the model contains the one that was varied and this can be built.
-    remarks : tuple of str
     evaluations : int
         Designs evaluated.
     """
@@ -460,10 +391,6 @@ class Optimum:
         ----------
         axes : matplotlib.axes.Axes, optional
             New ones by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -581,10 +508,8 @@ def find_optimum(
 
     Parameters
     ----------
-    model : ComplianceModel
     minimize : str
         A dimension, such as "web_thickness", or a response, such as "mass".
-    limits : sequence of Limit
     fixed : mapping, optional
         Fixed factors, and their values [SI] or labels.
     margins : bool

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from pydantic.fields import FieldInfo
 
-from crankbase.drawing.diagram_style import math_symbol
+from crankbase.diagrams import math_symbol
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import format_quantity
@@ -57,11 +57,9 @@ def field_unit(name: str) -> str | None:
 
 
 def check_dimension(field: str, name: str, value: float) -> None:
-    """Refuse a number that a throw's field, or one of its parts', cannot have; others may be any.
+    """Refuse a number that a throw's field, or one of its parts', cannot have.
 
-    Raises
-    ------
-    InputError
+    Others may be any (`InputError`).
     """
     info = declaration(name)
     low, high = (None if info is None else field_extra(info, f"{end}_si") for end in ENDS)
@@ -81,20 +79,13 @@ def format_value(name: str, value: float, unit: str | None = None) -> str:
 
 
 def throw_values(throw: CrankThrow, *, spelled_out: bool = False) -> dict[str, float | str]:
-    """Return all values that describe a throw, by name; absent and default ones are left out.
+    """All values that describe a throw, dimensions [SI] and labels by name.
 
-    Parameters
-    ----------
-    throw : CrankThrow
-    spelled_out : bool
-        Whether to keep a dimension that is given with the value that it would have anyway,
-        such as a pin's fillet equal to all fillets: this throw is the same without it, but it does
-        not follow when the other dimension changes.
+    Absent and default ones are left out.
 
-    Returns
-    -------
-    dict
-        Dimensions [SI] and labels.
+    `spelled_out` keeps a dimension that is given with the value that it would have anyway, such as a
+    pin's fillet equal to all fillets: this throw is the same without it, but it does not follow when
+    the other one changes.
 
     Examples
     --------

@@ -11,9 +11,8 @@ import numpy as np
 from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, positive_number
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.balance.moving_masses import (
     Hodograph,
     MovingMasses,

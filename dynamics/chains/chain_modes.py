@@ -6,12 +6,10 @@ from itertools import pairwise
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
-from crankbase.library_types import Axes, DataFrame, Dataset
+from crankbase.checks.choices import whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid, table
+from crankbase.tables.frames import Axes, DataFrame, Dataset, grid, table
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from dynamics.plots.quantities import name_axis
 

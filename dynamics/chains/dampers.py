@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import get_args
 
 from crankbase.checks.arrays import nonnegative_number, positive_number
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

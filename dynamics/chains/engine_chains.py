@@ -16,8 +16,7 @@ from crankbase.checks.arrays import (
     positive_number,
     positive_vector,
 )
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import check_choice, whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, finite_vector
-from crankbase.checks.scalars import is_whole
+from crankbase.checks.choices import is_whole
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_degrees
 

@@ -8,19 +8,19 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees, radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
+    checked_degrees,
     finite_array,
     nonnegative_number,
+    radians_of,
     turning_speeds,
 )
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
 from dynamics.engine.layout import EngineCylinder, EngineLayout

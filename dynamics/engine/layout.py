@@ -5,9 +5,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 
-from crankbase.checks.angles import refuse_crank_radians
-from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, positive_number
-from crankbase.checks.scalars import is_whole, whole_within
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    nonnegative_number,
+    positive_number,
+    refuse_crank_radians,
+)
+from crankbase.checks.choices import is_whole, whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles

@@ -7,13 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import ComplexArray, FloatArray, finite_vector, positive_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
-from crankbase.units.number_formats import format_number
+from crankbase.tables.frames import Axes, DataFrame, table
+from crankbase.units.units import format_number
 from dynamics.cycle import check_even_cycle, cycle_degrees, has_closing_sample
 from dynamics.engine.forces import MechanismForces, pin_groups, summed
 from dynamics.engine.layout import check_distinct_positions

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     check_shape,
     finite_array,
     positive_number,
+    radians_of,
 )
 from crankbase.errors import InputError
 from crankbase.summaries import summarized

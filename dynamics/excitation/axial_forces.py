@@ -5,23 +5,31 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     check_shape,
+    checked_degrees,
     finite_array,
     positive_vector,
     turning_speeds,
 )
-from crankbase.checks.scalars import whole_number, whole_within
-from crankbase.drawing.curves import Curves, Series, draw_curves
-from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, new_axes
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.checks.choices import whole_number, whole_within
+from crankbase.diagrams import (
+    BLUE,
+    COLORS,
+    GRAY,
+    Curves,
+    Series,
+    draw_curves,
+    legend_below,
+    legend_inside,
+    new_axes,
+    write_title,
+)
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.units import RPM
 from dynamics.excitation.chain_excitation import axial_throw_forces
 from dynamics.excitation.cylinders import CylinderForces

@@ -11,7 +11,7 @@ from crankbase.checks.arrays import (
     positive_number,
     positive_vector,
 )
-from crankbase.checks.scalars import is_whole
+from crankbase.checks.choices import is_whole
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics

@@ -8,24 +8,21 @@ from typing import Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     finite_vector,
     nonnegative_number,
     positive_number,
+    radians_of,
     read_only,
     turning_speeds,
 )
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number, whole_within
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.choices import check_choice, whole_number, whole_within
+from crankbase.diagrams import legend_inside, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.cycle import cycle_radians, even_angles, order_step
 from dynamics.engine import RodModelName
 from dynamics.engine.firing import MOST_CYLINDERS

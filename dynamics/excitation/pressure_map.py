@@ -18,11 +18,10 @@ from crankbase.checks.arrays import (
     turning_speeds,
 )
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_below, write_title
+from crankbase.diagrams import legend_below, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.critical import engine_orders
 from dynamics.cycle import cycle_radians, even_angles, order_step

@@ -7,8 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import radians_of
-from crankbase.checks.arrays import FloatArray, finite_array, finite_vector, positive_number
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    finite_vector,
+    positive_number,
+    radians_of,
+)
 from crankbase.errors import InputError
 from dynamics.cycle import checked_strokes
 from dynamics.gas.pressure import GasPressure, gas_pressure

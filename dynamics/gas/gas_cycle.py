@@ -9,14 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, finite_vector, nonnegative_number
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import is_number, whole_number
-from crankbase.drawing.diagram_style import BLUE, new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import check_choice, is_number, whole_number
+from crankbase.diagrams import BLUE, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.gas.cycle_values import (

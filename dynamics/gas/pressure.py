@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees
-from crankbase.checks.arrays import FloatArray, positive_vector, read_only
+from crankbase.checks.arrays import FloatArray, checked_degrees, positive_vector, read_only
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.cycle import (
     PLACE_TOLERANCE,
     checked_strokes,

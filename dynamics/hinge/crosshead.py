@@ -8,8 +8,13 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees
-from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, positive_number
+from crankbase.checks.arrays import (
+    FloatArray,
+    checked_degrees,
+    finite_array,
+    nonnegative_number,
+    positive_number,
+)
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile

@@ -7,11 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, finite_vector, positive_number, read_only
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import whole_number
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import (

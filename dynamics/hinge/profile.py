@@ -7,22 +7,20 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     finite_array,
     nonnegative_number,
     positive_number,
+    radians_of,
     read_only,
 )
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table
+from crankbase.tables.frames import Axes, DataFrame, Row, table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import periodic_spline

@@ -7,9 +7,8 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number, positive_number, read_only
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.cycle import even_angles

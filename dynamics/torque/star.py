@@ -16,12 +16,10 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
 from dynamics.cycle import checked_strokes, order_step
 from dynamics.engine.forces import spread_array

@@ -15,14 +15,11 @@ from crankbase.checks.arrays import (
     nonnegative_number,
     read_only,
 )
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import check_choice, whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.units import RPM
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName

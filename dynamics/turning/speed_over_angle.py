@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number, read_only
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, quoted
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.units import RPM
 from dynamics.cycle import even_angles
 from dynamics.plots.curves import draw_over_angle

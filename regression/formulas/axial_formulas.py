@@ -148,22 +148,9 @@ def axial_formula(
 def axial_formula_faults(
     throw: CrankThrow, variant: str, gamma_deg: float = 180.0
 ) -> dict[str, str]:
-    """Why `axial_formulas` leaves formulas out, in half a sentence each.
+    """Why `axial_formulas` leaves formulas out, by name in half a sentence each.
 
-    Parameters
-    ----------
-    throw, variant, gamma_deg
-        As in `axial_formulas`.
-
-    Returns
-    -------
-    dict of str to str
-        Name of each formula that is left out to the reason.
-
-    Raises
-    ------
-    InputError
-        As in `axial_formulas`.
+    Arguments and errors as there.
     """
     case = _case(throw, gamma_deg, None, None)
     _check_variant(variant)

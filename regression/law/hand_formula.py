@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError, quoted
 from geometry.throw import CrankThrow
 from regression.formulas.case import FormulaValue
@@ -48,7 +48,6 @@ def hand_formula(throw: CrankThrow, *, youngs_modulus: float = 2.1e11) -> Formul
 
     Parameters
     ----------
-    throw : CrankThrow
     youngs_modulus : float
         E [Pa].
 

@@ -48,8 +48,6 @@ class Networks:
     ----------
     low, high : (d,) array
         Inputs that map to -1 and 1.
-    first, first_constant : (k, m, d), (k, m) array
-    second, second_constant : (k, n, m), (k, n) array
     last, direct, constant : (k, n), (k, d), (k,) array
         Contributions of the second layer and of the inputs themselves to the output.
     bands : (k, 1 + d) array

@@ -118,10 +118,8 @@ MORE_FIELDS = (
 def throw_dimensions(throw: CrankThrow) -> dict[str, Any]:
     """Fields of a throw in the law; webs of unequal thickness as their mean and their step.
 
-    Raises
-    ------
-    InputError
-        If the throw has features outside the law: further pins, oil holes, webs of unequal outline.
+    `InputError` if the throw has features outside the law: further pins, oil holes, webs of unequal
+    outline.
     """
     check_kind("throw", throw, CrankThrow, "a CrankThrow")
     for name in ("further_pins", "oil_holes"):
@@ -163,11 +161,8 @@ def throw_dimensions(throw: CrankThrow) -> dict[str, Any]:
 def ratios(dimensions: Mapping[str, Any]) -> dict[str, Any]:
     """All ratios of one or more throws from their dimensions, floats or arrays.
 
-    Parameters
-    ----------
-    dimensions : mapping
-        Fields of `CrankThrow` [m], with its defaults. Also "rectangle", 1 or 0, and
-        "thickness_step", the right web's thickness over the left one's.
+    These are fields of `CrankThrow` [m], with its defaults; also "rectangle", 1 or 0, and
+    "thickness_step", the right web's thickness over the left one's.
     """
     given = {name: value for name, value in dimensions.items() if value is not None}
     diameter = given["main_journal_diameter"]
@@ -239,13 +234,7 @@ RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(real_ranges())
 
 
 def check_range(found: Ratios) -> None:
-    """Refuse ratios outside the law's range.
-
-    Raises
-    ------
-    InputError
-        With the ratio, its value and its range.
-    """
+    """Refuse ratios outside the law's range: `InputError` with the ratio, its value and its range."""
     for bore, unit in (("main_journal_bore", 1.0), ("pin_bore", found["pin_diameter"])):
         thinnest = np.min(0.5 * (1.0 - found[bore]) - abs(found[f"{bore}_offset"]) / unit)
         if thinnest < THINNEST_WALL - ROUND_OFF:

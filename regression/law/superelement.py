@@ -54,7 +54,6 @@ def law_reactions(
         ``(0, -Z, 0)``.
     support : "pinned", "guided" or Neighbors
         The left end takes the torque.
-    poisson_ratio : float
 
     Returns
     -------
@@ -132,15 +131,7 @@ def _loads(throw: CrankThrow, numbers: Array, force: Array, support: "Support") 
 def superelement(
     numbers: dict[str, float], crank_radius: float, length: float
 ) -> tuple[Array, Array]:
-    """Stiffness (12, 12), and end loads (12, 2) of unit forces along x and y on the pin.
-
-    Parameters
-    ----------
-    numbers : dict
-        `NUMBERS`, dimensionless.
-    crank_radius, length : float
-        Over D.
-    """
+    """Stiffness (12, 12), and end loads (12, 2) of unit forces along x and y on the pin; lengths over D."""
     (axial, axial_guided, ratio, opening, opening_guided, twist, twist_guided, in_plane, alike, bent,
      bent_by_force) = (numbers[name] for name in NUMBERS)  # fmt: skip
     across = in_plane / ratio

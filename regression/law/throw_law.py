@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import finite_array
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from geometry.mass import check_density
@@ -142,15 +142,10 @@ def axial_law(
 
     Parameters
     ----------
-    throw : CrankThrow
     youngs_modulus : float
         E [Pa].
     poisson_ratio : float
         0.25 to 0.35; the networks are trained at 0.3 and corrected by the mean effect.
-
-    Returns
-    -------
-    AxialLaw
 
     Raises
     ------
@@ -202,10 +197,6 @@ def axial_laws(
         Fields of `CrankThrow` [m] that can be broadcast together: the first eight, and of the others
         fillets, bores with their offsets, and the webs' ends, corners, tips and feet. Whether such
         throws can be built is not checked.
-
-    Returns
-    -------
-    AxialLaw
 
     Raises
     ------
@@ -343,12 +334,7 @@ def _picked(found: Ratios, shape: tuple[int, ...], where: NDArray[np.bool_]) -> 
 
 
 def check_material(youngs_modulus: float, poisson_ratio: float) -> None:
-    """Refuse an invalid Young's modulus, and a Poisson's ratio outside the law.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an invalid Young's modulus, and a Poisson's ratio outside the law (`InputError`)."""
     if not (is_number(youngs_modulus) and youngs_modulus > 0.0):
         raise InputError(
             f"youngs_modulus: given {quoted(youngs_modulus)}; allowed is a positive number of Pa, "

@@ -40,10 +40,8 @@ class Family:
         Numeric factor to its range [SI]: fields of a throw, or free names used in relations.
     fixed : mapping
         Field to its value in all runs [SI].
-    categories : mapping
-        Categorical factor to its labels.
-    labels : mapping
-        Categorical field to its label in all runs.
+    categories, labels : mapping
+        Categorical factor to its labels, categorical field to its label in all runs.
     units : mapping
         Factor to SI unit, if it is not a field of a throw.
     relations : mapping
@@ -77,13 +75,10 @@ class Family:
         return {name: self.unit(name) for name in names}
 
     def checked(self, given: Mapping[str, Given]) -> dict[str, Given]:
-        """Return the given values as floats, arrays and labels.
+        """The given values as floats, arrays and labels.
 
-        Raises
-        ------
-        InputError
-            If a name is unknown, a number is not finite or of an impossible sign, or a label is none
-            of its category's.
+        `InputError` if a name is unknown, a number is not finite or of an impossible sign, or a label
+        is none of its category's.
         """
         found: dict[str, Given] = {}
         for name, value in given.items():
@@ -139,17 +134,9 @@ class Family:
     def completed(self, given: Mapping[str, Given], size: Given = 1.0) -> dict[str, Given]:
         """Add fixed values, and those that follow by the relations from known ones.
 
-        Parameters
-        ----------
-        given : mapping
-            Checked numbers and labels.
-        size : float or ndarray
-            Size of the throw: the relations are between its lengths divided by this.
+        `InputError` if one has no value.
 
-        Raises
-        ------
-        InputError
-            If a relation has no value.
+        `size` is that of the throw: the relations are between its lengths divided by this.
         """
         known = {**self.fixed, **self.labels, **given}
         if self.relations.keys() - given.keys():
@@ -157,22 +144,12 @@ class Family:
         return known
 
     def check_fixed(self, given: Mapping[str, Given]) -> None:
-        """Refuse a fixed dimension of another value.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse a fixed dimension of another value (`InputError`)."""
         for name in given.keys() & self.fixed.keys():
             self._check_equal(name, given[name], self.fixed[name], "it is fixed in this model")
 
     def check_related(self, given: Mapping[str, Given], size: Given = 1.0) -> None:
-        """Refuse a dimension that violates its relation, if that can be calculated.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse a dimension that violates its relation, if that can be calculated (`InputError`)."""
         targets = given.keys() & self.relations.keys()
         if not targets:
             return
@@ -274,19 +251,7 @@ _ROUNDING = 1e-13
 
 
 def angle_law_remarks(family: Family, study_throw: Mapping[str, Any] | None) -> tuple[str, ...]:
-    """State that the angle law is not exact for throws that are not symmetric about their middle.
-
-    Parameters
-    ----------
-    family : Family
-    study_throw : mapping or None
-        As in `query_for_throw`.
-
-    Raises
-    ------
-    InputError
-        If the record is not that of a throw.
-    """
+    """State that the angle law is not exact for throws that are not symmetric about their middle."""
     varying = (*family.factors, *family.relations)
     names = varying if study_throw is not None else (*varying, *family.fixed, *family.labels)
     alike = study_throw is None or CrankThrow(**study_throw).symmetry == "quarter"
@@ -301,25 +266,10 @@ def angle_law_remarks(family: Family, study_throw: Mapping[str, Any] | None) -> 
 def query_for_throw(
     throw: CrankThrow, family: Family, study_throw: Mapping[str, Any] | None
 ) -> dict[str, float | str]:
-    """Return the query to a model for a throw.
+    """Query to a model for a throw: numbers [SI] and labels, with the fixed ones, so that they are checked.
 
-    Parameters
-    ----------
-    throw : CrankThrow
-    family : Family
-    study_throw : mapping or None
-        The throw that the study varied, as a record; by default the model's throws have
-        only the dimensions of the family.
-
-    Returns
-    -------
-    dict
-        Numbers [SI] and labels by name, including the fixed ones, so that they are checked.
-
-    Raises
-    ------
-    InputError
-        If the throw has a feature that the model's throws lack, or lacks one that they have.
+    `study_throw` is the throw that the study varied, as a record; None: the model's throws have only
+    the dimensions of the family. `InputError` if the throw has a feature that these lack, or lacks one.
     """
     found = throw_values(throw)
     study = {} if study_throw is None else throw_values(CrankThrow(**study_throw))
@@ -382,11 +332,7 @@ def _format_dimension(name: str, value: float | str | None) -> str:
 def _free_factors(
     family: Family, asked: Mapping[str, float | str], size: float
 ) -> dict[str, float]:
-    """Find factors that are not dimensions, such as ratios, from the dimensions related to them.
-
-    Each is found from a relation with a unique solution; others are left out, and the model then
-    reports them as missing. Relations are between lengths divided by the throw's size.
-    """
+    """Find factors that are not dimensions, such as ratios, from the dimensions related to them."""
     free = [name for name in family.ranges if declaration(name) is None]
     if not free:
         return {}

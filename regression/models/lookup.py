@@ -140,17 +140,7 @@ class Lookups:
 def make_lookup(
     response: ResponseModel, band: ErrorBand, answer: ResponseValues, remarks: Sequence[str] = ()
 ) -> Lookup:
-    """Make the lookup of one value, with remarks.
-
-    Parameters
-    ----------
-    response : ResponseModel
-    band : ErrorBand
-    answer : ResponseValues
-        Of plain numbers.
-    remarks : sequence of str
-        Remarks on every lookup.
-    """
+    """Make the lookup of one value, with remarks that are on every lookup."""
     value, inside = float(answer.values), not answer.outside
     lower, upper = band.around(value) if inside else (None, None)
     return Lookup(
@@ -221,16 +211,8 @@ def make_lookup_between_neighbors(
 ) -> Lookup:
     """Make the lookup of a throw between neighbors: its band is that of the three numbers together.
 
-    Parameters
-    ----------
-    angle : float
-        Between neighboring cranks, 0 to 180 [deg].
-    parts : sequence of Lookup
-        The value in line, that at 180 deg, and rho.
-    symbol : str
-        Of the response.
-    remarks : sequence of str
-        Remarks on the angle law.
+    The angle between neighboring cranks is 0 to 180 [deg]; the parts are the values in line, at 180
+    deg, and rho.
     """
     *_, ratio = ends = [(part.lower, part.upper) for part in parts]
     inside = all(part.inside for part in parts)
@@ -289,7 +271,6 @@ class ReactionLookup(Reactions):
     band : Reactions
         Error of each component, from the bands of the equations together: 0 where
         equilibrium decides alone. Infinite without a valid band, as outside the range.
-    support : str
     inside : ndarray of bool
         Where everything is within the range of the fits.
     remarks : tuple of str
@@ -329,12 +310,7 @@ def look_reactions_up(
     strict: bool,
     dimensions: Mapping[str, ArrayLike | str],
 ) -> ReactionLookup:
-    """Find reactions for `ComplianceModel.reactions`, with a function that looks its responses up.
-
-    Raises
-    ------
-    InputError
-    """
+    """Find reactions for `ComplianceModel.reactions`, with a function that looks its responses up."""
     force = checked_force(pin_force)
     kind, gamma = checked_support(support)
     _check_throws(model, kind)
@@ -378,13 +354,7 @@ def look_reactions_up(
 
 
 def throw_lengths(family: Family, given: Mapping[str, ArrayLike | str]) -> ThrowLengths:
-    """Return the lengths of throws of a family, from given and fixed ones.
-
-    Raises
-    ------
-    InputError
-        If one is unknown.
-    """
+    """Lengths of throws of a family, from given and fixed ones; `InputError` if one is unknown."""
     checked = family.checked(given)
     known = family.completed(checked, family.size(checked))
     needed = ("crank_radius", "main_journal_length", "pin_length", "web_thickness")
@@ -410,12 +380,7 @@ def both_ends(loads: Array) -> tuple[EndReaction, EndReaction]:
 
 
 def checked_force(given: ArrayLike) -> Array:
-    """Return forces (..., 3) on a pin, across the shaft [N].
-
-    Raises
-    ------
-    InputError
-    """
+    """Forces (..., 3) on a pin, across the shaft [N]; `InputError` for others."""
     force = finite_array("pin_force", given)
     if force.shape[-1:] != (3,):
         raise InputError(
@@ -434,12 +399,7 @@ def checked_force(given: ArrayLike) -> Array:
 
 
 def checked_support(support: object) -> tuple[str, float | None]:
-    """Return the kind of a support, as named in `NEEDED`, and the angle between neighbors [deg].
-
-    Raises
-    ------
-    InputError
-    """
+    """Kind of a support, as in `NEEDED`, and the angle between neighbors [deg]; `InputError` for others."""
     if isinstance(support, str) and support in ("pinned", "guided"):
         return support, None
     left, right = (getattr(support, f"{side}_deg", None) for side in ("left", "right"))

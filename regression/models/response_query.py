@@ -38,13 +38,8 @@ ColumnValues = Any
 class CompiledEquation:
     """An equation as two functions of its columns, which are not coded and not logged.
 
-    Attributes
-    ----------
-    scalar : callable
-        Sequence of k floats to a float; `OverflowError` or `ValueError` if it has no value.
-    array : callable
-        Sequence of k floats or arrays of one shape to an array (or a float); infinite or NaN
-        where it has no value.
+    `scalar` takes k floats, and raises `OverflowError` or `ValueError` if there is no value; `array` k
+    floats or arrays of one shape, and gives infinity or NaN there.
     """
 
     scalar: Callable[[Sequence[float]], float]
@@ -52,17 +47,7 @@ class CompiledEquation:
 
 
 def compile_equation(fitted: FittedForm) -> CompiledEquation:
-    """Compile a fitted form.
-
-    Parameters
-    ----------
-    fitted : FittedForm
-
-    Returns
-    -------
-    CompiledEquation
-        Equal to `fitted.predict` within rounding.
-    """
+    """Compile a fitted form: equal to `fitted.predict` within rounding."""
     codings = tuple(zip(fitted.log_factors, fitted.center, fitted.half_range, strict=True))
     polynomial = _horner_tree(dict(zip(fitted.terms, fitted.coefficients, strict=True)))
     if not fitted.logarithmic:
@@ -131,18 +116,7 @@ def pieces(
 ) -> Iterator[tuple[int, dict[str, ColumnValues]]]:
     """Cut columns that are broadcast to one shape into pieces of `PIECE` places.
 
-    Parameters
-    ----------
-    columns : mapping
-        Name to a float, or to an array that can be broadcast to `shape`.
-    shape : tuple of int
-
-    Yields
-    ------
-    start : int
-        Place of the piece in C order.
-    piece : dict
-        Name to a float or a one-dimensional array.
+    Yields the place of the piece in C order, and name to a float or a one-dimensional array.
     """
     flat: dict[str, ColumnValues] = {}
     for name, column in columns.items():
@@ -190,16 +164,7 @@ class Ratio:
 
 @dataclass(frozen=True)
 class ResponseValues:
-    """Values of a response, and the parts of the query outside the study.
-
-    Attributes
-    ----------
-    values : float or ndarray
-    outside : tuple
-        Values outside a range or violated constraints.
-    inside : bool or ndarray
-        Where everything is inside.
-    """
+    """Values of a response, the findings outside the study, and where everything is inside it."""
 
     values: Any
     outside: tuple[Finding, ...]
@@ -212,15 +177,10 @@ class ResponseQuery:
 
     Attributes
     ----------
-    name : str
-        Of the response.
-    family : Family
-    columns : tuple of Column
     ratios : tuple of Ratio
         Ratios that must agree with the study; empty for an equation in the factors themselves.
     needed : tuple of str
         Required names.
-    equation : CompiledEquation
     scale : callable or None
         Factor on the equation's value, from the dimensions.
     constraints : tuple of StudyConstraint
@@ -242,12 +202,7 @@ class ResponseQuery:
         return 0.0 if is_positive_response(self.name) else -math.inf
 
     def evaluate(self, given: Mapping[str, Given]) -> ResponseValues:
-        """Evaluate any query, or report its error.
-
-        Parameters
-        ----------
-        given : mapping
-            Dimensions and labels, numbers or arrays that can be broadcast together.
+        """Evaluate any query of dimensions and labels, numbers or arrays that can be broadcast together.
 
         Raises
         ------
@@ -411,23 +366,9 @@ def make_response_query(
 ) -> ResponseQuery:
     """Prepare a response for queries.
 
-    Parameters
-    ----------
-    name : str
-        Name of the response; determines whether its values are positive.
-    response : ResponseModel
-    family : Family
-    material : mapping
-        Of the study; an equation in dimensionless groups needs its constants.
-    constant_groups : mapping
-        Groups that did not vary in the study, besides those that follow from its fixed dimensions.
-    constraints : tuple of StudyConstraint
-        Of the study.
-
-    Raises
-    ------
-    InputError
-        If a column is not one of the family's, or the material's constants are missing.
+    An equation in dimensionless groups needs the constants of the study's material; `constant_groups`
+    did not vary in the study, besides those that follow from its fixed dimensions. `InputError` if a
+    column is not one of the family's, or the constants are missing.
     """
     readers = [_column_source(name, response.basis, family) for name in response.factors]
     columns = tuple(

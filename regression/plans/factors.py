@@ -7,8 +7,7 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
-from crankbase.checks.choices import check_choice, did_you_mean
-from crankbase.checks.scalars import is_number, is_whole_within
+from crankbase.checks.choices import check_choice, did_you_mean, is_number, is_whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import format_quantity
@@ -115,23 +114,12 @@ class Factor:
     def spread(
         cls, name: str, unit: str, lowest: float, highest: float, levels: int, spacing: str
     ) -> "Factor":
-        """Make a factor with levels spread over a range, both ends among them.
+        """Make a factor with 2 or more levels spread over a range, both ends among them.
 
-        Parameters
-        ----------
-        name, unit, lowest, highest
-            As of the factor.
-        levels : int
-            How many, 2 or more.
-        spacing : str
-            "even"; "log" (even in the logarithm); "chebyshev" (the extremes of a Chebyshev
-            polynomial, denser at the ends, which keeps the error of a polynomial even over the
-            range); "log chebyshev" (those in the logarithm).
-
-        Raises
-        ------
-        InputError
-            If a spacing is unknown, or is logarithmic over a range that reaches zero.
+        Spacing "even"; "log" (even in the logarithm); "chebyshev" (the extremes of a Chebyshev
+        polynomial, denser at the ends, which keeps the error of a polynomial even over the range); "log
+        chebyshev" (those in the logarithm). `InputError` if it is unknown, or is logarithmic over a
+        range that reaches zero.
         """
         field = f"study.factors.{name}"
         check_choice(f"{field}.spacing", spacing, SPACINGS, "these are the ways to spread levels")
@@ -237,14 +225,9 @@ def field_value(record: Mapping[str, Any], path: str) -> Any:
 
 
 def changed_record(record: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a copy of a throw's record with other values at some paths.
+    """Copy of a throw's record (JSON content) with other values at some paths.
 
-    Parameters
-    ----------
-    record : mapping
-        As ``throw.model_dump(mode="json")`` gives it.
-    changes : mapping
-        Path to value; parts that the record lacks are made.
+    Parts that it lacks are made.
     """
     changed: dict[str, Any] = _copied(record)
     for path, value in changes.items():

@@ -61,18 +61,8 @@ class Variant:
 class Variants:
     """The throws that follow from a study's factors, relations, constraints and base throw.
 
-    Attributes
-    ----------
-    record : mapping
-        Of the base throw.
-    factors : tuple of Factor
-    fields : mapping
-        Path to the fields that can vary.
-    units : mapping
-        SI units of all quantities allowed in expressions.
-    relations : mapping
-        Path to expression, in the order of calculation.
-    constraints : tuple of Constraint
+    `units` has the SI unit of all quantities allowed in expressions; relations are in the order of
+    calculation.
     """
 
     record: Mapping[str, Any]
@@ -90,13 +80,7 @@ class Variants:
         relations: Mapping[str, str],
         constraints: tuple[str, ...],
     ) -> "Variants":
-        """Check that all names are known and all units fit.
-
-        Raises
-        ------
-        InputError
-            If they do not; the message names the factor, the relation or the constraint.
-        """
+        """Check names and units; `InputError` names the factor, relation or constraint that is wrong."""
         fields, record = throw_fields(throw), throw.model_dump(mode="json")
         names = [factor.name for factor in factors]
         for name in names:
@@ -126,13 +110,7 @@ class Variants:
         return cls(record, factors, fields, units, ordered, limits)
 
     def at(self, values: NDArray[np.float64]) -> tuple[Variant, ...]:
-        """Make the throws of factor values.
-
-        Parameters
-        ----------
-        values : (n, k) array
-            [SI]; of a choice the label's index.
-        """
+        """Make the throws of factor values (n, k) [SI]; of a choice the label's index."""
         count = len(values)
         reasons: list[str | None] = [None] * count
         known = self._quantities(values)
@@ -274,7 +252,6 @@ class StudyPlan:
         constraints and the seed, not on the design, so different designs have the same ones.
     seed : int
         Seed of all random draws.
-    material : Material
     accuracy : float
         Relative accuracy of each design's axial compliance, 0.001 to 0.1.
     stresses : bool
@@ -378,20 +355,11 @@ class StudyPlan:
 
 @dataclass(frozen=True)
 class PlannedDesign:
-    """One design of a study.
+    """One design of a study, `RUN` (fitted) or `HELD_OUT` (for assessment).
 
-    Attributes
-    ----------
-    role : str
-        `RUN` (fitted) or `HELD_OUT` (for assessment).
-    values : tuple of float
-        Of the factors [SI]; of a choice the label's index.
-    inputs : dict
-        Its complete inputs, as JSON content: throw, material, accuracy, stresses.
-    key : str
-        Hash of the inputs and the model version.
-    added : bool
-        Whether it was added to the plan later.
+    `values` of the factors are in SI units, of a choice the label's index; `inputs` its complete inputs
+    as JSON content, `key` the hash of these and the model version. `added`: whether it was added to the
+    plan later.
     """
 
     role: str
@@ -412,19 +380,7 @@ class ExcludedDesign:
 
 @dataclass(frozen=True)
 class PlannedStudy:
-    """The designs of a study.
-
-    Attributes
-    ----------
-    plan : StudyPlan
-    designs : tuple of PlannedDesign
-        The runs, then the held-out ones.
-    excluded : tuple of ExcludedDesign
-    statement : str
-        Description of the design, such as "fractional factorial 2^(4-1), resolution IV, 8 runs".
-    remarks : tuple of str
-        Remarks for the user, one sentence each.
-    """
+    """The designs of a study: the runs, then the held-out ones; the statement describes the design."""
 
     plan: StudyPlan
     designs: tuple[PlannedDesign, ...]
@@ -436,13 +392,9 @@ class PlannedStudy:
 def plan_designs(plan: StudyPlan) -> PlannedStudy:
     """List the designs of a study: the runs, then the held-out ones.
 
-    Designs that violate a constraint or cannot be built are excluded. Of Latin
-    hypercubes and Sobol sequences more points are drawn until the wanted number remains.
-
-    Raises
-    ------
-    InputError
-        If nothing, or too little, of the design can be built; the message states the first reason.
+    Designs that violate a constraint or cannot be built are excluded. Of Latin hypercubes and Sobol
+    sequences more points are drawn until the wanted number remains. `InputError` with the first reason
+    if too little can be built.
     """
     variants = plan.variants()
     if plan.design.kind in SPACE_FILLING:
@@ -522,18 +474,7 @@ def _draw_feasible_designs(
 def planned_design(
     plan: StudyPlan, role: str, values: tuple[float, ...], throw: dict[str, Any]
 ) -> PlannedDesign:
-    """Make a design of a study.
-
-    Parameters
-    ----------
-    plan : StudyPlan
-    role : str
-        `RUN` or `HELD_OUT`.
-    values : tuple of float
-        Of the factors [SI].
-    throw : dict
-        The throw of the study with these values, as JSON content.
-    """
+    """Make a design of a study from factor values [SI] and the throw with these, as JSON content."""
     inputs = {"throw": throw, **plan.settings}
     return PlannedDesign(
         role, values, inputs, content_key(inputs | {"model_version": MODEL_VERSION})

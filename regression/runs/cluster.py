@@ -49,21 +49,7 @@ class ProcessPool:
         self._timer: threading.Timer | None = None
 
     def compute(self, run: str, request: Mapping[str, Any], limits: Limits) -> dict[str, Any]:
-        """Compute one design in a process of the pool.
-
-        Parameters
-        ----------
-        run : str
-            Name of the requesting run, for `end_run`.
-        request : mapping
-            As the worker process takes it.
-        limits : Limits
-
-        Returns
-        -------
-        dict
-            ``worker``, and ``answer`` or ``lost`` with ``seconds``.
-        """
+        """Compute one design for a run: ``worker``, and ``answer`` or ``lost`` with ``seconds``."""
         process = self._acquire(run)
         if process is None:
             return {"worker": "", "lost": "the run was stopped", "seconds": 0.0}
@@ -154,13 +140,7 @@ class Task(Protocol):
         """Whether a result can be fetched."""
 
     def result(self) -> dict[str, Any]:
-        """Fetch the result of `compute_design`.
-
-        Raises
-        ------
-        TaskLostError
-            If there is nothing.
-        """
+        """Fetch the result of `compute_design`; `TaskLostError` if there is nothing."""
 
     def release(self) -> None:
         """Release it on the cluster, finished or not."""
@@ -170,13 +150,7 @@ class Cluster(Protocol):
     """Machines that compute designs."""
 
     def places(self) -> Mapping[str, bool]:
-        """List the present workers, and whether each accepts designs.
-
-        Raises
-        ------
-        StudyStoppedError
-            If the cluster is gone.
-        """
+        """Present workers, and whether each accepts designs; `StudyStoppedError` if the cluster is gone."""
 
     def submit(self, place: str, request: Mapping[str, Any], limits: Limits) -> Task:
         """Assign a design to a worker."""
@@ -264,15 +238,7 @@ class _Dispatch:
         return settled
 
     def assign_designs(self) -> None:
-        """Assign a design to every free worker.
-
-        Raises
-        ------
-        InputError
-            If a worker was refused.
-        StudyStoppedError
-            If the cluster is gone.
-        """
+        """Assign a design to every free worker; `InputError` if one was refused."""
         if self.refusal is not None:
             raise self.refusal
         now = time.monotonic()
@@ -333,21 +299,9 @@ def run_on_cluster(
     note: Note,
     claim: Claim | None = None,
 ) -> None:
-    """Compute designs on a cluster.
+    """Compute designs (key, inputs) on a cluster, as `run_designs` does on this machine.
 
-    Parameters
-    ----------
-    designs : iterable of (key, inputs)
-        Designs to compute.
-    on_outcome : callable
-        Called in this process with each outcome as it arrives.
-    cluster : Cluster
-    limits : Limits
-        Limits of one design on its worker.
-    note : callable
-        Called with notes for the user, such as that there are no workers.
-    claim : callable, optional
-        As for `WorkQueue`.
+    `note` is called with notes for the user, such as that there are no workers.
 
     Raises
     ------
@@ -398,12 +352,10 @@ ADDRESS = re.compile(
 )
 
 
+# Dask may report a result just when it has been lost with its worker, and then wait for it: only the thread
+# that fetches it waits.
 class _DaskTask:
-    """A design in progress as a future of Dask, whose result is fetched in a separate thread.
-
-    Dask may report a result just when it has been lost with its worker, and then wait for it:
-    only that thread waits.
-    """
+    """A design in progress as a future of Dask, whose result is fetched in a separate thread."""
 
     def __init__(self, place: str, future: Any, fetchers: Executor, fetched: Callable[[], None]):
         self._place, self._future, self._fetched = place, future, fetched
@@ -456,12 +408,7 @@ def silence_dask_log() -> None:
 
 
 def check_address(address: object) -> str:
-    """Return the address of a Dask scheduler if it has the form of one: ``tcp://10.0.0.1:8786``.
-
-    Raises
-    ------
-    InputError
-    """
+    """Address of a Dask scheduler if it has the form of one, ``tcp://10.0.0.1:8786``; else `InputError`."""
     found = ADDRESS.fullmatch(address) if isinstance(address, str) else None
     if not isinstance(address, str) or found is None or not 1 <= int(found[1]) <= 65535:
         raise InputError(
@@ -472,12 +419,7 @@ def check_address(address: object) -> str:
 
 
 class DaskCluster:
-    """The workers of a Dask cluster.
-
-    Parameters
-    ----------
-    address : str
-        Of its scheduler, such as ``tcp://10.0.0.1:8786``.
+    """The workers of a Dask cluster, by its scheduler's address.
 
     Raises
     ------

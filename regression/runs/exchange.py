@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from crankbase.errors import InputError, MissingLibraryError
+from crankbase.input_file import LARGEST_TABLE_FILE, check_file_size
 from crankbase.outputs import atomic_file
-from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from crankbase.units.quantity import parse_quantity
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
@@ -44,12 +44,7 @@ class ImportedColumn:
 
 
 def read_lines(path: Path) -> list[list[str]]:
-    """Return the cells of a CSV table, line by line.
-
-    Raises
-    ------
-    InputError
-    """
+    """Cells of a CSV table, line by line; `InputError` if it cannot be read."""
     if path.suffix == ".parquet":
         raise InputError(
             f"{path.name}: is a Parquet table; allowed are a CSV table or another store, because Parquet "
@@ -85,12 +80,7 @@ def read_lines(path: Path) -> list[list[str]]:
 
 
 def read_columns(file: str, headers: list[str], plan: StudyPlan) -> list[ImportedColumn]:
-    """Return the columns of a table, by their headers.
-
-    Raises
-    ------
-    InputError
-    """
+    """Columns of a table, by their headers; `InputError` if one is unusable."""
     found: list[ImportedColumn] = []
     for number, header in enumerate(headers, start=1):
         where = f"{file}, line 1, column {number} ({header.strip()!r})"
@@ -265,11 +255,7 @@ def _factor_cell(row: StudyRow, place: int, factor: Factor) -> Cell:
 def check_export(path: Path) -> None:
     """Refuse a file that could not be written, before anything is computed for it.
 
-    Raises
-    ------
-    InputError
-    MissingLibraryError
-        If Parquet is requested without the required package.
+    `InputError`; `MissingLibraryError` if Parquet is requested without the required package.
     """
     if path.suffix not in FORMATS:
         raise InputError(f"export: given {str(path)!r}; allowed are {' and '.join(FORMATS)} files.")
@@ -282,17 +268,9 @@ def check_export(path: Path) -> None:
 def export_table(table: StudyTable, path: str | Path) -> int:
     """Write all rows of a study, including those without a result, and return their number.
 
-    Parameters
-    ----------
-    table : StudyTable
-    path : path
-        ``.csv`` or ``.parquet``. SI units, named in the columns' headers; in Parquet also as metadata
-        of each column, the study's key as metadata of the file. Replaced when complete.
-
-    Raises
-    ------
-    InputError, MissingLibraryError
-        As `check_export`.
+    To ``.csv`` or ``.parquet``, in SI units, named in the columns' headers; in Parquet also as metadata
+    of each column, the study's key as metadata of the file. Replaced when complete; errors as of
+    `check_export`.
     """
     path = Path(path)
     check_export(path)
@@ -353,17 +331,9 @@ def factor_value(factor: Factor, given: Any) -> float:
 
 @dataclass(frozen=True)
 class StoreResults:
-    """Results of another store for a study.
+    """Results of another store for a study: of its own designs, and of others of the same throw and material.
 
-    Attributes
-    ----------
-    finished : tuple of Outcome
-        Results of exactly the study's own designs.
-    rows : tuple of ExtraRow
-        Results of other designs of the same throw and material, at other values of the factors within
-        the study's ranges.
-    left_out : int
-        Results that do not belong to the study.
+    These lie within the study's ranges; `left_out` counts results that do not belong to the study.
     """
 
     finished: tuple[Outcome, ...]
@@ -372,20 +342,7 @@ class StoreResults:
 
 
 def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> StoreResults:
-    """Find the results of another store for a study.
-
-    Parameters
-    ----------
-    store : ResultStore
-    plan : StudyPlan
-    keys : iterable of str
-        Of the study's designs.
-
-    Raises
-    ------
-    InputError
-        If there are none.
-    """
+    """Find the results of another store for a study with these designs; `InputError` without any."""
     own = set(keys)
     finished, rows, left_out = [], list(store.extra_rows(plan.key)), 0
     others = 0  # of another version of the model
@@ -453,7 +410,6 @@ def read_rows(path: Path, plan: StudyPlan, *, alone: bool = False) -> tuple[Extr
         ("axial_compliance_pinned [m/N]"), their estimated relative errors
         ("axial_compliance_pinned error"), and optionally role ("run", "held out" or "measured", the
         default), source, status and model_version. Dimensions that have no column are the study's.
-    plan : StudyPlan
     alone : bool
         Whether equations are fitted without results computed by the study. Then lines that are fitted
         or held out need not have all responses of the study, only all the same ones.

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.calls import GIGABYTE, Limits
-from crankbase.checks.scalars import is_whole_within
+from crankbase.checks.choices import is_whole_within
 from crankbase.errors import InputError
+from crankbase.input_file import not_a_file
 from crankbase.memory import check_memory, free_memory
-from crankbase.wrong_files import not_a_file
 from fem.analysis import predicted_unknowns, solving_memory
 from geometry.mesh import MESHING_MEMORY
 from geometry.mesher import expected_unknowns
@@ -58,12 +58,7 @@ def worker_memory(designs: Sequence[Mapping[str, Any]]) -> float:
 
 
 def check_study_memory(designs: Sequence[Mapping[str, Any]], workers: int) -> None:
-    """Refuse workers that would need more memory together than is free.
-
-    Raises
-    ------
-    NotEnoughMemoryError
-    """
+    """Refuse workers that would need more memory together than is free (`NotEnoughMemoryError`)."""
     if not designs:
         return
     working = min(workers, len(designs))
@@ -79,12 +74,7 @@ def check_study_memory(designs: Sequence[Mapping[str, Any]], workers: int) -> No
 def add_runs(plan: StudyPlan, store: str | Path, values: NDArray[np.float64]) -> None:
     """Add runs to those of a study in the store; the next run computes them.
 
-    Parameters
-    ----------
-    plan : StudyPlan
-    store : path
-    values : (n, k) ndarray
-        Of the factors [SI]; of a choice the label's index. Throws can be built of them.
+    `values` (n, k) are of the factors [SI], of a choice the label's index; throws can be built of them.
     """
     listed = [_as_listed(plan, design) for design in _added(plan, values)]
     with ResultStore(store) as results:
@@ -204,12 +194,7 @@ CORRECTED_SINCE = 5
 
 
 def check_workers(workers: int) -> None:
-    """Refuse an impossible number of worker processes.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an impossible number of worker processes (`InputError`)."""
     if not is_whole_within(workers, 1, 256):
         raise InputError(
             f"workers: given {workers!r}; allowed is 1 to 256 processes, as a whole number."
@@ -231,7 +216,6 @@ def run_plan(
 
     Parameters
     ----------
-    plan : StudyPlan
     store : path
         SQLite file. Finished designs are not computed again; each new one is on disk as
         soon as it arrives, so an interrupted study continues where it stopped.
@@ -359,11 +343,7 @@ def current_plans(store: str | Path) -> tuple[StudyPlan, ...]:
 def read_study(store: str | Path, study: str | None = None) -> StudyTable:
     """Read a study's results from its store without computing anything.
 
-    Parameters
-    ----------
-    store : path
-    study : str, optional
-        Its key or the first characters of it; required only if the store has several studies.
+    The study's key, or the first characters of it, is required only if the store has several.
 
     Raises
     ------
@@ -457,23 +437,12 @@ class ImportSummary:
 def import_results(
     plan: StudyPlan, store: str | Path, file: str | Path, *, alone: bool = False
 ) -> ImportSummary:
-    """Import earlier results or measured values into a study.
+    """Import earlier results or measured values into the store of a study.
 
-    Parameters
-    ----------
-    plan : StudyPlan
-    store : path
-        The study's store.
-    file : path
-        A CSV table, or the store of another study. Designs of that store that are exactly the
-        study's own count as computed; its other designs, and the rows of a table, are kept as separate
-        rows that never replace a result of the study.
-    alone : bool
-        Whether the study will not compute its designs; see `read_rows`.
-
-    Returns
-    -------
-    ImportSummary
+    The file is a CSV table, or the store of another study. Designs of that store that are exactly the
+    study's own count as computed; its other designs, and the rows of a table, are kept as separate rows
+    that never replace a result of the study. `alone`: whether the study will not compute its designs;
+    see `read_rows`.
 
     Raises
     ------

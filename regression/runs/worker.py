@@ -18,17 +18,7 @@ PARDISO_MACHINE = (-2, -9, -10, -11)
 
 
 def evaluate_design(inputs: dict[str, Any]) -> ThrowResponses:
-    """Compute the responses of one design.
-
-    Parameters
-    ----------
-    inputs : dict
-        ``throw`` and ``material`` as field: SI value, ``accuracy``, ``stresses``.
-
-    Returns
-    -------
-    ThrowResponses
-    """
+    """Compute the responses of a design: fields of throw and material [SI], accuracy, stresses."""
     return evaluate_throw(
         CrankThrow(**inputs["throw"]),
         Material(**inputs["material"]),
