@@ -10,11 +10,8 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from crankbase.checks.arrays import LARGEST, SMALLEST
-from crankbase.checks.choices import did_you_mean
-from crankbase.checks.scalars import is_number
-from crankbase.drawing.bars import draw_groups
-from crankbase.drawing.diagram_style import RED, new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import did_you_mean, is_number
+from crankbase.diagrams import RED, draw_groups, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table

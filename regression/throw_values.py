@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from pydantic.fields import FieldInfo
 
-from crankbase.drawing.diagram_style import math_symbol
+from crankbase.diagrams import math_symbol
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import format_quantity

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.drawing.diagram_style import new_axes
+from crankbase.diagrams import new_axes
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -42,7 +42,7 @@ from regression.fits.terms import (
     polynomial_terms,
     term_name,
 )
-from regression.plots.equations import draw_effects
+from regression.plots import draw_effects
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from crankbase.checks.choices import check_kind
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import check_kind, is_number
 from crankbase.errors import InputError, quoted
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError, quoted
 from geometry.throw import CrankThrow
 from regression.formulas.case import FormulaValue

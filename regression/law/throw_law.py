@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import finite_array
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from geometry.mass import check_density

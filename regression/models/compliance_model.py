@@ -12,13 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.choices import check_not_given
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import BLUE, RED, new_axes
-from crankbase.drawing.legends import display_unit, write_title
+from crankbase.checks.choices import check_not_given, whole_number
+from crankbase.diagrams import BLUE, RED, display_unit, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid, table
-from fem.plots.over_angle import angle_axis
+from fem.plots import angle_axis
 from geometry.throw import CrankThrow
 from regression.models.angle import between_values, fold_angle
 from regression.models.extrapolation import OutsideRangeWarning
@@ -35,7 +33,7 @@ from regression.models.model_file import ModelContent
 from regression.models.response_model import ResponseModel
 from regression.models.response_query import ResponseValues
 from regression.plans.factors import rounded
-from regression.plots.equations import POINTS, factor_size, label_factor_axis, response_text
+from regression.plots import POINTS, factor_size, label_factor_axis, response_text
 from regression.response_kinds import ANGLE_LAWS, AXIAL, INFLUENCE, TORSIONAL
 
 if TYPE_CHECKING:

@@ -13,11 +13,9 @@ from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
-from crankbase.input_file import GivenFile, InputFile
+from crankbase.input_file import JSON, LARGEST_TABLE_FILE, GivenFile, InputFile
 from crankbase.model import InputModel
 from crankbase.outputs import write_text
-from crankbase.text_limits import LARGEST_TABLE_FILE
-from crankbase.wrong_files import JSON
 from regression.models.extrapolation import StudyConstraint, error_band
 from regression.models.family import Family, angle_law_remarks
 from regression.models.response_model import IS, ResponseModel

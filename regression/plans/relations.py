@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.choices import did_you_mean
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import did_you_mean, is_number
 from crankbase.errors import InputError, quoted
-from crankbase.text_limits import LARGEST_POWER, LONGEST_EXPRESSION
+from crankbase.input_file import LARGEST_POWER, LONGEST_EXPRESSION
 from crankbase.units.quantity import format_quantity, unit_registry
 
 TOKEN = re.compile(

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from crankbase.errors import InputError, MissingLibraryError
+from crankbase.input_file import LARGEST_TABLE_FILE, check_file_size
 from crankbase.outputs import atomic_file
-from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from crankbase.units.quantity import parse_quantity
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.calls import GIGABYTE, Limits
-from crankbase.checks.scalars import is_whole_within
+from crankbase.checks.choices import is_whole_within
 from crankbase.errors import InputError
+from crankbase.input_file import not_a_file
 from crankbase.memory import check_memory, free_memory
-from crankbase.wrong_files import not_a_file
 from fem.analysis import predicted_unknowns, solving_memory
 from geometry.mesh import MESHING_MEMORY
 from geometry.mesher import expected_unknowns

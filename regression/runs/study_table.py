@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import display_unit, legend_inside, write_title
+from crankbase.diagrams import display_unit, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.model import field_extra
 from crankbase.summaries import summarized
@@ -17,7 +16,7 @@ from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedDesign, StudyPlan
-from regression.plots.equations import draw_runs, factor_size, label_factor_axis, response_text
+from regression.plots import draw_runs, factor_size, label_factor_axis, response_text
 from regression.records import HELD_OUT, MEASURED, ExtraRow, Outcome
 from regression.throw_values import same_dimension
 

@@ -22,7 +22,7 @@ from crankbase.calls import (
     ProcessLostError,
     answered,
 )
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError
 from crankbase.processes import start_child
 from regression.records import Outcome
