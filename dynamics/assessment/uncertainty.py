@@ -8,13 +8,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, positive_vector
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import is_number, is_whole_within, whole_number, whole_within
-from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.choices import (
+    check_choice,
+    is_number,
+    is_whole_within,
+    whole_number,
+    whole_within,
+)
+from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
-from crankbase.library_types import Axes
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Axes
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
 

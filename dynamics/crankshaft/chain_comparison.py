@@ -10,9 +10,8 @@ from scipy.optimize import linear_sum_assignment
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table, table_of
+from crankbase.tables.frames import Axes, DataFrame, Row, table, table_of
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FLYWHEEL, FREE_END, EngineChain, Kind
 from dynamics.crankshaft.assembly import CLASSES, MOTION_OF, AssembledShaft, Stations
 from dynamics.crankshaft.coupled_response import CoupledResponse

@@ -8,14 +8,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.scalars import is_whole_within
-from crankbase.drawing.curves import Curves, Series, draw_curves
-from crankbase.drawing.diagram_style import BLUE, ORANGE, new_axes, with_gaps
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.choices import is_whole_within
+from crankbase.diagrams import (
+    BLUE,
+    ORANGE,
+    Curves,
+    Series,
+    draw_curves,
+    legend_inside,
+    new_axes,
+    with_gaps,
+    write_title,
+)
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from crankbase.units.units import RPM
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem

@@ -7,11 +7,27 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import FloatArray, finite_array
-from crankbase.drawing.curves import Band, Curves, Mark, Series, draw_bands, draw_curves, draw_lines
-from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, ORANGE, new_axes, with_gaps
-from crankbase.drawing.legends import legend_above, legend_below, legend_inside, write_title
+from crankbase.diagrams import (
+    BLUE,
+    COLORS,
+    GRAY,
+    ORANGE,
+    Band,
+    Curves,
+    Mark,
+    Series,
+    draw_bands,
+    draw_curves,
+    draw_lines,
+    legend_above,
+    legend_below,
+    legend_inside,
+    new_axes,
+    with_gaps,
+    write_title,
+)
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
+from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.indices import within
 from dynamics.plots.quantities import SPEED_LABEL, QuantityDisplay

@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import COLORS, GRAY, new_axes
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.diagrams import COLORS, GRAY, legend_below, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
-from crankbase.units.number_formats import format_number
+from crankbase.tables.frames import Axes
+from crankbase.units.units import format_number
 from dynamics.plots.quantities import KILO
 
 DASHES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 2, 1, 2, 1, 2)))

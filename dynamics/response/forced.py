@@ -10,10 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.memory import check_memory
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.chains.chain import Chain
 from dynamics.plots.quantities import (
     Quantity,

@@ -5,21 +5,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     check_sizes,
     complex_array,
     positive_vector,
+    radians_of,
     read_only,
     turning_speeds,
 )
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError, quoted
-from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Dataset, grid
 from dynamics.harmonics import Harmonics
 from dynamics.plots.quantities import Quantity, orders_and_speeds, quantity_display
 

@@ -8,7 +8,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
@@ -16,14 +15,14 @@ from crankbase.checks.arrays import (
     nonnegative_number,
     positive_number,
     positive_vector,
+    radians_of,
     read_only,
 )
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.indices import node_index
 from dynamics.plots.curves import draw_over_time

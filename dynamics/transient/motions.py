@@ -8,14 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import check_choice, whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.chains.chain import Chain

@@ -9,11 +9,10 @@ from typing import Literal, Unpack
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import check_choice, whole_number
 from crankbase.errors import InputError
-from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Dataset
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
 from dynamics.response.linear_system import LinearSystem

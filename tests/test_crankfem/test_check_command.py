@@ -32,14 +32,14 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.engine_file import SECTIONS, load_engine
-from crankfem.files.engine.engine_template import FIRING_ORDERS, engine_template
+from crankfem.files.engine.file_kinds import FIRING_ORDERS, engine_template
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.engine.throw_file import load_throw_file
 from crankfem.files.engine.usual_sizes import SHARP
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_file import read_toml
-from crankfem.jobs.run_inputs import read_inputs
+from crankfem.jobs.run_computation import read_inputs
 from strategies.engine_changes import WHOLE, changed_engines
 
 ENGINES = Path(__file__).resolve().parents[2] / "data" / "engines"

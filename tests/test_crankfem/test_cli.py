@@ -14,7 +14,7 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError, SolveError
 from crankfem.cli import app as cli
-from crankfem.cli.angle_and_speed import parse_gamma
+from crankfem.cli.arguments import parse_gamma
 from crankfem.cli.commands import completion
 from crankfem.cli.console import RunProgress
 from crankfem.files.engine.engine_file import SECTIONS
@@ -134,8 +134,12 @@ def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     decision = {"status": status, "sentence": "give this"}
     judged = {"sentence": "The verdict.", "decision": decision}
     monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: None)
-    tables = ("vibration_tables.print_run", "run_tables.print_verdict")
-    for name in ("analyses.vibration.records.run_record", *(f"cli.tables.{one}" for one in tables)):
+    tables = "cli.tables.vibration_tables"
+    for name in (
+        "analyses.vibration.records.run_record",
+        f"{tables}.print_run",
+        f"{tables}.print_verdict",
+    ):
         made = {"assessment": judged}
         monkeypatch.setattr(f"crankfem.{name}", lambda *_, made=made, **__: made)
     answer = call("vibration", "6chn25-34", "--strict", option)
@@ -281,34 +285,6 @@ def test_new_into_a_folder_that_is_not_there(call):
     assert answer.code == 2
     assert answer.err.startswith("Error: ")
     assert "nowhere" in answer.err
-
-
-def test_check_of_a_throw_alone(call):
-    answer = call("check", "2ch85-110")
-    assert (answer.code, answer.err) == (0, "")
-    words = " ".join(answer.out.split())
-    assert "valid throw file" in words
-    assert "Throw with 2 pins: length" in words
-    content = call("check", "2ch85-110", "--json").json()
-    assert content["kind"] == "throw"
-    assert content["shape"]["solved_part"] == "half"
-    fields = [record["field"] for record in content["inputs"]]
-    assert "throw.further_pins[0].angle" in fields
-    assert "throw.pin_bore" not in fields
-
-
-def test_check_of_a_mechanism(call):
-    answer = call("check", "buick-3800")
-    assert (answer.code, answer.err) == (0, "")
-    words = " ".join(answer.out.split())
-    assert "valid mechanism file" in words
-    assert "use it with: mechanism, harmonics" in words
-    content = call("check", "buick-3800", "--json").json()
-    assert (content["kind"], content["engine"]) == ("mechanism", "Buick 3800")
-    fields = {record["field"]: record for record in content["inputs"]}
-    assert fields["engine.bank_angles"]["assumed"] is False
-    assert "throw.counterweight.outer_radius" in fields
-    assert "rod.center_offset" not in fields
 
 
 def test_a_throw_alone_is_no_engine(call):

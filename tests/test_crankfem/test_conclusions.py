@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 from comparing import close
-from crankbase.tables.output_units import parse_output_units
+from crankbase.tables.table import parse_output_units
 from crankfem.analyses.vibration.assessment import Assessment, engine_decision
 from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict
 from crankfem.analyses.vibration.misfiring import FiringCheck, Reached
@@ -25,8 +25,7 @@ from crankfem.analyses.vibration.tables import (
 )
 from crankfem.cli import console
 from crankfem.cli.commands.run import _print
-from crankfem.cli.tables.run_tables import print_verdict
-from crankfem.cli.tables.vibration_tables import print_assessment, print_judgment
+from crankfem.cli.tables.vibration_tables import print_assessment, print_judgment, print_verdict
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.report.conclusions import conclusions, failed_checks, headline, verdict_line
 from crankfem.report.summary import engine_facts, summary, uncertain_sentence, worst_of_each

@@ -9,6 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.study.fit_plots import plot_fits
 from crankfem.analyses.study.fit_records import (
     comparisons,
     compliance_model,
@@ -16,7 +17,6 @@ from crankfem.analyses.study.fit_records import (
     warnings_of,
 )
 from crankfem.analyses.study.nominal_throw import nominal_points, sensitivities
-from crankfem.analyses.study.plots.fit_plots import plot_fits
 from crankfem.analyses.study.response_fits import (
     dimensions_at,
     fit_study,
@@ -24,7 +24,7 @@ from crankfem.analyses.study.response_fits import (
     response_name,
     surface,
 )
-from crankfem.cli.tables.fit_tables import print_comparisons, print_fits
+from crankfem.cli.tables.study_tables import print_comparisons, print_fits
 from geometry.throw import CrankThrow
 from plans import plan_of_levels, table_of_function
 from regression.plans.designs import DesignChoice

@@ -12,7 +12,11 @@ from crankbase.errors import InputError
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.files.engine import usual_sizes
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.firing_evenness import FiringEvenness, firing_evenness, firing_sentence
+from crankfem.files.engine.mechanism_cylinders import (
+    FiringEvenness,
+    firing_evenness,
+    firing_sentence,
+)
 from crankfem.files.engine.mechanism_file import load_any, mechanism_of
 from crankfem.files.engine.throw_file import ThrowFile
 from crankfem.files.engine.usual_sizes import UsualRange, throw_warnings

@@ -9,7 +9,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-import crankfem.analyses.study.frequency_limits
+import crankfem.analyses.study.nominal_throw
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import engine_torsional_chain
@@ -21,16 +21,15 @@ from crankfem.analyses.shaft.sources import (
     source_spread,
     torsional_sources,
 )
-from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
+from crankfem.analyses.study.nominal_throw import EngineFrequencies, frequency_limit
 from crankfem.analyses.throw.law_record import law_answers, law_record, law_sentence
-from crankfem.cli.commands import optimum as optimum_command
-from crankfem.cli.commands.lookup import lookup
-from crankfem.cli.commands.optimum import optimum
-from crankfem.cli.law_arguments import law_throw
+from crankfem.cli.arguments import law_throw
+from crankfem.cli.commands import lookup as optimum_command
+from crankfem.cli.commands.lookup import lookup, optimum
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path
-from crankfem.jobs.run_inputs import read_inputs
+from crankfem.jobs.run_computation import read_inputs
 from dynamics.chains.engine_chains import axial_chain
 from fem.analysis import analyze_throw
 from fem.angle_law import AngleLaw
@@ -413,7 +412,7 @@ def test_the_first_torsional_frequency_is_no_couplings():
 @pytest.mark.slow
 def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):
     monkeypatch.setattr(
-        crankfem.analyses.study.frequency_limits, "engine_frequencies", lambda _: frequencies
+        crankfem.analyses.study.nominal_throw, "engine_frequencies", lambda _: frequencies
     )
     model = ComplianceModel.load(path)
     needed = frequencies.torsional(3.9e-8)

@@ -23,10 +23,11 @@ from crankfem.files.engine.mechanism_file import (
     MechanismFile,
     load_any,
     load_mechanism,
+    pressures_at,
     with_throws,
 )
-from crankfem.files.engine.mechanism_load import pressures_at
 from crankfem.files.reading.data_files import InputFiles, input_path
+from crankfem.files.sections.cylinder_pressures import LoadSection
 from crankfem.files.sections.excitation_sections import (
     GasMap,
     Misfire,
@@ -36,7 +37,6 @@ from crankfem.files.sections.excitation_sections import (
     motored_for_misfire,
 )
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
-from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import gas_forces, mechanism_forces

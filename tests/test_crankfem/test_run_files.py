@@ -13,15 +13,17 @@ from pathlib import Path
 import pytest
 
 import crankfem as cf
-from crankbase.drawing.diagram_style import figure
+from crankbase.diagrams import figure
 from crankbase.errors import InputError, MissingLibraryError, RenderError, SolveError
 from crankbase.outputs import LISTED, atomic_file, recording_run_files, replacing_files, write_text
 from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.throw.pictures import offscreen, stress_picture
 from crankfem.analyses.throw.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import data_folder, input_path
+from crankfem.jobs.run_computation import read_inputs
+from crankfem.jobs.run_drawing import Pictures, Renderings
 from crankfem.jobs.run_files import (
     MODEL,
     REPORT,
@@ -33,8 +35,6 @@ from crankfem.jobs.run_files import (
     results_text,
     write_results,
 )
-from crankfem.jobs.run_inputs import read_inputs
-from crankfem.jobs.run_pictures import Pictures, Renderings
 from crankfem.report.interactive.plot import Plot, Plots
 from crankfem.report.writing import write_report_text
 from regression.models.compliance_model import ComplianceModel

@@ -13,11 +13,9 @@ from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankfem.analyses.study.studies import run_study, study_key
 from crankfem.cli import console
-from crankfem.cli.tables.design_tables import plan_record, print_plan
+from crankfem.cli.tables.study_tables import plan_record, print_plan
 from crankfem.files.reading.toml_file import read_toml
-from crankfem.files.sections.study_section import StudySection
-from crankfem.files.study.design_file import read_design
-from crankfem.files.study.study_file import study_plan
+from crankfem.files.study_file import StudySection, read_design, study_plan
 from fem.material import STEEL
 from geometry.throw import CrankThrow
 from plans import FILLETED
@@ -296,15 +294,6 @@ def test_factors_of_the_study_give_order_and_ranges(read_rows):
     assert plan.names == ("web_thickness", "web_width")
     assert plan.design.rows == ((0.05, 0.27), (0.06, 0.33))
     assert plan.factors[0].highest == 0.098
-
-
-def test_ratios_in_a_file(read, tmp_path):
-    (tmp_path / "runs.csv").write_text("ratio\n1.5\n1.7\n", encoding="utf-8")
-    plan = read(
-        '[study]\ndesign = "file"\nfile = "runs.csv"\n'
-        '[study.relations]\nweb_width = "ratio * pin_diameter"\n'
-    )
-    assert plan.factors == (Factor("ratio", "", 1.5, 1.7),)
 
 
 @pytest.mark.parametrize(

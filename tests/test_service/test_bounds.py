@@ -14,7 +14,7 @@ import pytest
 
 from crankbase.errors import InputError
 from crankfem.client import Client, RefusedError
-from crankfem.service.bounds import Settings
+from crankfem.service.guard import Settings
 from serving import Served
 
 KEY = "a key of twenty chars"
