@@ -28,7 +28,7 @@ from crankbase.outputs import (
     write_text,
 )
 from crankfem.analyses.record import json_text
-from crankfem.report.plots import PLOTS
+from crankfem.report.figures import PLOTS
 from regression.models.model_file import is_model
 from regression.records import Outcome
 from regression.runs.store import Claims

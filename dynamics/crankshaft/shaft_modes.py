@@ -6,8 +6,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
 from crankbase.checks.choices import check_choice, whole_within
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.diagrams import legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Axes, DataFrame, Dataset, grid, table

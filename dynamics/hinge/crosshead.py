@@ -208,18 +208,11 @@ def two_stroke_cycle(
 
     Parameters
     ----------
-    compression_ratio : float
-        Largest over smallest volume.
     peak_pressure, mean_effective_pressure, intake_pressure : float
         Highest pressure, absolute; indicated mean pressure; and pressure of the charge, absolute
         [Pa]. They determine the duration of the combustion.
     **parameters : float
         Any other parameters of `GasCycle`.
-
-    Raises
-    ------
-    InputError
-        As `gas_cycle`.
     """
     cycle = usual_gas_cycle(
         compression_ratio, strokes=2, intake_pressure=intake_pressure, **parameters

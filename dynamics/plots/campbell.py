@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.drawing.diagram_style import COLORS, GRAY
+from crankbase.diagrams import COLORS, GRAY
 from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.plots.harmonics import KIND_COLORS

@@ -16,7 +16,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.study import design_export, studies
+from crankfem.analyses.study import studies
 from crankfem.analyses.study.response_fits import fit_study
 from crankfem.analyses.study.studies import run_grown, worst_designs
 from fem.responses import RESPONSES
@@ -634,11 +634,11 @@ def export_quick(monkeypatch):
     def write(design, file):
         made.append(file.name)
         if design.inputs["throw"]["pin_length"] == 0.158:
-            raise design_export.MeshError("mesh: no way of meshing succeeded.")
-        with design_export.atomic_file(file, "solid") as part:
+            raise studies.MeshError("mesh: no way of meshing succeeded.")
+        with studies.atomic_file(file, "solid") as part:
             part.write_text("solid", encoding="utf-8")
 
-    monkeypatch.setattr(design_export, "_write", write)
+    monkeypatch.setattr(studies, "_write", write)
     return made
 
 

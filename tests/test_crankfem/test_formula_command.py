@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.drawing.curves import draw_curves
-from crankbase.drawing.diagram_style import figure
+from crankbase.diagrams import draw_curves, figure
 from crankfem.analyses.throw import formula_records
 from crankfem.analyses.throw.formula_records import (
     EngineSpread,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.drawing.diagram_style import figure
+from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics

@@ -8,23 +8,30 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.drawing.curves import ALL_ORDERS, Curves, Series, draw_curves, order_line_style
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import display_unit, write_title
+from crankbase.diagrams import (
+    ALL_ORDERS,
+    Curves,
+    Series,
+    display_unit,
+    draw_curves,
+    new_axes,
+    order_line_style,
+    write_title,
+)
 from crankbase.errors import InputError
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.law_record import LAW, law_record
 from fem.analysis import analyze_throw
 from fem.angle_law import is_symmetric
 from fem.material import STEEL, Material
-from fem.plots.over_angle import ANGLES_DEG
+from fem.plots import ANGLES_DEG
 from fem.supports import Neighbors
 from fem.throw_analysis import ThrowAnalysis
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula_faults, axial_formulas
 from regression.formulas.case import FormulaValue
 from regression.formulas.torsional_formulas import torsional_formulas
-from regression.plots.equations import draw_formula_bars
+from regression.plots import draw_formula_bars
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import STYLE
+from crankbase.diagrams import STYLE
+from crankfem.analyses.throw.pictures.stress_rendering import Scene, eye_at
 
 Array = NDArray[np.float64]
 
