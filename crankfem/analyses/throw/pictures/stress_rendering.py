@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.diagrams import STYLE
-from crankfem.analyses.throw.pictures.stress_rendering import Scene, eye_at
 
 Array = NDArray[np.float64]
 
