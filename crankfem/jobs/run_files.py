@@ -24,7 +24,7 @@ from crankbase.outputs import (
     write_text,
 )
 from crankfem.analyses.record import json_text
-from crankfem.report.plots import PLOTS
+from crankfem.report.figures import PLOTS
 from regression.records import Outcome
 from regression.runs.store import Claims
 

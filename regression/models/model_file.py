@@ -13,11 +13,9 @@ from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
-from crankbase.input_file import GivenFile, InputFile
+from crankbase.input_file import JSON, LARGEST_TABLE_FILE, GivenFile, InputFile
 from crankbase.model import InputModel
 from crankbase.outputs import write_text
-from crankbase.text_limits import LARGEST_TABLE_FILE
-from crankbase.wrong_files import JSON
 from regression.models.extrapolation import StudyConstraint, error_band
 from regression.models.family import Family, angle_law_remarks
 from regression.models.response_model import IS, ResponseModel
@@ -33,21 +31,7 @@ _WANTED = f"allowed is {_MODEL_FILE}"
 
 
 def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> None:
-    """Write a model's content; an existing model is replaced in one step.
-
-    Parameters
-    ----------
-    content : mapping
-        JSON content.
-    path : path-like
-
-    Raises
-    ------
-    InputError
-        If the path is that of a folder, or of a file that is not such a model.
-    OSError
-        If the file cannot be written.
-    """
+    """Write a model's content; a model there is replaced in one step. Errors as of `ModelContent.save`."""
     if Path(path).is_dir():
         raise InputError(
             f"{os.fspath(path)}: given a folder; allowed is a file to write, because a model is one file."
@@ -72,18 +56,7 @@ def is_model(path: Path) -> bool:
 
 
 def read_model(path: GivenFile) -> dict[str, Any]:
-    """Read the content that `write_model` wrote.
-
-    Parameters
-    ----------
-    path : path-like
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is not a compliance model, is of another format, or was changed or
-        truncated since it was written.
-    """
+    """Read the content that `write_model` wrote; errors as of `ModelContent.load`."""
     file = InputFile.of(path)
     shown = file.path
     text = file.text(LARGEST_TABLE_FILE, "a compliance model", _MODEL_FILE, JSON)
@@ -195,10 +168,7 @@ class ModelContent(InputModel):
     def angle_law(self, name: str) -> tuple[str, str, str]:
         """Names of the three responses (at 0 deg, at 180 deg, rho) of a response's angle law.
 
-        Raises
-        ------
-        InputError
-            If the response has no such law, or the model lacks one of the three.
+        `InputError` if the response has no such law, or the model lacks one of the three.
         """
         if name not in ANGLE_LAWS:
             raise InputError(
@@ -267,29 +237,17 @@ class ModelContent(InputModel):
     def __getstate__(self) -> dict[Any, Any]:
         """Leave the compiled equations out of what goes to other processes."""
         state = super().__getstate__()
-        own = {name: value for name, value in state["__dict__"].items() if name != "_compiled"}
-        return state | {"__dict__": own}
+        kept = {name: value for name, value in state["__dict__"].items() if name != "_compiled"}
+        return state | {"__dict__": kept}
 
 
 class CompiledModel:
-    """Data that a model computes once for all its queries.
-
-    Attributes
-    ----------
-    family : Family
-    bands : dict of str to ErrorBand
-    constraints : tuple of StudyConstraint
-
-    Raises
-    ------
-    InputError
-        If a column is not one of the family's factors.
-    """
+    """Data that a model computes once for all its queries: family, error bands, constraints and queries."""
 
     def __init__(self, model: ModelContent) -> None:
         responses = model.responses
         self.family = Family(
-            **{one.name: getattr(model, one.name) for one in fields(Family)}
+            **{part.name: getattr(model, part.name) for part in fields(Family)}
             | {"ranges": model.ranges or _column_ranges(responses)}
         )
         self.bands = {name: error_band(response) for name, response in responses.items()}

@@ -96,20 +96,6 @@ def clock(monkeypatch):
     return made
 
 
-def test_a_lap_leaves_out_what_is_named_inside(clock):
-    watch = Stopwatch()
-    with watch.lap("outer"):
-        clock.work(1)
-        with watch.lap("inner"):
-            clock.work(2)
-            with watch.lap("innermost"):
-                clock.work(4)
-        clock.work(8)
-        watch.add({"elsewhere": 3.0})
-    assert watch.seconds == {"outer": 6.0, "inner": 2.0, "innermost": 4.0, "elsewhere": 3.0}
-    assert next(iter(watch.seconds)) == "outer"
-
-
 def test_two_watches_are_apart(clock):
     one, other = Stopwatch(), Stopwatch()
     with one.lap("mesh"), other.lap("mesh"):

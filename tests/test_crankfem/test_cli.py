@@ -287,34 +287,6 @@ def test_new_into_a_folder_that_is_not_there(call):
     assert "nowhere" in answer.err
 
 
-def test_check_of_a_throw_alone(call):
-    answer = call("check", "2ch85-110")
-    assert (answer.code, answer.err) == (0, "")
-    words = " ".join(answer.out.split())
-    assert "valid throw file" in words
-    assert "Throw with 2 pins: length" in words
-    content = call("check", "2ch85-110", "--json").json()
-    assert content["kind"] == "throw"
-    assert content["shape"]["solved_part"] == "half"
-    fields = [record["field"] for record in content["inputs"]]
-    assert "throw.further_pins[0].angle" in fields
-    assert "throw.pin_bore" not in fields
-
-
-def test_check_of_a_mechanism(call):
-    answer = call("check", "buick-3800")
-    assert (answer.code, answer.err) == (0, "")
-    words = " ".join(answer.out.split())
-    assert "valid mechanism file" in words
-    assert "use it with: mechanism, harmonics" in words
-    content = call("check", "buick-3800", "--json").json()
-    assert (content["kind"], content["engine"]) == ("mechanism", "Buick 3800")
-    fields = {record["field"]: record for record in content["inputs"]}
-    assert fields["engine.bank_angles"]["assumed"] is False
-    assert "throw.counterweight.outer_radius" in fields
-    assert "rod.center_offset" not in fields
-
-
 def test_a_throw_alone_is_no_engine(call):
     answer = call("run", "2ch85-110")
     assert answer.code == 2

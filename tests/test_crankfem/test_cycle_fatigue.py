@@ -8,15 +8,15 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.strength import cycle_fatigue, shaft_loads
+from crankfem.analyses.strength import cycle_fatigue
+from crankfem.analyses.strength import cycle_loads as loads_module
 from crankfem.analyses.strength.cycle_fatigue import (
     EngineFatigue,
     FatiguePlace,
     fatigue_record,
     fatigue_table,
 )
-from crankfem.analyses.strength.cycle_loads import ShaftUnderForces, cycle_loads
-from crankfem.analyses.strength.shaft_loads import judged_speeds
+from crankfem.analyses.strength.cycle_loads import ShaftUnderForces, cycle_loads, judged_speeds
 from crankfem.analyses.vibration.misfiring import Superposition
 from crankfem.files.engine.mechanism_file import mechanism_of
 from dynamics.response.order_excitation import at_angles
@@ -131,7 +131,7 @@ def test_unbounded_vibration_is_refused(vibration):
                 yield case, endless
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(shaft_loads, "Superposition", Endless)
+        patched.setattr(loads_module, "Superposition", Endless)
         with pytest.raises(InputError, match=r"damping: given none for .* vibration that is unb"):
             list(cycle_loads(vibration, mechanism_of(vibration.engine_file), speed, [()]))
 

@@ -16,10 +16,9 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.study import design_export, studies
+from crankfem.analyses.study import studies
 from crankfem.analyses.study.response_fits import fit_study
 from crankfem.analyses.study.studies import run_grown, worst_designs
-from crankfem.cli.console import progress_text
 from fem.responses import RESPONSES
 from geometry.shapes import element_volumes
 from plans import FILLETED, plan_of_levels, table_of_function
@@ -349,20 +348,6 @@ def finished(store):
         connection.close()
 
 
-@pytest.mark.parametrize(
-    ("given", "text"),
-    [
-        ((0, 5.0, 10), ""),
-        ((10, 60.0, 190), "10 designs/min, 19 min left"),
-        ((1, 2.0, 3), "30 designs/min, 6 s left"),
-        ((200, 1234.0, 0), "9.72 designs/min"),
-        ((10, 3600.0, 40), "0.167 designs/min, 4.0 h left"),
-    ],
-)
-def test_pace(given, text):
-    assert progress_text(*given) == text
-
-
 def test_the_store_of_the_command_is_plain_sql(call, study, tmp_path):
     call("doe", study)
     connection = sqlite3.connect(tmp_path / "runs.sqlite")
@@ -391,15 +376,6 @@ def test_fit_prints_and_saves_a_model(store, call, tmp_path):
     assert model.axial_compliance(web_width=0.31, web_thickness=0.06) == close(
         1e-9 * (0.2 + 0.3 / 0.31 * (0.05 / 0.06) ** 1.5), rel=5e-3
     )
-
-
-def test_fit_takes_a_form_and_shows_a_response(store, call, tmp_path):
-    answer = call("fit", store, "--form", "linear", "--response", "mass")
-    assert answer.code == 0, answer.err
-    text = " ".join(answer.out.split())
-    assert "Mass m: largest (mean) errors" in text
-    assert "linear: m = (" in text
-    assert ComplianceModel.load(tmp_path / "model.json").responses["mass"].form == "linear"
 
 
 @pytest.mark.slow
@@ -653,11 +629,11 @@ def export_quick(monkeypatch):
     def write(design, file):
         made.append(file.name)
         if design.inputs["throw"]["pin_length"] == 0.158:
-            raise design_export.MeshError("mesh: no way of meshing succeeded.")
-        with design_export.atomic_file(file, "solid") as part:
+            raise studies.MeshError("mesh: no way of meshing succeeded.")
+        with studies.atomic_file(file, "solid") as part:
             part.write_text("solid", encoding="utf-8")
 
-    monkeypatch.setattr(design_export, "_write", write)
+    monkeypatch.setattr(studies, "_write", write)
     return made
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.drawing.diagram_style import figure
+from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankbase.tables.table import merged_rows
 from crankfem.analyses.mechanism.balance_records import (
@@ -27,8 +27,6 @@ from crankfem.analyses.mechanism.plots import (
 )
 from crankfem.analyses.mechanism.rod_models import (
     compare_rod_models,
-    model_difference_sentence,
-    model_difference_table,
 )
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
@@ -188,22 +186,6 @@ def test_two_models_of_the_rods(call, tmp_path):
     static, dynamic = (float(row[f"crankpin_cylinder_1_{name}_N"]) for name in asked[3::2])
     assert float(row["difference_of_same_angle"]) == close(dynamic / static - 1.0)
     assert 100.0 * float(row["difference_of_same_angle"]) == close(-5.51, abs=5e-3)
-
-
-def test_two_models_that_are_the_same(call):
-    content = call(
-        "mechanism", "8chn26-26", "--model", "rigid", "--model", "two-mass", "--json"
-    ).json()
-    record = content["model_difference"]
-    assert model_difference_table(record) is None
-    assert "the same, to round-off, as two-mass and as rigid" in model_difference_sentence(record)
-    # Without an inertia given, the rods are two masses.
-    assert [row["at_center"] for row in content["rod_masses"][0]["models"]] == [
-        75.0,
-        0.0,
-        None,
-        None,
-    ]
 
 
 @pytest.mark.parametrize(
@@ -412,19 +394,6 @@ def test_the_crank_stands_upright_and_turns_clockwise(diagram):
     columns = diagram.columns()
     at_rest = 1e-3 * (-columns["force_x_N"] + 1j * columns["force_y_N"])
     np.testing.assert_allclose(on_paper(diagram, "engine"), at_rest, rtol=1e-12)
-
-
-@pytest.mark.slow
-def test_pictures_are_the_same_each_time_and_differ_by_frame(diagram, tmp_path):
-    made = []
-    for name, frame in (("a", "crank"), ("b", "crank"), ("c", "engine")):
-        path = tmp_path / f"{name}.svg"
-        plot_polar_loads(path, [diagram, diagram], labels=["one", "two"], frame=frame, title="x")
-        made.append(path.read_bytes())
-    assert made[0] == made[1]
-    assert made[0] != made[2]
-    diagram.plot().figure.savefig(tmp_path / "d.svg")
-    assert (tmp_path / "d.svg").read_text(encoding="utf-8").startswith("<?xml")
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import crankfem as cf
-from crankbase.drawing.diagram_style import figure
+from crankbase.diagrams import figure
 from crankbase.errors import InputError, MissingLibraryError, RenderError, SolveError
 from crankbase.outputs import LISTED, atomic_file, recording_run_files, replacing_files, write_text
 from crankfem.analyses.hinge.hinge_run import run_hinge

@@ -296,15 +296,6 @@ def test_factors_of_the_study_give_order_and_ranges(read_rows):
     assert plan.factors[0].highest == 0.098
 
 
-def test_ratios_in_a_file(read, tmp_path):
-    (tmp_path / "runs.csv").write_text("ratio\n1.5\n1.7\n", encoding="utf-8")
-    plan = read(
-        '[study]\ndesign = "file"\nfile = "runs.csv"\n'
-        '[study.relations]\nweb_width = "ratio * pin_diameter"\n'
-    )
-    assert plan.factors == (Factor("ratio", "", 1.5, 1.7),)
-
-
 @pytest.mark.parametrize(
     ("rows", "factors", "message"),
     [

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.drawing.diagram_style import figure
+from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
@@ -20,10 +20,9 @@ from crankfem.analyses.vibration.records import (
     forced_columns,
     forced_record,
     run_record,
-    run_up_record,
 )
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.analyses.vibration.run_up import parse_duration, run_up
+from crankfem.analyses.vibration.run_up import parse_duration
 from crankfem.cli.arguments import write_columns
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
@@ -264,17 +263,6 @@ def test_resonances_are_listed_at_all_speeds_judged(run):
     axes = run.assessment.plot()
     assert axes.get_xlim()[1] == close(end * 30.0 / math.pi)
     assert "highest running speed" in [line.get_label() for line in axes.lines]
-
-
-@pytest.mark.slow
-def test_exciting_forces_do_not_depend_on_the_chains_compliances(coarse, run):
-    engine = run.engine_file
-    settings = engine.vibration.model_copy(update={"axial_source": "fe pinned"})
-    pinned = engine_vibration(replace(engine, vibration=settings), analysis=coarse)
-    assert pinned.axial.chosen.source == "fe pinned"
-    own, other = (one.forced_axial.response.excitation.forces[:, 0] for one in (run, pinned))
-    # Of the two, radial forces and torsion, neither is negligible; round-off.
-    assert own == close(other, rel=1e-9, abs=1e-9 * np.abs(own).max())
 
 
 @pytest.mark.slow
@@ -560,17 +548,6 @@ def test_vibration_command_of_a_chain(call, tmp_path):
     assert "mwm-six: is a chain file, which has no cylinders" in answer.err
     (tmp_path / "line.txt").write_text("nonsense", encoding="utf-8")
     assert call("vibration", tmp_path / "line.txt").code == 2
-
-
-@pytest.mark.slow
-def test_a_slow_run_up_comes_near_the_steady_amplitudes(run):
-    found = run_up(run, 60.0)
-    assert found.motion.complete
-    # The run-up passes resonances, where it stays below the steady amplitudes; slowly enough by little.
-    assert np.all(found.largest < found.steady * 1.001)
-    assert np.all(found.largest > 0.9 * found.steady)
-    record = run_up_record(found)
-    assert json.loads(json.dumps(record, allow_nan=False))["to_rpm"] == close(515.0)
 
 
 @pytest.mark.parametrize("text", ["20", "20 mm", "0 s", "1 h"])

@@ -53,15 +53,6 @@ def test_axial_damper_holds_to_ground():
     assert chain.ground_damping.tolist() == [0.0, 3.0]
 
 
-def test_a_mode_acts_as_one_inertia():
-    # Two equal inertias on a wall: modal inertia and shape by hand.
-    chain = Chain([1.0, 1.0], [1.0], {0: 1.0})
-    inertia, frequency = main_inertia(chain, 1)
-    golden = (1.0 + 5.0**0.5) / 2.0
-    assert inertia == close(1.0 + 1.0 / golden**2)
-    assert frequency == close(1.0 / golden)
-
-
 def test_sized_dampers_calm_the_mode_they_are_for():
     chain = Chain([0.05, 0.1, 0.1, 2.0], [1e6, 1e6, 1e6])
     frequency = chain.modes().angular_frequencies[1]

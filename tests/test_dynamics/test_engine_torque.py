@@ -178,28 +178,6 @@ def test_throws_may_be_told():
         engine_torque(engine, SPEED, samples=12, throws=[0, 2, 2])
 
 
-def test_rods_side_by_side_share_a_throw_but_not_with_the_next():
-    """A V12 whose throws 1 and 6 lie in one direction: rods of throw 1 stand 40 mm apart."""
-    throws = np.radians([0.0, 120.0, 240.0, 240.0, 120.0, 0.0]).tolist()
-    cylinders = [
-        EngineCylinder(
-            0.1,
-            1.0,
-            ROD,
-            crank_angle_deg=math.degrees(crank),
-            bank_angle_deg=math.degrees(bank),
-            position=0.13 * place + shift,
-        )
-        for bank, shift in ((-math.pi / 6, 0.0), (math.pi / 6, 0.04))
-        for place, crank in enumerate(throws)
-    ]
-    tops = [math.radians(cylinder.top_shaft_angle_deg) for cylinder in cylinders]
-    order = [int(place) + 1 for place in np.argsort(np.mod(np.round(tops, 9), 4.0 * math.pi))]
-    engine = EngineLayout(0.05, cylinders, order, firing_angles_deg=np.degrees(tops))
-    found = engine_torque(engine, SPEED, samples=12)
-    assert found.throws == ((1, 7), (2, 8), (3, 9), (4, 10), (5, 11), (6, 12))
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -375,19 +375,6 @@ def test_interrupted_and_stopping_runs_keep_what_is_finished():
     assert braked.energy_error < 1e-8
 
 
-@pytest.mark.slow
-def test_misfire_takes_over():
-    chain, _ = turning(gas=pressure(), damping=30.0)
-    weaker = with_gas_share(chain, 0.5)
-    run = turn_under_gas(chain, SPEED, 0.5, load=0.0, changes=((0.2, weaker),))
-    plain = turn_under_gas(chain, SPEED, 0.2, load=0.0)
-    assert np.interp(0.2, run.time, run.gas_work) == close(plain.gas_work[-1], rel=1e-6)
-    assert run.energy_error < 1e-8
-    gained = np.interp([0.2, 0.5], run.time, run.gas_work)
-    whole = turn_under_gas(chain, SPEED, 0.5, load=0.0)
-    assert np.diff(gained)[0] < 0.8 * np.diff(np.interp([0.2, 0.5], whole.time, whole.gas_work))[0]
-
-
 def bad(message):
     chain, forces = turning(gas=pressure(), damping=30.0)
     own, ends = engine(), small_chain()

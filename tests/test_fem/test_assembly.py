@@ -12,12 +12,10 @@ from skfem.models.elasticity import linear_elasticity
 from skfem.quadrature import get_quadrature
 
 from comparing import close
-from crankbase.errors import InputError
 from fem.assembly import (
     MASS_QUADRATURE_ORDER,
     assemble_mass,
     assemble_stiffness,
-    element_masses,
     node_blocks,
     physical_gradients,
     symmetric_product,
@@ -79,18 +77,6 @@ def test_symmetric_product():
     upper = sparse.csr_array(np.triu(matrix))
     for vectors in (rng.normal(size=7), rng.normal(size=(7, 3))):
         assert symmetric_product(upper, vectors) == close(matrix @ vectors, rel=1e-13)
-
-
-def test_material():
-    assert STEEL.shear_modulus == close(2.1e11 / 2.6)
-    text = {"youngs_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"}
-    assert Material.from_text(text) == STEEL
-    with pytest.raises(
-        InputError, match=r"^material.poisson_ratio: given 0.5; allowed is 0 to 0.49"
-    ):
-        Material(youngs_modulus=2.1e11, poisson_ratio=0.5, density=7850.0)
-    with pytest.raises(InputError, match=r"^material.youngs_modulus: given 210 MPa; allowed is "):
-        Material(youngs_modulus=2.1e8, poisson_ratio=0.3, density=7850.0)
 
 
 def test_blocks_hold_the_whole_matrix(stiffness):
@@ -168,28 +154,6 @@ def test_batches_give_the_same_mass(mesh, upper, monkeypatch):
         abs(upper - assemble_mass(mesh.points, mesh.elements, DENSITY)).max()
         <= 1e-13 * abs(upper).max()
     )
-
-
-def test_a_straight_element_has_its_closed_form():
-    """Integrals of products of barycentric coordinates: a! b! c! d! 6 V / (a + b + c + d + 3)!."""
-    corners = np.random.default_rng(2).normal(size=(4, 3))
-    if np.linalg.det(corners[1:] - corners[0]) < 0.0:
-        corners = corners[[1, 0, 2, 3]]
-    points = np.vstack([corners, [0.5 * (corners[a] + corners[b]) for a, b in EDGES]])
-    volume = np.linalg.det(corners[1:] - corners[0]) / 6.0
-    ((_, found),) = element_masses(points, np.arange(10)[None], DENSITY)
-    nodes = [{a} for a in range(4)] + [set(edge) for edge in EDGES]
-    expected = np.empty((10, 10))
-    for i, first in enumerate(nodes):
-        for j, second in enumerate(nodes):
-            common = len(first & second)
-            expected[i, j] = {
-                (1, 1): (1.0, 6.0),
-                (1, 2): (-6.0, -4.0),
-                (2, 1): (-6.0, -4.0),
-                (2, 2): (8.0, 16.0, 32.0),
-            }[len(first), len(second)][common]
-    assert found[0] == close(DENSITY * volume / 420.0 * expected, rel=1e-12)
 
 
 def test_the_rule_is_exact_to_seventh_order():

@@ -175,18 +175,6 @@ def test_loads(full_mesh, deck):
     assert {node for node, _ in pin} == loaded
 
 
-def test_the_comments_say_what_it_is(deck):
-    comments = "\n".join(line for line in deck.splitlines() if line.startswith("**"))
-    for words in (
-        "crankfem",
-        "Units: m, N",
-        "pinned",
-        "guided",
-        "3: pin forces (2.0, -3.0, 0.5) N",
-    ):
-        assert words in comments
-
-
 def test_a_title_stays_in_its_comment(full_mesh):
     case = LoadCase("two\n*CLOAD\nlines", end_loads=axial_case().end_loads)
     text = calculix_deck(full_mesh, STEEL, [case])

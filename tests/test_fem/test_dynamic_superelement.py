@@ -15,14 +15,13 @@ from fem.analysis import analyze_throw
 from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
 from fem.condensation import condense, nodes_on
 from fem.craig_bampton import dynamic_superelement
-from fem.fields import displacement_field
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
 from fem.modes import free_modes, frequencies_of
 from fem.shaft import assemble_shaft, shaft_compliances, sharing_sections
 from fem.solver import factorize
 from fem.superelement import combine_classes, superelement_of_end_forces
-from fem.supports import Neighbors, reactions
+from fem.supports import Neighbors
 from fem.symmetry import (
     KEPT,
     SectionMotions,
@@ -30,7 +29,6 @@ from fem.symmetry import (
     _ring,
     both_ends,
     degree_of,
-    section_turn,
     symmetry_classes,
 )
 from geometry.mesh import mesh_throw
@@ -299,27 +297,6 @@ def test_all_polynomials_and_no_more(motions):
     assert np.linalg.matrix_rank(fields / np.linalg.norm(fields, axis=0), tol=1e-7) == count
 
 
-def test_mirrors_keep_motions_or_reverse_them(motions):
-    fields = motions.fields(PLACES)
-    mirrored = motions.fields(PLACES * (-1.0, 1.0)) * np.array([-1.0, 1.0, 1.0])[:, None]
-    size = np.abs(fields).max(axis=(0, 1))
-    assert mirrored / size == close(fields * motions.mirror_x / size, abs=1e-9)
-    turned_over = fields * np.array([1.0, 1.0, -1.0])[:, None]
-    assert turned_over == close(fields * motions.mirror_z)
-
-
-def test_turned_sections_have_the_same_motions(motions):
-    angle = 0.7
-    cosine, sine = np.cos(angle), np.sin(angle)
-    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    # The displacement of a place, turned with the section, at where the place goes.
-    expected = turn @ motions.fields(PLACES)
-    both = section_turn(motions, angle)
-    left = np.r_[:6, 12 : 12 + motions.bending]
-    found = motions.fields(PLACES @ turn[:2, :2].T) @ both[np.ix_(left, left)]
-    assert found == close(expected, abs=1e-8 * np.abs(expected).max())
-
-
 def test_another_ring_is_an_exact_change_of_motions(motions):
     other = replace(motions, radius=0.09, bore=0.02)
     amplitudes = motions.amplitudes_of(other)
@@ -372,49 +349,12 @@ def test_rigid_motions_symmetry_and_reciprocity(solved, rigid_motions, degree):
 
 
 @pytest.mark.slow
-def test_rigid_sections_are_part_of_those_that_bend(solved, superelement):
-    for degree in DEGREES:
-        found = solved["quarter", degree][1]
-        size = np.abs(superelement.stiffness).max()
-        assert np.abs(found.stiffness - superelement.stiffness).max() <= ROUND_OFF * size
-        lower = solved["quarter", 4][1].with_sections(degree).joined
-        assert np.abs(lower.stiffness - found.joined.stiffness).max() <= 1e-7 * size
-    assert solved["quarter", 4][1].with_sections("rigid").joined.stiffness.shape == (12, 12)
-    with pytest.raises(InputError, match=r"^sections: given 4; allowed is up to 2 \(rigid, 1, 2\)"):
-        solved["quarter", 2][1].with_sections(4)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("part", ["half", "full"])
 def test_parts_have_the_same_superelement(solved, part):
     own, other = (solved[name, 2][1].joined for name in ("quarter", part))
     sizes = np.sqrt(np.diag(own.stiffness))
     assert np.abs(own.stiffness - other.stiffness).max() <= 1e-8 * sizes.max() ** 2
     assert other.pin_loads == close(own.pin_loads, abs=1e-7)
-
-
-@pytest.mark.slow
-def test_reactions_between_neighbors_balance_the_force(solved):
-    found = solved["quarter", 2][1]
-    for load in (
-        found.joined.pin_loads[0] @ [0, 0, 1.0, 0, 0, 0],
-        found.joined.end_load([1.0, 2.0, 0.0]),
-    ):
-        there = reactions(found, Neighbors(120.0, 90.0), load)
-        total = there.left.force + there.right.force
-        applied = load[:6] + load[6:12]
-        assert total == close(-applied[:3], abs=1e-8 * np.abs(applied).max())
-
-
-@pytest.mark.slow
-def test_fields_are_those_of_the_given_motions(solved, mesh):
-    classes, rigid = solved["quarter", 2]
-    sections = rigid.joined.sections
-    nodes = np.flatnonzero(mesh.points[:, 2] == 0.0)
-    given = np.zeros(2 * sections.count)
-    given[12 + 3] = 1.0
-    field = displacement_field(classes, given)[nodes]
-    assert field == close(sections.fields(mesh.points[nodes])[:, :, 9], abs=1e-12)
 
 
 @pytest.mark.slow

@@ -15,7 +15,6 @@ from fem.fillet_peaks import fillet_points, fillet_surface, reading_quality
 from fem.fillet_stress import fillet_stresses, nominal_stress, torsion_modulus, web_section
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
-from fem.supports import TWIST, reactions
 from fem.surface_stress import (
     as_components,
     as_matrices,
@@ -190,23 +189,6 @@ def test_parts_have_the_stresses_of_the_whole(loaded, part):
     assert places == close(expected_places, abs=1e-12)
     size = np.abs(expected).max(axis=(0, 2))
     assert stress / size[:, None] == close(expected / size[:, None], abs=1e-7)
-
-
-@pytest.mark.parametrize("part", ["quarter", "half"])
-def test_recovered_stresses_of_images_are_mirrored(loaded, part):
-    """Away from the cuts, where patches are halved, to the round-off of the solves."""
-    one, whole = loaded[part], loaded["full"]
-    nodes = whole_nodes(one.mesh)
-    points = nodes.collect([image.points(one.mesh.points) for image in nodes.images])
-    places, stress = in_order(points, nodes.collect(one.stresses(nodes.images)))
-    full_nodes = whole_nodes(whole.mesh)
-    expected_places, expected = in_order(whole.mesh.points, whole.stresses(full_nodes.images)[0])
-    assert places == close(expected_places, abs=1e-12)
-    away = (np.abs(places[:, 0]) > 0.06) & (np.abs(places[:, 2] - 0.5 * one.mesh.length) > 0.06)
-    size = np.abs(expected).max(axis=(0, 2))
-    assert away.sum() > 100
-    difference = (stress - expected)[away] / size[:, None]
-    assert np.abs(difference).max() < 1e-7
 
 
 def test_only_the_classes_that_loads_excite_are_solved(loaded, mesh, loads):
@@ -488,19 +470,6 @@ def test_a_rule_mesh_beyond_the_budget_is_refused(monkeypatch, dimensions):
 @pytest.fixture(scope="module")
 def fields(mesh, throw):
     return stress_fields(mesh, throw, STEEL)
-
-
-def test_a_tangential_force_is_carried_wherever_it_is_held(fields, throw):
-    """Torque taken at the left or at the right end: the difference is a torque through the throw."""
-    force = np.array([-1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    held = reactions(fields.superelement, "pinned", fields.superelement.pin_loads[0] @ force)
-    left = np.concatenate([held.left.force, held.left.moment, held.right.force, held.right.moment])
-    assert left[5] == close(-throw.crank_radius)
-    right = left.copy()
-    right[[5, 11]] = 0.0, left[5]
-    one, other = fields.amplitudes(left, force), fields.amplitudes(right, force)
-    through = fields.amplitudes(left[5] * TWIST, np.zeros(6))
-    assert other - one == close(through, abs=1e-9 * np.abs(other).max())
 
 
 def test_loads_out_of_balance_are_refused(fields):

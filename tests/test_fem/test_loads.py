@@ -19,7 +19,6 @@ from fem.loads import (
     NodalLoads,
     pin_load,
     pin_surfaces,
-    uniform_pin_loads,
     unit_pin_loads,
 )
 from fem.symmetry import MIRROR_X, MIRROR_Z, symmetry_classes
@@ -141,21 +140,6 @@ def test_nodal_loads_of_the_cosine_are_its_integrals(mesh, surface, throw, direc
     assert np.sum(sideways * s * t) == close(0.25 * radius**2, rel=CYLINDER)
 
 
-def test_what_no_pressure_can_carry_is_uniform(surface):
-    """Force along the pin and torque about it; the rest superposes."""
-    force, moment = np.array([0.0, 0.0, 4.0]), np.array([0.0, 0.0, -3.0])
-    even, pressed = (pin_load(surface, force, moment, how) for how in ("uniform", "cosine"))
-    assert pressed.values == close(even.values, rel=1e-12, abs=1e-15)
-    across, couple = np.array([5.0, -1.0, 0.0]), np.array([0.2, 0.9, 0.0])
-    together = pin_load(surface, force + across, moment + couple, "cosine").values
-    apart = [
-        pin_load(surface, force, moment, "uniform"),
-        pin_load(surface, across, NONE, "cosine"),
-        pin_load(surface, NONE, couple, "cosine"),
-    ]
-    assert together == close(sum(one.values for one in apart), abs=ROUND_OFF)
-
-
 @settings(max_examples=25, deadline=None)
 @given(force=vectors, moment=vectors, factor=st.floats(1e-3, 1e3))
 def test_pressures_grow_with_the_load_and_mirror_with_it(surface, force, moment, factor):
@@ -200,16 +184,6 @@ def test_loads_of_a_class_work_as_those_on_all_images(mesh, half_mesh, full_mesh
         assert np.abs(work[~symmetry.central_motions]).max(initial=0.0) <= 1e-10
         works += np.abs(work)
     assert np.all(works > 1e-3)
-
-
-def test_uniform_shares_are_those_of_unit_forces(part):
-    (loads,) = unit_pin_loads(part)
-    shares = uniform_pin_loads(part)[0]
-    assert shares.sum() == close(1.0, rel=1e-14)
-    for axis in range(3):
-        every = loads.values[..., axis, axis].sum(axis=0)
-        assert shares[loads.nodes] == close(every, abs=1e-14)
-    assert not np.delete(shares, loads.nodes).any()
 
 
 @pytest.mark.parametrize("distribution", ["even", "", None, "Cosine"])

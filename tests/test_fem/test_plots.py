@@ -16,7 +16,7 @@ from fem.fillet_peaks import FilletPeak, FilletStresses, ReadingQuality
 from fem.loads import RADIAL
 from fem.material import STEEL
 from fem.modes import ThrowModes
-from fem.plots.over_angle import ANGLES_DEG
+from fem.plots import ANGLES_DEG
 from fem.shaft import shaft_compliances
 from fem.supports import Neighbors
 from fem.surface_stress import throw_fillets

@@ -178,24 +178,6 @@ def test_sizes_grow_gently_and_no_more_than_needed(mesh, monkeypatch):
     assert np.mean(found[0.15].sizes < 0.99 * wished) > 0.3
 
 
-def test_the_map_is_of_what_was_meshed(mesh, half_mesh, level):
-    """A half whose elements have the errors of their mirror images gets the quarter's sizes."""
-    found = refined_sizes(mesh, level.errors, 0.01)
-    assert np.array_equal(found.points, mesh.points[np.unique(mesh.elements[:, :4])])
-    assert np.array_equal(found.points[found.tetrahedra], mesh.points[mesh.elements[:, :4]])
-    both = EnergyErrors(np.tile(level.errors.elements, 2), 2.0 * level.errors.energy)
-    of_half = refined_sizes(half_mesh, both, 0.01)
-    first = len(found.sizes)
-    assert np.array_equal(of_half.points[:first], found.points)
-    assert of_half.sizes[:first] == close(found.sizes, rel=1e-12)
-    # Corners and edge middles off the cut come twice.
-    volumes = [
-        np.abs(np.linalg.det(one.points[one.tetrahedra][:, 1:] - one.points[one.tetrahedra][:, :1]))
-        for one in (of_half, found)
-    ]
-    assert volumes[0].sum() == close(2.0 * volumes[1].sum(), rel=1e-12)
-
-
 def test_a_unit_of_force_changes_nothing(mesh, level):
     """Only shares of the energy count."""
     found = refined_sizes(mesh, level.errors, 0.01)

@@ -25,10 +25,8 @@ from crankbase.outputs import (
     write_text,
     write_user_file,
 )
-from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.imported import import_throw
 from geometry.mesh import mesh_throw
-from geometry.recognition import opened_part
 from geometry.shapes import element_volumes
 from geometry.solid_files import MESH_ENDINGS, write_mesh, write_step
 from geometry.throw import CrankThrow
@@ -348,28 +346,6 @@ def test_unknown_endings_and_missing_folders(mesh, tmp_path):
             continue
         with pytest.raises(InputError, match="cannot be written"):
             write_mesh(mesh, tmp_path / "nowhere" / f"throw{ending}")
-
-
-def read_step(path):
-    """Volume and reach along z of the one solid in a file, in m."""
-    with opened_part(str(path)) as (gmsh, solid):
-        gmsh.model.occ.synchronize()
-        box = gmsh.model.getBoundingBox(3, solid)
-        return gmsh.model.occ.getMass(3, solid), box[5] - box[2]
-
-
-def test_step_of_a_throw_and_of_a_shaft_come_back_in_metres(dimensions, tmp_path):
-    throw = CrankThrow(**dimensions, pin_bore=0.06)
-    volume, length = read_step(write_step(throw, tmp_path / "throw.step"))
-    assert volume == close(throw.volume, rel=1e-6)
-    assert length == close(throw.length, rel=1e-5)
-    half, _ = read_step(write_step(throw, tmp_path / "half.stp", "half"))
-    assert half == close(throw.volume / 2.0, rel=1e-6)
-    ends = ShaftEnds(free_end_diameter=0.2, free_end_length=0.3)
-    shaft = Crankshaft([throw] * 3, crank_angles_deg=[0.0, 120.0, 240.0], ends=ends)
-    volume, length = read_step(write_step(shaft, tmp_path / "shaft.step"))
-    assert volume == close(shaft.masses(1.0).mass, rel=1e-6)
-    assert length == close(shaft.length, rel=1e-5)
 
 
 @pytest.mark.parametrize(

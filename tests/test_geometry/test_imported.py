@@ -597,19 +597,6 @@ def test_surfaces_that_are_elsewhere_are_noticed(imported):
         mesh_imported_throw(wrong, 3.0, None, ("no",) * (len(MESHING_STRATEGIES) - 1))
 
 
-@pytest.mark.slow
-def test_nothing_is_left_behind_in_this_process(throw, plain, imported):
-    """Neither in the options of a running gmsh nor in the kernel, which also writes files."""
-    with gmsh_session("outer") as gmsh:
-        before = gmsh.option.getString("Geometry.OCCTargetUnit")
-        curvature = gmsh.option.getNumber("Mesh.MeshSizeFromCurvature")
-        mesh_imported_throw(imported, 3.0)
-        assert gmsh.option.getString("Geometry.OCCTargetUnit") == before
-        assert gmsh.option.getNumber("Mesh.MeshSizeFromCurvature") == curvature
-    points = r"CARTESIAN_POINT\([^;]*;"
-    assert re.findall(points, step_text(throw)) == re.findall(points, plain)
-
-
 # --- analysis -----------------------------------------------------------------------------------
 
 

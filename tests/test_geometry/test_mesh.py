@@ -1,7 +1,6 @@
 """Meshes of throws, and meshes made from sizes at the nodes of an earlier one."""
 
 import ctypes
-import math
 import multiprocessing
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
@@ -17,7 +16,6 @@ from skfem.quadrature import get_quadrature
 import geometry.mesh
 from comparing import close
 from crankbase.errors import InputError, MeshError
-from geometry.gmsh_session import gmsh_session
 from geometry.mesh import MESHING_STRATEGIES, check_quality, check_volume, mesh_throw
 from geometry.mesher import mesh_isolated
 from geometry.shapes import (
@@ -28,7 +26,7 @@ from geometry.shapes import (
     smallest_jacobians,
     straighten_elements,
 )
-from geometry.sizes import SizeMap, regular_volume, set_size_map
+from geometry.sizes import SizeMap, regular_volume
 from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MAIN_JOURNAL, MIDDLE_PLANE, PIN, WEB
 from geometry.throw import CrankThrow
 
@@ -402,16 +400,6 @@ def test_the_mesh_is_checked_as_others_are(map_throw, made):
     assert volume == close(made.solid.volume, rel=1e-3)
 
 
-def test_a_map_of_any_size_gives_a_mesh_of_the_volume(map_throw, coarse_mesh):
-    """Elements as large as a journal's radius would cut chords off it: they are smaller there."""
-    for size in (0.1, 0.5):
-        coarse = map_of(coarse_mesh, lambda points, size=size: np.full(len(points), size))
-        mesh = mesh_throw(map_throw, sizes=coarse)
-        assert mesh.attempts == ()
-        volume = element_volumes(mesh.points, mesh.elements).sum()
-        assert volume == close(mesh.solid.volume, rel=5e-4)
-
-
 def test_a_map_whose_mesh_is_refused_is_meshed_finer(map_throw, graded, monkeypatch):
     def refuse(*_):
         monkeypatch.undo()
@@ -443,28 +431,3 @@ def test_an_open_gmsh_session_gets_nothing_left_behind(map_throw, graded, made):
         assert gmsh.model.getCurrent() == "of somebody else"
     finally:
         gmsh.finalize()
-
-
-def test_the_field_between_nodes_and_beside_the_map():
-    """A box of its own, whose map covers half of it: linear inside, the closest node's beside it."""
-    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    sizes = SizeMap(corners, np.array([[0, 1, 2, 3]]), np.array([0.05, 0.2, 0.1, 0.1]))
-    with gmsh_session("a tetrahedron") as session:
-        points = [session.model.occ.addPoint(*corner) for corner in corners]
-        lines = {
-            (i, j): session.model.occ.addLine(points[i], points[j])
-            for i in range(4)
-            for j in range(i + 1, 4)
-        }
-        session.model.occ.synchronize()
-        set_size_map(session, sizes, 0.5)
-        session.model.mesh.generate(1)
-        count = {
-            ends: len(session.model.mesh.getElements(1, line)[1][0]) for ends, line in lines.items()
-        }
-    for (i, j), found in count.items():
-        # Along an edge with sizes from a to b there is room for the integral of 1 / size.
-        a, b = 0.5 * sizes.sizes[[i, j]]
-        length = np.linalg.norm(corners[i] - corners[j])
-        room = length / a if math.isclose(a, b) else length * np.log(b / a) / (b - a)
-        assert found == close(room, abs=1.5)

@@ -124,15 +124,6 @@ def test_a_process_of_ours_keeps_the_solid_and_a_fresh_one_builds_it_again(dimen
     assert not gmsh.isInitialized()
 
 
-@pytest.mark.parametrize("scale", [0.02, 5.0])
-def test_throws_that_differ_by_their_size_alone_get_the_same_mesh(dimensions, coarse_mesh, scale):
-    sizes = {name: scale * value for name, value in dimensions.items()}
-    mesh = mesh_throw(CrankThrow(**sizes), 2.0)
-    assert np.array_equal(mesh.elements, coarse_mesh.elements)
-    assert mesh.points == close(scale * coarse_mesh.points, abs=1e-15 * scale)
-    assert mesh.solid.volume == close(scale**3 * coarse_mesh.solid.volume, rel=1e-14)
-
-
 def test_throws_with_oil_holes_get_the_same_mesh_down_to_model_engines(dimensions):
     """Of a journal of 2.2 mm with a hole of 0.1 mm, rounded and tilted."""
     meshes = []

@@ -340,29 +340,6 @@ def test_printed_equation_of_a_narrow_box_takes_the_digits_it_needs():
         assert evaluate_text(text, values) == close(float(found.predict(point)), rel=1e-4)
 
 
-def test_equation_style():
-    terms = ((), (0,), (1,), (2,))
-    linear = form(
-        "linear", FACTORS, False, (0.3, 0.07, 0.14), (0.02,) * 3, terms, (9e-9, 1e-9, 1e-9, -1e-9)
-    )
-    assert equation_text(linear, symbol="e_n", unit="m/N") == (
-        "e_n = 1e-9 * (-2.5 + 0.05 B + 0.05 h - 0.05 L_shm) m/N, lengths in mm"
-    )
-    log = form(
-        "log-quadratic",
-        FACTORS[:1],
-        True,
-        (math.log(0.3),),
-        (0.5,),
-        ((), (0,), (0, 0)),
-        (math.log(2e-9), -1.0, 0.25),
-    )
-    # With c = ln 300 the polynomial is ln 2 - 2 (u - c) + (u - c)^2.
-    assert equation_text(log, symbol="e_n", unit="m/N") == (
-        "ln(e_n / (1e-9 m/N)) = 44.633847 - 13.407565 ln(B/mm) + 1 (ln(B/mm))^2"
-    )
-
-
 def test_power_law_is_written_with_powers():
     # ln e = ln(2e-9) - 1.5 (ln B - ln 0.3) / 0.5 at half range 0.5: e = 2e-9 (B / 300 mm)^-3.
     law = form(

@@ -355,33 +355,6 @@ def test_nothing_goes_where_no_shorter_form_can_be_judged():
     assert backward(matrix, np.arange(4.0), ((), (0,), (1,), (0, 1))) == ([0, 1, 2, 3], [])
 
 
-def selected(matrix, y):
-    """The selection by its definition: the worst term of those that may go, by refits."""
-    kept = list(range(len(TERMS)))
-    while True:
-        needed = set().union(*(divisors(TERMS[i]) for i in kept))
-        may_go = [i for i in kept if len(TERMS[i]) > 1 and TERMS[i] not in needed]
-        errors = {i: press(matrix[:, [j for j in kept if j != i]], y) for i in may_go}
-        best = min(errors, key=errors.get, default=None)
-        if best is None or errors[best] > press(matrix[:, kept], y):
-            return kept
-        kept.remove(best)
-
-
-def test_left_out_runs_are_left_out_of_the_selection_too():
-    matrix, y = noisy(2)
-    found = left_out_predictions(matrix, y, TERMS)
-    sizes = set()
-    for run in range(len(y)):
-        others = np.arange(len(y)) != run
-        kept = selected(matrix[others], y[others])
-        sizes.add(tuple(kept))
-        fit = least_squares(matrix[others][:, kept], y[others], [str(i) for i in kept])
-        assert found[run] == close(matrix[run, kept] @ fit.coefficients, rel=1e-9)
-    assert len(sizes) > 1  # the runs do not all keep the same terms
-    assert selected(matrix, y) == backward(matrix, y, TERMS)[0]
-
-
 def test_a_large_study_keeps_the_selection_of_all_runs(monkeypatch):
     x = np.random.default_rng(8).uniform(1.0, 2.0, (40, 3))
     y = x @ [1.0, -2.0, 0.5] + 0.3 * np.random.default_rng(9).normal(size=40) + 9.0

@@ -161,18 +161,6 @@ def test_corners_that_break_a_constraint_are_excluded_and_told():
     assert planned.remarks[-1].startswith("15 of 27 designs are excluded, so")
 
 
-def test_corners_that_cannot_be_built_are_excluded_and_told():
-    plan = plan_of_levels(THROW, {"web_width": (0.225, 0.300), "pin_length": (0.12, 0.15)})
-    planned = plan_designs(plan)
-    assert {design.values for design in of_role(planned, RUN)} == {(0.3, 0.12), (0.3, 0.15)}
-    reason = planned.excluded[0].reason
-    assert reason.startswith("it cannot be built: throw.fillet")
-    assert "web of 225 mm is too narrow" in reason
-    # Held-out designs are drawn until ten of them can be built.
-    assert len(of_role(planned, HELD_OUT)) == 10
-    assert values_of(planned, HELD_OUT)[:, 0].min() > 0.225
-
-
 @pytest.mark.parametrize("kind", SPACE_FILLING)
 def test_space_filling_designs_keep_their_number(kind):
     plan = StudyPlan(

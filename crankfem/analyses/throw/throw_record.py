@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
-from crankbase.units.number_formats import percent
+from crankbase.tables.table import SI, Column, OutputUnits, Table
+from crankbase.units.units import percent
 from crankfem.analyses.record import Record, attributes
 from fem.modes import ThrowModes
 from fem.solver import asymmetry

@@ -213,7 +213,7 @@ def _show_plan(plan: "StudyPlan", json: bool) -> None:
 
 def _export_designs(plan: "StudyPlan", store: Path, folder: Path, kind: str, out: Output) -> None:
     """Write a study's designs for other solvers, including those added in its store."""
-    from crankfem.analyses.study.design_export import TABLE, check_kind, export_designs
+    from crankfem.analyses.study.studies import TABLE, check_kind, export_designs
     from crankfem.jobs.outputs import make_output_folder
     from regression.runs.study import known_designs
 
