@@ -13,7 +13,7 @@ from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
 import crankfem as cf
-from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE, RED, figure
+from crankbase.diagrams import BLUE, GRAY, GREEN, ORANGE, RED, figure
 from fem.fields import images
 from fem.supports import end_motions
 from geometry.mesh import six_node_triangles

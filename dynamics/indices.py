@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number, nonnegative_vector
-from crankbase.checks.scalars import is_whole_within, whole_within
+from crankbase.checks.choices import is_whole_within, whole_within
 from crankbase.errors import InputError, quoted
 
 T = TypeVar("T")

@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import block_diag, eigh
 
-from crankbase.checks.scalars import is_number, whole_within
-from crankbase.drawing.diagram_style import GRAY, new_axes
+from crankbase.checks.choices import is_number, whole_within
+from crankbase.diagrams import GRAY, new_axes
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -34,7 +34,7 @@ from fem.assembly import symmetric_product
 from fem.condensation import CondensedClass
 from fem.material import Material
 from fem.modes import ClassProblem, PartMatrices, check_resolved, class_problem, frequencies_of
-from fem.plots.over_angle import draw_frequencies
+from fem.plots import draw_frequencies
 from fem.solver import SharedSolver
 from fem.symmetry import (
     RIGID,

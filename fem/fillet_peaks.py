@@ -18,9 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.bars import draw_groups
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import draw_groups, new_axes, write_title
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from fem.correction import stresses_at

@@ -18,15 +18,15 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from crankbase.checks.scalars import is_number, whole_within
-from crankbase.drawing.diagram_style import new_axes
+from crankbase.checks.choices import is_number, whole_within
+from crankbase.diagrams import new_axes
 from crankbase.errors import InputError, SolveError, quoted
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
 from fem.condensation import blocked_unknowns, uncoupled, unit_end_motions
 from fem.material import Material
-from fem.plots.over_angle import draw_frequencies
+from fem.plots import draw_frequencies
 from fem.solver import Factorization, SharedSolver
 from fem.superelement import RX, RY, RZ, UX, UY, UZ
 from fem.symmetry import MIRROR_X, MIRROR_Z, SymmetryClass, symmetry_classes

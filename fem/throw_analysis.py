@@ -24,7 +24,7 @@ from fem.end_reactions import (
 from fem.loads import Distribution
 from fem.material import Material
 from fem.modes import ThrowModes, free_modes
-from fem.plots.over_angle import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
+from fem.plots import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
 from fem.superelement import Superelement, combine_classes
 from fem.supports import (
     STRETCH,

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from crankbase.calls import ProcessLostError
-from crankbase.checks.angles import refuse_crank_radians
-from crankbase.checks.arrays import finite_vector
+from crankbase.checks.arrays import finite_vector, refuse_crank_radians
 from crankbase.errors import InputError, MeshError
 from crankbase.model import InputModel, length_field
 from crankbase.summaries import summarized

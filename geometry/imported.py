@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError
+from crankbase.input_file import not_a_file
 from crankbase.summaries import summarized
-from crankbase.wrong_files import not_a_file
 from geometry.gmsh_session import IsolatedProcess, shared_process
 from geometry.mesh import ThrowMesh, flat_triangles
 from geometry.outline import Line, Outline

@@ -1,6 +1,6 @@
 """Cylinders and crank throws whose usual values stand on a line, in the order of the field."""
 
-from dynamics.engine import EngineCylinder
+from dynamics.engine.layout import EngineCylinder
 from geometry.throw import CrankThrow
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
-from crankbase.model_sentences import limits_of, range_text
+from crankbase.model import limits_of, range_text
 from crankbase.outputs import atomic_file
 from crankbase.units.quantity import format_quantity, parse_quantity
 from crankfem.cli import console

@@ -19,8 +19,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from crankbase.errors import InputError, visible, with_short_quotes
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Table
+from crankbase.tables.table import SI, OutputUnits, Table
 from crankbase.units.quantity import split_quantity
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
 from crankfem.jobs.exit_codes import (

@@ -7,11 +7,9 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import Field, StrictBool, field_validator, model_validator
 
 from crankbase.errors import InputError
-from crankbase.input_file import InputFile
+from crankbase.input_file import CSV, LARGEST_TABLE_FILE, InputFile
 from crankbase.model import InputModel, quantity_field
-from crankbase.text_limits import LARGEST_TABLE_FILE
 from crankbase.units.quantity import parse_quantity
-from crankbase.wrong_files import CSV
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.crank_throws import Throws, throw_of_name
 from fem.material import Material

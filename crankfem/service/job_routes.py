@@ -52,7 +52,7 @@ CHECKED = re.compile(r"[0-9a-f]{16}")
 
 def throw_report(folder: Path) -> str:
     """Make the report of a throw from the files of its job."""
-    from crankfem.report.throw_report import render_throw_report
+    from crankfem.report.writing import render_throw_report
 
     return render_throw_report(json.loads((folder / RESULT).read_text(encoding="utf-8")), folder)
 

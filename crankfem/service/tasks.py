@@ -119,7 +119,7 @@ def load() -> None:
         "crankfem.analyses.throw.pictures.drawing",
         "crankfem.analyses.throw.throw_record",
         "crankfem.report.interactive.throw_view",
-        "crankfem.report.throw_report",
+        "crankfem.report.writing",
     ):
         import_module(module)
     analyze_throw(CrankThrow(**EXAMPLE), STEEL, 0.1, mesher=mesh_here)
@@ -154,7 +154,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
     from crankfem.analyses.throw.stress import stress_record, stresses_or_reason
     from crankfem.analyses.throw.throw_record import throw_record
     from crankfem.report.interactive.throw_view import throw_view
-    from crankfem.report.throw_report import DRAWING
+    from crankfem.report.writing import THROW_DRAWING
     from fem.analysis import analyze_throw
     from geometry.mesher import mesh_here
     from geometry.solid_files import step_text
@@ -191,7 +191,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
     told.step("Writing the solid")
     write_text(folder / SOLID, step_text(throw, "full"), "solid")
     told.step("Drawing the dimensions")
-    write_drawing(throw, folder / DRAWING, "Crank throw")
+    write_drawing(throw, folder / THROW_DRAWING, "Crank throw")
 
 
 def _stress(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:

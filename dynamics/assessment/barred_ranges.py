@@ -11,8 +11,8 @@ from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
-from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity
+from crankbase.units.units import format_usage
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
 from dynamics.assessment.wording import barred_sentence, shown_range, speed_text
 from dynamics.indices import at_most, within

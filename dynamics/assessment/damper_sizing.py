@@ -9,12 +9,10 @@ from scipy.optimize import brentq, minimize, minimize_scalar
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import BLUE, RED, new_axes, with_gaps
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.diagrams import BLUE, RED, legend_inside, new_axes, with_gaps, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, positive_range, usage

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.chains.chain import Chain
@@ -124,11 +124,6 @@ def with_resonances(excitation: OrderExcitation, chain: Chain) -> OrderExcitatio
     OrderExcitation
         Adds the speeds, between the first and the last one given, at which an order meets a damped natural
         frequency; forces there are interpolated linearly.
-
-    Raises
-    ------
-    InputError
-        If the chain has fewer nodes than the excitation.
     """
     orders, speeds, forces = excitation.orders, excitation.speeds, excitation.forces
     count = chain.inertia.size

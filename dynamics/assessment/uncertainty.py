@@ -8,13 +8,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, positive_vector
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import is_number, is_whole_within, whole_number, whole_within
-from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.choices import (
+    check_choice,
+    is_number,
+    is_whole_within,
+    whole_number,
+    whole_within,
+)
+from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
-from crankbase.library_types import Axes
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Axes
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
 
@@ -119,11 +123,6 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
     spreads : sequence of p Spread
         They state what each factor acts on; a value with two factors gets both.
     factors : array_like of shape (p,)
-
-    Raises
-    ------
-    InputError
-        If an element or node does not exist, or a factor is not above zero.
     """
     sizes = positive_vector("factors", factors, "", "it is a factor on a positive value")
     scales = scale_factors(chain, spreads, sizes[np.newaxis])
@@ -308,11 +307,6 @@ def sampled_factors(
     ndarray of shape (N, p)
         Uniform over the logarithm, so that a compliance and its reciprocal stiffness have the same
         distribution.
-
-    Raises
-    ------
-    InputError
-        If there is no spread, fewer than two samples, or the seed is negative.
     """
     if not spreads:
         raise InputError(
@@ -480,11 +474,6 @@ def function_samples(
         Kinds and elements are interpreted by the function.
     samples, seed : int
         See `sampled_factors`.
-
-    Raises
-    ------
-    InputError
-        As `sampled_factors`, and if there are too many samples for individual calculation.
     """
     factors = sampled_factors(spreads, samples, seed)
     if samples > MOST_CALCULATED:

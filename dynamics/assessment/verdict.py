@@ -7,13 +7,21 @@ from typing import Literal
 
 import numpy as np
 
-from crankbase.drawing.curves import ORDER_COLORS
-from crankbase.drawing.diagram_style import BLUE, GRAY, ORANGE, RED, new_axes, with_gaps
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.diagrams import (
+    BLUE,
+    GRAY,
+    ORANGE,
+    ORDER_COLORS,
+    RED,
+    legend_below,
+    legend_inside,
+    new_axes,
+    with_gaps,
+    write_title,
+)
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table, table_of
+from crankbase.tables.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.assessment.barred_ranges import (

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity, quantities_apart
+from crankbase.units.units import format_usage
 from dynamics.assessment.limits import VibrationLimit
 
 # What a verdict is called; "undecided" and "not judged" are those of a run, not of a `Verdict`.

@@ -16,8 +16,7 @@ from crankbase.checks.arrays import (
     positive_number,
     positive_vector,
 )
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import check_choice, whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
@@ -48,8 +47,6 @@ class EngineChain:
 
     Parameters
     ----------
-    chain : Chain
-        Inertias and stiffnesses; its nodes have names.
     kind : {"axial", "torsional"}
         Kind of motion of the chain, which sets its units.
     throw_nodes : tuple of int
@@ -99,13 +96,7 @@ class EngineChain:
         return modes.rigid + int(shaft_modes[0]) if shaft_modes.size else None
 
     def with_chain(self, chain: Chain) -> "EngineChain":
-        """Return the same engine with its chain changed by the functions that edit chains.
-
-        Raises
-        ------
-        InputError
-            If nodes of the old chain are missing or have moved.
-        """
+        """Return the same engine with its chain changed by the functions that edit chains."""
         if chain.names[: len(self.chain.names)] != self.chain.names:
             raise InputError(
                 f"chain: given nodes {', '.join(chain.names)}; allowed are ones that begin with "
@@ -156,8 +147,6 @@ def axial_chain(
         Hysteretic damping of each throw, or of all.
     section_damping : float or array_like of shape (n + 1,), optional
         Viscous (absolute) damping of each section, or of all, to ground [N s/m].
-    damper : AxialDamper, optional
-        At the free end.
     shaft_line : Chain, optional
         Axial chain of the shaft line behind the flywheel; its first node becomes section n.
 
@@ -253,8 +242,6 @@ def torsional_chain(
     cylinders : int or sequence of n int, optional
         Number of cylinders on each throw, or on all. If it is one everywhere the nodes are
         called "cylinder 1" and so on, otherwise "throw 1" and so on.
-    damper : ViscousDamper or RubberDamper, optional
-        At the free end; its hub's inertia is added there.
     shaft_line : Chain, optional
         Torsional chain of the shaft line behind the flywheel; its first node becomes the flywheel.
 
@@ -421,8 +408,6 @@ def throw_inertias(
 
     Parameters
     ----------
-    engine : EngineLayout
-        Cylinders with rods, hinged ones too, and pistons.
     solid_inertias : float or array_like of shape (t,)
         Moment of inertia of each solid throw about the shaft axis, counterweights included, or of
         all [kg m^2].

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray, one_for_each
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

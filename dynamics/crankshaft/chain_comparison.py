@@ -10,9 +10,8 @@ from scipy.optimize import linear_sum_assignment
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table, table_of
+from crankbase.tables.frames import Axes, DataFrame, Row, table, table_of
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FLYWHEEL, FREE_END, EngineChain, Kind
 from dynamics.crankshaft.assembly import CLASSES, MOTION_OF, AssembledShaft, Stations
 from dynamics.crankshaft.coupled_response import CoupledResponse
@@ -126,11 +125,6 @@ def matching_modes(
     -------
     tuple of ModeMatch
         As `match_modes`.
-
-    Raises
-    ------
-    InputError
-        If the chain has another number of throws, or the frequency is not above zero.
     """
     positive_number("highest_frequency", highest_frequency, "Hz", "modes are compared up to it")
     modes = chain.chain.modes()
@@ -154,11 +148,6 @@ def match_modes(
     -------
     tuple of ModeMatch
         With the largest products of share and likeness in all; no mode of the shaft stands for two.
-
-    Raises
-    ------
-    InputError
-        If the chain has another number of throws.
     """
     share = modes.shares[CLASSES.index(chain.kind)]
     likeness = mode_likeness(shaft, modes, chain, wanted)
@@ -199,11 +188,6 @@ def mode_likeness(
     ndarray of shape (w, q)
         Squared cosine between both shapes, weighted by the chain's masses; 0 beyond twice the frequency
         of the chain's mode and below half of it.
-
-    Raises
-    ------
-    InputError
-        As `match_modes`.
     """
     if chain.throws != shaft.section_count - 1:
         raise InputError(
@@ -613,11 +597,6 @@ def matching_response(
         Of the chain, under the same forces.
     running_range : tuple of two floats, optional
         As in `ResponseMatch`.
-
-    Raises
-    ------
-    InputError
-        If orders or speeds differ.
     """
     same = np.array_equal(coupled.speeds, answer.speeds)
     if coupled.further is None:
@@ -650,11 +629,6 @@ def chain_verdict(
     ----------
     modes : sequence of ModeMatch
         From `matching_modes`, of one kind.
-
-    Raises
-    ------
-    InputError
-        If there is no mode.
 
     Notes
     -----

@@ -8,14 +8,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.scalars import is_whole_within
-from crankbase.drawing.curves import Curves, Series, draw_curves
-from crankbase.drawing.diagram_style import BLUE, ORANGE, new_axes, with_gaps
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.choices import is_whole_within
+from crankbase.diagrams import (
+    BLUE,
+    ORANGE,
+    Curves,
+    Series,
+    draw_curves,
+    legend_inside,
+    new_axes,
+    with_gaps,
+    write_title,
+)
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from crankbase.units.units import RPM
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem
@@ -61,11 +68,6 @@ def shaft_excitation(
     OrderExcitation
         On the points of the system.
 
-    Raises
-    ------
-    InputError
-        If there is not one pin for each cylinder, or a pin does not exist.
-
     Notes
     -----
     Forces of several cylinders on one pin act at its middle and add up: rods side by side load it off the
@@ -95,11 +97,6 @@ def pins_of_cylinders(
         Throw of each cylinder.
     pins : sequence of c int, optional
         As for `shaft_excitation`.
-
-    Raises
-    ------
-    InputError
-        As `shaft_excitation`.
     """
     if pins is None:
         if len(set(pin_throws)) != len(pin_throws):
@@ -179,16 +176,6 @@ class CoupledResponse:
             If there is no such point.
         """
         return self.total.motion[:, :, self.crankshaft.point(point)]
-
-    def elastic_motion(self, point: str) -> ComplexArray:
-        """Return the motion (K, S) of a point under all forces without rigid-body motion.
-
-        Raises
-        ------
-        InputError
-            If there is no such point.
-        """
-        return self._elastic(self.total, point)
 
     def _elastic(self, response: ForcedResponse, point: str) -> ComplexArray:
         rigid = self.crankshaft.system.rigid.shape[1]

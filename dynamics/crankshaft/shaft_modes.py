@@ -5,14 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_within
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.choices import check_choice, whole_within
+from crankbase.diagrams import legend_inside, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid, table
+from crankbase.tables.frames import Axes, DataFrame, Dataset, grid, table
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.crankshaft.assembly import CLASSES, AssembledShaft
 from dynamics.crankshaft.surroundings import RZ, UZ

@@ -14,7 +14,7 @@ from crankbase.checks.arrays import (
     positive_number,
     read_only,
 )
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import whole_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

@@ -26,13 +26,8 @@ class GasSource:
 
     Parameters
     ----------
-    diagrams : tuple of D Pressure
     weights : callable
         Speeds (S,) [rad/s] and load to the weight of each diagram (S, D).
-    takes_load : bool
-        Whether a map is among the sources.
-    at_all_speeds : bool
-        Whether a single diagram for all speeds is among the sources.
     """
 
     diagrams: tuple[Pressure, ...]

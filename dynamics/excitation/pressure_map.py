@@ -18,11 +18,10 @@ from crankbase.checks.arrays import (
     turning_speeds,
 )
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_below, write_title
+from crankbase.diagrams import legend_below, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.critical import engine_orders
 from dynamics.cycle import cycle_radians, even_angles, order_step
@@ -40,10 +39,6 @@ ON_STEP = 1e-9
 
 def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
     """Return mean and phasors of even samples over a cycle, angles counted from the first.
-
-    Parameters
-    ----------
-    samples : ndarray of shape (..., m)
 
     Returns
     -------
@@ -215,8 +210,6 @@ class PressureMap:
         propeller's curve.
     diagrams : tuple of a * b GasPressure
         Speed by speed, load by load within each.
-    method : {"cubic", "linear"}
-        Along either axis: cubic spline, or linear.
     load_of_speed : ndarray of shape (a,) or None
         Load of each speed's only diagram, where there is one.
 
@@ -263,8 +256,6 @@ class PressureMap:
 
         Parameters
         ----------
-        speeds : array_like of shape (S,)
-            [rad/s].
         load : number, array_like of shape (S,) or callable, optional
             In the measure of the map; none where it has a single load, or one at each speed.
 
@@ -305,13 +296,6 @@ class PressureMap:
         self, orders: ArrayLike, speeds: ArrayLike, load: Load | None = None
     ) -> NDArray[np.complex128]:
         """Return the complex harmonics of the pressure, counted from the cylinder's firing top.
-
-        Parameters
-        ----------
-        orders : array_like of shape (K,)
-            In cycles per crankshaft revolution.
-        speeds, load
-            As for `weights`.
 
         Returns
         -------
@@ -381,11 +365,6 @@ class PressureMap:
             Speed at which one diagram is interpolated [rad/s]; by default those of all speeds of the map.
         load : float, optional
             If the map has loads: any with a speed, one of the map's without; the highest by default.
-
-        Raises
-        ------
-        InputError
-            As `at`, or if the map has no diagrams at this load.
         """
         if speed is not None:
             axes = self.at(speed, load).plot(axes)
@@ -440,8 +419,6 @@ def pressure_map(
         Speed [rad/s], load in any measure, the same for all (share of the rated torque, mean
         effective pressure, power), and the diagram. Either every load at every speed, or one load
         at each speed, as along a propeller's curve.
-    method : {"cubic", "linear"}, optional
-        Interpolation between the diagrams, along either axis.
 
     Raises
     ------
@@ -545,8 +522,6 @@ def pressure_map_from_cycles(
         As for `gas_cycle`.
     speeds : array_like of shape (a,)
         [rad/s].
-    loads : array_like of shape (b,)
-        In any measure.
     heat : array_like of shape (a, b), optional
         Heat released in one cycle at each point [J], instead of the pressures below; 0 is a motored
         engine.
@@ -556,8 +531,6 @@ def pressure_map_from_cycles(
     intake_pressure, exhaust_pressure : array_like of shape (a, b), optional
         Absolute pressure at the end of the intake and during exhaust [Pa]; by default those of the
         cycle. With a turbocharger both rise together.
-    method : {"cubic", "linear"}, optional
-        Interpolation between the points.
 
     Raises
     ------

@@ -7,8 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import radians_of
-from crankbase.checks.arrays import FloatArray, finite_array, finite_vector, positive_number
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    finite_vector,
+    positive_number,
+    radians_of,
+)
 from crankbase.errors import InputError
 from dynamics.cycle import checked_strokes
 from dynamics.gas.pressure import GasPressure, gas_pressure
@@ -36,8 +41,6 @@ class CylinderVolume:
         crank angles [rad].
     area : float
         Piston area [m^2].
-    compression_ratio : float
-        Largest over smallest volume.
     highest, lowest : float
         Highest and lowest position [m].
     top_angle_deg, bottom_angle_deg : float
@@ -191,13 +194,6 @@ def indicated_work(pressure: ArrayLike, volume_slope: ArrayLike, strokes: int = 
 def indicated_mean_effective_pressure(work: float, swept: float) -> float:
     """Return the work of one cycle per swept volume.
 
-    Parameters
-    ----------
-    work : float
-        Work of one cycle [J].
-    swept : float
-        Swept volume [m^3].
-
     Returns
     -------
     float
@@ -245,10 +241,6 @@ def motored_from_compression(
 
     Parameters
     ----------
-    pressure : GasPressure
-        Of the firing cylinder.
-    volume : CylinderVolume
-        Over its piston.
     fit_from_deg, fit_to_deg : float, optional
         Crank angles [deg] before the top between which the diagram shows pure compression.
 

@@ -9,14 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, finite_vector, nonnegative_number
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import is_number, whole_number
-from crankbase.drawing.diagram_style import BLUE, new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import check_choice, is_number, whole_number
+from crankbase.diagrams import BLUE, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.gas.cycle_values import (
@@ -61,8 +58,6 @@ class CycleSamples:
         Derivative of the volume by the crank angle [m^3/rad].
     swept : float
         Swept volume [m^3].
-    strokes : int
-        Strokes per cycle, 2 or 4.
     """
 
     motored: FloatArray
@@ -325,10 +320,6 @@ class GasCycleResult:
     ----------
     pressure : GasPressure
         Absolute pressure over the cycle; its remarks state what was solved and assumed.
-    cycle : GasCycle
-        The parameters, including those that were solved.
-    volume : CylinderVolume
-        The volume over the piston.
     heat : float
         Heat released in one cycle, less that lost to the walls [J].
     work : float
@@ -353,18 +344,7 @@ class GasCycleResult:
         *,
         show: Literal["indicator diagram", "pressure"] = "indicator diagram",
     ) -> Axes:
-        """Draw the indicator diagram, or the pressure over the crank angle.
-
-        Parameters
-        ----------
-        show : {"indicator diagram", "pressure"}, optional
-            Pressure over volume, or over the crank angle.
-
-        Raises
-        ------
-        InputError
-            If the plot is unknown.
-        """
+        """Draw the indicator diagram, or the pressure over the crank angle."""
         check_choice(
             "show",
             show,
@@ -412,8 +392,6 @@ def gas_cycle(
 
     Parameters
     ----------
-    cycle : GasCycle
-        Parameters of the cycle, as from `usual_gas_cycle`.
     position : callable
         Position of the piston along the cylinder axis from any origin, growing away from the
         shaft [m], for an array of crank angles [rad] from the nominal firing top. Any mechanism
@@ -427,8 +405,6 @@ def gas_cycle(
     mean_effective_pressure : float, optional
         Indicated mean effective pressure, gas exchange included [Pa]. With `peak_pressure` the
         parameter named in `solve_for` is found too.
-    solve_for : str, optional
-        "combustion_start_deg" or "combustion_duration_deg", when both pressures are given.
     samples : int, optional
         Even samples over the cycle, 360 a revolution or more; 1440 by default.
 
@@ -522,8 +498,6 @@ class FullLoad:
 
     Parameters
     ----------
-    compression_ratio : float
-        Largest over smallest volume.
     known : mapping of str to float
         Further parameters of `GasCycle`; the others are the usual ones.
     peak_pressure : float, optional

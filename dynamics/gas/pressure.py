@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees
-from crankbase.checks.arrays import FloatArray, positive_vector, read_only
+from crankbase.checks.arrays import FloatArray, checked_degrees, positive_vector, read_only
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.cycle import (
     PLACE_TOLERANCE,
     checked_strokes,
@@ -69,10 +67,6 @@ class GasPressure:
         below one step, without the closing sample.
     pressure : ndarray of shape (m,)
         Absolute pressure [Pa], positive.
-    strokes : int
-        Strokes per cycle, 2 or 4.
-    source : str
-        Origin of the samples.
     remarks : tuple of str
         Changes made to them, a sentence each.
 
@@ -139,11 +133,6 @@ class GasPressure:
             Absolute pressure [Pa]: a shape-preserving piecewise cubic through the samples,
             which exceeds neither of its two neighbors.
 
-        Raises
-        ------
-        InputError
-            If an angle is not a finite number, or they are radians.
-
         Notes
         -----
         Slopes after F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304, as in
@@ -186,13 +175,9 @@ def gas_pressure(
 
     Parameters
     ----------
-    pressure : array_like of shape (m,)
-        Absolute pressure [Pa], positive.
     angles_deg : array_like of shape (m,)
         Crank angles from the firing top dead center [deg], strictly ascending over one cycle that
         may start anywhere, no gap wider than 10 deg, the closing sample left out.
-    source : str, optional
-        Origin of the samples.
     remarks : tuple of str, optional
         Earlier changes to them.
 
@@ -245,8 +230,6 @@ def widest_gap(angles_deg: FloatArray, cycle_deg: float) -> tuple[int, float]:
     ----------
     angles_deg : ndarray of shape (m,)
         Ascending angles [deg], at least one.
-    cycle_deg : float
-        Length of the cycle [deg].
     """
     seam = angles_deg[0] + cycle_deg - angles_deg[-1]
     gaps = np.concatenate([[seam], np.diff(angles_deg)])
@@ -364,8 +347,6 @@ def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPress
 
     Parameters
     ----------
-    path : path
-        The file.
     strokes : int, optional
         Strokes per cycle, 2 or 4; by default found from the angles.
 

@@ -6,8 +6,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.drawing.diagram_style import COLORS, GRAY
-from crankbase.library_types import Axes
+from crankbase.diagrams import COLORS, GRAY
+from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.plots.harmonics import KIND_COLORS
 from dynamics.plots.quantities import SPEED_LABEL

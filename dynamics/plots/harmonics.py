@@ -7,9 +7,19 @@ from typing import Protocol
 import numpy as np
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, new_axes
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
-from crankbase.library_types import Axes
+from crankbase.diagrams import (
+    BLUE,
+    COLORS,
+    GRAY,
+    GREEN,
+    ORANGE,
+    RED,
+    legend_below,
+    legend_inside,
+    new_axes,
+    write_title,
+)
+from crankbase.tables.frames import Axes
 from dynamics.indices import grouped
 
 ORDER_LABEL = "harmonic order [cycles per revolution]"

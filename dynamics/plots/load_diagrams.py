@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import COLORS, GRAY, new_axes
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.diagrams import COLORS, GRAY, legend_below, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
-from crankbase.units.number_formats import format_number
+from crankbase.tables.frames import Axes
+from crankbase.units.units import format_number
 from dynamics.plots.quantities import KILO
 
 DASHES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 2, 1, 2, 1, 2)))
@@ -154,13 +153,7 @@ class Load(Protocol):
 
 
 def check_polar(frame: str, mark_step_deg: float) -> None:
-    """Check the choices of a polar diagram.
-
-    Raises
-    ------
-    InputError
-        If the frame is unknown, or the step is not above 0 and up to 360 deg.
-    """
+    """Check the choices of a polar diagram."""
     check_choice("frame", frame, ("crank", "engine"), "a load is drawn in one of them")
     step = positive_number("mark_step_deg", mark_step_deg, "deg", "marks follow each other")
     if step > 360.0:

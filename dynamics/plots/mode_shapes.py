@@ -5,9 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
-from crankbase.drawing.legends import legend_above
-from crankbase.library_types import Axes
+from crankbase.diagrams import BLUE, COLORS, GRAY, GREEN, ORANGE, legend_above
+from crankbase.tables.frames import Axes
 from dynamics.plots.quantities import MILLI
 
 # Letters that stand side by side under the axis.

@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike
 from scipy.linalg import eigh, qr
 
 from crankbase.checks.arrays import FloatArray, nonnegative_vector, one_for_each, positive_number
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.units.number_formats import compact
+from crankbase.units.units import compact
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
 from dynamics.indices import node_index, values_at_nodes
@@ -408,13 +408,7 @@ def of_elements(
     unit: str = UNIT,
     missing: float = 0.0,
 ) -> FloatArray:
-    """Return one value for each element (e,): from all, from single ones, or from one for all.
-
-    Raises
-    ------
-    InputError
-        If a value is negative, an element does not exist, or lengths do not fit.
-    """
+    """Return one value for each element (e,): from all, from single ones, or from one for all."""
     count = len(chain.connections)
     if values is None:
         return np.full(count, missing)

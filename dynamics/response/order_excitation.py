@@ -5,21 +5,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     check_sizes,
     complex_array,
     positive_vector,
+    radians_of,
     read_only,
     turning_speeds,
 )
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError, quoted
-from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Dataset, grid
 from dynamics.harmonics import Harmonics
 from dynamics.plots.quantities import Quantity, orders_and_speeds, quantity_display
 
@@ -202,10 +201,7 @@ class OrderExcitation:
 
         Units and errors are those of `crankbase.tables.frames.grid`.
 
-        Parameters
-        ----------
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
+        `quantity`, for the unit of the axis, is that of `quantity_display`.
         """
         unit = quantity_display(quantity, "N m or N").unit
         over = ("order", "speed", "node")
@@ -256,50 +252,27 @@ def at_angles(orders: FloatArray, phasors: ComplexArray, shaft_angles: FloatArra
 
 
 def checked_orders(orders: ArrayLike) -> FloatArray:
-    """Return orders (K,), above zero and ascending.
-
-    Raises
-    ------
-    InputError
-        If they are not.
-    """
+    """Return orders (K,), above zero and ascending."""
     values = positive_vector("orders", orders, "", "they count cycles per crankshaft revolution")
     check_ascending("orders", values, "", "each order counts once")
     return values
 
 
 def checked_speeds(speeds: ArrayLike) -> FloatArray:
-    """Return speeds (S,) [rad/s], above zero and ascending.
-
-    Raises
-    ------
-    InputError
-        If they are not.
-    """
+    """Return speeds (S,) [rad/s], above zero and ascending."""
     values = positive_vector("speeds", speeds, "rad/s", "an order of a shaft at rest is no motion")
     check_ascending("speeds", values, " rad/s", "a speed range runs from the lowest to the highest")
     return values
 
 
 def checked_speed_index(speed_index: int, speeds: FloatArray) -> int:
-    """Return the index of a speed, from 0.
-
-    Raises
-    ------
-    InputError
-        If there is no such index.
-    """
+    """Return the index of a speed, from 0."""
     reason = f"there are {speeds.size} speeds"
     return whole_within("speed_index", speed_index, 0, speeds.size - 1, reason)
 
 
 def check_ascending(field: str, values: FloatArray, unit: str, why: str) -> None:
-    """Refuse values that do not ascend, or are empty.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse values that do not ascend, or are empty."""
     if values.size == 0:
         raise InputError(f"{field}: given no values; allowed are one or more, because {why}.")
     falling = np.flatnonzero(np.diff(values) <= 0.0)

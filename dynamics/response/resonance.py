@@ -16,13 +16,11 @@ from crankbase.checks.arrays import (
     one_for_each,
     positive_vector,
 )
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row
+from crankbase.tables.frames import Axes, Row
 from dynamics.critical import critical_speeds
 from dynamics.indices import index_of_name
 from dynamics.plots.campbell import draw_campbell

@@ -9,14 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, read_only
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import is_whole, whole_number, whole_within
-from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE
-from crankbase.drawing.legends import legend_above
+from crankbase.checks.choices import check_choice, is_whole, whole_number, whole_within
+from crankbase.diagrams import BLUE, COLORS, ORANGE, legend_above
 from crankbase.errors import InputError, SolveError
-from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid, table
+from crankbase.tables.frames import Axes, DataFrame, Dataset, grid, table
 from dynamics.cycle import cycle_radians, even_angles
 from dynamics.engine import RodModelName
 from dynamics.engine.firing import IN_LINE
@@ -162,10 +159,6 @@ class PinForceHarmonics:
 
     Parameters
     ----------
-    number : int
-        Of the cylinder.
-    firing_angle_deg : float
-        Shaft angle of its firing top [deg].
     tangential_gas, tangential_inertia, tangential : Harmonics
         T, in the sense of rotation: of the gas, of moving masses, of both. Crank radius times T is
         the torque.
@@ -189,20 +182,7 @@ class PinForceHarmonics:
         show: Literal["tangential", "radial"] = "tangential",
         highest_order: float | None = None,
     ) -> Axes:
-        """Draw the amplitudes of T or Z by order: of the gas, of moving masses, of both.
-
-        Parameters
-        ----------
-        show : {"tangential", "radial"}, optional
-            Which of the forces on the crankpin.
-        highest_order : float, optional
-            Highest order drawn; all by default.
-
-        Raises
-        ------
-        InputError
-            If there is no such force, or no order is left.
-        """
+        """Draw the amplitudes of T or Z by order: of the gas, of moving masses, of both."""
         check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
         series = {
             name: getattr(self, show + ending)
@@ -253,10 +233,6 @@ def pin_force_harmonics(
     highest_order : float, optional
         Highest order; the samples must resolve it.
 
-    Returns
-    -------
-    tuple of n PinForceHarmonics
-
     Raises
     ------
     InputError
@@ -297,9 +273,6 @@ class EngineTorque:
 
     Parameters
     ----------
-    engine : EngineLayout
-    speed : float
-        Constant speed of the shaft [rad/s].
     shaft_angles_deg : ndarray of shape (m,)
         Evenly over the cycle from zero, without the closing sample [deg].
     gas, inertia : ndarray of shape (n, m)
@@ -373,43 +346,20 @@ class EngineTorque:
         return difference / exchanged if exchanged > 0.0 else difference
 
     def harmonics(self, throw: int | None = None) -> Harmonics:
-        """Return the harmonics of the engine's torque, or of one throw's, counted from 1.
-
-        Raises
-        ------
-        InputError
-            If there is no such throw.
-        """
+        """Return the harmonics of the engine's torque, or of one throw's, counted from 1."""
         if throw is None:
             return harmonics(self.total, self.engine.strokes)
         return harmonics(self.per_throw[self._checked_throw(throw)], self.engine.strokes)
 
     def cylinder_harmonics(self, number: int) -> Harmonics:
-        """Return the harmonics of one cylinder's torque, phases counted from its own firing top.
-
-        Raises
-        ------
-        InputError
-            If there is no such cylinder.
-        """
+        """Return the harmonics of one cylinder's torque, phases counted from its own firing top."""
         place = checked_cylinder(self.engine, number) - 1
         return from_firing_top(
             self.engine, place, np.radians(self.shaft_angles_deg), self.per_cylinder[place]
         )
 
     def plot(self, axes: Axes | None = None, throw: int | None = None) -> Axes:
-        """Draw the torque of the engine with its mean, or that of one throw by source, over the cycle.
-
-        Parameters
-        ----------
-        throw : int, optional
-            Number of the throw, from 1 at the free end; by default the whole engine.
-
-        Raises
-        ------
-        InputError
-            If there is no such throw.
-        """
+        """Draw the torque of the engine with its mean, or that of one throw by source, over the cycle."""
         colors: tuple[str, ...] = (BLUE, ORANGE)
         if throw is None:
             title = "Torque of the engine"
@@ -480,15 +430,11 @@ def engine_torque(
 
     Parameters
     ----------
-    speed : float
-        Of the shaft, constant [rad/s].
     pressure : GasPressure, sequence of n GasPressure, array_like or None
         Pressures as for `gas_forces`, or forces on the pistons towards the shaft at the
         samples (n, samples) [N]; None for no gas force.
     samples : int, optional
         Number of samples over one cycle; they resolve orders up to half their number per revolution.
-    model : str, optional
-        Of the rods, one of `ROD_MODELS`.
     throws : sequence of n int, optional
         Throw of each cylinder, 0 next to the free end. Without it, cylinders of different banks
         with equal crank angles and nearly equal positions share one.

@@ -9,11 +9,10 @@ from typing import Literal, Unpack
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import check_choice, whole_number
 from crankbase.errors import InputError
-from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Dataset
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
 from dynamics.response.linear_system import LinearSystem
@@ -94,11 +93,7 @@ class SteadyMotion(CycleMotion):
     def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return motions and torques over shaft angle, node and element.
 
-        Parameters
-        ----------
-        quantity : {"torque", "force", "twist", "displacement"}, optional
-            Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
-            one. A chain does not determine it: by default units are "rad or m" and "N m or N".
+        `quantity` is that of the values, see `units_of`: a chain does not determine it.
 
         Raises
         ------
@@ -319,11 +314,7 @@ class TransientMotion(ShaftRun):
     def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return speed, angle, motions and torques over time, node and element.
 
-        Parameters
-        ----------
-        quantity : {"torque", "force", "twist", "displacement"}, optional
-            Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
-            one. A chain does not determine it: by default units are "rad or m" and "N m or N".
+        `quantity` is that of the values, see `units_of`: a chain does not determine it.
 
         Raises
         ------

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import whole_number
 from crankbase.errors import InputError
-from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Dataset
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
 from dynamics.transient.applied_forces import cycle_turns

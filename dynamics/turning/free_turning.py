@@ -15,14 +15,11 @@ from crankbase.checks.arrays import (
     nonnegative_number,
     read_only,
 )
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import check_choice, whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.units import RPM
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
@@ -73,12 +70,8 @@ class FreeTurning:
 
     Parameters
     ----------
-    time : ndarray of shape (m,)
-        [s]
     angle_deg : ndarray of shape (m,)
         Of the shaft [deg].
-    speed : ndarray of shape (m,)
-        [rad/s]
     acceleration : ndarray of shape (m,)
         [rad/s^2]
     kinetic_energy : ndarray of shape (m,)
@@ -118,17 +111,7 @@ class FreeTurning:
     def plot(
         self, axes: Axes | None = None, *, show: Literal["speed", "moment", "work"] = "speed"
     ) -> Axes:
-        """Draw the speed over the time, or the moments or works of all causes.
-
-        Parameters
-        ----------
-        show : {"speed", "moment", "work"}, optional
-
-        Raises
-        ------
-        InputError
-            If it is unknown.
-        """
+        """Draw the speed over the time, or the moments or works of all causes."""
         check_choice("show", show, ("speed", "moment", "work"), "these are known over the time")
         axes = new_axes(axes)
         if show == "speed":
@@ -178,8 +161,6 @@ def turn_freely(
     ----------
     engine : EngineLayout
         Its shaft_inertia includes the flywheel and the driven parts.
-    start_angle_deg : float
-        Of the shaft [deg].
     start_speed : float
         Zero or above [rad/s].
     duration : float
@@ -194,8 +175,6 @@ def turn_freely(
         Braking moment on the shaft [N m], or a callable (speed [rad/s], angle [rad]) -> moment.
     gravity : float, optional
         Acceleration of gravity along -y [m/s^2].
-    model : str, optional
-        Of the rods, one of `ROD_MODELS`.
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa]; for pressures only.
     times : array_like of shape (m,), optional
@@ -408,8 +387,6 @@ def turn_steadily(
         Angle of one cycle divided by its time [rad/s].
     engine, gas, friction, gravity, model, crankcase_pressure
         As for `turn_freely`.
-    samples : int, optional
-        Steps per revolution.
 
     Returns
     -------

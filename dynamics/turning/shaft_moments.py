@@ -28,8 +28,6 @@ class TurnCurves:
 
     Parameters
     ----------
-    mean : ndarray of shape (c,)
-        Of each curve.
     coefficients : complex ndarray of shape (c, K)
         a_k of Re sum a_k exp(i k phi), k from 1.
     """
@@ -111,8 +109,6 @@ class PistonGas:
     forces : callable
         (shaft angle [rad], pistons' s (n,) [m], directions (n,)) -> forces towards the shaft (n,)
         [N].
-    turns_at_ends : bool
-        Whether the forces may jump where a piston changes its direction.
     """
 
     forces: Callable[[float, FloatArray, FloatArray], FloatArray]
@@ -193,9 +189,6 @@ class ShaftMoments:
 
     Parameters
     ----------
-    curves : TurnCurves
-        From `engine_curves`.
-    gas : PistonGas
     load, friction : callable
         (speed [rad/s], angle [rad]) -> braking moment [N m].
     gravity : float
@@ -215,10 +208,6 @@ class ShaftMoments:
 
         Parameters
         ----------
-        angle : float
-            [rad]
-        speed : float
-            [rad/s]
         directions : ndarray of shape (n,), optional
             Of the pistons, positive away from the shaft, if known better than from the
             angle: at the end of a stroke.

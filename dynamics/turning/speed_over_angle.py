@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number, read_only
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, quoted
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.units import RPM
 from dynamics.cycle import even_angles
 from dynamics.plots.curves import draw_over_angle
@@ -88,15 +86,6 @@ def checked_moment(
 
     Cheap enough for every step of an integration, which would never end with a value that is not
     finite.
-
-    Parameters
-    ----------
-    given : float
-        [N m]
-    speed, angle : float
-        Where the function was asked [rad/s, rad].
-    largest : float, optional
-        [N m]
     """
     moment = _number(returned)
     if not (math.isfinite(moment) and abs(moment) <= largest):
@@ -232,10 +221,6 @@ class SpeedOverAngle:
 
     Parameters
     ----------
-    angle_deg : ndarray of shape (m,)
-        [deg]
-    speed : ndarray of shape (m,)
-        [rad/s]
     time : ndarray of shape (m,)
         From the first angle [s].
     energy : ndarray of shape (m,)
@@ -310,8 +295,6 @@ def speed_over_angle(
         Above zero [rad/s].
     turns : float
         Length of the integration, in revolutions of the shaft.
-    samples : int, optional
-        Steps per revolution of the result, both ends included.
 
     Returns
     -------
@@ -519,8 +502,6 @@ def steady_turning(
         Angle of the period divided by its time [rad/s].
     turns : float
         Period of inertia and moment, in revolutions of the shaft: 2 for a four-stroke engine.
-    samples : int, optional
-        Per turn.
 
     Raises
     ------

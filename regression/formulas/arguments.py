@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from crankbase.checks.choices import check_kind
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import check_kind, is_number
 from crankbase.errors import InputError, quoted
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
@@ -26,19 +25,19 @@ class OfThrow(Protocol):
 
 
 def throw_and_material(
-    given: CrankThrow | OfThrow, material: Material | None
+    throw: CrankThrow | OfThrow, material: Material | None
 ) -> tuple[CrankThrow, Material]:
     """Throw and material, steel by default; `InputError` if what has a material is given with another one."""
-    if isinstance(given, OfThrow):
-        if material not in (None, given.material):
+    if isinstance(throw, OfThrow):
+        if material not in (None, throw.material):
             raise InputError(
                 "material: given another one than the analysis has; allowed is the throw with a material, "
                 "or the analysis without one."
             )
-        return given.throw, given.material
+        return throw.throw, throw.material
     steel = STEEL if material is None else material
     check_kind("material", steel, Material, "a Material")
-    return given, steel
+    return throw, steel
 
 
 def fold_angle_deg(gamma_deg: float) -> float:
@@ -134,12 +133,12 @@ DEFAULT_CONSTANTS: Mapping[str, float] = {
 }
 
 
-def checked_constants(given: Mapping[str, float]) -> dict[str, float]:
+def checked_constants(constants: Mapping[str, float]) -> dict[str, float]:
     """All constants, the given ones replacing their defaults.
 
     `InputError` if one is unknown or not positive.
     """
-    for key, value in given.items():
+    for key, value in constants.items():
         if key not in DEFAULT_CONSTANTS:
             raise InputError(
                 f"constants: given {key!r}; allowed are {', '.join(DEFAULT_CONSTANTS)}, the open "
@@ -150,4 +149,4 @@ def checked_constants(given: Mapping[str, float]) -> dict[str, float]:
                 f"constant {key}: given {value!r}; allowed is a positive number, because the "
                 "constant multiplies a compliance."
             )
-    return {**DEFAULT_CONSTANTS, **given}
+    return {**DEFAULT_CONSTANTS, **constants}

@@ -176,15 +176,15 @@ def _case(
     material: Material | None,
     constants: Mapping[str, float] | None,
 ) -> ThrowCase:
-    given = dict(constants or {})
-    own, used = throw_and_material(throw, material)
+    chosen = dict(constants or {})
+    crank, used = throw_and_material(throw, material)
     return ThrowCase(
-        own,
+        crank,
         checked_angle_deg(gamma_deg),
         used.youngs_modulus,
         used.shear_modulus,
-        checked_constants(given),
-        frozenset(given),
+        checked_constants(chosen),
+        frozenset(chosen),
     )
 
 

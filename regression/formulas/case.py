@@ -131,15 +131,15 @@ def formulas_to_pandas(found: Mapping[str, FormulaValue]) -> Any:
         If pandas is not installed.
     """
     values = list(found.values())
-    units = " or ".join(dict.fromkeys(one.unit for one in values))
+    units = " or ".join(dict.fromkeys(value.unit for value in values))
     return table(
         {
             "formula": (list(found), ""),
-            "value": ([one.value for one in values], units),
-            "valid": ([one.valid for one in values], ""),
-            "variant": ([one.variant for one in values], ""),
-            "remarks": (["; ".join(one.remarks) for one in values], ""),
-            "source": ([one.source for one in values], ""),
+            "value": ([value.value for value in values], units),
+            "valid": ([value.valid for value in values], ""),
+            "variant": ([value.variant for value in values], ""),
+            "remarks": (["; ".join(value.remarks) for value in values], ""),
+            "source": ([value.source for value in values], ""),
         }
     )
 

@@ -191,8 +191,8 @@ def torsional_formulas(
     >>> round(torsional_formulas(throw)["Carter"].value * 1e8, 3)
     4.234
     """
-    own, used = throw_and_material(throw, material)
-    case = ThrowCase(own, 180.0, used.youngs_modulus, used.shear_modulus, {}, frozenset())
+    crank, used = throw_and_material(throw, material)
+    case = ThrowCase(crank, 180.0, used.youngs_modulus, used.shear_modulus, {}, frozenset())
     return {
         name: reading_value(reading, case, f"{source}; {_TEXTBOOK}", "rad/(N m)", "textbook")
         for name, (reading, source) in _FORMULAS.items()

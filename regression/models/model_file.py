@@ -13,11 +13,9 @@ from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
-from crankbase.input_file import GivenFile, InputFile
+from crankbase.input_file import JSON, LARGEST_TABLE_FILE, GivenFile, InputFile
 from crankbase.model import InputModel
 from crankbase.outputs import write_text
-from crankbase.text_limits import LARGEST_TABLE_FILE
-from crankbase.wrong_files import JSON
 from regression.models.extrapolation import StudyConstraint, error_band
 from regression.models.family import Family, angle_law_remarks
 from regression.models.response_model import IS, ResponseModel
@@ -239,8 +237,8 @@ class ModelContent(InputModel):
     def __getstate__(self) -> dict[Any, Any]:
         """Leave the compiled equations out of what goes to other processes."""
         state = super().__getstate__()
-        own = {name: value for name, value in state["__dict__"].items() if name != "_compiled"}
-        return state | {"__dict__": own}
+        kept = {name: value for name, value in state["__dict__"].items() if name != "_compiled"}
+        return state | {"__dict__": kept}
 
 
 class CompiledModel:
@@ -249,7 +247,7 @@ class CompiledModel:
     def __init__(self, model: ModelContent) -> None:
         responses = model.responses
         self.family = Family(
-            **{one.name: getattr(model, one.name) for one in fields(Family)}
+            **{part.name: getattr(model, part.name) for part in fields(Family)}
             | {"ranges": model.ranges or _column_ranges(responses)}
         )
         self.bands = {name: error_band(response) for name, response in responses.items()}

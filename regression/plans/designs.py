@@ -52,13 +52,13 @@ def corners_by_generators(generators: str, factors: int) -> Coded:
     try:
         if len(words) != factors:
             raise ValueError(f"{len(words)} words for {factors} factors of two levels")
-        found = np.asarray(fracfact(" ".join(words)), dtype=np.float64)
+        corners = np.asarray(fracfact(" ".join(words)), dtype=np.float64)
     except (ValueError, IndexError) as error:
         raise InputError(
             f"study.generators: given {generators!r}; allowed is one word for each factor, like "
             f'"a b c abc" ({str(error).rstrip(".")}).'
         ) from None
-    return found
+    return corners
 
 
 def resolution_of(design: Coded) -> int | None:
@@ -367,15 +367,15 @@ def _fractional_factorial(factors: Sequence[Factor], choice: DesignChoice) -> De
         coded = corners_by_generators(choice.generators, number)
     else:
         coded = corner_fraction(number, choice.resolution or 4)
-    found = resolution_of(coded)
-    if found is not None and found < 3:
+    shortest = resolution_of(coded)
+    if shortest is not None and shortest < 3:
         raise InputError(
             f"study.generators: given {choice.generators!r}; allowed are generators in which no two "
             "factors vary together."
         )
     left_out = number - round(math.log2(len(coded)))
     power = f"2^({number}-{left_out})" if left_out else f"2^{number}"
-    quality = f"resolution {ROMAN.get(found, str(found))}" if found else "all corners"
+    quality = f"resolution {ROMAN.get(shortest, str(shortest))}" if shortest else "all corners"
     runs = _crossed(factors, two_level, 0.5 + 0.5 * coded)
     groups = aliased_effects(coded, tuple(factor.name for factor in two_level))
     remarks = (f"Confounded effects: {'; '.join(groups)}.",) if groups else ()

@@ -140,8 +140,8 @@ def draw_feasible_points(
     while True:
         points = draw(number)
         usable = possible(points)
-        found = int(np.count_nonzero(usable))
-        if found >= count:
+        feasible = int(np.count_nonzero(usable))
+        if feasible >= count:
             taken = np.zeros(number, dtype=bool)
             indices = np.flatnonzero(usable)
             chosen = np.arange(count) if in_order else well_spaced_subset(points[indices], count)
@@ -149,7 +149,7 @@ def draw_feasible_points(
             return points, taken, ~usable
         if number >= most:
             return None
-        share = max(found, 0.5) / number
+        share = max(feasible, 0.5) / number
         number = min(most, max(number + 1, math.ceil(1.1 * count / share)))
 
 

@@ -59,11 +59,11 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
     start = time.perf_counter()
     made: dict[str, Any]
     try:
-        found = evaluate_design(request["inputs"])
+        evaluated = evaluate_design(request["inputs"])
         made = {
-            "responses": _numbers_only(found.values),
-            "errors": _numbers_only(found.errors, "the error of "),
-            "unknowns": found.unknowns,
+            "responses": _numbers_only(evaluated.values),
+            "errors": _numbers_only(evaluated.errors, "the error of "),
+            "unknowns": evaluated.unknowns,
         }
     except Exception as error:  # the design fails, with its reason; the worker goes on
         kind = "lost" if _of_the_machine(error) else "reason"

@@ -22,7 +22,7 @@ from crankbase.calls import (
     ProcessLostError,
     answered,
 )
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError
 from crankbase.processes import start_child
 from regression.records import Outcome
@@ -76,12 +76,12 @@ def design_limits(
 
     `InputError` if impossible.
     """
-    for name, given, kind in (
+    for name, limit, kind in (
         ("time_limit", time_limit, "seconds, like 300"),
         ("memory_limit", memory_limit, "bytes, like 4e9"),
     ):
-        if given is not None and not is_number(given):
-            raise InputError(f"{name}: given {given!r}; allowed is a finite number of {kind}.")
+        if limit is not None and not is_number(limit):
+            raise InputError(f"{name}: given {limit!r}; allowed is a finite number of {kind}.")
     if time_limit is not None and time_limit <= 0.0:
         raise InputError(
             f"time_limit: given {time_limit:g} s; allowed is a positive time, because every "
@@ -188,8 +188,8 @@ class WorkQueue:
             key, responses=None, reason=reason, seconds=seconds, lost=True, worker=worker
         )
 
-    def _outcome(self, key: str, **found: Any) -> Outcome:
-        return Outcome(key=key, inputs=self._inputs[key], attempts=self._tries[key], **found)
+    def _outcome(self, key: str, **results: Any) -> Outcome:
+        return Outcome(key=key, inputs=self._inputs[key], attempts=self._tries[key], **results)
 
 
 def run_designs(

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.checks.choices import allowed_names, did_you_mean
-from crankbase.checks.scalars import (
+from crankbase.checks.choices import (
+    allowed_names,
+    did_you_mean,
     is_number,
     is_whole,
     is_whole_within,

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import crankfem as cf
 from comparing import close
-from crankbase.checks.angles import checked_degrees, refuse_crank_radians
+from crankbase.checks.arrays import checked_degrees, refuse_crank_radians
 from crankbase.errors import InputError
 from crankbase.units import quantity
 from crankbase.units.quantity import (
@@ -18,9 +18,9 @@ from crankbase.units.quantity import (
     TURNING,
     format_quantity,
     parse_quantity,
+    readings,
     unit_registry,
 )
-from crankbase.units.separators import readings
 
 
 def test_the_same_length_in_any_unit_is_the_same_number():

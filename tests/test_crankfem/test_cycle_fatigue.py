@@ -8,22 +8,22 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.strength import cycle_fatigue, shaft_loads
+from crankfem.analyses.strength import cycle_fatigue
+from crankfem.analyses.strength import cycle_loads as loads_module
 from crankfem.analyses.strength.cycle_fatigue import (
     EngineFatigue,
     FatiguePlace,
     fatigue_record,
     fatigue_table,
 )
-from crankfem.analyses.strength.cycle_loads import ShaftUnderForces, cycle_loads
-from crankfem.analyses.strength.shaft_loads import judged_speeds
+from crankfem.analyses.strength.cycle_loads import ShaftUnderForces, cycle_loads, judged_speeds
 from crankfem.analyses.vibration.misfiring import Superposition
 from crankfem.files.engine.mechanism_file import mechanism_of
 from dynamics.response.order_excitation import at_angles
 from dynamics.strength.fatigue import critical_plane, findley_factor, findley_limit
 from fem import fillet_stress
 from fem.fields import stress_fields
-from fem.shaft import assemble_shaft, shaft_unknowns
+from fem.superelement import assemble_shaft, shaft_unknowns
 from stand_ins import COARSE_STRESSES
 
 STEEL = {"tensile_strength": 8e8, "manufacture": "continuous grain flow", "piston": "trunk"}
@@ -131,7 +131,7 @@ def test_unbounded_vibration_is_refused(vibration):
                 yield case, endless
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(shaft_loads, "Superposition", Endless)
+        patched.setattr(loads_module, "Superposition", Endless)
         with pytest.raises(InputError, match=r"damping: given none for .* vibration that is unb"):
             list(cycle_loads(vibration, mechanism_of(vibration.engine_file), speed, [()]))
 

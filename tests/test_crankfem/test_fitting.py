@@ -9,6 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.study.fit_plots import plot_fits
 from crankfem.analyses.study.fit_records import (
     comparisons,
     compliance_model,
@@ -16,7 +17,6 @@ from crankfem.analyses.study.fit_records import (
     warnings_of,
 )
 from crankfem.analyses.study.nominal_throw import nominal_points, sensitivities
-from crankfem.analyses.study.plots.fit_plots import plot_fits
 from crankfem.analyses.study.response_fits import (
     dimensions_at,
     fit_study,

@@ -17,21 +17,31 @@ import pytest
 from matplotlib.figure import Figure
 
 from comparing import close
-from crankbase.drawing.curves import ON_PAPER, draw_curves
+from crankbase.diagrams import ON_PAPER, draw_curves
 from crankbase.errors import InputError
 from crankfem.analyses.study.response_fits import fit_study, predicted
-from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
+from crankfem.analyses.throw.formula_records import formulas_over_angle
+from crankfem.report.figures import STUDY
 from crankfem.report.interactive import vibration as vibration_plots
-from crankfem.report.interactive.campbell import campbell, mode_shapes, shaft_modes
-from crankfem.report.interactive.curves import UNSEEN, figure_of
 from crankfem.report.interactive.mechanism import MECHANISM, developed_load, polar_load
 from crankfem.report.interactive.plot import write_figure
 from crankfem.report.interactive.study import parity, response_over_factors
-from crankfem.report.interactive.style import design_texts, plain_layout, rounded
-from crankfem.report.interactive.throw_view import DRAWN_DISPLACEMENT, throw_view
-from crankfem.report.interactive.triangles import TriangleSurface, decimate_triangles, polylines
-from crankfem.report.interactive.vibration import VIBRATION, amplitudes_over_speed, axial_split
-from crankfem.report.plots import STUDY
+from crankfem.report.interactive.style import UNSEEN, design_texts, figure_of, plain_layout, rounded
+from crankfem.report.interactive.throw_view import (
+    DRAWN_DISPLACEMENT,
+    TriangleSurface,
+    decimate_triangles,
+    polylines,
+    throw_view,
+)
+from crankfem.report.interactive.vibration import (
+    VIBRATION,
+    amplitudes_over_speed,
+    axial_split,
+    campbell,
+    mode_shapes,
+    shaft_modes,
+)
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.loads import LoadDiagram
 from dynamics.plots.quantities import quantity_display

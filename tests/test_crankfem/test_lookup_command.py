@@ -9,7 +9,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-import crankfem.analyses.study.frequency_limits
+import crankfem.analyses.study.nominal_throw
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import engine_torsional_chain
@@ -21,7 +21,7 @@ from crankfem.analyses.shaft.sources import (
     source_spread,
     torsional_sources,
 )
-from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
+from crankfem.analyses.study.nominal_throw import EngineFrequencies, frequency_limit
 from crankfem.analyses.throw.law_record import law_answers, law_record, law_sentence
 from crankfem.cli.arguments import law_throw
 from crankfem.cli.commands import lookup as optimum_command
@@ -412,7 +412,7 @@ def test_the_first_torsional_frequency_is_no_couplings():
 @pytest.mark.slow
 def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):
     monkeypatch.setattr(
-        crankfem.analyses.study.frequency_limits, "engine_frequencies", lambda _: frequencies
+        crankfem.analyses.study.nominal_throw, "engine_frequencies", lambda _: frequencies
     )
     model = ComplianceModel.load(path)
     needed = frequencies.torsional(3.9e-8)

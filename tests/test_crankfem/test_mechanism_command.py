@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.drawing.diagram_style import figure
+from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankbase.tables.table import merged_rows
 from crankfem.analyses.mechanism.balance_records import (

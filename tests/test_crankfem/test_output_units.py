@@ -10,8 +10,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.tables.output_units import SI, UNITS, parse_output_units
-from crankbase.tables.table import Column, Table
+from crankbase.tables.table import SI, UNITS, Column, Table, parse_output_units
 from crankbase.units.quantity import unit_registry
 from crankfem.cli import console
 from crankfem.files.reading.data_files import input_path

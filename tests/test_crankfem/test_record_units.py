@@ -9,7 +9,7 @@ import pytest
 import typer
 
 from crankbase.errors import SolveError
-from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
+from crankbase.tables.table import SI, OutputUnit, OutputUnits
 from crankbase.units.units import POWER_OF_TEN, UNITS
 from crankfem.analyses.record import json_text, plain, units_of, with_units
 from crankfem.analyses.vibration.records import run_record

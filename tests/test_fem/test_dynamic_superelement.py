@@ -18,9 +18,8 @@ from fem.craig_bampton import dynamic_superelement
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
 from fem.modes import free_modes, frequencies_of
-from fem.shaft import assemble_shaft, shaft_compliances, sharing_sections
 from fem.solver import factorize
-from fem.superelement import combine_classes
+from fem.superelement import assemble_shaft, combine_classes, shaft_compliances, sharing_sections
 from fem.supports import Neighbors
 from fem.symmetry import (
     KEPT,

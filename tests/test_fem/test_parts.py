@@ -11,8 +11,7 @@ from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.loads import radial_directions
 from fem.responses import evaluate_throw
-from fem.shaft import shaft_compliances, solve_shaft
-from fem.superelement import UZ
+from fem.superelement import UZ, shaft_compliances, solve_shaft
 from fem.supports import (
     Neighbors,
     class_axial_compliances,

@@ -8,7 +8,7 @@ from matplotlib import pyplot
 from matplotlib.collections import PolyCollection
 
 from comparing import close
-from crankbase.drawing.legends import display_unit
+from crankbase.diagrams import display_unit
 from crankbase.errors import InputError
 from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.mesh import SolidProperties, ThrowMesh

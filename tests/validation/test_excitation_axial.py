@@ -18,8 +18,7 @@ from scipy.linalg import eigh
 from comparing import close
 from dynamics.excitation.chain_excitation import tangential_towards_flywheel, torsion_influence
 from fem.analysis import analyze_throw
-from fem.shaft import assemble_shaft, shaft_compliances, solve_shaft
-from fem.superelement import RZ, UZ
+from fem.superelement import RZ, UZ, assemble_shaft, shaft_compliances, solve_shaft
 from parts_in_a_line import crank_throw
 
 THROW = crank_throw(0.170, 0.220, 0.180, 0.135, 0.139, 0.285, 0.068, fillet_radius=0.012)

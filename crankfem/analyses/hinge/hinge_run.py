@@ -9,7 +9,7 @@ import numpy as np
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import figure, make_folder, new_axes
+from crankbase.diagrams import figure, make_folder, new_axes
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table

@@ -5,8 +5,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
-from crankbase.tables.table import Cell, Column, Table
+from crankbase.tables.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.record import Record, attributes
 from dynamics.balance.balance import (

@@ -7,9 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table, format_names
-from crankbase.tables.table_units import table_unit
+from crankbase.tables.table import SI, Column, OutputUnits, Table, format_names, table_unit
 from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from crankbase.checks.choices import check_choice, check_kind, check_not_given
-from crankbase.checks.scalars import is_whole
+from crankbase.checks.choices import check_choice, check_kind, check_not_given, is_whole
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table

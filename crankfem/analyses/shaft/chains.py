@@ -8,9 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.units.number_formats import compact, significant
 from crankbase.units.quantity import format_quantity
-from crankbase.units.units import UNITS, VIBRATING, unit_symbol
+from crankbase.units.units import UNITS, VIBRATING, compact, significant, unit_symbol
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
@@ -264,7 +263,7 @@ class Motion(NamedTuple):
     si : str
         Its unit in records.
     printed : str
-        Its unit among those of `crankbase.tables.output_units`.
+        Its unit among those of `crankbase.tables.table`.
     unit : str
         The same as written in diagrams and reports.
     size : float

@@ -5,15 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.units.number_formats import significant
-from crankbase.units.units import RPM
+from crankbase.units.units import RPM, significant
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.crankshaft.chain_comparison import ChainVerdict
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.indices import within
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
 from geometry.crankshaft import Crankshaft
 from geometry.mass import unbalance

@@ -16,8 +16,7 @@ from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
-from crankbase.units.number_formats import UNBOUNDED, significant
-from crankbase.units.units import RPM
+from crankbase.units.units import RPM, UNBOUNDED, significant
 from crankfem.analyses.shaft.chains import ASSUMED, MOTION, magnifier_of, shaft_surroundings
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT

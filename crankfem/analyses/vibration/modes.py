@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -35,7 +34,7 @@ from dynamics.critical import (
     vector_sums,
 )
 from dynamics.plots.mode_shapes import draw_chain_shapes
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:

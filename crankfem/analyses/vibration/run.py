@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -49,7 +48,7 @@ from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.excitation.axial_forces import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
 from regression.models.compliance_model import ComplianceModel
 

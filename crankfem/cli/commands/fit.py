@@ -41,8 +41,8 @@ def fit(
 ) -> None:
     """Fit equations to a study's results and save the best as a model."""
     from crankbase.errors import InputError
+    from crankfem.analyses.study.fit_plots import fit_plot_files, plot_fits
     from crankfem.analyses.study.fit_records import compliance_model, study_record
-    from crankfem.analyses.study.plots.fit_plots import fit_plot_files, plot_fits
     from crankfem.analyses.study.response_fits import fit_study
     from crankfem.analyses.study.studies import study_key
     from crankfem.cli.tables.study_tables import MAIN_RESPONSE, print_comparisons, print_fits

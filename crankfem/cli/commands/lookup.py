@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crankbase.errors import InputError
-from crankbase.wrong_files import not_a_file
+from crankbase.input_file import not_a_file
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import GammaOption, ModelArgument, Output, with_output
 from crankfem.cli.console import print_json, print_line, print_table
 
 if TYPE_CHECKING:
-    from crankbase.tables.output_units import OutputUnits
-    from crankfem.analyses.study.frequency_limits import Kind
+    from crankbase.tables.table import OutputUnits
+    from crankfem.analyses.study.nominal_throw import Kind
     from regression.models.compliance_model import ComplianceModel
     from regression.models.lookup import Lookup
     from regression.optimum import Limit, Optimum
@@ -364,7 +364,7 @@ def _frequency_limits(
                 f"--first-{kind}-frequency: given for a model without {kind}_compliance; allowed is a model "
                 "with it, because the frequency follows from it."
             )
-    from crankfem.analyses.study.frequency_limits import engine_frequencies, frequency_limit
+    from crankfem.analyses.study.nominal_throw import engine_frequencies, frequency_limit
     from crankfem.files.engine.engine_file import load_engine
 
     frequencies = engine_frequencies(load_engine(engine))

@@ -15,7 +15,7 @@ from crankfem.cli.console import print_json
 from dynamics.engine import ROD_MODELS, RodModelName
 
 if TYPE_CHECKING:
-    from crankbase.tables.output_units import OutputUnits
+    from crankbase.tables.table import OutputUnits
     from dynamics.harmonics import Harmonics
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from crankbase.errors import InputError, MissingLibraryError
-from crankbase.wrong_files import not_a_file
+from crankbase.input_file import not_a_file
 from crankfem.cli.commands.options import Output, WorkersOption, with_output
 from crankfem.cli.console import print_json, print_note
 
@@ -41,7 +41,7 @@ def serve(
 
     Only this machine is served, unless --host and --key-file are given.
     """
-    from crankbase.checks.scalars import is_whole_within
+    from crankbase.checks.choices import is_whole_within
     from crankfem.cli.interrupts import interrupts_raise
     from crankfem.service.guard import Bounds, Settings
     from regression.runs.study import check_workers

@@ -3,9 +3,7 @@
 import math
 from pathlib import Path
 
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
-from crankbase.tables.table_units import table_unit
+from crankbase.tables.table import SI, Column, OutputUnits, Table, table_unit
 from crankbase.units.units import RPM
 from crankfem.analyses.mechanism.balance_records import (
     BALANCED_TEXT,

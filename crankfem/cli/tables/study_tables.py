@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.tables.output_units import OutputUnit
-from crankbase.tables.table import Cell, Column, Table
+from crankbase.tables.table import Cell, Column, OutputUnit, Table
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import DISPLAY_UNITS
 from crankfem.analyses.record import Record, attributes

@@ -7,10 +7,8 @@ from typing import Any
 from rich.table import Table as RichTable
 
 from crankbase.errors import InputError
-from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
-from crankbase.tables.table import Column, Table
-from crankbase.units.number_formats import significant
-from crankbase.units.units import RPM
+from crankbase.tables.table import SI, Column, OutputUnit, OutputUnits, Table
+from crankbase.units.units import RPM, significant
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.formula_records import (
     EngineSpread,

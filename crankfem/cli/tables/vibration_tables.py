@@ -6,10 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
-from crankbase.units.number_formats import UNBOUNDED
-from crankbase.units.units import RPM
+from crankbase.tables.table import SI, Column, OutputUnits, Table
+from crankbase.units.units import RPM, UNBOUNDED
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.tables import (

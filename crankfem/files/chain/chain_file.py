@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.errors import InputError, InputErrors
-from crankbase.input_file import InputFile
+from crankbase.input_file import LARGEST_TEXT_FILE, InputFile
 from crankbase.summaries import summarized
-from crankbase.text_limits import LARGEST_TEXT_FILE
 from crankbase.units.quantity import parse_quantity
 from crankfem.files.chain.chain_build import (
     UNITS,

@@ -9,8 +9,7 @@ from string import Template
 from typing import Literal
 
 from crankbase.errors import InputError
-from crankbase.input_file import InputFile
-from crankbase.wrong_files import LOOKED_AT
+from crankbase.input_file import LOOKED_AT, InputFile
 from crankfem.files.reading.data_files import FOLDERS, InputKind, input_path, shipped_names
 from crankfem.files.reading.toml_file import TomlFile, read_toml
 from crankfem.files.sections.engine_sections import TorqueTable

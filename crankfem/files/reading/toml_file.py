@@ -11,16 +11,15 @@ from typing import Any, TypeVar
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError, InputErrors, shortened
-from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.text_limits import (
+from crankbase.input_file import (
     DEEPEST_TABLE,
     LARGEST_TEXT_FILE,
     LONGEST_TEXT,
     MOST_BITS,
     MOST_VALUES,
 )
-from crankbase.units.quantity import format_quantity
-from crankbase.units.separators import SEPARATED_NUMBER, either, readings
+from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.units.quantity import SEPARATED_NUMBER, either, format_quantity, readings
 from crankfem.files.reading.data_files import InputFiles
 
 # A key of more names than tables may lie in tables; taking it apart would take long. Nothing is gone

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crankbase.drawing.diagram_style import figure, make_folder, math_symbol
-from crankbase.drawing.legends import display_unit, write_title
+from crankbase.diagrams import display_unit, figure, make_folder, math_symbol, write_title
 from crankfem.analyses.study.nominal_throw import Sensitivities, factor_sweep, sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits, predicted
 from regression.fits.fits import Fit
-from regression.plots.equations import (
+from regression.plots import (
     BARS,
     Curve,
     draw_curves,

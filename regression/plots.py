@@ -6,9 +6,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.bars import PALE, draw_rows
-from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE, math_symbol
-from crankbase.drawing.legends import display_unit, legend_inside, write_title
+from crankbase.diagrams import (
+    BLUE,
+    GRAY,
+    GREEN,
+    ORANGE,
+    PALE,
+    display_unit,
+    draw_rows,
+    legend_inside,
+    math_symbol,
+    write_title,
+)
 from regression.throw_values import factor_text
 
 if TYPE_CHECKING:
