@@ -153,13 +153,7 @@ class Load(Protocol):
 
 
 def check_polar(frame: str, mark_step_deg: float) -> None:
-    """Check the choices of a polar diagram.
-
-    Raises
-    ------
-    InputError
-        If the frame is unknown, or the step is not above 0 and up to 360 deg.
-    """
+    """Check the choices of a polar diagram."""
     check_choice("frame", frame, ("crank", "engine"), "a load is drawn in one of them")
     step = positive_number("mark_step_deg", mark_step_deg, "deg", "marks follow each other")
     if step > 360.0:

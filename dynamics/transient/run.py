@@ -93,11 +93,7 @@ class SteadyMotion(CycleMotion):
     def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return motions and torques over shaft angle, node and element.
 
-        Parameters
-        ----------
-        quantity : {"torque", "force", "twist", "displacement"}, optional
-            Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
-            one. A chain does not determine it: by default units are "rad or m" and "N m or N".
+        `quantity` is that of the values, see `units_of`: a chain does not determine it.
 
         Raises
         ------
@@ -318,11 +314,7 @@ class TransientMotion(ShaftRun):
     def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return speed, angle, motions and torques over time, node and element.
 
-        Parameters
-        ----------
-        quantity : {"torque", "force", "twist", "displacement"}, optional
-            Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
-            one. A chain does not determine it: by default units are "rad or m" and "N m or N".
+        `quantity` is that of the values, see `units_of`: a chain does not determine it.
 
         Raises
         ------
