@@ -108,7 +108,7 @@ def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
 
 
 @pytest.mark.slow
-def test_doe_checks_a_store_and_repairs_it(call, study, tmp_path):
+def test_doe_checks_a_store_and_computes_a_damaged_row_again(call, study, tmp_path):
     assert call("doe", study).code == 0
     for line in (("runs.sqlite",), (study, "--store", "runs.sqlite")):
         sound = call("doe", "--check", *line)
@@ -126,20 +126,16 @@ def test_doe_checks_a_store_and_repairs_it(call, study, tmp_path):
     assert "11 done; 1 damaged." in damaged.out
     assert "its checksum does not fit its content." in damaged.out
     assert "12 designs, 1 without a result." in damaged.out
-    assert "Error: runs.sqlite is damaged; crankfem doe --repair runs.sqlite" in damaged.err
-    record = call("doe", "--repair", "runs.sqlite", "--json").json()
-    assert (record["sound"], record["kept"], record["computed_now"]) == (True, 11, 1)
+    assert "Error: runs.sqlite is damaged; the next run of a study computes" in damaged.err
+    assert "1 computed now" in call("doe", study).out
+    record = call("doe", "--check", "runs.sqlite", "--json").json()
+    assert record["sound"]
     assert record["designs"] == {"done": 12, "failed": 0, "lost": 0}
-    assert record["original"] == "runs.sqlite.damaged"
     (tmp_path / "runs.sqlite").write_bytes((tmp_path / "runs.sqlite").read_bytes()[:9000])
-    lost = call("doe", "--repair", "runs.sqlite")
-    assert lost.code == 0
-    assert (
-        "was damaged: 0 sound designs are kept; the damaged file is now runs.sqlite.d" in lost.out
-    )
-    assert "It holds no study: run one from its file" in lost.out
-    again = call("doe", "--repair", study)
-    assert "12 designs computed now." in again.out
+    for line in (("--check", "runs.sqlite"), (study,)):
+        lost = call("doe", *line)
+        assert lost.code == 2
+        assert "use a copy of it, or give a new file name." in " ".join(lost.err.split())
 
 
 @pytest.mark.slow
@@ -237,10 +233,9 @@ def test_doe_takes_earlier_and_measured_results_over(call, study, tmp_path):
         (["--mesh", "inp", "--export", "a.csv"], "--export: given a.csv with --mesh; allowed is a"),
         (
             ["--check", "--plan"],
-            "--check: given with another task; allowed are --check or --repair",
+            "--check: given with another task; allowed are --check and --store",
         ),
-        (["--repair", "--check"], "--check: given with another task"),
-        (["--repair", "--more", "2"], "--repair: given with another task"),
+        (["--check", "--more", "2"], "--check: given with another task"),
         (["--check"], "store: given 'runs.sqlite'; there is no such file"),
         (["--no-compute"], "store: given 'runs.sqlite'; there is no such file"),
     ],

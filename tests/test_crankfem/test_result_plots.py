@@ -17,7 +17,7 @@ from crankbase.errors import InputError
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.study.response_fits import predicted
 from crankfem.analyses.study.studies import fitted
-from crankfem.analyses.throw.formula_diagrams import (
+from crankfem.analyses.throw.formula_records import (
     plot_formulas,
     plot_formulas_over_angle,
     plot_run_formulas,

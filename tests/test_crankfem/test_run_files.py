@@ -132,28 +132,6 @@ def test_a_folder_of_pictures_that_is_a_link_is_refused(tmp_path):
         check_folder(tmp_path / "run", study=False)
 
 
-@pytest.mark.slow
-def test_what_a_run_of_an_earlier_release_has_left_gives_way(
-    coarsely, call, least_engine, model_file, tmp_path
-):
-    (tmp_path / "one.toml").write_text(least_engine, encoding="utf-8")
-    assert call("run", "one.toml", "--output", "old").code == 0
-    folder = tmp_path / "old"
-    (folder / STORE).write_text("old", encoding="utf-8")
-    model_file.rename(folder / MODEL)
-    assert {REPORT, RESULTS, "throw.vtu", "drawing.svg"} <= set(files_of(folder))
-    for place in (folder, folder / "pictures"):
-        (place / LISTED).unlink()
-    (folder / "pictures" / "mine.svg").write_text("mine", encoding="utf-8")
-    # Named by the results or not: no run writes a picture of this name.
-    results = json.loads((folder / RESULTS).read_text(encoding="utf-8"))
-    results["pictures"]["mine"] = "mine.svg"
-    (folder / RESULTS).write_text(json.dumps(results), encoding="utf-8")
-    check_folder(folder, study=True)
-    replace_last_run(folder, {})
-    assert files_of(folder) == ["mine.svg", RESULTS, STORE]
-
-
 def test_without_space_for_new_results_the_last_run_stays_whole(finished, monkeypatch):
     before = files_of(finished)
     with monkeypatch.context() as patch:

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 import fem.analysis
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.stopwatch import Stopwatch
 from fem.analysis import (
     Problem,
     analyze_axial,
@@ -22,6 +21,7 @@ from fem.analysis import (
 )
 from fem.angle_law import AngleLaw, angle_law, is_symmetric
 from fem.material import STEEL, Material
+from fem.solver import Stopwatch
 from fem.supports import Neighbors, class_axial_compliances
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow

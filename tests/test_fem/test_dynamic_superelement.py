@@ -18,9 +18,14 @@ from fem.craig_bampton import dynamic_superelement
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
 from fem.modes import free_modes, frequencies_of
-from fem.shaft import assemble_shaft, shaft_compliances, sharing_sections
 from fem.solver import factorize
-from fem.superelement import combine_classes, superelement_of_end_forces
+from fem.superelement import (
+    assemble_shaft,
+    combine_classes,
+    shaft_compliances,
+    sharing_sections,
+    superelement_of_end_forces,
+)
 from fem.supports import Neighbors
 from fem.symmetry import (
     KEPT,

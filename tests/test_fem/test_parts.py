@@ -11,11 +11,14 @@ from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.loads import radial_directions
 from fem.responses import evaluate_throw
-from fem.shaft import shaft_compliances, solve_shaft
-from fem.superelement import UZ
-from fem.supports import Neighbors, class_torsional_compliance, support_throw
+from fem.superelement import UZ, shaft_compliances, solve_shaft
+from fem.supports import (
+    Neighbors,
+    class_axial_compliances,
+    class_torsional_compliance,
+    support_throw,
+)
 from fem.symmetry import axial_class, torsional_class
-from fem.throw_analysis import class_axial_compliances
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web

@@ -15,7 +15,6 @@ from scipy.sparse.csgraph import dijkstra
 
 import fem.analysis
 from comparing import close
-from crankbase.stopwatch import Stopwatch
 from fem.analysis import (
     AIM_FILLETED,
     FIRST_FILLETED,
@@ -33,6 +32,7 @@ from fem.analysis import (
 )
 from fem.correction import EnergyErrors
 from fem.material import STEEL
+from fem.solver import Stopwatch
 from fem.supports import class_axial_compliances
 from geometry.mesh import check_quality, mesh_throw
 from geometry.mesher import expected_unknowns

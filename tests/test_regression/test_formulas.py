@@ -13,9 +13,14 @@ from crankbase.errors import InputError
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web
-from regression.formulas.arguments import DEFAULT_CONSTANTS, FORMULA_CONSTANTS, fold_angle_deg
 from regression.formulas.axial_formulas import axial_formula, axial_formula_faults, axial_formulas
-from regression.formulas.case import round_area, round_inertia
+from regression.formulas.case import (
+    DEFAULT_CONSTANTS,
+    FORMULA_CONSTANTS,
+    fold_angle_deg,
+    round_area,
+    round_inertia,
+)
 from regression.formulas.published import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import torsional_formulas
 

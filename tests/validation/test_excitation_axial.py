@@ -18,8 +18,7 @@ from scipy.linalg import eigh
 from comparing import close
 from dynamics.excitation.chain_excitation import tangential_towards_flywheel, torsion_influence
 from fem.analysis import analyze_throw
-from fem.shaft import assemble_shaft, shaft_compliances, solve_shaft
-from fem.superelement import RZ, UZ
+from fem.superelement import RZ, UZ, assemble_shaft, shaft_compliances, solve_shaft
 from geometry.throw import CrankThrow
 
 THROW = CrankThrow(

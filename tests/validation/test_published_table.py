@@ -17,8 +17,8 @@ from crankbase.errors import InputError
 from crankfem.files.reading.data_files import data_folder
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula
-from regression.formulas.published import AXIAL_FORMULA_NAMES
-from regression.formulas.published_table import (
+from regression.formulas.published import (
+    AXIAL_FORMULA_NAMES,
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,
     read_published_table,
