@@ -76,10 +76,6 @@ def input_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
 def assumed_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
     """Return the values that a file leaves open or marks as assumed, each with its reason.
 
-    Parameters
-    ----------
-    file : EngineFile or MechanismFile
-
     Returns
     -------
     tuple of InputRecord

@@ -34,10 +34,6 @@ CASES = {
 def balance_record(found: Balance) -> Record:
     """Return a balance as plain JSON content.
 
-    Parameters
-    ----------
-    found : Balance
-
     Returns
     -------
     dict

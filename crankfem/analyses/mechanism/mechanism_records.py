@@ -162,9 +162,6 @@ def acceleration_record(layout: EngineLayout, speed: float, cylinders: Sequence[
 
     Parameters
     ----------
-    layout : EngineLayout
-    speed : float
-        Of the shaft [rad/s].
     cylinders : sequence of int
         Numbers of the cylinders, that with the main rod first.
 

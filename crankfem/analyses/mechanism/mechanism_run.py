@@ -76,17 +76,10 @@ class MechanismRun:
 
     Parameters
     ----------
-    mechanism : MechanismFile
     layout : EngineLayout
         With the unbalance of the throws.
     speed : float
         [rad/s]
-    pressure : tuple of GasPressure
-    forces : MechanismForces
-    torque : EngineTorque
-    crankpins, bearings : tuple of LoadDiagram
-    works : tuple of CylinderWork
-    balance : Balance
     hinged_rods : tuple of HingedRodEffects
         Of the first crankpin with such rods; empty if there is none.
     """
@@ -115,8 +108,6 @@ class MechanismRun:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         show : str
             "torque" of the engine; "forces" and "pressure" of a cylinder; the load of a "crankpin" or
             main "bearing"; "force balance" or "moment balance": residual inertia effects.
@@ -125,10 +116,6 @@ class MechanismRun:
             and balance are those of the whole engine.
         frame : {"crank", "engine"}, optional
             Draw the load of a crankpin or bearing as a polar diagram in this frame.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -154,15 +141,7 @@ class MechanismRun:
     def to_pandas(self) -> Any:
         """Return a table of the gas results, a row for each cylinder.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         works = self.works
         return table(

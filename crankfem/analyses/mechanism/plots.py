@@ -59,7 +59,6 @@ def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
     ----------
     path : Path
         Of the SVG file.
-    found : Balance
     title : str, optional
         Above both panels.
     """
@@ -87,8 +86,6 @@ def plot_hinged_rods(
 
     Parameters
     ----------
-    path : Path
-        Of the SVG file.
     engine, speed, orders, cylinders
         As in `hinged_rod_effects`.
     title : str, optional
@@ -121,9 +118,6 @@ def plot_accelerations(
 
     Parameters
     ----------
-    path : Path
-        Of the SVG file.
-    engine : EngineLayout
     speed : float
         Of the shaft [rad/s].
     cylinders : mapping of int to str
@@ -131,8 +125,6 @@ def plot_accelerations(
         difference from the others is drawn.
     orders : sequence of int, optional
         Orders that get a panel of their own.
-    title : str, optional
-        Above all panels.
 
     Raises
     ------
@@ -190,7 +182,6 @@ def plot_polar_loads(
 
     Parameters
     ----------
-    path : Path
     diagrams : sequence of LoadDiagram
         Of one bearing with several models or at several operating points, to compare.
     labels : sequence of str, optional
@@ -202,7 +193,6 @@ def plot_polar_loads(
     mark_step_deg : float, optional
         Interval of the dots on the first curve in shaft angle [deg], labeled with the angle where there
         is room.
-    title : str, optional
 
     Raises
     ------
@@ -228,16 +218,7 @@ def plot_polar_loads(
 
 
 def plot_model_difference(path: Path, found: ModelDifference, *, title: str = "") -> None:
-    """Plot the crankpin load by two rod models, and their difference over the shaft angle.
-
-    Parameters
-    ----------
-    path : Path
-        Of the SVG file.
-    found : ModelDifference
-    title : str, optional
-        Above both panels.
-    """
+    """Plot the crankpin load by two rod models, and their difference over the shaft angle."""
     per_piston = 1e-6 / (KILO * found.piston_area)  # MPa for each kN
     with figure(path, 2, width=11.8, height=6.4) as (polar, shares):
         loads = list(zip(found.models, (found.first, found.second), strict=True))
@@ -330,8 +311,6 @@ def picture_torque_table(
 
     Parameters
     ----------
-    folder : Path
-    table : TorqueTable
     shown : Harmonics
         Those of the table, up to the highest order to be drawn.
     stars : sequence of Star, optional

@@ -117,7 +117,6 @@ class ModelComparison:
 
     Parameters
     ----------
-    model : str
     crankpin : float
         Largest difference of the force on a crankpin, vector to vector, relative to its mean size.
     side : float
@@ -162,7 +161,6 @@ class ModelDifference:
 
     Parameters
     ----------
-    models : tuple of two str
     first, second : LoadDiagram
         Of the same crankpin; the second is compared with the first.
     piston_area : float

@@ -23,8 +23,6 @@ class TwoMassFile:
 
     Parameters
     ----------
-    path : Path
-    given : TwoMassInput
     engine : Engine or None
         Its speeds and firing angles, if the file has the section.
     highest_order : float or None
@@ -100,7 +98,6 @@ def two_mass_run_record(file: TwoMassFile, order: float | None = None) -> Record
 
     Parameters
     ----------
-    file : TwoMassFile
     order : float, optional
         Replaces the file's.
 

@@ -114,7 +114,6 @@ def engine_axial_chain(
 
     Parameters
     ----------
-    engine_file : EngineFile
     compliances : (n,) array
         Axial compliance of each throw in the shaft [m/N].
     throw_masses : float or (n,) array_like
@@ -159,7 +158,6 @@ def engine_torsional_chain(
 
     Parameters
     ----------
-    engine_file : EngineFile
     compliances : (n,) array
         Torsional compliance of each throw [rad/(N m)].
     inertias : (n,) array

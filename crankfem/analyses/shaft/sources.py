@@ -49,7 +49,6 @@ def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawVa
 
     Parameters
     ----------
-    engine_file : EngineFile
     quantity : {"axial_compliance", "torsional_compliance"}
 
     Raises
@@ -102,10 +101,7 @@ def throw_lookup(
 
     Parameters
     ----------
-    model : ComplianceModel
     response : {"axial_compliance", "torsional_compliance"}
-    throw : CrankThrow
-    material : Material
 
     Raises
     ------
@@ -226,7 +222,6 @@ def with_model(content: TomlFile, path: Path) -> TomlFile:
 
     Parameters
     ----------
-    content : TomlFile
     path : Path
         Of the model, as seen from the working directory.
 
@@ -271,9 +266,6 @@ def compliances_in_shaft(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    analysis : ThrowAnalysis or mapping
-        Of the engine's throw, or of each throw by its name.
     stiffness : float, optional
         Lateral, of each main bearing [N/m], ``math.inf`` for rigid ones; that of `bearing_stiffness` by
         default.
@@ -384,7 +376,6 @@ def axial_by_formulas(
         Of the cranks, from the free end.
     throw_angles_deg : sequence of float
         Those of the cranks [deg].
-    material : Material
     """
 
     @cache
@@ -433,8 +424,6 @@ class AnalyzedThrow:
 
     Attributes
     ----------
-    throw : CrankThrow
-    material : Material
     axial : tuple of three float
         e_0 and e_180 [m/N] and rho of its angle law.
     torsional : float
@@ -462,12 +451,9 @@ def source_spread(
 
     Parameters
     ----------
-    engine_file : EngineFile
     kind : {"axial", "torsional"}
     source : str
         As named in `axial_sources` and `torsional_sources`; usable for this engine.
-    analysis : ThrowAnalysis or mapping
-        Of the engine's throw, or of each throw by its name.
     shaft : ShaftCompliances
         Of the throws in the shaft.
     model : ComplianceModel or None

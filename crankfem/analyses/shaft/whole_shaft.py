@@ -65,11 +65,6 @@ ASSUMED_RATIO = 0.5 / DEFAULT_MAGNIFIER
 def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> FloatArray:
     """Return the damping of engine and shaft by modes: that of the chains, by the kind of motion.
 
-    Parameters
-    ----------
-    engine_file : EngineFile
-    crankshaft : CrankshaftSystem
-
     Returns
     -------
     ndarray of shape (kept + corrections,)
@@ -157,7 +152,6 @@ class WholeShaft:
 
     Attributes
     ----------
-    crankshaft : CrankshaftSystem
     highest_frequency : float
         What the superelements were made for [Hz].
     exciting_frequency : float
@@ -242,17 +236,11 @@ class ShaftComparison:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         show : {"causes", "axial", "torsional"}
             A point's motion by tangential and by radial forces; or the free end's motion by the whole
             shaft and by the chain of that kind.
         point : str, optional
             Of the first alone, such as "main bearing 1 uz", the free end along the shaft, the default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -299,10 +287,6 @@ def whole_shaft(
         built for the highest frequency that the engine excites.
     bearings : MainBearings, optional
         Replaces those of the file.
-
-    Returns
-    -------
-    WholeShaft
 
     Raises
     ------
@@ -427,7 +411,6 @@ def shaft_throws(
     ----------
     superelement : DynamicSuperelement
         In the throw's own frame, not turned.
-    throw : CrankThrow
     crank_angles_deg : sequence of n float
         Angle of each throw's first pin about +z [deg].
     """
@@ -459,16 +442,10 @@ def shaft_response(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    whole : WholeShaft
     forces : CylinderForces
         Of the engine's cylinders, by orders over speeds.
     magnifier : float, optional
         Of all elastic modes, replaces `modal_damping`. Dampers and bearings add theirs.
-
-    Returns
-    -------
-    CoupledResponse
 
     Raises
     ------
@@ -503,7 +480,6 @@ def compare_with_chains(
 
     Parameters
     ----------
-    whole : WholeShaft
     axial, torsional : EngineChain
         Of the same engine.
     coupled, axial_response, torsional_response : optional
@@ -540,8 +516,6 @@ def with_differences(
 
     Parameters
     ----------
-    comparison : ShaftComparison
-    whole : WholeShaft
     chains, rigid_chains : tuples of EngineChain
         Axial and torsional, in the engine's main bearings and in laterally rigid ones.
 

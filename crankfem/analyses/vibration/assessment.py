@@ -78,7 +78,6 @@ def engine_decision(
 
     Parameters
     ----------
-    engine_file : EngineFile
     status : {"fine", "barred range needed", "not acceptable"}
         Of its verdict.
     findings : sequence of pairs of VibrationLimit and AmplitudeCurve
@@ -246,7 +245,6 @@ class Uncertainty:
 
     Attributes
     ----------
-    kind : str
     spreads : tuple of Spread
         Uncertain values.
     lowest, nominal, highest : (m,) arrays
@@ -272,15 +270,7 @@ class Uncertainty:
     def to_pandas(self) -> Any:
         """Return a table of the elastic natural frequencies with their bounds.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         return table(
             {
@@ -307,7 +297,6 @@ class Assessment:
         Name to limit; those given, or the selected rule.
     remarks : tuple of str
         What was not assessed, or assumed.
-    axial, torsional : Uncertainty
     beside : tuple of str
         What the engine drives where it is not modeled, and where the verdict changes within the range of
         the bearings' stiffness, a sentence each.

@@ -23,7 +23,6 @@ def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForc
 
     Parameters
     ----------
-    chains : EngineChains
     harmonics : CylinderHarmonics
         From `engine_harmonics`; its orders and the mean are summed.
 
@@ -71,10 +70,8 @@ def axial_cycle_record(
 
     Parameters
     ----------
-    found : AxialForceOverCycle
     forced : ForcedVibration
         Axial.
-    engine_file : EngineFile
     coupled : CoupledResponse, optional
         Of the whole crankshaft, if it has the same bodies as the chain.
     """

@@ -58,7 +58,6 @@ class HeldChains:
     ----------
     stiffness : float
         Lateral, of each main bearing [N/m].
-    shaft : ShaftCompliances
     axial, torsional : Vibration
         With the chosen compliances alone.
     answers : tuple of ForcedVibration or None
@@ -84,7 +83,6 @@ class BearingSweep:
 
     Attributes
     ----------
-    bearings : BearingStiffness
     stiffness : (k,) array
         Lateral, of each main bearing, ascending over the range [N/m].
     chains, shaft : dict of str to (k,) array
@@ -184,15 +182,7 @@ class BearingSweep:
     def to_pandas(self) -> Any:
         """Return a row for each stiffness.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         return table(
             {"stiffness": (self.stiffness, "N/m")}
@@ -236,7 +226,6 @@ def bearing_sweep(
 
     Parameters
     ----------
-    engine_file : EngineFile
     each : sequence of HeldChains
         From `chains_over_bearings`, and `with_answers` if there is a verdict.
     whole : WholeShaft, optional
@@ -338,15 +327,7 @@ def _followed(
     chains: Sequence[EngineChain],
     nominal: int,
 ) -> tuple[FloatArray, FloatArray]:
-    """Frequencies of the whole crankshaft's modes like the chain's first one, followed by shape [Hz].
-
-    Returns
-    -------
-    main : (k,) array
-        Of the mode that is most similar at the nominal stiffness.
-    further : (b, k) array
-        Of the others. NaN where a mode is neither the most similar one nor shares the chain's.
-    """
+    """Frequencies of the whole crankshaft's modes like the chain's first one, followed by shape [Hz]."""
     rigid = modes[0].rigid
     follow = followed_modes(shafts[0].mass, [own.shapes[:, rigid:] for own in modes])
     frequencies, alike = np.full((2, *follow.shape), math.nan)

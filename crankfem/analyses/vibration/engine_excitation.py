@@ -285,11 +285,8 @@ def failing_harmonics(
     ----------
     engine_file : EngineFile
         Its section [misfire] may exclude compression, too; then no gas acts.
-    mechanism : MechanismFile
     firing : CylinderHarmonics
         From `engine_harmonics`.
-    above_rated : float, optional
-        As of `calculated_range`.
 
     Raises
     ------
@@ -326,13 +323,9 @@ def calculated_speeds(
 
     Parameters
     ----------
-    engine_file : EngineFile
     orders : (K,) array
-    chains : sequence of DampedChain
     further : (m,) array, optional
         Further natural frequencies [Hz].
-    above_rated : float, optional
-        As of `calculated_range`.
 
     Returns
     -------
@@ -369,7 +362,6 @@ def forces_over_speeds(
 
     Parameters
     ----------
-    engine_file : EngineFile
     harmonics : CylinderHarmonics
         From `engine_harmonics`.
     speeds : (S,) array
@@ -396,11 +388,8 @@ def excitation_along_shaft(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    forces : CylinderForces
     axial : SourceResult
         The axial chain and its compliances.
-    shaft : ShaftCompliances
     cranks : EngineChain
         The torsional chain.
     twisted : ForcedResponse
@@ -408,7 +397,6 @@ def excitation_along_shaft(
 
     Returns
     -------
-    excitation : OrderExcitation
     by_torque : OrderExcitation or None
         The part due to torques in the shaft.
     remarks : tuple of str
@@ -463,8 +451,6 @@ def with_propeller(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    chain : EngineChain
     excitation : OrderExcitation
         Of the engine, on the chain.
 
@@ -505,11 +491,8 @@ def compared_axial_forces(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    forces : CylinderForces
     compliances : (n,) array
         Of the axial chain [m/N].
-    shaft : ShaftCompliances
     analysis : ThrowAnalysis or mapping
         Of the engine's throw, or of each throw by its name.
     """
@@ -531,7 +514,6 @@ def calculated_range(
 
     Parameters
     ----------
-    engine_file : EngineFile
     above_rated : float, optional
         Share of the rated speed that is included unless a map or points end before.
     """

@@ -356,13 +356,7 @@ def element_series(name: str, engine_file: EngineFile, loads: ElementLoads) -> O
 
 @dataclass(frozen=True, eq=False)
 class ComparedQuantity:
-    """A quantity compared between normal firing and misfiring.
-
-    Attributes
-    ----------
-    name, unit : str
-    limit : VibrationLimit or None
-    """
+    """A quantity compared between normal firing and misfiring."""
 
     name: str
     unit: str

@@ -73,8 +73,6 @@ class ChainAnswer:
 
     Attributes
     ----------
-    engine_chain : EngineChain
-    response : ForcedResponse
     moduli : dict of int to float
         Section modulus of each element of the crankshaft [m^3]; none in the axial direction.
     by_torque : OrderExcitation or None
@@ -125,14 +123,12 @@ class EngineChains:
 
     Attributes
     ----------
-    engine_file : EngineFile
     pulled : SourceResult
         The axial chain and its compliances.
     cranks : EngineChain
         The torsional chain.
     damped : tuple of two DampedChain
         The axial one and the torsional one.
-    shaft : ShaftCompliances
     """
 
     engine_file: EngineFile
@@ -171,7 +167,6 @@ class EngineChains:
 
         Parameters
         ----------
-        forces : CylinderForces
         propeller : bool, optional
             Whether the propeller excites too. Without it the response is linear in the forces.
         """
@@ -365,8 +360,6 @@ class ForcedVibration(ChainAnswer):
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         show : {"amplitude", "load", "stress", "power", "axial forces"}
             Motion of the free end; torque or force in the crankshaft's element with the largest load at
             running speeds; nominal stress in the element with the largest one; power in and out; the
@@ -375,10 +368,6 @@ class ForcedVibration(ChainAnswer):
             Limits over the response's speeds by their name [SI], not applicable to power and axial forces.
         barred : sequence of (low, high), optional
             Speed ranges to shade [rad/s], not applicable to power and axial forces.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -433,15 +422,7 @@ class ForcedVibration(ChainAnswer):
 
         A resonance without a peak has no speed (NaN).
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         names = {"amplitude": "value", "first_amplitude": "amplitude"}
         frame = table_of(self.resonances).rename(columns=names)
@@ -474,15 +455,10 @@ def forced_vibrations(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    harmonics : CylinderHarmonics
-        From `engine_harmonics`.
     axial, torsional : Vibration
         Modes of the chains with the chosen compliances.
     shaft : ShaftCompliances
         Of the throws in the shaft.
-    analysis : ThrowAnalysis or mapping
-        Of the engine's throw, or of each throw by its name.
     further : (m,) array, optional
         Further natural frequencies to be resolved by the speeds [Hz].
 

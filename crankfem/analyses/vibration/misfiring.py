@@ -79,14 +79,7 @@ class Reached:
 
 @dataclass(frozen=True)
 class NewlyExceeded:
-    """The worst of a limit that misfiring exceeds at speeds at which normal firing keeps it.
-
-    Attributes
-    ----------
-    cylinders : tuple of int
-    reached : Reached
-    cause : PeakCause
-    """
+    """The worst of a limit that misfiring exceeds at speeds at which normal firing keeps it."""
 
     cylinders: Cylinders
     reached: Reached
@@ -104,7 +97,6 @@ class FiringCheck:
         For example "torsional stress of crankshaft".
     unit : str
         SI unit of the values.
-    limit : VibrationLimit or None
     normal : Reached
         With all cylinders firing, compared with the limit for continuous running.
     cylinders : tuple of int
@@ -246,8 +238,6 @@ def worst_of(
 
     Parameters
     ----------
-    series : OrderSeries
-    limit : VibrationLimit or None
     among : (S,) array of bool, optional
         The speeds that count.
     """
@@ -380,15 +370,7 @@ class Misfiring:
     def to_pandas(self) -> Any:
         """Return a table with a row for each quantity: normal firing and misfiring side by side.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``; values are in the unit that the row names.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         return table_of(self.checks)
 
@@ -400,14 +382,11 @@ def misfiring_or_reason(
 
     Parameters
     ----------
-    chains : EngineChains
-    mechanism : MechanismFile
     harmonics : CylinderHarmonics
         Of normal firing.
 
     Returns
     -------
-    misfiring : Misfiring or None
     reason : str
         Why it was not calculated, or "".
 
@@ -435,7 +414,6 @@ class Superposition:
 
     Attributes
     ----------
-    chains : EngineChains
     firing, failing : CylinderHarmonics
         Of cylinders that fire, and of cylinders without combustion.
     series : callable, optional

@@ -54,8 +54,6 @@ class SourceResult:
         "fe", "fe pinned", "regression" or a formula's name.
     compliances : (n,) array
         Of each throw [m/N or rad/(N m)].
-    chain : EngineChain
-    modes : Modes
     remark : str
         Remarks on the use of the source.
     """
@@ -79,16 +77,6 @@ class SourceResult:
 
     def plot(self, axes: "Axes | None" = None, count: int = SHAPES_SHOWN) -> "Axes":
         """Draw the first elastic mode shapes of the chain over its nodes.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
-        count : int, optional
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -126,7 +114,6 @@ class WeightedCritical:
 
     Attributes
     ----------
-    critical : CriticalSpeed
     phase_sum : float
         Resultant of the cylinders' unit harmonics, weighted by the mode shape, relative to the largest
         possible one; 0 to 1.
@@ -169,7 +156,6 @@ class Vibration:
 
     Attributes
     ----------
-    kind : str
     chosen : SourceResult
         The source set in the engine file.
     others : tuple of SourceResult
@@ -191,14 +177,8 @@ class Vibration:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         count : int, optional
             Number of mode shapes.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -212,15 +192,7 @@ class Vibration:
     def to_pandas(self) -> Any:
         """Return a table of the critical speeds in the running range, and above as far as a limit applies.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         found = [one.critical for one in self.criticals]
         return table(
@@ -246,9 +218,6 @@ def axial_vibration(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    analysis : ThrowAnalysis or mapping
-        Of the engine's throw, or of each throw by its name.
     shaft : ShaftCompliances
         From `compliances_in_shaft`.
     model : ComplianceModel or None

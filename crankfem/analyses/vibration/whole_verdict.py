@@ -98,11 +98,6 @@ def whole_loads(comparison: ShaftComparison, cranks: EngineChain) -> ElementLoad
     """Return the torques of the whole crankshaft in the elements of the torsional chain [N m].
 
     In the crankshaft those at its main bearings, behind it and in a damper those of the springs.
-
-    Parameters
-    ----------
-    comparison, cranks
-        As for `whole_stress`.
     """
     assert comparison.coupled is not None
     coupled, chain = comparison.coupled, cranks.chain
@@ -191,10 +186,6 @@ def whole_verdict(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    comparison : ShaftComparison
-    cranks, moduli
-        As for `whole_stress`.
     chains : Verdict
         Its curves are kept for what the whole crankshaft does not give: axial forces in the throws.
 
