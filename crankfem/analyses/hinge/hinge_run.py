@@ -130,10 +130,10 @@ class HingeRun:
         if show == "moment":
             given = [
                 (
-                    self.profile.moment_at(one.best.pressure, angles_deg=one.point.angles_deg),
-                    one.best.pressure,
+                    self.profile.moment_at(other.best.pressure, angles_deg=other.point.angles_deg),
+                    other.best.pressure,
                 )
-                for one in self.others
+                for other in self.others
             ]
             plots.draw_moments(axes, points, [None, *given])
         elif show == "gas force":
@@ -184,11 +184,11 @@ class HingeRun:
         others = self.others
         return table(
             {
-                "speed": ([one.point.speed for one in others], "rad/s"),
-                "best_pressure": ([one.best.pressure for one in others], "Pa"),
-                "fluctuation": ([one.best.fluctuation for one in others], "1"),
-                "flywheel": ([one.flywheel for one in others], "kg m^2"),
-                "flywheel_with_hinge": ([one.flywheel_with_hinge for one in others], "kg m^2"),
+                "speed": ([other.point.speed for other in others], "rad/s"),
+                "best_pressure": ([other.best.pressure for other in others], "Pa"),
+                "fluctuation": ([other.best.fluctuation for other in others], "1"),
+                "flywheel": ([other.flywheel for other in others], "kg m^2"),
+                "flywheel_with_hinge": ([other.flywheel_with_hinge for other in others], "kg m^2"),
             }
         )
 

@@ -147,10 +147,10 @@ class MechanismRun:
         return table(
             {
                 "cylinder": (list(range(1, len(works) + 1)), "1"),
-                "peak_pressure": ([one.peak_pressure for one in works], "Pa"),
-                "peak_angle": ([one.peak_angle_deg for one in works], "deg"),
-                "work": ([one.work for one in works], "J"),
-                "mean_effective_pressure": ([one.mean_effective_pressure for one in works], "Pa"),
+                "peak_pressure": ([work.peak_pressure for work in works], "Pa"),
+                "peak_angle": ([work.peak_angle_deg for work in works], "deg"),
+                "work": ([work.work for work in works], "J"),
+                "mean_effective_pressure": ([work.mean_effective_pressure for work in works], "Pa"),
             }
         )
 

@@ -347,9 +347,11 @@ def plot_torque(path: Path, samples: FloatArray, found: Harmonics) -> None:
         )
 
 
-def _uncancelled(found: Harmonics) -> NDArray[np.bool_]:
+def _uncancelled(harmonics: Harmonics) -> NDArray[np.bool_]:
     """Return which harmonics exceed the round-off of orders in which all cylinders cancel."""
-    return found.amplitude >= CANCELLED * max(float(np.max(found.amplitude)), abs(found.mean))
+    return harmonics.amplitude >= CANCELLED * max(
+        float(np.max(harmonics.amplitude)), abs(harmonics.mean)
+    )
 
 
 def plot_single_harmonics(path: Path, found: Harmonics, *, title: str = "") -> None:

@@ -97,14 +97,14 @@ def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> Floa
 
 def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
     """Return the damping of the whole crankshaft in addition to bearings and dampers, in words."""
-    given = engine_file.damping
+    damping = engine_file.damping
     known = (False,) * 3
-    if given is not None:
-        twisted = given.torsional_magnifier is not None or given.loss_factor
+    if damping is not None:
+        twisted = damping.torsional_magnifier is not None or damping.loss_factor
         known = (
-            given.axial_magnifier is not None,
+            damping.axial_magnifier is not None,
             bool(twisted),
-            given.bending_magnifier is not None,
+            damping.bending_magnifier is not None,
         )
     axial, torsional, bending = (
         f"{100.0 * ratio:.3g} %{'' if own else ' (assumed)'}"
@@ -124,16 +124,16 @@ def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
 
 def _damping_ratios(engine_file: EngineFile) -> tuple[float, float, float]:
     """Shares of critical damping of axial, torsional and bending motion."""
-    given = engine_file.damping
-    if given is None:
+    damping = engine_file.damping
+    if damping is None:
         return (ASSUMED_RATIO,) * 3
-    axial = 0.5 / (given.axial_magnifier or DEFAULT_MAGNIFIER)
-    if given.torsional_magnifier is not None:
-        torsional = 0.5 / given.torsional_magnifier
+    axial = 0.5 / (damping.axial_magnifier or DEFAULT_MAGNIFIER)
+    if damping.torsional_magnifier is not None:
+        torsional = 0.5 / damping.torsional_magnifier
     else:
-        torsional = 0.0 if given.loss_factor else ASSUMED_RATIO
-    bending = 0.5 / (given.bending_magnifier or DEFAULT_MAGNIFIER)
-    return axial, torsional + 0.5 * (given.loss_factor or 0.0), bending
+        torsional = 0.0 if damping.loss_factor else ASSUMED_RATIO
+    bending = 0.5 / (damping.bending_magnifier or DEFAULT_MAGNIFIER)
+    return axial, torsional + 0.5 * (damping.loss_factor or 0.0), bending
 
 
 # Modes are kept up to this multiple of the highest exciting frequency, and so high superelements are
@@ -311,13 +311,15 @@ def whole_shaft(
             "superelement: given one for several throws; allowed is none, because each throw has its own."
         )
     # Throws side by side share the ring that the mean motion of a section is taken over.
-    widest = max((one.sections for one in elements), key=lambda one: (one.radius, one.bore))
+    widest = max((element.sections for element in elements), key=lambda one: (one.radius, one.bore))
     throws = [
         throw
-        for own, element, angle_deg in zip(
+        for crank_throw, element, angle_deg in zip(
             engine_file.crank_throws, elements, engine_file.throw_angles_deg, strict=True
         )
-        for throw in shaft_throws(element.shared_with(widest), own, crank_angles_deg=[angle_deg])
+        for throw in shaft_throws(
+            element.shared_with(widest), crank_throw, crank_angles_deg=[angle_deg]
+        )
     ]
     highest = elements[0].highest_frequency
     around, remarks = shaft_surroundings(engine_file, analysis, bearings)
@@ -349,11 +351,13 @@ def not_comparable(engine_file: EngineFile) -> str:
             "the torsional chain is the maker's for the whole plant (shaft_line.plant), not one of the "
             "file's throws: the whole crankshaft, made of these, is without the plant and judged by no limit"
         )
-    given = engine_file.propeller_forces
-    if given is not None and {given.node} - _line_nodes(engine_file, given):
+    propeller_forces = engine_file.propeller_forces
+    if propeller_forces is not None and {propeller_forces.node} - _line_nodes(
+        engine_file, propeller_forces
+    ):
         return (
-            f"the propeller's forces act on {given.node}, not behind the flywheel: the whole crankshaft is "
-            "without them and judged by no limit"
+            f"the propeller's forces act on {propeller_forces.node}, not behind the flywheel: the whole "
+            "crankshaft is without them and judged by no limit"
         )
     return ""
 
@@ -373,8 +377,8 @@ def propeller_on_shaft(
     engine_file: EngineFile, whole: WholeShaft, speeds: FloatArray
 ) -> OrderExcitation | None:
     """Return the varying torque and thrust of a propeller on the shaft line; None without any."""
-    given, lines = engine_file.propeller_forces, engine_file.shaft_lines
-    if given is None or not_comparable(engine_file):
+    propeller_forces, lines = engine_file.propeller_forces, engine_file.shaft_lines
+    if propeller_forces is None or not_comparable(engine_file):
         return None
     acting = []
     senses: tuple[tuple[Kind, int], ...] = (
@@ -382,15 +386,19 @@ def propeller_on_shaft(
         ("axial", 1),
     )
     for kind, sense in senses:
-        if not (given.torque_shares if kind == "torsional" else given.thrust_shares):
+        if not (
+            propeller_forces.torque_shares
+            if kind == "torsional"
+            else propeller_forces.thrust_shares
+        ):
             continue
         chain = lines[kind]
-        node = chain.names.index(given.node)
+        node = chain.names.index(propeller_forces.node)
         of_line = propeller_excitation(
-            given.forces, chain, node, speeds, kind=kind, ratio=given.ratio
+            propeller_forces.forces, chain, node, speeds, kind=kind, ratio=propeller_forces.ratio
         )
         forces = np.zeros((*of_line.forces.shape[:2], len(whole.crankshaft.names)), dtype=complex)
-        point = whole.crankshaft.point(f"{given.node} {MOTION_OF[kind]}")
+        point = whole.crankshaft.point(f"{propeller_forces.node} {MOTION_OF[kind]}")
         forces[:, :, point] = sense * of_line.forces[:, :, node]
         acting.append(replace(of_line, forces=forces))
     return combined_excitation(*acting)
@@ -417,16 +425,16 @@ def shaft_throws(
     pins = np.array([[*pin.axis, 0.5 * (pin.start + pin.end)] for pin in throw.parts.pins])
     throws = []
     for angle_deg in map(float, crank_angles_deg):
-        own = superelement.bending_turned(angle_deg=angle_deg)
+        turned = superelement.bending_turned(angle_deg=angle_deg)
         throws.append(
             ShaftThrow(
-                stiffness=own.stiffness,
-                mass=own.mass,
-                pin_loads=own.pin_loads,
+                stiffness=turned.stiffness,
+                mass=turned.mass,
+                pin_loads=turned.pin_loads,
                 pins=pins,
                 length=throw.length,
                 crank_angle_deg=angle_deg,
-                bending=own.sections.bending,
+                bending=turned.sections.bending,
             )
         )
     return throws
@@ -551,7 +559,7 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
     tuple of str
         A sentence; none if the chains are adequate.
     """
-    differing = [one for one in comparison.verdicts[::-1] if not one.suffices]
+    differing = [verdict for verdict in comparison.verdicts[::-1] if not verdict.suffices]
     if not differing:
         return ()
     told = "; ".join(map(_difference, differing))
@@ -564,13 +572,13 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
 
 def _difference(verdict: ChainVerdict) -> str:
     """State the main difference: an amplitude, a frequency, else a mode of mixed motion."""
-    motion, found = MOTION[verdict.kind], verdict.response
-    if found is not None and abs(found.difference) > RESPONSE_LIMIT:
+    motion, response = MOTION[verdict.kind], verdict.response
+    if response is not None and abs(response.difference) > RESPONSE_LIMIT:
         chain, shaft = (
             f"{motion.number(peak)} {motion.printed} at {significant(speed * RPM, 3)} 1/min"
             if np.isfinite(peak)
             else UNBOUNDED
-            for speed, peak in found.peaks
+            for speed, peak in response.peaks
         )
         return (
             f"largest {verdict.kind} amplitude of the free end at running speeds {shaft} instead of "

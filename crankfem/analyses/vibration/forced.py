@@ -252,13 +252,13 @@ def nominal_section_modulus(throw: CrankThrow) -> float:
 def _sections(engine_file: EngineFile, chain: EngineChain) -> dict[int, float]:
     """Section modulus of each element of the crankshaft: the weaker one of the throws that it joins."""
     moduli = [nominal_section_modulus(throw) for throw in engine_file.crank_throws]
-    found: dict[int, float] = {}
+    sections: dict[int, float] = {}
     for element in range(crank_element_count(chain)):
         ends = chain.chain.connections[element]
         own = [moduli[chain.throw_nodes.index(node)] for node in ends if node in chain.throw_nodes]
         if own:  # of a plant, parts before the first crank have no section that is known
-            found[element] = min(own)
-    return found
+            sections[element] = min(own)
+    return sections
 
 
 Forced = Literal["amplitude", "load", "stress", "power", "axial forces"]
@@ -319,7 +319,9 @@ class ForcedVibration(ChainAnswer):
         """
         undamped = float(self.modes.undamped[mode - 1])
         met = [
-            one for one in self.resonances if one.order == order and mode in (one.mode, *one.modes)
+            resonance
+            for resonance in self.resonances
+            if resonance.order == order and mode in (resonance.mode, *resonance.modes)
         ]
         if not met:
             return (float(self.frequencies[mode - 1]) / undamped,)
@@ -329,9 +331,9 @@ class ForcedVibration(ChainAnswer):
     def peaks(self) -> tuple[DampedCritical, ...]:
         """The resonances that have a speed and `LEAST_PEAK` of a place's largest peak, or more."""
         return tuple(
-            one
-            for one in self.resonances
-            if one.has_peak and one.in_band and one.severity >= LEAST_PEAK
+            resonance
+            for resonance in self.resonances
+            if resonance.has_peak and resonance.in_band and resonance.severity >= LEAST_PEAK
         )
 
     @property
@@ -497,11 +499,11 @@ def forced_vibrations(
 def limit_curves(
     engine_file: EngineFile,
     harmonics: CylinderHarmonics,
-    axial: Vibration,
-    torsional: Vibration,
+    vibrations: Sequence[Vibration],
     shaft: ShaftCompliances,
 ) -> Findings:
     """Return each limit with its curves at the speeds of `forced_vibrations`, and nothing else."""
+    axial, torsional = vibrations
     chains = EngineChains.of(engine_file, axial, torsional, shaft)
     grid, answers, worst = _searched(chains, harmonics)
     curves = limit_findings(engine_file, *answers)

@@ -194,15 +194,18 @@ class Vibration:
 
         Units are in ``frame.attrs["units"]``.
         """
-        found = [one.critical for one in self.criticals]
+        found = [critical.critical for critical in self.criticals]
         return table(
             {
                 "mode": ([one.mode + 1 for one in found], "1"),
                 "order": ([one.order for one in found], "1"),
                 "frequency": ([one.frequency for one in found], "Hz"),
                 "speed": ([one.speed for one in found], "rad/s"),
-                "phase_sum": ([one.phase_sum for one in self.criticals], "1"),
-                "in_running_range": ([one.in_running_range for one in self.criticals], ""),
+                "phase_sum": ([critical.phase_sum for critical in self.criticals], "1"),
+                "in_running_range": (
+                    [critical.in_running_range for critical in self.criticals],
+                    "",
+                ),
             }
         )
 
@@ -231,7 +234,7 @@ def axial_vibration(
         If the source set in the engine file is unknown or unusable.
     """
     sources = axial_sources(engine_file, analysis, shaft, model)
-    masses = [own.mass for own in crank_analyses(engine_file, analysis)]
+    masses = [crank_analysis.mass for crank_analysis in crank_analyses(engine_file, analysis)]
 
     def chain(compliances: NDArray[np.float64]) -> EngineChain:
         return engine_axial_chain(engine_file, compliances, masses)
@@ -254,7 +257,10 @@ def torsional_vibration(
 ) -> Vibration:
     """Calculate the torsional natural frequencies and critical speeds; see `axial_vibration`."""
     sources = torsional_sources(engine_file, analysis, shaft, model)
-    solids = [own.masses.inertia_about_shaft for own in crank_analyses(engine_file, analysis)]
+    solids = [
+        crank_analysis.masses.inertia_about_shaft
+        for crank_analysis in crank_analyses(engine_file, analysis)
+    ]
     inertias = engine_throw_inertias(engine_file, solids)
 
     def chain(compliances: NDArray[np.float64]) -> EngineChain:
@@ -313,7 +319,7 @@ def _criticals(
     engine = engine_file.engine
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
     ends = assessment_end_speeds(engine_file)
-    found = critical_speeds(result.elastic_frequencies, orders, (ends[0], ends[-1]))
+    criticals = critical_speeds(result.elastic_frequencies, orders, (ends[0], ends[-1]))
     shapes = result.modes.shapes[:, result.modes.rigid :]
     majors = major_orders(orders, engine.firing_angles)
     return tuple(
@@ -327,7 +333,7 @@ def _criticals(
             critical.speed <= engine.highest_speed,
             "major" if np.any(np.isclose(critical.order, majors)) else "minor",
         )
-        for critical in found
+        for critical in criticals
     )
 
 
