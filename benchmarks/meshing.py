@@ -8,7 +8,7 @@ takes the solid that the process has kept of the first.
 import numpy as np
 
 import crankfem as cf
-from geometry.isolated import IsolatedProcess
+from geometry.gmsh_session import IsolatedProcess
 from geometry.mesh import PARTS
 from geometry.mesher import mesh_isolated
 

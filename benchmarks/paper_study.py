@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 from crankbase.outputs import replacing_files
-from crankfem.analyses.study.plots.fit_plots import plot_parity, plot_response
+from crankfem.analyses.study.fit_plots import plot_parity, plot_response
 from crankfem.analyses.study.response_fits import fit_study
 from geometry.throw import CrankThrow
 from regression.fits.fits import Fit, fit_form

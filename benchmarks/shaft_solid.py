@@ -14,14 +14,20 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.assembly import assemble_mass, assemble_stiffness
 from fem.calculix import number_field
-from fem.class_modes import LANCZOS_TOLERANCE, frequencies_of
 from fem.loads import rigid_motions
 from fem.material import Material
+from fem.modes import LANCZOS_TOLERANCE, frequencies_of
 from fem.solver import factorize
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session
-from geometry.mesh import ThrowMesh, read_mesh
-from geometry.mesh_checks import SolidProperties, check_quality, check_volume, solid_properties
+from geometry.mesh import (
+    SolidProperties,
+    ThrowMesh,
+    check_quality,
+    check_volume,
+    read_mesh,
+    solid_properties,
+)
 from geometry.shapes import straighten_elements
 
 Array = NDArray[np.float64]

@@ -40,7 +40,7 @@ from crankfem.files.engine.mechanism_file import MechanismFile as MechanismFile
 from crankfem.files.engine.mechanism_file import load_mechanism as load_mechanism
 from crankfem.files.engine.throw_file import load_crankshaft as load_crankshaft
 from crankfem.files.engine.throw_file import load_throw as load_throw
-from crankfem.files.reading.torque_file import load_torque_table as load_torque_table
+from crankfem.files.sections.excitation_sections import load_torque_table as load_torque_table
 from crankfem.jobs.pipeline import RunResult as RunResult
 from crankfem.jobs.pipeline import run_engine as run_engine
 from dynamics.assessment.verdict import Verdict as Verdict

@@ -14,7 +14,7 @@ from urllib.parse import quote
 from urllib.request import ProxyHandler, Request, build_opener
 
 from crankbase.errors import InputError
-from crankbase.wrong_files import not_a_file
+from crankbase.input_file import not_a_file
 from crankfem.service.answers import (
     ENDED,
     Answer,

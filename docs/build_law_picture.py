@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from crankbase.drawing.diagram_style import BLUE, GRAY, figure
+from crankbase.diagrams import BLUE, GRAY, figure
 from crankbase.outputs import replacing_files
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 
-from crankbase.drawing.diagram_style import REPRODUCIBLE
+from crankbase.diagrams import REPRODUCIBLE
 
 HERE = Path(__file__).resolve().parent
 PAGE = HERE / "plots.md"

@@ -13,10 +13,10 @@ from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
 import crankfem as cf
-from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE, RED, figure
+from crankbase.diagrams import BLUE, GRAY, GREEN, ORANGE, RED, figure
 from fem.fields import images
 from fem.supports import end_motions
-from geometry.facets import six_node_triangles
+from geometry.mesh import six_node_triangles
 from geometry.solid import CRANK_PLANE
 
 Array = NDArray[np.float64]

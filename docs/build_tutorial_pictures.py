@@ -17,7 +17,7 @@ from pathlib import Path
 import matplotlib as mpl
 from cycler import cycler
 
-from crankbase.drawing.diagram_style import COLORS, STYLE
+from crankbase.diagrams import COLORS, STYLE
 
 TUTORIALS = Path(__file__).resolve().parent / "tutorials"
 # Page to its pictures: what its code writes, and what it is called beside the page.

@@ -48,8 +48,8 @@ def mean_step(angles_deg: FloatArray) -> float:
 
 def first_not_increasing(angles_deg: FloatArray) -> int | None:
     """Return the index of the first angle that is not above the one before it, or None."""
-    found = np.flatnonzero(np.diff(angles_deg) <= 0.0)
-    return int(found[0]) + 1 if found.size else None
+    falling = np.flatnonzero(np.diff(angles_deg) <= 0.0)
+    return int(falling[0]) + 1 if falling.size else None
 
 
 def first_uneven(angles_deg: FloatArray) -> int | None:
@@ -90,7 +90,7 @@ def check_even_cycle(field: str, angles_deg: FloatArray, cycle_deg: float) -> No
     cycle_deg : float
         Length of the cycle [deg].
     """
-    given = f"given {angles_deg.size} angles from {angles_deg[0]:g} to {angles_deg[-1]:g} deg"
+    shown = f"given {angles_deg.size} angles from {angles_deg[0]:g} to {angles_deg[-1]:g} deg"
     falling, uneven = first_not_increasing(angles_deg), first_uneven(angles_deg)
     index = uneven if falling is None else falling
     if index is not None:
@@ -105,11 +105,11 @@ def check_even_cycle(field: str, angles_deg: FloatArray, cycle_deg: float) -> No
         )
     if has_closing_sample(angles_deg, cycle_deg):
         raise InputError(
-            f"{field}: {given}, which includes the closing sample; leave it out, because it repeats the "
+            f"{field}: {shown}, which includes the closing sample; leave it out, because it repeats the "
             f"first sample one cycle of {cycle_deg:g} deg later."
         )
     if not covers_cycle(angles_deg, cycle_deg):
         raise InputError(
-            f"{field}: {given}, which cover {angles_deg.size * mean_step(angles_deg):g} deg with their "
+            f"{field}: {shown}, which cover {angles_deg.size * mean_step(angles_deg):g} deg with their "
             f"step; allowed is one cycle of {cycle_deg:g} deg, because the samples repeat with it."
         )

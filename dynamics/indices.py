@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number, nonnegative_vector
-from crankbase.checks.scalars import is_whole_within, whole_within
+from crankbase.checks.choices import is_whole_within, whole_within
 from crankbase.errors import InputError, quoted
 
 T = TypeVar("T")
@@ -47,14 +47,14 @@ def values_at_nodes(
     return array
 
 
-def index_of_name(field: str, given: object, names: Sequence[str], what: str, reason: str) -> int:
+def index_of_name(field: str, node: object, names: Sequence[str], what: str, reason: str) -> int:
     """Return the index, from 0, of an item given by its name or that index."""
-    if isinstance(given, str) and given in names:
-        return names.index(given)
-    if is_whole_within(given, 0, len(names) - 1):
-        return int(given)
+    if isinstance(node, str) and node in names:
+        return names.index(node)
+    if is_whole_within(node, 0, len(names) - 1):
+        return int(node)
     raise InputError(
-        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the "
+        f"{field}: given {quoted(node)}; allowed are the whole numbers 0 to {len(names) - 1} and the "
         f"names of {what}, because {reason}."
     )
 
@@ -76,6 +76,6 @@ def within(speeds: float | FloatArray, low: float, high: float) -> NDArray[np.bo
     return np.asarray(at_most(low, speeds) & at_most(speeds, high))
 
 
-def at_most(one: float | FloatArray, other: float | FloatArray) -> NDArray[np.bool_]:
+def at_most(speed: float | FloatArray, limit: float | FloatArray) -> NDArray[np.bool_]:
     """Return whether a speed is at most another, within a few units in the last place."""
-    return np.asarray(one <= other * (1.0 + AT_END))
+    return np.asarray(speed <= limit * (1.0 + AT_END))

@@ -9,9 +9,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError, shortened
-from crankbase.input_file import GivenFile, InputFile
-from crankbase.text_limits import LARGEST_TABLE_FILE
-from crankbase.wrong_files import CSV
+from crankbase.input_file import CSV, LARGEST_TABLE_FILE, GivenFile, InputFile
 from dynamics.cycle import checked_strokes, cycle_degrees, first_not_increasing, mean_step
 
 # Fewer samples show no cycle.
@@ -24,8 +22,6 @@ class TableKind:
 
     Parameters
     ----------
-    name : str
-        Name of the file, such as "torque table".
     angle_names, value_names : tuple of str
         Allowed names of the first and of the second column.
     headers : str
@@ -47,8 +43,6 @@ class SampleRows:
 
     Parameters
     ----------
-    path : Path
-        The file.
     angle_name, value_name : str
         The two names of the header.
     angles, values : ndarray of shape (m,)
@@ -124,9 +118,9 @@ def possible_cycles(strokes: int | None) -> dict[int, float]:
     return {number: cycle_degrees(number) for number in possible}
 
 
-def read_sample_rows(given: GivenFile, kind: TableKind) -> SampleRows:
+def read_sample_rows(path: GivenFile, kind: TableKind) -> SampleRows:
     """Read comment lines, header and rows of two numbers."""
-    file = InputFile.of(given)
+    file = InputFile.of(path)
     path = file.path
     text = file.text(LARGEST_TABLE_FILE, f"a {kind.name}", f"a {kind.name} (CSV)", CSV)
     names = ("", "")

@@ -26,16 +26,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import finite_array
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import BLUE, new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.diagrams import BLUE, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
-from fem.plots.over_angle import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_axis
+from fem.end_reactions import WORDS
+from fem.plots import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_axis
 from fem.superelement import Superelement
 from fem.supports import Neighbors, Support, support_throw
 from fem.symmetry import MIRROR_X, MIRROR_Z
-from fem.throw_frames import WORDS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

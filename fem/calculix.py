@@ -21,12 +21,11 @@ from numpy.typing import NDArray
 from crankbase.errors import InputError
 from crankbase.outputs import write_errors, write_text
 from fem.condensation import nodes_on
+from fem.end_reactions import MOTIONS
 from fem.loads import uniform_pin_loads
 from fem.material import Material
 from fem.superelement import RX, RY, RZ, UX, UY, UZ
-from fem.throw_frames import MOTIONS
-from geometry.facets import six_node_triangles
-from geometry.mesh import ThrowMesh
+from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.solid import LEFT_END, RIGHT_END
 
 Support = Literal["pinned", "guided"]

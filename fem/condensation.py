@@ -3,7 +3,7 @@
 End sections are either rigid discs, or "averaged": only their mean translations and rotations are
 given, and they warp freely under tractions of uniform and linear distribution. A real section is
 stiffer than the second and softer than the first, so the two are bounds. In addition to rigid
-motions those of bending sections can be included (`fem.section_motions`) with one factorization.
+motions those of bending sections can be included (`fem.symmetry`) with one factorization.
 """
 
 import math
@@ -20,10 +20,8 @@ from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
 from fem.assembly import symmetric_product
 from fem.loads import NodalLoads, end_sections, end_surface, rigid_motions, unit_end_loads
-from fem.section_motions import RIGID, SectionMotions
-from fem.solution_checks import check_reciprocity
-from fem.solver import SharedSolver
-from fem.symmetry import SymmetryClass, amplitude_shares, axial_class
+from fem.solver import SharedSolver, check_reciprocity
+from fem.symmetry import RIGID, SectionMotions, SymmetryClass, amplitude_shares, axial_class
 from geometry.mesh import ThrowMesh
 from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, RIGHT_END
 

@@ -1,4 +1,9 @@
-"""Displacement fields of a throw whose end sections are moved and whose pins may be loaded."""
+"""Displacements and stresses of a whole throw, for pictures.
+
+A throw is solved for every motion of its ends and every force and moment on its pin. Six combinations of
+end motions cause strain; with the loads on the pin they give twelve fields of stress, and those of any loads
+in equilibrium are sums of them: so the stresses of a whole working cycle need one solution.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,9 +11,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.condensation import CondensedClass
-from fem.symmetry import mirror_images
+from crankbase.errors import InputError
+from crankbase.summaries import summarized
+from fem.assembly import assemble_stiffness
+from fem.condensation import CondensedClass, EndSections, condense
+from fem.fillet_peaks import fillet_surface
+from fem.loads import radial_directions, unit_pin_loads
+from fem.material import Material
+from fem.solver import SharedSolver
+from fem.superelement import Superelement, checked_superelement
+from fem.surface_stress import tangent_frames, throw_fillets
+from fem.symmetry import mirror_images, symmetry_classes
+from fem.unit_loads import LoadedThrow
 from geometry.mesh import ThrowMesh
+from geometry.throw import CrankThrow
 
 Array = NDArray[np.float64]
 
@@ -98,3 +114,200 @@ def images(
         field = displacement_field(classes, mirrored, loads)
         found.append(Image(image.points(mesh.points), field * image.signs, image.inside_out))
     return tuple(found)
+
+
+# Ways in which the ends of a throw can move and strain it.
+STRAINING = 6
+# Of the largest force: what may be missing to equilibrium.
+BALANCED = 1e-6
+
+
+@summarized("name", "kind", "diameter [m]", "radius [m]")
+@dataclass(frozen=True, eq=False)
+class StressedSite:
+    """A fillet or an exit of an oil hole with its fields of stress.
+
+    Attributes
+    ----------
+    name : str
+        For example "pin, left web".
+    kind : {"pin fillet", "journal fillet", "oil hole"}
+    diameter : float
+        Of the pin or main journal [m].
+    radius : float
+        Of the fillet; half of the hole's diameter [m].
+    points : (s, 3) array
+        Nodes, in the throw frame [m].
+    frames : (s, 2, 3) array
+        Two directions in the surface at each.
+    stress : (s, 12, 3) array
+        Along both and the shear between them, of the fields [Pa].
+    """
+
+    name: str
+    kind: str
+    diameter: float
+    radius: float
+    points: Array
+    frames: Array
+    stress: Array
+
+
+@summarized("sites", "unknowns")
+@dataclass(frozen=True, eq=False)
+class StressFields:
+    """Fields of stress of a throw with one pin.
+
+    Attributes
+    ----------
+    sites : tuple of StressedSite
+        Fillets from left to right, then exits of oil holes.
+    superelement : Superelement
+        Of the same mesh.
+    straining : (12, 6) array
+        End loads to the amplitudes of the first six fields.
+    unknowns : int
+        Of the mesh.
+    """
+
+    sites: tuple[StressedSite, ...]
+    superelement: Superelement
+    straining: Array
+    unknowns: int
+
+    def amplitudes(self, ends: Array, pin: Array) -> Array:
+        """Return the amplitudes of the fields under loads.
+
+        Parameters
+        ----------
+        ends : (..., 12) array
+            Forces and moments on the left, then on the right end section, in the throw frame.
+        pin : (..., 6) array
+            Forces and moments on the pin, about its center.
+
+        Returns
+        -------
+        (..., 12) array
+
+        Raises
+        ------
+        InputError
+            If the loads are not in equilibrium.
+        """
+        acting = ends + pin @ self.superelement.pin_loads[0].T
+        amplitudes = acting @ self.straining
+        carried = amplitudes @ (self.superelement.stiffness @ self.straining).T
+        missing = np.abs(acting - carried).max(initial=0.0)
+        largest = np.abs(acting).max(initial=0.0)
+        if missing > BALANCED * largest:
+            raise InputError(
+                f"loads: given ones out of balance by {missing / largest:.2g} of the largest; allowed are "
+                "loads in equilibrium, because stresses under others are those of an accelerated throw."
+            )
+        return np.concatenate([amplitudes, pin], axis=-1)
+
+
+def stress_fields(
+    mesh: ThrowMesh,
+    throw: CrankThrow,
+    material: Material,
+    solver: str = "auto",
+    end_sections: EndSections = "rigid",
+) -> StressFields:
+    """Solve a throw with one pin for its fields of stress at fillets and oil holes.
+
+    Parameters
+    ----------
+    mesh : ThrowMesh
+        Of the throw, fine at its fillets, such as `FilletStresses.loaded.mesh`.
+    throw : CrankThrow
+        With fillets or oil holes.
+    material : Material
+    solver : str
+        See `fem.solver.SharedSolver`.
+    end_sections : {"rigid", "averaged"}
+        See `fem.condensation.condense`.
+
+    Raises
+    ------
+    InputError
+        If the throw has several pins.
+    SolveError
+        If the system cannot be solved.
+    """
+    if len(throw.parts.pins) != 1:
+        raise InputError(
+            f"throw: given one with {len(throw.parts.pins)} pins; allowed is one pin, because loads are "
+            "those of the ends and one pin."
+        )
+    stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
+    pins = unit_pin_loads(mesh)
+    shared = SharedSolver(solver)
+    try:
+        classes = [
+            condense(mesh, stiffness, pins, symmetry, shared, end_sections)
+            for symmetry in symmetry_classes(mesh.part)
+        ]
+    finally:
+        shared.close()
+    whole = checked_superelement(classes, radial_directions(throw), mesh)
+    values, motions = np.linalg.eigh(_scaled(whole.stiffness, mesh.length))
+    scale = _scales(mesh.length)
+    # Motions of unit strain energy: end loads do the amplitude as work on them.
+    unit = scale[:, None] * motions[:, -STRAINING:] / np.sqrt(values[-STRAINING:])
+    shares = tuple((part.symmetry, _fields(part, unit)) for part in classes)
+    surface = fillet_surface(LoadedThrow(mesh, material, (), shares, shared.solver, end_sections))
+    frames = tangent_frames(surface.normals)[:, :2]
+    matrices = surface.stress[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+    flat = np.einsum("sai,skij,sbj->skab", frames, matrices, frames, optimize=True)
+    local = np.stack([flat[..., 0, 0], flat[..., 1, 1], flat[..., 0, 1]], axis=-1)
+    sites = []
+    for name, kind, diameter, radius, on in _places(throw, surface.points):
+        nodes = np.flatnonzero(on)
+        own = surface.points[nodes], frames[nodes], local[nodes]
+        sites.append(StressedSite(name, kind, diameter, radius, *own))
+    return StressFields(tuple(sites), whole, unit, int(mesh.points.size))
+
+
+def _places(
+    throw: CrankThrow, points: Array
+) -> Sequence[tuple[str, str, float, float, NDArray[np.bool_]]]:
+    """Name, kind, diameter, radius and nodes of each fillet and each exit."""
+    found = [
+        (
+            fillet.name,
+            "pin fillet" if fillet.journal.is_pin else "journal fillet",
+            2.0 * fillet.journal.radius,
+            fillet.radius,
+            fillet.holds(points),
+        )
+        for fillet in throw_fillets(throw.parts)
+    ]
+    for hole in throw.parts.drillings:
+        journal = next(one for one in throw.parts.cylinders if one.name == hole.journal)
+        for outlet in hole.exits:
+            sizes = 2.0 * journal.radius, hole.radius
+            found.append((outlet.name, "oil hole", *sizes, outlet.holds(points)))
+    return found
+
+
+def _scales(length: float) -> Array:
+    """Sizes (12,) of comparable end motions: rotations times the throw's length."""
+    return np.tile([1.0] * 3 + [1.0 / length] * 3, 2)
+
+
+def _scaled(stiffness: Array, length: float) -> Array:
+    scale = _scales(length)
+    return np.asarray(scale[:, None] * stiffness * scale)
+
+
+def _fields(part: CondensedClass, motions: Array) -> Array:
+    """Displacement (n, 3, 12) of the meshed part under end motions (12, 6) and unit loads on the pin.
+
+    The loads on the pin hold the ends: with the amplitudes of `StressFields.amplitudes` the ends move
+    freely.
+    """
+    found = np.zeros((*part.fields.shape[:2], 2 * STRAINING))
+    found[..., :STRAINING] = part.fields @ (part.symmetry.shares @ motions)
+    found[..., STRAINING + part.pin_components[:, 1]] = part.pin_fields
+    return found

@@ -16,8 +16,7 @@ from skfem.quadrature import get_quadrature
 
 from crankbase.errors import InputError
 from fem.symmetry import MirrorImage, SymmetryClass, mirror_images
-from geometry.facets import six_node_triangles
-from geometry.mesh import ThrowMesh
+from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.mesher import Throw
 from geometry.shapes import triangle_shapes_at
 from geometry.solid import LEFT_END, RIGHT_END

@@ -1,37 +1,352 @@
-"""Natural modes of an unsupported throw, over all of its symmetry classes."""
+"""Natural modes of an unsupported throw, over all of its symmetry classes.
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+Every mode of a throw is symmetric or antisymmetric about each plane that cuts it, so each symmetry
+class of the meshed part is an eigenvalue problem of its own. Its lowest modes are found by Lanczos'
+method with shifted inversion (ARPACK's implicit restarts: R. B. Lehoucq, D. C. Sorensen, C. Yang,
+ARPACK Users' Guide, SIAM 1998). The shift is below all eigenvalues, so that the matrix to factorize,
+K + s M, is positive definite though a free throw can move as a rigid body.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from crankbase.checks.scalars import is_number, whole_within
-from crankbase.drawing.diagram_style import new_axes
+from crankbase.checks.choices import is_number, whole_within
+from crankbase.diagrams import new_axes
 from crankbase.errors import InputError, SolveError, quoted
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from fem.class_modes import (
-    MOST_MODES,
-    ClassModes,
-    PartMatrices,
-    check_resolved,
-    class_problem,
-    frequencies_of,
-)
-from fem.condensation import unit_end_motions
+from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
+from fem.condensation import blocked_unknowns, uncoupled, unit_end_motions
 from fem.material import Material
-from fem.plots.over_angle import draw_frequencies
+from fem.plots import draw_frequencies
+from fem.solver import Factorization, SharedSolver
 from fem.superelement import RX, RY, RZ, UX, UY, UZ
 from fem.symmetry import MIRROR_X, MIRROR_Z, SymmetryClass, symmetry_classes
 from geometry.mesh import ThrowMesh
+from geometry.shapes import element_volumes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
 Array = NDArray[np.float64]
+
+# A mode is taken if K x and w^2 M x differ by no more than this share of their size. Lanczos leaves
+# some 1e-11; a frequency's error goes with the square of its mode's.
+LARGEST_RESIDUAL = 1e-6
+# Lanczos stops at this residual of the inverted problem.
+LANCZOS_TOLERANCE = 1e-10
+# Squares of frequencies that differ by less than this share are not told apart.
+SAME = 1e-8
+MOST_MODES = 500
+# So many modes of a class are sought at first where only a highest frequency is given.
+FIRST_GUESS = 2
+# Lanczos keeps twice as many vectors as there are modes and these; more save no solves.
+SPARE_VECTORS = 6
+
+
+@dataclass(frozen=True)
+class PartMatrices:
+    """Stiffness and mass of a meshed part, upper triangles (3 n, 3 n)."""
+
+    stiffness: sparse.csr_array
+    mass: sparse.csr_array
+
+    @classmethod
+    def of_mesh(cls, mesh: ThrowMesh, material: Material) -> "PartMatrices":
+        """Assemble both."""
+        return cls(
+            assemble_stiffness(mesh.points, mesh.elements, material),
+            assemble_mass(mesh.points, mesh.elements, material.density),
+        )
+
+
+@dataclass(frozen=True)
+class ClassModes:
+    """The lowest modes of a throw in one symmetry class, ascending.
+
+    Attributes
+    ----------
+    symmetry : SymmetryClass
+    squares : (k,) array
+        Squares of the angular frequencies [rad^2/s^2]; a rigid motion's may be slightly negative.
+    shapes : (n, 3, k) array
+        Displacement of the meshed part's nodes, of unit modal mass of the whole throw [1/sqrt(kg)].
+    residuals : (k,) array
+        Difference of K x and w^2 M x relative to (w^2 + s) M x, s the shift.
+    solver : str
+        The equation solver used.
+    """
+
+    symmetry: SymmetryClass
+    squares: Array
+    shapes: Array
+    residuals: Array
+    solver: str
+
+    @property
+    def frequencies(self) -> Array:
+        """Frequencies (k,) [Hz]."""
+        return frequencies_of(self.squares)
+
+    def part(self, chosen: slice) -> "ClassModes":
+        """Return some of the modes."""
+        return ClassModes(
+            self.symmetry,
+            self.squares[chosen],
+            self.shapes[:, :, chosen],
+            self.residuals[chosen],
+            self.solver,
+        )
+
+
+@dataclass(frozen=True)
+class ClassProblem:
+    """The eigenvalue problem K x = w^2 M x of one symmetry class of a meshed part, factorized.
+
+    Attributes
+    ----------
+    symmetry : SymmetryClass
+    nodes : int
+        Number of nodes of the meshed part.
+    free : (f,) array
+        Unknowns of the meshed part that are free.
+    stiffness, mass : (f, f) sparse arrays
+        Upper triangles.
+    shift : float
+        s [rad^2/s^2].
+    factors : Factorization
+        Of K + s M.
+    """
+
+    symmetry: SymmetryClass
+    nodes: int
+    free: NDArray[np.int64]
+    stiffness: sparse.csr_array
+    mass: sparse.csr_array
+    shift: float
+    factors: Factorization
+
+    @property
+    def most_modes(self) -> int:
+        """Largest number of modes: the mesh can represent only a share of its unknowns."""
+        return min(MOST_MODES + 6, len(self.free) // 4)
+
+    def lowest(self, count: int) -> ClassModes:
+        """Return the lowest modes, rigid motions included.
+
+        Raises
+        ------
+        InputError
+            If there are more than the mesh can represent.
+        SolveError
+            If a mode does not satisfy its equation.
+        """
+        if count > self.most_modes:
+            raise InputError(
+                f"count: given so that {count} modes of one symmetry class are needed; allowed are "
+                f"{self.most_modes}, because this mesh is too coarse for more."
+            )
+        return self._checked(*self._completed(*self._lanczos(count)))
+
+    def up_to(self, frequency: float) -> ClassModes:
+        """Return all modes up to a frequency [Hz] and, to miss none, some above it.
+
+        Raises
+        ------
+        InputError
+            If there are more than the mesh can represent.
+        SolveError
+            If a mode does not satisfy its equation.
+        """
+        ceiling = (2.0 * np.pi * frequency) ** 2
+        count = min(FIRST_GUESS, self.most_modes)
+        while True:
+            squares, vectors = self._lanczos(count)
+            if squares[0] > ceiling:  # the lowest of all is not missed, nor anything below it
+                return self._checked(squares, vectors)
+            if squares[-1] > ceiling:
+                squares, vectors = self._completed(squares, vectors)
+            if squares[-1] > ceiling:
+                return self._checked(squares, vectors)
+            if count == self.most_modes:
+                raise InputError(
+                    f"highest_frequency: given so that modes are needed up to {frequency:.6g} Hz; "
+                    f"allowed is up to {frequencies_of(squares[-1]):.6g} Hz, because this mesh is too "
+                    "coarse for more."
+                )
+            # The number of modes grows with the frequency to a power between one and three.
+            growth = min(4.0, ceiling / max(float(squares[-1]), 0.25 * ceiling))
+            count = min(self.most_modes, int(growth * count) + 2)
+
+    def displacement(self, vectors: Array) -> Array:
+        """Displacement (n, 3, k) of all nodes from the free unknowns' (f, k)."""
+        shapes = np.zeros((3 * self.nodes, vectors.shape[1]))
+        shapes[self.free] = vectors
+        return shapes.reshape(self.nodes, 3, -1)
+
+    def _completed(self, squares: Array, vectors: Array) -> tuple[Array, Array]:
+        """The lowest eigenvalues (k,) and vectors (f, k), with the number of those given, none missed.
+
+        Of modes with the same frequency Lanczos' method finds only one, unless rounding brings the
+        others in. So the modes found are removed, and the search is repeated below them.
+        """
+        while True:
+            square, vector = self._lanczos(1, vectors)
+            if square[0] >= squares[-1] - SAME * (squares[-1] + self.shift):
+                return squares, vectors
+            order = np.argsort(np.append(squares, square))[: len(squares)]
+            squares = np.append(squares, square)[order]
+            vectors = np.hstack([vectors, vector])[:, order]
+
+    def _lanczos(self, count: int, known: Array | None = None) -> tuple[Array, Array]:
+        """Lowest eigenvalues (k,), ascending, and vectors (f, k) of unit mass of the meshed part.
+
+        Those of known vectors (f, m) are left out.
+        """
+        size = len(self.free)
+        known = np.zeros((size, 0)) if known is None else known
+        whole_mass = self._whole_mass
+        known_inertia = whole_mass @ known
+
+        def solve(side: Array) -> Array:
+            answer = self.factors.solve(np.asarray(side).reshape(-1, 1))[:, 0]
+            return np.asarray(answer - known @ (known_inertia.T @ answer))
+
+        # The start has a share of every mode, more of the lower ones, and is the same in every run.
+        start = np.random.default_rng(known.shape[1]).standard_normal(size)
+        try:
+            squares, vectors = eigsh(
+                self.stiffness,
+                count,
+                M=whole_mass,
+                sigma=-self.shift,
+                OPinv=LinearOperator((size, size), matvec=solve, dtype=np.float64),
+                v0=solve(whole_mass @ start),
+                ncv=min(size, 2 * count + SPARE_VECTORS),
+                tol=LANCZOS_TOLERANCE,
+            )
+        except ArpackError as error:
+            raise SolveError(f"The modes could not be found: {error}") from error
+        order = np.argsort(squares)
+        return np.asarray(squares)[order], np.asarray(vectors)[:, order]
+
+    @cached_property
+    def _whole_mass(self) -> sparse.csr_array:
+        return sparse.csr_array(self.mass + sparse.triu(self.mass, k=1).T)
+
+    def _checked(self, squares: Array, vectors: Array) -> ClassModes:
+        inertia = symmetric_product(self.mass, vectors)
+        difference = symmetric_product(self.stiffness, vectors) - inertia * squares
+        scale = (np.abs(squares) + self.shift) * np.linalg.norm(inertia, axis=0)
+        residuals = np.linalg.norm(difference, axis=0) / scale
+        if not np.all(residuals <= LARGEST_RESIDUAL):
+            raise SolveError(
+                f"A mode leaves a relative residual of {np.max(residuals):.1e} (allowed "
+                f"{LARGEST_RESIDUAL:.0e}): {self.factors.solver} or the mesh is not accurate enough."
+            )
+        # A shape's sign is free; its largest displacement is made positive.
+        largest = np.take_along_axis(vectors, np.abs(vectors).argmax(axis=0)[None], axis=0)
+        shapes = self.displacement(vectors * np.sign(largest) / np.sqrt(self.symmetry.copies))
+        return ClassModes(self.symmetry, squares, shapes, residuals, self.factors.solver)
+
+
+@contextmanager
+def class_problem(
+    mesh: ThrowMesh,
+    matrices: PartMatrices,
+    symmetry: SymmetryClass,
+    *,
+    shift: float = 0.0,
+    held_ends: bool = False,
+    solver: str | SharedSolver = "auto",
+) -> Iterator[ClassProblem]:
+    """Set up and factorize the eigenvalue problem of one symmetry class.
+
+    Parameters
+    ----------
+    mesh : ThrowMesh
+    matrices : PartMatrices
+    symmetry : SymmetryClass
+    shift : float
+        s of K + s M [rad^2/s^2]; positive unless the ends are held.
+    held_ends : bool
+        Whether the end sections are held.
+    solver : str or SharedSolver
+        See `fem.solver.SharedSolver`; the classes of one mesh share a pattern.
+
+    Yields
+    ------
+    ClassProblem
+
+    Raises
+    ------
+    SolveError
+        If the matrix cannot be factorized.
+    """
+    blocked = blocked_unknowns(mesh, symmetry, ends=held_ends)
+    free = np.flatnonzero(~blocked.ravel())
+    stiffness = matrices.stiffness[free][:, free].tocsr()
+    mass = matrices.mass[free][:, free].tocsr()
+    shifted = (stiffness + shift * mass).tocsr() if shift else stiffness
+    # Nodes that the cuts block along some axes stay whole, so that the classes share a pattern.
+    whole = np.flatnonzero(np.repeat(~blocked.all(axis=1), 3))
+    of_nodes = matrices.stiffness[whole][:, whole].tocsr()
+    if shift:
+        of_nodes = (of_nodes + shift * matrices.mass[whole][:, whole]).tocsr()
+    shared = solver if isinstance(solver, SharedSolver) else SharedSolver(solver, few_sides=False)
+    factors = shared.factorize(uncoupled(of_nodes, blocked.ravel()[whole]))
+    inside = np.searchsorted(whole, free)
+
+    def apply(sides: Array) -> Array:
+        given = np.zeros((len(whole), sides.shape[1]))
+        given[inside] = sides
+        return factors.apply(given)[inside]
+
+    try:
+        yield ClassProblem(
+            symmetry,
+            len(mesh.points),
+            free,
+            stiffness,
+            mass,
+            shift,
+            replace(factors, upper=shifted, apply=apply),
+        )
+    finally:
+        if shared is not solver:
+            shared.close()
+
+
+def frequencies_of(squares: Array) -> Array:
+    """Frequencies [Hz] from squares of angular frequencies [rad^2/s^2]; below zero is rounding."""
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi))
+
+
+def check_resolved(mesh: ThrowMesh, material: Material, frequency: float) -> None:
+    """Refuse a frequency whose shear waves are shorter than two elements of mean size.
+
+    Raises
+    ------
+    InputError
+    """
+    volume = float(element_volumes(mesh.points, mesh.elements).sum())
+    size = (6.0 * np.sqrt(2.0) * volume / len(mesh.elements)) ** (1.0 / 3.0)
+    highest = float(np.sqrt(material.shear_modulus / material.density) / (2.0 * size))
+    if frequency > highest:
+        raise InputError(
+            f"highest_frequency: given {frequency:.4g} Hz; allowed is up to {highest:.4g} Hz on this mesh, "
+            "because shorter waves have fewer than two elements."
+        )
+
 
 # Kinds of motion of an end section, and how a mode is named after them (see `name_of_motion`).
 KINDS = {"bending": [UX, UY, RX, RY], "axial": [UZ], "torsion": [RZ]}

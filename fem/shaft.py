@@ -8,12 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.angles import refuse_crank_radians
-from crankbase.checks.arrays import finite_vector
+from crankbase.checks.arrays import finite_vector, refuse_crank_radians
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.bars import draw_groups, draw_matrix
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import display_unit, write_title
+from crankbase.diagrams import display_unit, draw_groups, draw_matrix, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table

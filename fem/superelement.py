@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from fem.condensation import CondensedClass
 from fem.loads import RADIAL, pin_surfaces
-from fem.section_motions import RIGID, SectionMotions, Sections, both_ends, section_turn
-from fem.solution_checks import check_superelement
+from fem.solver import check_superelement
+from fem.symmetry import RIGID, SectionMotions, Sections, both_ends, section_turn
 from geometry.mesh import ThrowMesh
 
 Array = NDArray[np.float64]
@@ -169,7 +169,7 @@ def checked_superelement(
     Raises
     ------
     SolveError
-        As `fem.solution_checks.check_superelement` does.
+        As `fem.solver.check_superelement` does.
     """
     made = combine_classes(classes, radials)
     centers = [pin.center for pin in pin_surfaces(mesh)]

@@ -1,18 +1,28 @@
-"""Symmetry classes: motions of a whole throw from its meshed part.
+"""Symmetry classes of a throw, and the motions of its end sections in them.
 
-A throw whose pins lie in one plane is symmetric about that crank plane (x = 0); if its webs are equal
-it is symmetric about the middle plane of its pin as well. Any motion is then a sum of parts, each
-symmetric or antisymmetric about each of these planes: four for a throw cut to a quarter, two for a
-half, and the motion itself for a throw that is not cut. Each part is one problem on what is meshed,
-with displacements blocked on the cuts.
+A section where throws meet bends, shears and contracts. With polynomials of degree p its displacement is a
+sum of x^a y^b, a + b <= p, along each axis: 9 motions at p = 1, 18 at 2, 45 at 4, all continued over the
+bore of a hollow section. The first six are the rigid motions; the others are orthogonal to them, and to each
+other, over the ring between bore and rim, and of unit mean square there. So the amplitudes of the first six
+are the mean motion: forces and bearings, which act on that, do no work on the others. Motions of degree p
+come before those of p + 1, so that a lower degree, or the rigid section, is the first rows and columns of a
+higher one.
+
+The space of degree p is the same for all circles and angles of the section, so neighbors share it whatever
+their bores and angles: a change of ring or angle is an exact linear map. Each motion is either along the
+shaft or across it, and even or odd under either mirror of the section.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from itertools import product
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
+from crankbase.errors import InputError, quoted
 from geometry.mesh import ThrowMesh
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 
@@ -165,3 +175,232 @@ def torsional_class(part: str) -> SymmetryClass:
     """Return the class that a torque excites; that of the axial force in a throw that is not cut."""
     crank_plane, middle_plane = CUTS[part]
     return SymmetryClass(-crank_plane, -middle_plane)
+
+
+Array = NDArray[np.float64]
+Sections = Literal["rigid", 1, 2, 4]
+SECTIONS: tuple[Sections, ...] = ("rigid", 1, 2, 4)
+# What throws share where they meet, unless another is asked for.
+SHARED: Sections = 2
+RIGID_COUNT = 6
+# Of a monomial that the motions before it compose all but this share of, nothing is left.
+DEPENDENT = 1e-6
+# Exact for products of motions of degree 4.
+RADII, ANGLES = 6, 24
+# Rings of so many bores are kept: throws of a study have one each.
+KEPT = 16
+
+
+@dataclass(frozen=True)
+class SectionMotions:
+    """Motions of a section: the six rigid ones, then polynomials up to a degree.
+
+    Attributes
+    ----------
+    degree : int
+        0 for the rigid motions alone.
+    radius, bore : float
+        Outer and inner radius of the ring that means are taken over [m].
+    """
+
+    degree: int = 0
+    radius: float = 1.0
+    bore: float = 0.0
+
+    @property
+    def count(self) -> int:
+        """Number of motions, n."""
+        return count_of(self.degree)
+
+    @property
+    def bending(self) -> int:
+        """Number of motions beyond the rigid ones."""
+        return self.count - RIGID_COUNT
+
+    @property
+    def sections(self) -> Sections:
+        """The user's name of the choice."""
+        return next(one for one in SECTIONS if degree_of(one) == self.degree)
+
+    @cached_property
+    def mirror_x(self) -> Array:
+        """Signs (n,) of the motions mirrored across x = 0."""
+        terms, coefficients = _basis(self.degree, self.bore / self.radius)
+        return np.concatenate([MIRROR_X, _signs(terms[:, 1] + (terms[:, 0] == 0), coefficients)])
+
+    @cached_property
+    def mirror_z(self) -> Array:
+        """Signs (n,) of the motions mirrored across the section: minus along the shaft."""
+        terms, coefficients = _basis(self.degree, self.bore / self.radius)
+        return np.concatenate([MIRROR_Z, _signs(terms[:, 0] == 2, coefficients)])
+
+    def fields(self, places: Array) -> Array:
+        """Displacements (q, 3, n) of points (q, 2 or more; x and y [m]) for unit amplitudes.
+
+        Translations and motions beyond the rigid ones are in m, rotations in rad.
+        """
+        x, y = places[:, 0], places[:, 1]
+        found = np.zeros((len(places), 3, self.count))
+        found[:, [0, 1, 2], [0, 1, 2]] = 1.0
+        found[:, 2, 3], found[:, 2, 4] = y, -x
+        found[:, 0, 5], found[:, 1, 5] = -y, x
+        terms, coefficients = _basis(self.degree, self.bore / self.radius)
+        values = _monomials(terms, np.column_stack([x, y]) / self.radius)
+        found[:, :, RIGID_COUNT:] = values @ coefficients
+        return found
+
+    def turn(self, angle: float) -> Array:
+        """Matrix (b, b) of amplitudes beyond the rigid motions as the section turns by an angle [rad]."""
+        if not self.bending:
+            return np.zeros((0, 0))
+        places, weights = self._ring()
+        cosine, sine = np.cos(angle), np.sin(angle)
+        turned = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+        before = self.fields(places @ turned[:2, :2])[:, :, RIGID_COUNT:]
+        own = self.fields(places)[:, :, RIGID_COUNT:]
+        return np.asarray(
+            np.einsum("q,qak,ab,qbl->kl", weights, own, turned, before, optimize=True)
+        )
+
+    def amplitudes_of(self, other: "SectionMotions") -> Array:
+        """Amplitudes (n, n) of these motions in unit motions of the same degree over another ring."""
+        if self == other:
+            return np.eye(self.count)
+        places, _ = self._ring()
+        own = self.fields(places).reshape(-1, self.count)
+        given = other.fields(places).reshape(-1, other.count)
+        return np.asarray(np.linalg.lstsq(own, given, rcond=None)[0])
+
+    def up_to(self, sections: Sections) -> "SectionMotions":
+        """The motions of a lower degree.
+
+        Raises
+        ------
+        InputError
+            If the degree is higher.
+        """
+        degree = degree_of(sections)
+        if degree > self.degree:
+            allowed = ", ".join(str(one) for one in SECTIONS if degree_of(one) <= self.degree)
+            raise InputError(
+                f"sections: given {quoted(sections)}; allowed is up to {self.sections} ({allowed}), because "
+                "the throw was solved with these motions."
+            )
+        return replace(self, degree=degree)
+
+    def _ring(self) -> tuple[Array, Array]:
+        places, weights = _ring(self.bore / self.radius)
+        return places * self.radius, weights
+
+
+RIGID = SectionMotions()
+
+
+def degree_of(sections: object) -> int:
+    """Return the degree of a choice of section motions, 0 for rigid sections.
+
+    Raises
+    ------
+    InputError
+        If it is not in `SECTIONS`.
+    """
+    if isinstance(sections, bool) or sections not in SECTIONS:
+        raise InputError(
+            f'sections: given {quoted(sections)}; allowed are "rigid", 1, 2 and 4, the degree of the '
+            "polynomials that sections move as where throws meet."
+        )
+    return 0 if isinstance(sections, str) else int(sections)
+
+
+def count_of(degree: int) -> int:
+    """Number of motions of a section up to a degree."""
+    return RIGID_COUNT if degree == 0 else 3 * (degree + 1) * (degree + 2) // 2
+
+
+def section_turn(sections: SectionMotions, angle: float) -> Array:
+    """Matrix (2 n, 2 n) that turns the motions of two sections by an angle [rad] about z.
+
+    They are in the order of a superelement's: six of the left and six of the right section, then those beyond
+    the rigid ones of the left and of the right.
+    """
+    cosine, sine = np.cos(angle), np.sin(angle)
+    vector = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    return np.asarray(block_diag(*[vector] * 4, *[sections.turn(angle)] * 2))
+
+
+def both_ends(matrix: Array) -> Array:
+    """Map (2 n, 2 n) of a superelement's motions from that of one section's (n, n)."""
+    count, rigid = len(matrix), RIGID_COUNT
+    left = np.r_[:rigid, 2 * rigid : rigid + count]
+    right = np.r_[rigid : 2 * rigid, rigid + count : 2 * count]
+    found = np.zeros((2 * count, 2 * count))
+    for end in (left, right):
+        found[np.ix_(end, end)] = matrix
+    return found
+
+
+def _signs(odd: Array, coefficients: Array) -> Array:
+    """Signs (b,) of motions whose terms (t,) all change sign or do not, by odd or even numbers."""
+    first = np.abs(coefficients).argmax(axis=0)
+    return np.asarray(1.0 - 2.0 * (np.asarray(odd, dtype=np.int64)[first] % 2))
+
+
+def _monomials(terms: NDArray[np.int64], places: Array) -> Array:
+    """Displacements (q, 3, t) of monomials (axis, a, b) at places (q, 2)."""
+    axes, first, second = terms.T
+    found = np.zeros((len(places), 3, len(terms)))
+    found[:, axes, np.arange(len(terms))] = places[:, :1] ** first * places[:, 1:] ** second
+    return found
+
+
+@lru_cache(maxsize=KEPT)
+def _ring(bore: float) -> tuple[Array, Array]:
+    """Places (q, 2) and weights (q,), of sum one, of the ring from a bore to radius one."""
+    roots, weights = np.polynomial.legendre.leggauss(RADII)
+    # Even in the radius: a polynomial of its square, in which areas are even.
+    radii = np.sqrt(0.5 * (1.0 + bore**2) + 0.5 * (1.0 - bore**2) * roots)
+    angles = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
+    places = np.stack([np.outer(radii, np.cos(angles)), np.outer(radii, np.sin(angles))], axis=-1)
+    return places.reshape(-1, 2), np.repeat(0.5 * weights / ANGLES, ANGLES)
+
+
+@lru_cache(maxsize=KEPT)
+def _basis(degree: int, bore: float) -> tuple[NDArray[np.int64], Array]:
+    """Monomials (t, 3) and their coefficients (t, b) in the motions beyond the rigid ones, radius one."""
+    terms = np.array(
+        [
+            (axis, total - b, b)
+            for total in range(degree + 1)
+            for axis in range(3)
+            for b in range(total + 1)
+        ],
+        dtype=np.int64,
+    ).reshape(-1, 3)
+    places, weights = _ring(bore)
+    values = _monomials(terms, places)
+    products = np.einsum("q,qak,qal->kl", weights, values, values)
+    known = _rigid_coefficients(terms, products)
+    unit = np.eye(len(terms))
+    for term in unit[3:]:
+        rest = term
+        for _ in range(2):  # once leaves rounding
+            rest = rest - known @ (known.T @ (products @ rest))
+        size, whole = rest @ products @ rest, term @ products @ term
+        if size > DEPENDENT**2 * whole:
+            rest = np.where(np.abs(rest) > 1e-10 * np.abs(rest).max(), rest, 0.0)
+            known = np.column_stack([known, rest / np.sqrt(size)])
+    return terms, known[:, RIGID_COUNT:]
+
+
+def _rigid_coefficients(terms: NDArray[np.int64], products: Array) -> Array:
+    """Coefficients (t, 6) of the rigid motions, of unit mean square; none (t, 6) of degree 0."""
+    place = {tuple(term): number for number, term in enumerate(terms.tolist())}
+    found = np.zeros((len(terms), RIGID_COUNT))
+    if (2, 0, 1) not in place:
+        return found
+    for axis in range(3):
+        found[place[axis, 0, 0], axis] = 1.0
+    found[place[2, 0, 1], 3], found[place[2, 1, 0], 4] = 1.0, -1.0
+    found[place[0, 0, 1], 5], found[place[1, 1, 0], 5] = -1.0, 1.0
+    sizes = np.sqrt(np.einsum("tk,ts,sk->k", found, products, found))
+    return np.asarray(found / sizes)

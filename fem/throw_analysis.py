@@ -1,43 +1,295 @@
 """A throw's elastic and mass properties from one superelement: the result of `analyze_throw`."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.choices import check_choice
+from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
+from fem.condensation import CondensedClass
+from fem.correction import error_bars
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
-from fem.end_reactions import Reactions
-from fem.loads import Distribution
-from fem.modes import ThrowModes, free_modes
-from fem.pin_response import (
-    PinResponse,
-    checked_pin,
-    checked_vector,
-    end_load,
-    pin_compliance,
-    pin_motion,
-    pin_response,
+from fem.end_reactions import (
+    Reactions,
+    compliance_table,
+    stiffness_table,
+    supported_table,
+    throw_grid,
 )
-from fem.plots.over_angle import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
-from fem.solved_superelement import SolvedSuperelement
+from fem.loads import Distribution
+from fem.material import Material
+from fem.modes import ThrowModes, free_modes
+from fem.plots import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
+from fem.superelement import Superelement, combine_classes
 from fem.supports import (
     STRETCH,
     TABLE_SUPPORTS,
+    Neighbors,
+    PinResponse,
     Support,
     SupportedThrow,
+    checked_pin,
+    checked_vector,
+    class_axial_compliances,
+    end_load,
     end_motions,
+    pin_compliance,
+    pin_motion,
+    pin_response,
     reactions,
     support_throw,
 )
-from fem.throw_frames import stiffness_table, supported_table, throw_grid
+from fem.symmetry import RIGID, Sections
 from geometry.mass import MassProperties
+from geometry.mesh import ThrowMesh
+from geometry.mesher import Throw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolvedThrow:
+    """A throw solved on a mesh that was refined until the axial compliance is accurate enough.
+
+    Attributes
+    ----------
+    throw : CrankThrow or ImportedThrow
+    material : Material
+    mesh : ThrowMesh
+        Mesh of the part of the throw that was solved.
+    error_estimate : float
+        Estimated relative error of the axial compliance (pinned) after correction
+        (`fem.correction`).
+    accuracy : float
+        The requested accuracy.
+    seconds : mapping
+        Time of each step, by name.
+    """
+
+    throw: Throw
+    material: Material
+    mesh: ThrowMesh
+    error_estimate: float
+    accuracy: float
+    seconds: Mapping[str, float] = field(default_factory=dict, repr=False)
+
+    @property
+    def accuracy_met(self) -> bool:
+        """Whether the error estimate is within the requested accuracy."""
+        return self.error_estimate <= self.accuracy
+
+
+@summarized(
+    "axial_compliance [m/N]",
+    "influence_coefficient [m/N]",
+    "error_estimate",
+    "accuracy",
+    "mesh.unknowns",
+)
+@dataclass(frozen=True, kw_only=True)
+class AxialAnalysis(SolvedThrow):
+    """A throw's axial compliance alone, several times cheaper than the whole analysis.
+
+    Attributes
+    ----------
+    part : CondensedClass
+        The symmetry class excited by an axial force.
+    """
+
+    part: CondensedClass = field(repr=False)
+
+    def axial_compliance(self, support: str = "pinned") -> float:
+        """Axial compliance e_n [m/N]; `support` is "pinned" or "guided".
+
+        Raises
+        ------
+        InputError
+            If the support is neither; between neighbors every class is needed, see `analyze_throw`.
+        """
+        return class_axial_compliances(self.part, _class_support(support))[0]
+
+    def influence_coefficient(self, support: str = "pinned") -> float:
+        """Influence coefficient c of the first pin [m/N]; support and errors as for e_n."""
+        return class_axial_compliances(self.part, _class_support(support))[1]
+
+    @property
+    def discrete(self) -> "AxialAnalysis":
+        """The same without correction: for comparisons on one mesh."""
+        plain = replace(self, part=self.part.discrete or self.part)
+        taken = 1.0 - plain.axial_compliance() / self.axial_compliance()
+        return replace(plain, error_estimate=taken)
+
+    def to_pandas(self) -> Any:
+        """Return a table of compliance and influence coefficient by support.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return compliance_table(
+            ("pinned", "guided"),
+            axial_compliance=self.axial_compliance,
+            influence_coefficient=self.influence_coefficient,
+        )
+
+
+def _class_support(support: str) -> str:
+    if support not in ("pinned", "guided"):
+        raise InputError(
+            f'support: given {support!r}; allowed are "pinned" and "guided", because other supports need the '
+            "whole analysis (analyze_throw)."
+        )
+    return support
+
+
+# An entry so small beside those on the diagonal is round-off.
+VANISHING = 1e-9
+# Steps of the cranks [deg] between which a throw of equal webs and rigid sections is guided or pinned.
+IN_LINE, OPPOSITE = 0.0, 180.0
+
+
+def axial_correction(corrected: Superelement, discrete: Superelement) -> float:
+    """Share of the axial compliance, pinned, that is correction: how coarse the mesh is."""
+    return 1.0 - support_throw(discrete, "pinned").axial / support_throw(corrected, "pinned").axial
+
+
+def supported_errors(
+    corrected: Superelement, discrete: Superelement, support: Support
+) -> SupportedThrow:
+    """Estimated errors of the compliances under a support, in their units; see `error_bars`."""
+    here, mesh = support_throw(corrected, support), support_throw(discrete, support)
+    coarse, missing = axial_correction(corrected, discrete), corrected.missing
+    return SupportedThrow(
+        axial=float(error_bars(here.axial, mesh.axial, coarse, missing=missing)),
+        torsional=float(error_bars(here.torsional, mesh.torsional, coarse, missing=missing)),
+        stretches=error_bars(here.stretches, mesh.stretches, coarse, missing=missing),
+        influences=error_bars(here.influences, mesh.influences, coarse, missing=missing),
+    )
+
+
+def section_errors(throw: Superelement, support: Support) -> SupportedThrow:
+    """Effect of rigid sections on a throw's compliances, in their units; see `ThrowAnalysis`."""
+    step = IN_LINE if support == "guided" else OPPOSITE
+    where = support if isinstance(support, Neighbors) else Neighbors(step, step)
+    bending = support_throw(throw, where)
+    rigid = support_throw(replace(throw, bending=None), where)
+    return SupportedThrow(
+        axial=bending.axial - rigid.axial,
+        torsional=bending.torsional - rigid.torsional,
+        stretches=bending.stretches - rigid.stretches,
+        influences=bending.influences - rigid.influences,
+    )
+
+
+def stiffness_errors(corrected: Superelement, discrete: Superelement) -> NDArray[np.float64]:
+    """Estimated errors (12, 12) of the entries of the stiffness [SI]; see `error_bars`.
+
+    The size of an entry is half of the geometric mean of the corresponding diagonal entries; entries that
+    vanish by symmetry have no error.
+    """
+    stiffness, coarse = corrected.stiffness, axial_correction(corrected, discrete)
+    diagonal = np.sqrt(np.diag(stiffness))
+    sizes = 0.5 * np.outer(diagonal, diagonal)
+    bars = error_bars(stiffness, discrete.stiffness, coarse, sizes, corrected.missing)
+    return np.where(np.abs(stiffness) > VANISHING * sizes, bars, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolvedSuperelement(SolvedThrow):
+    """A throw solved for all motions of its end sections.
+
+    Attributes
+    ----------
+    superelement : Superelement
+    classes : tuple of CondensedClass
+        The solved symmetry classes with their displacement fields.
+    """
+
+    superelement: Superelement
+    classes: tuple[CondensedClass, ...] = field(repr=False)
+
+    @property
+    def stiffness(self) -> NDArray[np.float64]:
+        """Stiffness (12, 12): ux uy uz rx ry rz of the left, then the right end section [SI]."""
+        return self.superelement.stiffness
+
+    @property
+    def discrete(self) -> Self:
+        """The same throw without correction: for comparisons on one mesh."""
+        classes = tuple(one.discrete or one for one in self.classes)
+        plain = combine_classes(classes, self.superelement.radials)
+        taken = axial_correction(self.superelement, plain)
+        return replace(self, classes=classes, superelement=plain, error_estimate=taken)
+
+    @property
+    def corrected(self) -> bool:
+        """Whether results are corrected for discretization: not if the correction would be too large."""
+        return all(one.discrete is not None for one in self.classes)
+
+    @property
+    def stiffness_error(self) -> NDArray[np.float64]:
+        """Estimated errors (12, 12) of the entries of the stiffness [SI]."""
+        return stiffness_errors(self.superelement, self.discrete.superelement)
+
+    def section_errors(self, support: Support = "pinned") -> SupportedThrow:
+        """Effect of rigid sections on compliances under a support, in their units, on the same mesh.
+
+        Compliances between equal neighbors with bending sections, minus those with rigid ones; for pinned
+        ends between opposite cranks, for guided ones between cranks in line, where rigid sections with equal
+        webs give the same results. Zero if the throw was solved with rigid sections alone.
+        """
+        return section_errors(self.superelement, support)
+
+    @property
+    def section_error(self) -> float:
+        """Effect of rigid sections on the axial compliance (pinned), as a share of it."""
+        return self.section_errors().axial / support_throw(self.superelement, "pinned").axial
+
+    def error_bars(self, support: Support = "pinned") -> SupportedThrow:
+        """Estimated errors of compliances under a support, in their units (docs/accuracy.md)."""
+        return supported_errors(self.superelement, self.discrete.superelement, support)
+
+    @property
+    def solver(self) -> str:
+        """The equation solver used."""
+        return self.classes[0].solver
+
+    @property
+    def end_sections(self) -> str:
+        """Allowed motion of the end sections: "rigid" or "averaged"."""
+        return self.classes[0].end_sections
+
+    @property
+    def sections(self) -> Sections:
+        """Section motions where throws meet: "rigid", or polynomials of degree 1, 2 or 4."""
+        return self.superelement.joined.sections.sections
+
+    def with_sections(self, sections: Sections) -> Self:
+        """Return the same throw with polynomials of a lower degree, or rigid sections, where throws meet.
+
+        Raises
+        ------
+        InputError
+            If the degree is higher than that of the solution.
+        """
+        kept = self.superelement.joined.sections.up_to(sections)
+        classes = tuple(one.up_to(kept if kept.bending else RIGID) for one in self.classes)
+        return replace(
+            self, classes=classes, superelement=self.superelement.with_sections(sections)
+        )
+
 
 NO_FORCE = (0.0, 0.0, 0.0)
 

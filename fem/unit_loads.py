@@ -7,14 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.assembly import assemble_stiffness
-from fem.axial_analysis import unit_response
 from fem.condensation import CondensedClass, EndSections, condense, nodes_on
+from fem.correction import recovered_stress
 from fem.loads import unit_pin_loads
 from fem.material import Material
-from fem.recovery import recovered_stress
 from fem.solver import SharedSolver
 from fem.superelement import RX, RY
-from fem.supports import STRETCH, TWIST
+from fem.supports import STRETCH, TWIST, unit_response
 from fem.surface_stress import as_components, as_matrices
 from fem.symmetry import CUTS, MirrorImage, SymmetryClass, mirror_images, symmetry_classes
 from geometry.mesh import ThrowMesh

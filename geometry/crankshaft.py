@@ -11,15 +11,12 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from crankbase.calls import ProcessLostError
-from crankbase.checks.angles import refuse_crank_radians
-from crankbase.checks.arrays import finite_vector
+from crankbase.checks.arrays import finite_vector, refuse_crank_radians
 from crankbase.errors import InputError, MeshError
 from crankbase.model import InputModel, length_field
 from crankbase.summaries import summarized
 from crankbase.units.quantity import format_quantity
-from geometry.built_solid import built_solid
-from geometry.gmsh_session import gmsh_errors
-from geometry.isolated import shared_process
+from geometry.gmsh_session import gmsh_errors, shared_process
 from geometry.mass import (
     MassProperties,
     Unbalance,
@@ -29,7 +26,7 @@ from geometry.mass import (
     solid_mass_properties,
     unbalance,
 )
-from geometry.mesh_checks import SOLID_VOLUME_TOLERANCE, SolidProperties, solid_properties
+from geometry.mesh import SOLID_VOLUME_TOLERANCE, SolidProperties, built_solid, solid_properties
 from geometry.mesher import TIME_LIMIT
 from geometry.solid import Entity, make_solid, remove_loose
 from geometry.throw import CrankThrow

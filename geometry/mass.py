@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from geometry.mesh import ThrowMesh
-from geometry.mesh_checks import SolidProperties
+from geometry.mesh import SolidProperties, ThrowMesh
 from geometry.shapes import element_quadrature
 
 # [kg/m^3] No body is denser by far.

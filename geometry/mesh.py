@@ -1,6 +1,14 @@
-"""Mesh a throw with second-order tetrahedra, and check the result."""
+"""Mesh a throw with second-order tetrahedra, and check the result.
 
-from collections.abc import Callable
+The solid is built with the main journal's diameter as the unit of length. The kernel's tolerances are
+lengths: so they are the same share of every throw, and throws that differ by their size alone get the
+same mesh.
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -8,25 +16,270 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError, MeshError
+from crankbase.memory import check_memory
 from crankbase.summaries import summarized
-from geometry.built_solid import built_solid
-from geometry.gmsh_session import forget_array_types, gmsh_errors
-from geometry.mesh_checks import (
-    MOST_UNKNOWNS,
-    SolidProperties,
-    check_budget,
-    check_quality,
-    check_volume,
+from geometry.gmsh_session import forget_array_types, gmsh_errors, gmsh_session, load_gmsh
+from geometry.parts import ThrowParts, scaled_parts, throw_volume
+from geometry.shapes import (
+    EDGES,
+    corner_quality,
+    element_volumes,
+    facet_keys,
+    outer_facets,
+    straighten_elements,
 )
-from geometry.parts import ThrowParts
-from geometry.shapes import facet_keys, outer_facets, straighten_elements
-from geometry.size_fields import set_size_map, set_sizes
-from geometry.sizes import SHARES, SizeMap, predict_unknowns, size_plan
-from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
+from geometry.sizes import SHARES, SizeMap, predict_unknowns, set_size_map, set_sizes, size_plan
+from geometry.solid import CRANK_PLANE, MIDDLE_PLANE, build_solid, part_end
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+# More unknowns than this are not tried: their factorization needs 20 GiB and minutes.
+MOST_UNKNOWNS = 1_500_000
+# That the mesher takes for each unknown, beside the solid [byte].
+MESHING_MEMORY = 1e3
+# The mesh may differ from the solid by this share of the volume, the solid from its description.
+MESH_VOLUME_TOLERANCE = 1e-3
+SOLID_VOLUME_TOLERANCE = 1e-5
+# The kernel's roundings of exits of oil holes are off by up to 2 % of what they take.
+ROUNDING_TOLERANCE = 0.05
+# Mean ratio of the flattest tetrahedron.
+SMALLEST_QUALITY = 1e-3
+
+
+@dataclass(frozen=True)
+class SolidProperties:
+    """Properties of the meshed solid by the kernel.
+
+    Attributes
+    ----------
+    volume : float
+        [m^3]
+    center : (3,) array
+        Center of volume [m].
+    second_moments : (3, 3) array
+        Integral of x_i x_j over the volume about its center [m^5].
+    """
+
+    volume: float
+    center: NDArray[np.float64]
+    second_moments: NDArray[np.float64]
+
+    def scaled(self, factor: float) -> "SolidProperties":
+        """Return those of a solid scaled by a factor."""
+        return SolidProperties(
+            self.volume * factor**3, self.center * factor, self.second_moments * factor**5
+        )
+
+
+def check_budget(expected: int, size_factor: float) -> None:
+    """Refuse a mesh of too many expected unknowns, for any computer or for the free memory.
+
+    Raises
+    ------
+    InputError
+    """
+    check_memory(
+        MESHING_MEMORY * expected,
+        f"size_factor: given {size_factor:.3g}, whose mesh of about {expected:,} unknowns takes",
+        "ask for a larger one",
+    )
+    if expected > MOST_UNKNOWNS:
+        raise InputError(
+            f"size_factor: given {size_factor:.3g}, which would make about {expected:,} unknowns; allowed "
+            f"are {MOST_UNKNOWNS:,}, because solving more takes minutes and 20 GB."
+        )
+
+
+def solid_properties(gmsh: Any) -> SolidProperties:
+    """Volume, center and second moments of all volumes in the model, which should be one."""
+    tags = [tag for _, tag in gmsh.model.getEntities(3)]
+    if len(tags) != 1:
+        raise MeshError(f"the parts of the throw did not unite to one solid but to {len(tags)}.")
+    volume = float(gmsh.model.occ.getMass(3, tags[0]))
+    center = np.array(gmsh.model.occ.getCenterOfMass(3, tags[0]))
+    inertia = np.array(gmsh.model.occ.getMatrixOfInertia(3, tags[0])).reshape(3, 3)
+    return SolidProperties(volume, center, 0.5 * np.trace(inertia) * np.eye(3) - inertia)
+
+
+def check_solid(parts: ThrowParts, part: str, solid: SolidProperties) -> None:
+    """Refuse a solid that differs from its description: boolean operations may lose a part silently.
+
+    Raises
+    ------
+    MeshError
+    """
+    expected = SHARES[part] * throw_volume(parts)
+    rounded = sum(outlet.rounding_volume for hole in parts.drillings for outlet in hole.exits)
+    off = SOLID_VOLUME_TOLERANCE * expected + ROUNDING_TOLERANCE * SHARES[part] * rounded
+    if abs(solid.volume - expected) > off:
+        raise MeshError(
+            f"the solid has a volume of {solid.volume:.8g} m^3, its parts {expected:.8g} m^3."
+        )
+
+
+def check_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> None:
+    """Refuse a mesh with an element so flat that solving loses digits.
+
+    Raises
+    ------
+    MeshError
+    """
+    worst = float(corner_quality(points, elements).min())
+    if worst < SMALLEST_QUALITY:
+        raise MeshError(
+            f"an element is flat: its mean ratio is {worst:.1e}, below {SMALLEST_QUALITY:g}."
+        )
+
+
+def check_volume(
+    points: NDArray[np.float64], elements: NDArray[np.int64], solid: SolidProperties
+) -> None:
+    """Refuse a mesh that does not have the solid's volume.
+
+    Raises
+    ------
+    MeshError
+    """
+    volume = float(element_volumes(points, elements).sum())
+    if not math.isclose(volume, solid.volume, rel_tol=MESH_VOLUME_TOLERANCE):
+        raise MeshError(
+            f"the mesh has a volume of {volume:.6g} m^3, the solid {solid.volume:.6g} m^3: "
+            "they differ by more than 0.1 %."
+        )
+
+
+Options = tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True)
+class BuiltSolid:
+    """A throw, or the part of it required by its symmetry, in the current gmsh model.
+
+    Attributes
+    ----------
+    gmsh : module
+    unit : float
+        Length of 1 in the model [m].
+    parts : ThrowParts
+        The parts of the model, in its unit.
+    last : float
+        Where it ends along z.
+    surfaces : dict
+        Surface tags by surface name.
+    solid : SolidProperties
+        In SI units.
+    seconds : float
+        Time to build it, 0 if it was kept.
+    """
+
+    gmsh: Any
+    unit: float
+    parts: ThrowParts
+    last: float
+    surfaces: dict[str, list[int]]
+    solid: SolidProperties
+    seconds: float
+
+
+class SolidKeeper:
+    """Opens solids, one at a time, and keeps the last one open if told to.
+
+    Attributes
+    ----------
+    keeps : bool
+        Whether it does; by default, nothing stays open.
+    """
+
+    def __init__(self) -> None:
+        self.keeps = False
+        self._session = ExitStack()
+        self._key: tuple[ThrowParts, str, Options] | None = None
+        self._gmsh: Any = None
+        self._surfaces: dict[str, list[int]]
+        self._solid: SolidProperties
+
+    def close(self) -> None:
+        """Release the kept solid."""
+        self._key = None
+        self._session.close()
+
+    @contextmanager
+    def opened(self, parts: ThrowParts, part: str, options: Options = ()) -> Iterator[BuiltSolid]:
+        """Open the solid of a part of a throw, built with options of gmsh, its model without a mesh.
+
+        Raises
+        ------
+        MeshError
+            If the kernel lost a part, or did not unite all parts.
+        """
+        begin, seconds = time.perf_counter(), 0.0
+        unit = 2.0 * parts.cylinders[0].radius
+        key = (scaled_parts(parts, 1.0 / unit), part, options)
+        try:
+            if key != self._key:
+                self.close()
+                self._build(*key)
+                check_solid(parts, part, self._solid.scaled(unit))
+                self._key, seconds = key, time.perf_counter() - begin
+            yield BuiltSolid(
+                gmsh=self._gmsh,
+                unit=unit,
+                parts=key[0],
+                last=part_end(key[0], part),
+                surfaces=self._surfaces,
+                solid=self._solid.scaled(unit),
+                seconds=seconds,
+            )
+            if self.keeps:
+                self._remove_mesh()
+        except BaseException:
+            self.close()
+            raise
+        if not self.keeps:
+            self.close()
+
+    def _build(self, parts: ThrowParts, part: str, options: Options) -> None:
+        self._gmsh = self._session.enter_context(gmsh_session("throw"))
+        for option, value in options:
+            self._gmsh.option.setNumber(option, value)
+        self._surfaces = build_solid(self._gmsh, parts, part)
+        self._solid = solid_properties(self._gmsh)
+        self._views = set(self._gmsh.view.getTags())
+
+    def _remove_mesh(self) -> None:
+        """Remove the mesh and its size fields."""
+        self._gmsh.model.mesh.clear()
+        for field in self._gmsh.model.mesh.field.list():
+            self._gmsh.model.mesh.field.remove(field)
+        for view in set(self._gmsh.view.getTags()) - self._views:
+            self._gmsh.view.remove(view)
+
+
+# Of this process, where it is one of ours that keeps a solid.
+_KEEPER = SolidKeeper()
+
+
+def keep_solids() -> None:
+    """Let this process keep the solid it built last: for processes that use gmsh only for this.
+
+    Raises
+    ------
+    MissingLibraryError
+        If gmsh cannot be loaded.
+    """
+    load_gmsh()
+    _KEEPER.keeps = True
+
+
+@contextmanager
+def built_solid(parts: ThrowParts, part: str, options: Options = ()) -> Iterator[BuiltSolid]:
+    """Open a throw's solid for a while, as `SolidKeeper.opened` does, by what this process keeps if any."""
+    with (_KEEPER if _KEEPER.keeps else SolidKeeper()).opened(parts, part, options) as built:
+        yield built
+
 
 # gmsh numbers the edges of a 10-node tetrahedron in another order than scikit-fem.
 GMSH_TO_SKFEM = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
@@ -374,3 +627,26 @@ def _oriented(
     if not np.array_equal(keys[place], wanted):
         raise MeshError("a named surface has facets that bound no element of the solid.")
     return oriented[place]
+
+
+# A six-node triangle (corners 0 1 2, edge middles 3 4 5 on 01 12 02) as four flat ones.
+SUBTRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+
+
+def six_node_triangles(mesh: ThrowMesh, corners: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Find the edge nodes of surface triangles (k, 3), in scikit-fem's order (01, 12, 02)."""
+    size = len(mesh.points)
+    ends = np.concatenate([mesh.elements[:, [a, b]] for a, b in EDGES])
+    middles = np.concatenate([mesh.elements[:, node] for node in range(4, 10)])
+    keys = ends.min(axis=1) * size + ends.max(axis=1)
+    keys, first = np.unique(keys, return_index=True)
+    middles = middles[first]
+    edges = [corners[:, [a, b]] for a, b in ((0, 1), (1, 2), (0, 2))]
+    wanted = [edge.min(axis=1) * size + edge.max(axis=1) for edge in edges]
+    return np.column_stack([corners, *(middles[np.searchsorted(keys, w)] for w in wanted)])
+
+
+def flat_triangles(mesh: ThrowMesh) -> NDArray[np.int64]:
+    """Flat triangles (t, 3), four to each curved one, over all surfaces, cuts included."""
+    sides = six_node_triangles(mesh, np.concatenate(list(mesh.surfaces.values())))
+    return np.concatenate([sides[:, list(corners)] for corners in SUBTRIANGLES])

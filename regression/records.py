@@ -18,23 +18,16 @@ class StudyStoppedError(RuntimeError):
 
 @dataclass(frozen=True)
 class Outcome:
-    """Outcome of one design: its responses, or the reason why it has none.
+    """Outcome of one design: its responses [SI], or the reason why it has none.
 
     Attributes
     ----------
-    key : str
-        Of the design.
     inputs : mapping
         JSON content, SI units.
-    responses : mapping or None
-        Response name to SI value; None where the design has none.
-    reason : str or None
-        Why it has none.
     seconds : float
         Time of the calculation [s].
     lost : bool
-        Whether its worker died or was ended, which is no property of the design: a later run tries
-        it again.
+        Whether its worker died or was ended, which is no property of the design: a later run tries it again.
     errors : mapping
         Response name to estimated relative error.
     unknowns : int or None
@@ -72,17 +65,12 @@ class ExtraRow:
     ----------
     role : str
         "run" and "held out" rows are used like the study's own, "measured" ones are only compared.
-    dimensions : mapping
-        Numeric field of the throw to SI value; for its parts ("counterweight.thickness") those
-        given in the row.
-    outlines : mapping
-        Text field of the throw to its value.
+    dimensions, outlines : mapping
+        Numeric fields [SI] and text fields of the throw; of its parts those given.
     values : tuple of float or None
-        Values of the study's factors, in its order; None for a measured throw without them.
-    responses : mapping
-        Response name to SI value.
-    errors : mapping
-        Response name to estimated relative error, where known.
+        Of the study's factors, in its order; None for a measured throw without them.
+    responses, errors : mapping
+        Response name to SI value, and to its estimated relative error, where known.
     source : str
         Origin of the row.
     """

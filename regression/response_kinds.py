@@ -19,9 +19,6 @@ ABOVE_ZERO = (
     *(AXIAL, TORSIONAL, TILT_RATIO),
     *("cross_tilt_stiffness_ratio", "mass", "fillet_stress_factor"),
 )
-# Compliances of a force at its own place, which finite elements find too small if nothing corrects them;
-# an influence coefficient is none.
-TOO_SMALL = (AXIAL, TORSIONAL)
 # Responses that depend on the angle to the neighbors, and what their angle law needs.
 ANGLE_LAWS: Mapping[str, tuple[str, str, str]] = {
     name: (f"{name}_in_line", f"{name}_opposite", TILT_RATIO) for name in (AXIAL, INFLUENCE)
@@ -32,12 +29,7 @@ ANGLE_LAWS: Mapping[str, tuple[str, str, str]] = {
 class ResponseScale:
     """Conversion between responses of a unit and dimensionless ones.
 
-    Attributes
-    ----------
-    symbol : str
-        The dimensionless response, "{}" being the symbol of the response.
-    value : callable
-        Material and pin diameter to the factor on the dimensionless response.
+    Symbol with "{}", and factor on these.
     """
 
     symbol: str
@@ -61,21 +53,7 @@ def is_positive_response(response: str) -> bool:
 
 
 def response_scale(unit: str, dimensions: Mapping[str, Any], material: Material) -> Any:
-    """Factor from a dimensionless response to the response.
-
-    Parameters
-    ----------
-    unit : str
-        SI unit of the response.
-    dimensions : mapping
-        The pin diameter, at least.
-    material : Material
-
-    Raises
-    ------
-    InputError
-        If responses of this unit have no scale.
-    """
+    """Factor from a dimensionless response to one of this SI unit; `InputError` if it has no scale."""
     if unit not in SCALES:
         raise InputError(
             f"unit: given {unit!r}; allowed are {', '.join(filter(None, SCALES))} and none, because "
@@ -115,16 +93,7 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class ThrowLengths:
-    """Lengths of one or more throws required for equilibrium [m].
-
-    Attributes
-    ----------
-    whole : float or ndarray
-        From end section to end section.
-    to_pin : float or ndarray
-        From the left end section to the middle of the pin.
-    crank_radius : float or ndarray
-    """
+    """Lengths of throws for equilibrium [m]: between the ends, from the left one to the pin, and R."""
 
     whole: Any
     to_pin: Any
@@ -136,20 +105,10 @@ def end_reactions(
 ) -> Array:
     """Reactions on the ends of throws under a force on the pin, axial motion blocked.
 
-    Parameters
-    ----------
-    numbers : mapping
-        The numbers of `NEEDED` for one support, floats or arrays; they determine the support.
-    lengths : ThrowLengths
-    force : (..., 3) array
-        On the pin, in the throw frame, none along z [N].
-    gamma_deg : float, optional
-        Step from crank to crank, between neighbors [deg].
-
-    Returns
-    -------
-    (..., 12) array
-        Force and moment on the left, then on the right end [N, N m]. The left end takes the torque.
+    `numbers` are those of `NEEDED` for one support, floats or arrays; they determine the support. The
+    force (..., 3) [N] is in the throw frame, none along z; `gamma_deg` the step from crank to crank,
+    between neighbors. Returns force and moment on the left, then on the right end (..., 12) [N, N m];
+    the left end takes the torque.
     """
     radial, along = -force[..., 1], -force[..., 0]
     if "axial_reaction" in numbers:

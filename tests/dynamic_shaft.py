@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import eigh
 
-from fem.class_modes import frequencies_of
+from fem.modes import frequencies_of
 
 
 def assemble_dynamic_shaft(throws):

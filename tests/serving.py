@@ -33,8 +33,8 @@ BOUNDED = """
 import sys
 sys.modules.update(dict.fromkeys({hidden}))
 from pathlib import Path
-from crankfem.service.bounds import Bounds, Settings
-from crankfem.service.server import serve
+from crankfem.service.guard import Bounds, Settings
+from crankfem.service.app import serve
 settings = Settings(Path(sys.argv[1]), port=0, key={key!r}, bounds=Bounds(**{bounds}))
 serve(settings, lambda address: print("crankfem serves at", address, "", file=sys.stderr, flush=True))
 """

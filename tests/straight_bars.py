@@ -5,8 +5,7 @@ import numpy as np
 from fem.loads import NodalLoads
 from fem.symmetry import mirror_images
 from geometry.gmsh_session import gmsh_session
-from geometry.mesh import ThrowMesh, read_mesh
-from geometry.mesh_checks import SolidProperties
+from geometry.mesh import SolidProperties, ThrowMesh, read_mesh
 from geometry.solid import LEFT_END
 
 DIAMETER = 0.1

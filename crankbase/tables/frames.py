@@ -1,4 +1,4 @@
-"""The optional packages for tables and grids: pandas and xarray, loaded on demand."""
+"""The optional packages for tables, grids and axes: pandas, xarray and matplotlib, loaded on demand."""
 
 from collections.abc import Iterable, Mapping
 from importlib import import_module
@@ -9,7 +9,11 @@ import numpy as np
 from crankbase.errors import MissingLibraryError
 
 if TYPE_CHECKING:
-    from pandas import DataFrame
+    from matplotlib.axes import Axes as Axes
+    from pandas import DataFrame as DataFrame
+    from xarray import Dataset as Dataset
+else:
+    Axes = DataFrame = Dataset = Any
 
 # What one row of a table shows: each value with its unit in SI.
 Row: TypeAlias = dict[str, tuple[Any, str]]

@@ -4,11 +4,261 @@ An analysis describes its results once, as a table; the console, the report and 
 its own format and in the chosen units.
 """
 
+import math
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any, Self, TypeAlias
 
-from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
+from crankbase.errors import InputError
+from crankbase.units.quantity import WRITTEN_OUT, NoUnitError, format_quantity, unit_quantity
+from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN, UNBOUNDED, UNITS
+
+SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
+# A user who reads angles in degrees does not mean speeds in degrees per second.
+NEVER_APART = ("rad/s",)
+
+_NUMBER = r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
+# One unit behind a range or a list is that of all its numbers.
+_BETWEEN = r"(?:, | to | x |,? and |,? or )"
+_UNITS = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
+_NUMBERS = re.compile(_NUMBER)
+_QUANTITY = re.compile(
+    rf"(?<![\w./^-])(?P<numbers>(?:{_NUMBER}{_BETWEEN})*{_NUMBER}) (?P<unit>{_UNITS})"
+    r"(?![\w^/]|\s(?:m|s|rad)\b)"
+)
+
+# Dimension of a unit, and the power of the angle in it: a speed of rotation is no frequency.
+Kind = tuple[frozenset[tuple[str, float]], float]
+
+
+@dataclass(frozen=True)
+class OutputUnit:
+    """A unit in which a column is printed.
+
+    Attributes
+    ----------
+    name : str
+        As in the table head.
+    size : float
+        Of the unit, in SI.
+    wished : bool
+        Whether the user requested it.
+    replaced : float
+        Size of the unit that it replaces; its own if there is none.
+    """
+
+    name: str
+    size: float
+    wished: bool = False
+    replaced: float = 1.0
+
+    def number(self, value: float | None, digits: int = 4) -> str:
+        """Write an SI number in this unit, without it; "unbounded" for None."""
+        if value is None:
+            return UNBOUNDED
+        text = f"{value / self.size:.{digits}g}"
+        if self.name == "%" and "e+" in text:
+            return f"{value / self.size:.0f}"
+        if "e+" in text and abs(float(text)) < WRITTEN_OUT:
+            return f"{float(text):.0f}"
+        return text
+
+    def fixed(self, value: float, decimals: int) -> str:
+        """Write an SI number with a number of decimals of the SI unit; in another at least as finely."""
+        if self.wished:
+            finest = self.replaced * 10.0**-decimals / self.size
+            decimals = max(0, math.ceil(-math.log10(finest)))
+        # Adding zero turns a negative zero into zero.
+        return f"{round(value / self.size, decimals) + 0.0:.{decimals}f}"
+
+    def with_name(self, value: float | None, digits: int = 4) -> str:
+        """Write an SI number with the unit."""
+        text = self.number(value, digits)
+        if value is None:
+            return text
+        if self.name.startswith(POWER_OF_TEN):
+            return f"{text}e-9 {self.name.removeprefix(POWER_OF_TEN)}"
+        return f"{text} {self.name}"
+
+
+@dataclass(frozen=True)
+class OutputUnits:
+    """The units chosen by the user; SI for all others.
+
+    Parameters
+    ----------
+    wished : tuple of (kind, name, size)
+        From `parse_output_units`.
+
+    Examples
+    --------
+    >>> SI.of("kN m").number(30730.0)
+    '30.73'
+    >>> units = parse_output_units("in, lbf")
+    >>> units.of("1e-9 m/N").name, units.of("1e-9 m/N").number(1.27e-9)
+    ('1e-9 in/lbf', '222.4')
+    >>> units.text("The range is 270 to 330 mm.")
+    'The range is 10.6 to 13 in.'
+    """
+
+    wished: tuple[tuple[Kind, str, float], ...] = ()
+
+    def of(self, printed: str) -> OutputUnit:
+        """Return the unit that replaces one of `UNITS`, or a power of ten of it."""
+        power = POWER_OF_TEN if printed.startswith(POWER_OF_TEN) else ""
+        unit, size = UNITS[printed.removeprefix(POWER_OF_TEN)]
+        found = self._converted(unit)
+        if found is None:
+            return OutputUnit(printed, size * (1e-9 if power else 1.0))
+        scale = 1e-9 if power else 1.0
+        return OutputUnit(power + found[0], found[1] * scale, True, size * scale)
+
+    def quantity(self, value: float, unit: str, digits: int = 6) -> str:
+        """Write a number in the SI unit `unit` with its display unit."""
+        if not self.wished or not unit or self._converted(unit) is None:
+            return format_quantity(value, unit, digits)
+        shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
+        return self.of(shown).with_name(value, digits)
+
+    def text(self, sentence: str) -> str:
+        """Return a sentence with the quantities in it converted, to at least as many digits."""
+        return _QUANTITY.sub(self._replaced, sentence) if self.wished else sentence
+
+    def _replaced(self, found: re.Match[str]) -> str:
+        unit, size = UNITS[found["unit"]]
+        converted = self._converted(unit)
+        if converted is None:
+            return found[0]
+        own = OutputUnit(converted[0], converted[1], wished=True)
+
+        def write(number: re.Match[str]) -> str:
+            return own.number(float(number[0]) * size, max(_digits(number[0]), 3))
+
+        return f"{_NUMBERS.sub(write, found['numbers'])} {own.name}"
+
+    def _converted(self, unit: str) -> tuple[str, float] | None:
+        """Return name and size of the unit that replaces an SI one: as a whole, else by its factors."""
+        if not self.wished:
+            return None
+        whole = self._requested(unit)
+        if whole is not None or unit in NEVER_APART:
+            return whole
+        size, names, changed = 1.0, [], False
+        for factor, power in _factors(unit):
+            own = self._requested(factor)
+            changed = changed or own is not None
+            name, one = (factor, 1.0) if own is None else own
+            names.append((f"({name})" if re.search(r"[ /]", name) else name, power))
+            size *= one**power
+        return (_joined(names), size) if changed else None
+
+    def _requested(self, unit: str) -> tuple[str, float] | None:
+        kind = _kind_of_si(unit)
+        for own, name, size in self.wished:
+            # One word for the unit of energy, such as J, is no unit of torque.
+            if own == kind and not (unit == "N m" and re.fullmatch(r"\w+", name)):
+                return name, size
+        return None
+
+
+SI = OutputUnits()
+
+
+def parse_output_units(text: str | None) -> OutputUnits:
+    """Read the list of --units: units with commas between them, "imperial", or "SI".
+
+    Raises
+    ------
+    InputError
+        If one is not a unit, is of a kind that is never printed, or two are of one kind.
+    """
+    if text is None:
+        return SI
+    listed = SYSTEMS.get(text.strip().casefold(), text)
+    found: list[tuple[Kind, str, float]] = []
+    for name in (part.strip() for part in listed.split(",")):
+        if not name and listed == SYSTEMS["si"]:
+            continue
+        kind, size = _parsed(name)
+        for other_kind, other, _ in found:
+            if other_kind == kind:
+                raise InputError(
+                    f"--units: given {other!r} and {name!r}, which are units of one kind; allowed is one "
+                    "of them, because a number is printed once."
+                )
+        found.append((kind, name, size))
+    return OutputUnits(tuple(found))
+
+
+def _parsed(name: str) -> tuple[Kind, float]:
+    """Return kind of a unit and its size in SI."""
+    try:
+        if not name or re.match(r"\d", name.removeprefix("1/")):
+            raise NoUnitError("a number or nothing")
+        one = unit_quantity(name)
+    except NoUnitError:
+        raise InputError(
+            f"--units: given {name!r}, which is no unit; allowed are units with commas between them, like "
+            '"in, lbf, ksi", or one of imperial and SI.'
+        ) from None
+    kind, shifted = _kind(one.to_root_units()), not one._is_multiplicative
+    if shifted or kind not in _printed_kinds():
+        raise InputError(
+            f"--units: given {name!r}, of a kind that is never printed; allowed are units of length, "
+            "force, torque, stress, mass, inertia, compliance, angle, speed, frequency, power, energy and "
+            "time."
+        )
+    return kind, float(one.to_base_units().magnitude)
+
+
+def _kind(root: Any) -> Kind:
+    angle = float(dict(root.units._units).get("radian", 0.0))
+    return frozenset((name, float(power)) for name, power in root.dimensionality.items()), angle
+
+
+@cache
+def _kind_of_si(unit: str) -> Kind:
+    return _kind(unit_quantity(unit).to_root_units())
+
+
+@cache
+def _printed_kinds() -> frozenset[Kind]:
+    units = {unit for unit, _ in UNITS.values()}
+    factors = {factor for unit in units for factor, _ in _factors(unit)}
+    return frozenset(_kind_of_si(unit) for unit in units | factors)
+
+
+def _factors(unit: str) -> list[tuple[str, int]]:
+    """Split a unit: "rad/(N m)" into rad, N and m with their powers."""
+    above, _, below = unit.partition("/")
+    found = []
+    for part, sign in ((above, 1), (below.strip("()"), -1)):
+        for factor in part.split():
+            name, _, power = factor.partition("^")
+            found.append((name, sign * int(power or 1)))
+    return found
+
+
+def _joined(factors: list[tuple[str, int]]) -> str:
+    above = [_power(name, power) for name, power in factors if power > 0]
+    below = [_power(name, -power) for name, power in factors if power < 0]
+    if not below:
+        return " ".join(above)
+    under = below[0] if len(below) == 1 else f"({' '.join(below)})"
+    return f"{' '.join(above) or '1'}/{under}"
+
+
+def _power(name: str, power: int) -> str:
+    return name if power == 1 else f"{name}^{power}"
+
+
+def _digits(text: str) -> int:
+    """Count the significant digits of a number."""
+    mantissa = text.partition("e")[0].lstrip("+-").lstrip("0.")
+    return len(mantissa.replace(".", ""))
+
 
 # A value in SI, words as they are, values beside each other, or None where there is no value.
 Cell: TypeAlias = float | int | str | Sequence[float] | None
@@ -190,3 +440,66 @@ def format_names(names: list[str]) -> str:
     if len(numbers) == len(names) > 2 and numbers == [*range(numbers[0], numbers[0] + len(names))]:
         return f"{names[0]} to {names[-1]}"
     return ", ".join(names)
+
+
+# From here on a table is written in the thousandfold unit.
+KILO_FROM = 1e4
+DIGITS, MOST_DECIMALS = 5, 4
+
+
+@dataclass(frozen=True)
+class TableUnit:
+    """Format of the numbers of a table.
+
+    Parameters
+    ----------
+    name : str
+        Of the unit.
+    size : float
+        Of the unit, in the unit of the numbers.
+    decimals : int
+    """
+
+    name: str
+    size: float
+    decimals: int
+
+    def column(self, name: str, *, bare: bool = False) -> Column:
+        """Return a column of numbers in this unit."""
+        return Column(name, OutputUnit(self.name, self.size), decimals=self.decimals, bare=bare)
+
+    def text(self, value: float) -> str:
+        """Write a number without its unit."""
+        return OutputUnit(self.name, self.size).fixed(value, self.decimals)
+
+    def with_unit(self, value: float) -> str:
+        """Write a number with its unit."""
+        return f"{self.text(value)} {self.name}"
+
+
+def table_unit(values: Iterable[float], unit: str, units: OutputUnits = SI) -> TableUnit:
+    """Find a unit in which the largest number has five digits, with aligned decimals.
+
+    Parameters
+    ----------
+    values : iterable of float
+        In `unit`.
+    unit : str
+        For example "N m"; large numbers get "kN m".
+    units : OutputUnits
+        The user's choice; such a unit is used unchanged, without a thousandfold.
+
+    Examples
+    --------
+    >>> table_unit([378987.89, -44306.35], "N m").with_unit(-44306.35)
+    '-44.31 kN m'
+    >>> table_unit([279.68], "N m").with_unit(279.68)
+    '279.68 N m'
+    """
+    largest = max((abs(value) for value in values), default=0.0)
+    name, size = (f"k{unit}", 1e3) if largest >= KILO_FROM else (unit, 1.0)
+    shown = units.of(unit)
+    if shown.wished:
+        name, size = shown.name, shown.size
+    before = math.floor(math.log10(largest / size)) + 1 if largest > 0.0 else 1
+    return TableUnit(name, size, min(max(DIGITS - before, 0), MOST_DECIMALS))

@@ -15,7 +15,7 @@ from crankfem.analyses.record import Record
 from dynamics.response.loads import LARGEST_POWER_ERROR
 from dynamics.torque.torque import LARGEST_ENERGY_ERROR
 from fem.angle_law import SYMMETRIC
-from fem.solution_checks import LARGEST_ROUND_OFF, rigid_body_residual
+from fem.solver import LARGEST_ROUND_OFF, rigid_body_residual
 
 Array = NDArray[np.float64]
 

@@ -34,8 +34,8 @@ from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.mechanism_file import MechanismFile, load_any, mechanism_of
 from crankfem.files.engine.throw_file import ThrowFile, load_study
 from crankfem.files.engine.usual_sizes import throw_warnings
-from crankfem.files.hinge.hinge_file import SECTIONS as HINGE_SECTIONS
-from crankfem.files.hinge.hinge_file import HingeFile, load_hinge
+from crankfem.files.hinge_file import SECTIONS as HINGE_SECTIONS
+from crankfem.files.hinge_file import HingeFile, load_hinge
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.files.sections.engine_sections import Engine

@@ -10,8 +10,7 @@ from collections.abc import Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from crankbase.input_file import InputFile
-from crankbase.text_limits import LARGEST_TABLE_FILE
+from crankbase.input_file import LARGEST_TABLE_FILE, InputFile
 from crankfem.analyses.record import Record
 from crankfem.files.reading.data_files import data_folder
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.drawing.legends import plain_text
+from crankbase.diagrams import plain_text
 from crankbase.units.quantity import format_quantity
 
 # Below an axis: longer names take a line for each word.

@@ -1,9 +1,9 @@
 """Public names of this topic and their homes."""
 
 from crankfem.files.chain.chain_file import ChainFile as ChainFile
-from crankfem.files.chain.chain_text import ChainText as ChainText
-from crankfem.files.chain.chain_text import read_chain_text as read_chain_text
-from crankfem.files.chain.chain_text import write_chain_text as write_chain_text
+from crankfem.files.chain.chain_file import ChainText as ChainText
+from crankfem.files.chain.chain_file import read_chain_text as read_chain_text
+from crankfem.files.chain.chain_file import write_chain_text as write_chain_text
 from dynamics.chains.chain import Dashpot as Dashpot
 from dynamics.chains.chain import Gear as Gear
 from dynamics.chains.editing import add_node as add_node

@@ -11,23 +11,16 @@ from typer.core import TyperCommand
 from crankbase.errors import InputError
 from crankbase.units.quantity import split_quantity
 from crankfem.cli import console
-from crankfem.cli.commands.check import check
-from crankfem.cli.commands.class_document import class_
 from crankfem.cli.commands.doe import doe
-from crankfem.cli.commands.fields import fields
 from crankfem.cli.commands.fit import fit
 from crankfem.cli.commands.formulas import formulas
-from crankfem.cli.commands.harmonics import harmonics
 from crankfem.cli.commands.hinge import hinge
-from crankfem.cli.commands.lookup import lookup
-from crankfem.cli.commands.mechanism import mechanism
-from crankfem.cli.commands.new import new
-from crankfem.cli.commands.optimum import optimum
-from crankfem.cli.commands.run import report, run
+from crankfem.cli.commands.input_files import check, fields, new
+from crankfem.cli.commands.lookup import lookup, optimum
+from crankfem.cli.commands.mechanism import harmonics, mechanism, two_mass
+from crankfem.cli.commands.run import class_, report, run
 from crankfem.cli.commands.serve import serve
-from crankfem.cli.commands.shapes import draw, export
-from crankfem.cli.commands.throw import stress, throw
-from crankfem.cli.commands.two_mass import two_mass
+from crankfem.cli.commands.throw import draw, export, stress, throw
 from crankfem.cli.commands.vibration import vibration
 from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, MEANINGS
 

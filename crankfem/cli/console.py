@@ -19,12 +19,16 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from crankbase.errors import InputError, visible, with_short_quotes
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Table
+from crankbase.tables.table import SI, OutputUnits, Table
 from crankbase.units.quantity import split_quantity
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
-from crankfem.jobs.error_sentences import TRACEBACK, describe_error
-from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_PIPE
+from crankfem.jobs.exit_codes import (
+    EXIT_INPUT,
+    EXIT_INTERRUPTED,
+    EXIT_PIPE,
+    TRACEBACK,
+    describe_error,
+)
 from regression.records import Outcome
 
 Value = TypeVar("Value")

@@ -5,6 +5,7 @@ from crankfem.analyses.shaft.whole_shaft import compare_with_chains as compare_w
 from crankfem.analyses.shaft.whole_shaft import shaft_response as shaft_response
 from crankfem.analyses.shaft.whole_shaft import shaft_throws as shaft_throws
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep as BearingSweep
+from dynamics.chains.dampers import TorsionalRing as TorsionalRing
 from dynamics.crankshaft.assembly import AssembledShaft as AssembledShaft
 from dynamics.crankshaft.assembly import assemble_crankshaft as assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import ChainVerdict as ChainVerdict
@@ -25,4 +26,3 @@ from dynamics.crankshaft.surroundings import EndBody as EndBody
 from dynamics.crankshaft.surroundings import MainBearings as MainBearings
 from dynamics.crankshaft.surroundings import ShaftSurroundings as ShaftSurroundings
 from dynamics.crankshaft.surroundings import ShaftThrow as ShaftThrow
-from dynamics.crankshaft.surroundings import TorsionalRing as TorsionalRing

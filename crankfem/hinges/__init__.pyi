@@ -2,8 +2,8 @@
 
 from crankfem.analyses.hinge.hinge_run import HingeRun as HingeRun
 from crankfem.analyses.hinge.hinge_run import run_hinge as run_hinge
-from crankfem.files.hinge.hinge_file import HingeFile as HingeFile
-from crankfem.files.hinge.hinge_file import load_hinge as load_hinge
+from crankfem.files.hinge_file import HingeFile as HingeFile
+from crankfem.files.hinge_file import load_hinge as load_hinge
 from dynamics.hinge.crosshead import CrossheadEngine as CrossheadEngine
 from dynamics.hinge.crosshead import ReducedCrank as ReducedCrank
 from dynamics.hinge.crosshead import piston_gas_force as piston_gas_force

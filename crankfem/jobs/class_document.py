@@ -20,8 +20,8 @@ from crankfem.analyses.provenance import provenance_record
 from crankfem.analyses.submission.document import DocumentPart, check_submission, class_document
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
-from crankfem.files.engine.input_files import engine_inputs
-from crankfem.jobs.run_progress import Progress, SilentProgress
+from crankfem.files.engine.mechanism_file import engine_inputs
+from crankfem.jobs.run_files import Progress, SilentProgress
 from crankfem.report.class_document import render_class_document
 from crankfem.report.text_filters import moment
 

@@ -25,13 +25,16 @@ from crankfem.analyses.throw.stress import (
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.reading.toml_file import TomlFile
-from crankfem.jobs.run_computation import RunComputation, ThrowComputation
-from crankfem.jobs.run_drawing import draw_run
+from crankfem.jobs.run_computation import RunComputation, RunInputs, ThrowComputation, read_inputs
+from crankfem.jobs.run_drawing import Renderings, draw_run
 from crankfem.jobs.run_files import (
     MODEL,
     PICTURES,
     REPORT,
     STORE,
+    Progress,
+    SilentProgress,
+    TimedProgress,
     check_folder,
     make_folder,
     replace_last_run,
@@ -39,9 +42,6 @@ from crankfem.jobs.run_files import (
     write_results,
 )
 from crankfem.jobs.run_files import RESULTS as RESULTS
-from crankfem.jobs.run_inputs import RunInputs, read_inputs
-from crankfem.jobs.run_pictures import Renderings
-from crankfem.jobs.run_progress import Progress, SilentProgress, TimedProgress
 from crankfem.jobs.run_records import UNIT_RADIAL_FORCE as UNIT_RADIAL_FORCE
 from crankfem.jobs.run_records import run_results
 from crankfem.report.writing import write_report

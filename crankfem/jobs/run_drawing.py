@@ -1,19 +1,180 @@
 """Pictures of a run, drawn after all numbers are in its results: a failed picture does not lose them."""
 
+import os
+import traceback
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from types import TracebackType
+from typing import Any, Protocol, Self
 
+from crankbase.errors import MissingLibraryError, RenderError
+from crankbase.outputs import copy_file
+from crankbase.processes import scratch_folder
 from crankfem.analyses.throw.pictures.drawing import write_drawing
 from crankfem.analyses.throw.pictures.surface import write_vtu
+from crankfem.jobs.exit_codes import TRACEBACK, describe_error
 from crankfem.jobs.run_computation import RunComputation
 from crankfem.jobs.run_files import MESH_FILE, PICTURES
-from crankfem.jobs.run_pictures import Pictures, Renderings
+from crankfem.report.figures import ANGLES, STUDY, TORQUE
 from crankfem.report.interactive.mechanism import MECHANISM
+from crankfem.report.interactive.plot import Plots, Run
 from crankfem.report.interactive.throw_view import throw_view
 from crankfem.report.interactive.vibration import VIBRATION
-from crankfem.report.plots import ANGLES, STUDY, TORQUE
+
+
+class Pictures:
+    """The pictures of a run, drawn one by one.
+
+    Parameters
+    ----------
+    folder : Path
+        Where they go.
+    note : callable
+        Receives messages about pictures that cannot be drawn.
+
+    Attributes
+    ----------
+    static, interactive : dict
+        Name of each picture or plot that is there to its file name.
+    notes : list of str
+        Messages, each sentence once.
+    """
+
+    def __init__(self, folder: Path, note: Callable[[str], None]) -> None:
+        self.folder = folder
+        self._note = note
+        self.static: dict[str, str] = {}
+        self.interactive: dict[str, str] = {}
+        self.notes: list[str] = []
+
+    def attempt(self, what: str, make: Callable[[], object]) -> bool:
+        """Attempt something and return whether it succeeded; if not, report the reason."""
+        try:
+            make()
+        except Exception as error:
+            if os.environ.get(TRACEBACK):
+                traceback.print_exc()
+            self.report_once(
+                str(error)
+                if isinstance(error, (MissingLibraryError, RenderError))
+                else f"There is no {what}: {describe_error(error)[0]}"
+            )
+            return False
+        return True
+
+    def report_once(self, sentence: str) -> None:
+        """Report something, once."""
+        if sentence not in self.notes:
+            self.notes.append(sentence)
+            self._note(sentence)
+
+    def draw(self, plots: Plots[Run], run: Run) -> None:
+        """Draw the plots of one thing, each by itself, on paper and for a screen."""
+        for plot in plots.of(run):
+            if plot.static is not None and self.attempt(
+                f"picture {plot.name}", partial(plot.draw, self.folder, run)
+            ):
+                self.static[plot.name] = f"{plot.name}.svg"
+            if plot.interactive is not None:
+                self.plot_one(plot.name, partial(plot.write, run=run))
+
+    def draw_one(self, name: str, draw: Callable[[Path], object]) -> None:
+        """Draw one static picture."""
+        path = self.folder / f"{name}.svg"
+        if self.attempt(f"picture {name}", partial(draw, path)):
+            self.static[name] = path.name
+
+    def plot_one(self, name: str, write: Callable[[Path], object]) -> None:
+        """Make one interactive plot, which is written into the folder it is given."""
+        if self.attempt(f"interactive plot {name}", partial(write, self.folder)):
+            self.interactive[name] = f"{name}.json"
+
+
+class Renderer(Protocol):
+    """A process that renders pictures in the background."""
+
+    def wait(self) -> None:
+        """Wait for the pictures."""
+
+    def stop(self) -> None:
+        """End it."""
+
+
+@dataclass(frozen=True)
+class _Job:
+    what: str
+    folder: Path
+    renderer: Renderer
+    files: Mapping[str, str]
+
+
+class Renderings:
+    """Pictures rendered in the background while a run computes.
+
+    They are made in folders of their own, for until a run has all its numbers, the folder of its
+    pictures holds those of the last one.
+    """
+
+    def __init__(self) -> None:
+        self._open = ExitStack()
+        self._jobs: list[_Job] = []
+        self._failed: list[tuple[str, Exception]] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._open.close()
+
+    def start(
+        self, what: str, files: Mapping[str, str], render: Callable[[Path], Renderer]
+    ) -> None:
+        """Begin to render.
+
+        Parameters
+        ----------
+        what : str
+            For messages.
+        files : mapping
+            Picture name to file name, of what will be there.
+        render : callable
+            Starts a process that renders into a folder.
+        """
+        try:
+            folder = self._open.enter_context(scratch_folder())
+            renderer = render(folder)
+        except Exception as error:
+            self._failed.append((what, error))
+            return
+        self._open.callback(renderer.stop)
+        self._jobs.append(_Job(what, folder, renderer, files))
+
+    def collect(self, pictures: Pictures) -> None:
+        """Wait for what is rendered and move it to the other pictures."""
+        for what, error in self._failed:
+            pictures.attempt(what, partial(_throw, error))
+        for job in self._jobs:
+            if pictures.attempt(job.what, partial(_move, job, pictures.folder)):
+                pictures.static |= job.files
+
+
+def _move(job: _Job, folder: Path) -> None:
+    job.renderer.wait()
+    for name in job.files.values():
+        copy_file(job.folder / name, folder / name, "picture")
+
+
+def _throw(error: Exception) -> None:
+    raise error
+
 
 # Of the responses of a study, the one that is pictured.
 PICTURED = "axial_compliance"

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from markupsafe import Markup, escape
 
 from crankbase.tables.table import Table
-from crankbase.units.number_formats import (
+from crankbase.units.quantity import format_quantity
+from crankbase.units.units import (
     UNBOUNDED,
     fixed,
     format_usage,
@@ -18,7 +19,6 @@ from crankbase.units.number_formats import (
     significant,
     tiny,
 )
-from crankbase.units.quantity import format_quantity
 from crankfem.analyses.provenance import run_command
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.chains import MOTION

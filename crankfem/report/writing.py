@@ -1,4 +1,4 @@
-"""The HTML report: one file, pictures and plots inside, that opens without a network."""
+"""The HTML reports: pages of numbers and pictures that open without a network."""
 
 import re
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ from crankfem.analyses.mechanism.balance_records import (
 from crankfem.analyses.mechanism.mechanism_records import harmonics_table
 from crankfem.analyses.mechanism.rod_models import bearing_table
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
-from crankfem.analyses.strength.strength_records import factor_table, strength_table, torque_table
+from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import reaction_table, section_sentence, support_table
@@ -37,13 +37,13 @@ from crankfem.analyses.vibration.tables import (
 )
 from crankfem.report.conclusions import reached_and_permitted
 from crankfem.report.engine_schematic import engine_schematic
-from crankfem.report.figures import load_figures
-from crankfem.report.plots import PLOTS
+from crankfem.report.figures import PLOTS, load_figures
 from crankfem.report.summary import summary
 from crankfem.report.text_filters import FILTERS, source_label
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+
 
 # Not allowed in HTML, even in scripts.
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
@@ -198,3 +198,41 @@ def script(text: str) -> str:
 def template_text(name: str) -> str:
     """Return the text of a template, style or script."""
     return (files("crankfem.report") / "templates" / name).read_text(encoding="utf-8")
+
+
+THROW_TEMPLATE = "throw_report.html.j2"
+# What is shown where it is there, by what it is called in reports.
+THROW_VIEW, THROW_DRAWING = "throw_view.json", "throw_drawing.svg"
+
+
+def render_throw_report(results: Mapping[str, Any], folder: Path) -> str:
+    """Make the text of a throw's report.
+
+    Parameters
+    ----------
+    results : mapping
+        "about": provenance; "throw", as `throw_record` makes it; "formulas", as `formula_records`;
+        "fillets", as `stress_record`, or None with "fillet_note".
+    folder : Path
+        Holds `THROW_VIEW` and `THROW_DRAWING`.
+
+    Returns
+    -------
+    str
+        A page of HTML.
+    """
+    figures, _ = load_figures(
+        {"pictures": {"drawing": THROW_DRAWING}, "interactive": {"throw_view": THROW_VIEW}}, folder
+    )
+    shown = any(own.plot is not None for own in figures.values())
+    return (
+        page_environment()
+        .get_template(THROW_TEMPLATE)
+        .render(
+            r=results,
+            about=results["about"],
+            figures=figures,
+            style=Markup(template_text(STYLE)),
+            scripts=plotting() if shown else (),
+        )
+    )

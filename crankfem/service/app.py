@@ -1,32 +1,42 @@
 """The application: all routes behind the guard, the page beside them."""
 
-from collections.abc import AsyncIterator
+import asyncio
+import socket
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import cache
+from http import HTTPStatus
 from importlib.resources import files
 from typing import Any
 
+import uvicorn
 from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
+from pydantic_core import to_json
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
-from starlette.types import ASGIApp
+from starlette.types import ASGIApp, Receive, Scope, Send
+from uvicorn.protocols.http.auto import AutoHTTPProtocol
 
 from crankbase.errors import InputError
 from crankfem.analyses.provenance import program_version
-from crankfem.service import problems
+from crankfem.service import asking
 from crankfem.service.answers import Service
-from crankfem.service.asking import KeyQuestion, read_question
-from crankfem.service.bounds import Settings
-from crankfem.service.guard import COOKIE, SESSION, Guard, is_key
+from crankfem.service.asking import (
+    MEDIA_TYPE,
+    KeyQuestion,
+    problem,
+    problem_response,
+    read_question,
+)
+from crankfem.service.guard import COOKIE, REFUSED, SESSION, Guard, Settings, is_key
 from crankfem.service.job_routes import job_routes
 from crankfem.service.job_runner import JobRunner
 from crankfem.service.job_store import JobStore
-from crankfem.service.model_routes import Models, model_routes
-from crankfem.service.quick_routes import QuickRoutes
+from crankfem.service.model_routes import Models, QuickRoutes, model_routes
+from crankfem.service.model_routes import routes as throw_routes
 from crankfem.service.responses import answer, described, record_schemas
-from crankfem.service.throw_routes import routes as throw_routes
 
 # Functions of routes, called most often.
 QUICK = ("evaluate_law", "look_up")
@@ -56,10 +66,10 @@ def make_app(settings: Settings) -> tuple[ASGIApp, JobRunner]:
         store.close()
 
     handlers: dict[Any, Any] = {
-        problems.ProblemError: problems.answer_error,
-        InputError: problems.answer_error,
-        HTTPException: problems.answer_http_error,
-        Exception: problems.answer_fault,
+        asking.ProblemError: asking.answer_error,
+        InputError: asking.answer_error,
+        HTTPException: asking.answer_http_error,
+        Exception: asking.answer_fault,
     }
     models = model_routes(Models(settings.models, store), settings.bounds)
     quick = [
@@ -117,7 +127,7 @@ def _service_routes(settings: Settings) -> APIRouter:
         """Give the key once, for a browser to bring it with each request."""
         asked = await read_question(request, KeyQuestion)
         if settings.key is None or not is_key(asked.key, settings.key):
-            raise problems.ProblemError(401, "The key of this service is missing or wrong.")
+            raise asking.ProblemError(401, "The key of this service is missing or wrong.")
         response = await read_service()
         response.set_cookie(COOKIE, settings.key, httponly=True, samesite="strict")
         return response
@@ -142,7 +152,7 @@ def _page_routes() -> APIRouter:
 def _page_file(name: str) -> Response:
     found = _page_files().get(name)
     if found is None:
-        raise problems.ProblemError(404, "There is nothing at this path.")
+        raise asking.ProblemError(404, "There is nothing at this path.")
     text, media = found
     return Response(text, media_type=media)
 
@@ -162,3 +172,123 @@ def _page_files() -> dict[str, tuple[bytes, str]]:
         "plotly.js": (get_plotlyjs().encode(), SCRIPT),
         "interactive.js": (drawing.read_bytes(), SCRIPT),
     }
+
+
+LATE = HTTPStatus.REQUEST_TIMEOUT.value
+WAIT = 1  # seconds after which a refused connection may be tried again
+GRACE = 5  # seconds for requests under way when the service ends
+
+
+def serve(settings: Settings, tell: Callable[[str], None]) -> None:
+    """Serve until interrupted.
+
+    Parameters
+    ----------
+    settings : Settings
+    tell : callable
+        Called with the address when it accepts requests.
+
+    Raises
+    ------
+    InputError
+        If the folder or the port cannot be used.
+    """
+    app, runner = make_app(settings)
+    bounds = settings.bounds
+    late = _refusal(LATE, f"The request took longer than {bounds.seconds:g} s to arrive.")
+    unread = _refusal(HTTPStatus.BAD_REQUEST, "The request is not HTTP/1.1.")
+    full = Guard(_refuse_for_now, settings)
+
+    class Protocol(AutoHTTPProtocol):  # type: ignore[misc, valid-type]
+        """A connection: refused where there are too many, closed where a request does not come in time."""
+
+        def connection_made(self, transport: Any) -> None:
+            super().connection_made(transport)
+            if len(self.connections) > bounds.connections:
+                self.app = full
+            self._asked_before: Any = None
+            self._look_later()
+
+        def send_400_response(self, _: str) -> None:
+            self.transport.write(unread)
+            self.transport.close()
+
+        def _look_later(self) -> None:
+            asyncio.get_running_loop().call_later(bounds.seconds, self._look)
+
+        def _look(self) -> None:
+            # The cycle is that of the request whose head came last.
+            asked = self.cycle
+            waits = asked is None or asked.response_complete or asked.more_body
+            if self.transport.is_closing():
+                return
+            if waits and asked is self._asked_before:
+                if asked is None or asked.response_complete or not asked.response_started:
+                    self.transport.write(late)
+                if asked is not None:
+                    asked.scope[REFUSED] = LATE
+                self.transport.close()
+            else:
+                self._asked_before = asked
+                self._look_later()
+
+    config = uvicorn.Config(
+        app,
+        http=Protocol,
+        ws="none",
+        proxy_headers=False,
+        access_log=False,
+        log_level="warning",
+        server_header=False,
+        timeout_graceful_shutdown=GRACE,
+        h11_max_incomplete_event_size=65536,
+    )
+    server = _Server(config, runner)
+    with _listening(settings) as listener:
+        host, port = listener.getsockname()[:2]
+        shown = f"[{host}]" if ":" in host else host
+        tell(f"http://{shown}:{port}/")
+        server.run(sockets=[listener])
+
+
+async def _refuse_for_now(scope: Scope, receive: Receive, send: Send) -> None:
+    told = problem(
+        HTTPStatus.SERVICE_UNAVAILABLE, "Too many connections are open; try again later."
+    )
+    response = problem_response(told, {"Connection": "close", "Retry-After": str(WAIT)})
+    await response(scope, receive, send)
+
+
+def _refusal(status: int, detail: str) -> bytes:
+    """The answer to what does not arrive, or cannot be read, as a request."""
+    told = to_json(problem(status, detail))
+    head = f"HTTP/1.1 {status:d} {HTTPStatus(status).phrase}\r\nContent-Type: {MEDIA_TYPE}\r\n"
+    return f"{head}Content-Length: {len(told)}\r\nConnection: close\r\n\r\n".encode() + told
+
+
+class _Server(uvicorn.Server):
+    def __init__(self, config: uvicorn.Config, runner: Any) -> None:
+        super().__init__(config)
+        self._runner = runner
+
+    def handle_exit(self, sig: int, frame: Any) -> None:  # noqa: ARG002 - uvicorn's names
+        # Who follows a job is let go first: the server waits for all that is under way, once.
+        self._runner.announce_stop()
+        self.force_exit = self.should_exit
+        self.should_exit = True
+
+
+def _listening(settings: Settings) -> socket.socket:
+    host = "127.0.0.1" if settings.host == "localhost" else settings.host
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((host, settings.port))
+    except OSError as error:
+        listener.close()
+        raise InputError(
+            f"--host, --port: given {settings.host} and {settings.port}, which cannot be listened at "
+            f"({error.strerror or error}); allowed is an address of this machine and a free port, 0 for any."
+        ) from None
+    return listener

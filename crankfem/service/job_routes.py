@@ -14,15 +14,19 @@ from starlette.responses import FileResponse, Response, StreamingResponse
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError
 from crankfem.service.answers import ENDED, CheckedText, Health, Job, Jobs
-from crankfem.service.asking import AnalysisQuestion, FileQuestion, StressQuestion, read_question
-from crankfem.service.bounds import Bounds
-from crankfem.service.followers import Followers
+from crankfem.service.asking import (
+    AnalysisQuestion,
+    FileQuestion,
+    ProblemError,
+    StressQuestion,
+    read_question,
+)
+from crankfem.service.guard import Bounds
 from crankfem.service.job_runner import LOADING, JobRunner
-from crankfem.service.job_store import JobStore
-from crankfem.service.problems import ProblemError
+from crankfem.service.job_store import Followers, JobStore
 from crankfem.service.responses import JSON, answer, described
 from crankfem.service.tasks import REPORT, RESULT
-from geometry.isolated import IsolatedProcess
+from geometry.gmsh_session import IsolatedProcess
 
 MOST_LISTED = 100
 RETRY_SECONDS = "5"
@@ -48,7 +52,7 @@ CHECKED = re.compile(r"[0-9a-f]{16}")
 
 def throw_report(folder: Path) -> str:
     """Make the report of a throw from the files of its job."""
-    from crankfem.report.throw_report import render_throw_report
+    from crankfem.report.writing import render_throw_report
 
     return render_throw_report(json.loads((folder / RESULT).read_text(encoding="utf-8")), folder)
 

@@ -11,10 +11,9 @@ from typing import Any
 
 from crankbase.calls import CallProcess, Limits, ProcessLostError, answered
 from crankbase.errors import InputError
-from crankfem.service.bounds import Bounds
+from crankfem.service.asking import ProblemError, field_errors, problem
+from crankfem.service.guard import Bounds, log_line
 from crankfem.service.job_store import FULL, NO_SPACE, JobStore, StoreError
-from crankfem.service.log import log_line
-from crankfem.service.problems import ProblemError, field_errors, problem
 from regression.runs.workers import spawn_worker
 
 # A job whose process was lost is tried once more; one that the service did not outlive, too. One that finds

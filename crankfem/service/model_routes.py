@@ -1,31 +1,167 @@
-"""Models of finished studies and of a folder: listed, described, looked up."""
+"""Lookups without a job: models of studies and of a folder, the law, formulas, checks."""
 
 import re
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import anyio.to_thread
 import numpy as np
+from anyio import to_thread
 from fastapi import APIRouter
-from starlette.requests import Request
+from fastapi.routing import APIRoute
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
+from starlette.types import ASGIApp, Receive, Scope, Send
 
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError, quoted
+from crankbase.model import InputModel, field_extra
 from crankbase.units.quantity import parse_quantity
-from crankfem.service.answers import Lookups, ModelDescription, ModelNames
-from crankfem.service.asking import LookupQuestion, read_question, read_record
-from crankfem.service.bounds import Bounds
+from crankfem.analyses.file_check import shape_record
+from crankfem.analyses.record import Record, attributes
+from crankfem.analyses.throw.formula_records import formula_records
+from crankfem.analyses.throw.law_record import LAW_BANDS, end_answers, neighbor_answers
+from crankfem.service.answers import (
+    Formulas,
+    Law,
+    Lookups,
+    ModelDescription,
+    ModelNames,
+    ValidThrow,
+)
+from crankfem.service.asking import (
+    FormulasQuestion,
+    LawQuestion,
+    LookupQuestion,
+    OutlineQuestion,
+    ProblemError,
+    ThrowQuestion,
+    answer_error,
+    answer_fault,
+    read_question,
+    read_record,
+)
+from crankfem.service.guard import Bounds
 from crankfem.service.job_store import JobStore
-from crankfem.service.law_answer import reactions_record
-from crankfem.service.problems import ProblemError
 from crankfem.service.responses import answer, described
 from crankfem.service.tasks import MODEL
+from fem.material import Material
+from fem.supports import Neighbors, Support
+from geometry.plots.throw_outline import outline_svg
 from geometry.throw import CrankThrow
+from regression.law.superelement import law_reactions
+from regression.law.throw_law import throw_laws
 from regression.models.compliance_model import ComplianceModel
+from regression.models.lookup import ReactionLookup
 from regression.response_kinds import ANGLE_LAWS
+
+
+def law_answer(
+    throw: CrankThrow,
+    material: Material,
+    gamma_deg: float | None = None,
+    pin_force: Sequence[float] | None = None,
+    support: Support = "pinned",
+) -> Record:
+    """Return compliances, influence coefficients and reactions of a throw by the law.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+    material : Material
+    gamma_deg : float, optional
+        Angle to equal neighbors, one more support [deg].
+    pin_force : (3,) sequence of float, optional
+        Across the shaft, in the throw frame [N]; without it no reactions are returned.
+    support : "pinned", "guided" or Neighbors
+        For the reactions.
+
+    Raises
+    ------
+    InputError
+        If the throw or the material is outside the law's range, or the force has a part along the shaft.
+    """
+    axial, torsional = throw_laws(
+        throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
+    )
+    values = {}
+    for name, own in end_answers(axial, torsional).items():
+        if own["support"]:
+            values[f"{name.removesuffix('_guided')}_{own['support']}"] = own
+    if gamma_deg is not None:
+        for name, own in neighbor_answers(axial, gamma_deg).items():
+            values[f"{name}_neighbors"] = own
+    remarks = [f"{LAW_BANDS} The ratio closest to a limit of the law: {axial.nearest_limit}."]
+    reactions = None
+    if pin_force is not None and not throw.parts.mirrored:
+        remarks.append("No reactions: the law has those of throws with equal webs only.")
+    elif pin_force is not None:
+        found = law_reactions(throw, pin_force, support, poisson_ratio=material.poisson_ratio)
+        reactions = reactions_record(found)
+    return {
+        "values": values,
+        "ratio": axial.ratio,
+        "reactions": reactions,
+        "tier": axial.tier,
+        "nearest_limit": axial.nearest_limit,
+        "remarks": remarks,
+    }
+
+
+def reactions_record(found: ReactionLookup) -> Record:
+    """Return reactions by a law or a model: of each end force and moment, and how far they may be off."""
+    return {
+        "support": found.support,
+        **{
+            side: {
+                **attributes(getattr(found, side), "force", "moment"),
+                "force_band": attributes(getattr(found.band, side), "force")["force"],
+                "moment_band": attributes(getattr(found.band, side), "moment")["moment"],
+            }
+            for side in ("left", "right")
+        },
+    }
+
+
+class QuickRoutes:
+    """Calls the functions of some routes itself; an application answers everything else.
+
+    Parameters
+    ----------
+    app : ASGI application
+    routes : sequence of APIRoute
+        For POST, their functions of a request and of the parts of its path. The application has them
+        too, and describes them.
+    """
+
+    def __init__(self, app: ASGIApp, routes: Sequence[APIRoute]) -> None:
+        self._app = app
+        self._routes = [(route, route.path_regex.fullmatch, route.endpoint) for route in routes]
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request."""
+        if scope.get("method") == "POST":
+            for route, matched, function in self._routes:
+                found = matched(scope["path"])
+                if found is not None:
+                    scope["route"] = route
+                    request = Request(scope, receive)
+                    try:
+                        response = await function(request, **found.groupdict())
+                    except (InputError, ProblemError) as error:
+                        response = await answer_error(request, error)
+                    except ClientDisconnect:
+                        raise
+                    except Exception as error:
+                        response = await answer_fault(request, error)
+                        await response(scope, receive, send)
+                        raise  # for the log
+                    await response(scope, receive, send)
+                    return
+        await self._app(scope, receive, send)
+
 
 NAME = re.compile(r"[\w.+-]{1,80}", re.ASCII)
 TOLD = ("value", "lower", "upper", "inside", "unit", "symbol", "support", "remarks", "band")
@@ -227,3 +363,69 @@ def _dimensions(model: ComplianceModel, given: Mapping[str, Any]) -> dict[str, A
         name: read_several(name, value) if isinstance(value, list) else read(name, value)
         for name, value in given.items()
     }
+
+
+SVG = "image/svg+xml"
+routes = APIRouter(prefix="/api/throws", tags=["throws"])
+
+
+@routes.post("/law", **described(Law, LawQuestion))
+async def evaluate_law(request: Request) -> Response:
+    """Return compliances, c and reactions of a throw by the law, with bands, without finite elements."""
+    asked = await read_question(request, LawQuestion)
+    throw, material, support = asked.read_throw(), asked.read_material(), asked.read_support()
+
+    def found() -> Response:
+        return answer(law_answer(throw, material, asked.gamma_deg, asked.pin_force, support))
+
+    # A chain of throws takes long enough to hold others up.
+    return await to_thread.run_sync(found) if isinstance(support, Neighbors) else found()
+
+
+@routes.post("/validate", **described(ValidThrow, ThrowQuestion))
+async def validate_throw(request: Request) -> Response:
+    """Check a throw: return the results of its dimensions, and the same as a TOML file."""
+    asked = await read_question(request, ThrowQuestion)
+    throw, material = asked.read_throw(), asked.read_material()
+    return answer(
+        {
+            "shape": shape_record(throw),
+            "dimensions": throw.model_dump(mode="json", exclude_defaults=True),
+            "material": material.model_dump(),
+            "toml": "\n".join([*_toml("throw", throw), *_toml("material", material)]) + "\n",
+        }
+    )
+
+
+@routes.post("/outline", **described(SVG, OutlineQuestion))
+async def outline_throw(request: Request) -> Response:
+    """Draw the side or front view of a throw to scale."""
+    asked = await read_question(request, OutlineQuestion)
+    return Response(outline_svg(asked.read_throw().parts, asked.view), media_type=SVG)
+
+
+@routes.post("/formulas", **described(Formulas, FormulasQuestion))
+async def evaluate_formulas(request: Request) -> Response:
+    """Evaluate all published formulas for a throw."""
+    asked = await read_question(request, FormulasQuestion)
+    return answer(formula_records(asked.read_throw(), asked.read_material(), asked.gamma_deg))
+
+
+def _toml(section: str, record: InputModel, many: bool = False) -> list[str]:
+    """Write a record as a section of a file, its parts as sections of their own."""
+    lines, parts = [f"[[{section}]]" if many else f"[{section}]"], []
+    for name in record.model_fields_set & set(type(record).model_fields):
+        value, info = getattr(record, name), type(record).model_fields[name]
+        unit = field_extra(info, "unit")
+        if isinstance(value, InputModel):
+            parts += ["", *_toml(f"{section}.{name}", value)]
+        elif isinstance(value, tuple):
+            for one in value:
+                parts += ["", *_toml(f"{section}.{name}", one, many=True)]
+        elif unit == "":
+            lines.append(f"{name} = {value!r}")
+        elif isinstance(value, float):
+            lines.append(f'{name} = "{value!r} {unit}"')
+        elif value is not None:
+            lines.append(f'{name} = "{value}"')
+    return [*lines, *parts, ""] if not many and "." not in section else [*lines, *parts]

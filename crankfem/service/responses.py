@@ -8,7 +8,7 @@ from starlette.responses import Response
 
 from crankbase.model import InputModel, field_extra, part_kind
 from crankfem.service.answers import Problem
-from crankfem.service.problems import MEDIA_TYPE
+from crankfem.service.asking import MEDIA_TYPE
 from fem.material import Material
 from geometry.throw import CrankThrow
 

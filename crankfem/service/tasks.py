@@ -1,16 +1,74 @@
-"""The work of jobs, each in a worker process: from the request to files in the job's folder."""
+"""The work of jobs, each in a worker process: from the request and its files to files in the job's folder."""
 
 import os
+import re
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from crankbase.errors import InputError
 from crankbase.outputs import write_text
 from crankfem.analyses.record import json_text
+from crankfem.files.reading.data_files import InputFiles
+from crankfem.files.reading.toml_file import TomlFile, read_toml
 from crankfem.service.asking import UNIT_FORCE, AnalysisQuestion, FileQuestion, StressQuestion
-from crankfem.service.uploads import keep_upload, read_upload
 from regression.records import Outcome
+
+_PLAIN = re.compile(r"[A-Za-z0-9][\w .()+-]{0,79}", re.ASCII)
+TABLE_ENDINGS = (".csv", ".json", ".toml")
+MOST_TABLES = 200
+# The folder of a job in which its uploaded files are kept, apart from all that the job writes.
+KEPT = "sent"
+
+
+def read_upload(asked: FileQuestion) -> TomlFile:
+    """Read an uploaded file; whatever reads the files that it names gets those sent with it, and no other.
+
+    Raises
+    ------
+    InputError
+        Also if a name is none of a plain file, because the files are kept in a folder.
+    """
+    _check_name("name", asked.name, (".toml",))
+    if len(asked.tables) > MOST_TABLES:
+        raise InputError(
+            f"tables: given {len(asked.tables)}; allowed are {MOST_TABLES} at most, because each list of "
+            "jobs names the files of all."
+        )
+    contents = {asked.name: _encoded(asked.name, asked.text)}
+    for name, text in asked.tables.items():
+        _check_name("tables", name, TABLE_ENDINGS)
+        if name in contents:
+            raise InputError(
+                f"tables: given {name!r}, the name of the file itself; allowed is another."
+            )
+        contents[name] = _encoded(name, text)
+    return read_toml(InputFiles(Path(asked.name), contents))
+
+
+def keep_upload(content: TomlFile, folder: Path) -> None:
+    """Write an uploaded file, and those sent with it, where nothing that a job writes is."""
+    (folder / KEPT).mkdir(exist_ok=True)
+    for name, sent in (content.files.sent or {}).items():
+        (folder / KEPT / name).write_bytes(sent)
+
+
+def _encoded(name: str, text: str) -> bytes:
+    try:
+        return text.encode()
+    except UnicodeEncodeError:
+        raise InputError(f"{name}: given text with half a character; allowed is Unicode.") from None
+
+
+def _check_name(field: str, name: str, endings: tuple[str, ...]) -> None:
+    if _PLAIN.fullmatch(name) is None or not name.endswith(endings):
+        raise InputError(
+            f"{field}: given {name!r}; allowed is the plain name of a file that ends in "
+            f"{' or '.join(endings)}, of up to 80 letters, digits, spaces and . ( ) + - _, because uploaded "
+            "files share a folder."
+        )
+
 
 RESULT, SOLID, MODEL = "result.json", "throw.step", "model.json"
 REPORT = "results/report.html"
@@ -61,7 +119,7 @@ def load() -> None:
         "crankfem.analyses.throw.pictures.drawing",
         "crankfem.analyses.throw.throw_record",
         "crankfem.report.interactive.throw_view",
-        "crankfem.report.throw_report",
+        "crankfem.report.writing",
     ):
         import_module(module)
     analyze_throw(CrankThrow(**EXAMPLE), STEEL, 0.1, mesher=mesh_here)
@@ -96,7 +154,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
     from crankfem.analyses.throw.stress import stress_record, stresses_or_reason
     from crankfem.analyses.throw.throw_record import throw_record
     from crankfem.report.interactive.throw_view import throw_view
-    from crankfem.report.throw_report import DRAWING
+    from crankfem.report.writing import THROW_DRAWING
     from fem.analysis import analyze_throw
     from geometry.mesher import mesh_here
     from geometry.solid_files import step_text
@@ -133,7 +191,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
     told.step("Writing the solid")
     write_text(folder / SOLID, step_text(throw, "full"), "solid")
     told.step("Drawing the dimensions")
-    write_drawing(throw, folder / DRAWING, "Crank throw")
+    write_drawing(throw, folder / THROW_DRAWING, "Crank throw")
 
 
 def _stress(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:

@@ -3,12 +3,12 @@
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue as EngineFatigue
 from crankfem.analyses.strength.cycle_fatigue import FatiguePlace as FatiguePlace
 from crankfem.analyses.strength.cycle_fatigue import engine_fatigue as engine_fatigue
+from crankfem.analyses.strength.cycle_loads import LargestLoad as LargestLoad
 from crankfem.analyses.strength.cycle_loads import supported_throws as supported_throws
 from crankfem.analyses.strength.element_factors import engine_stresses as engine_stresses
 from crankfem.analyses.strength.engine_strength import EngineStrength as EngineStrength
 from crankfem.analyses.strength.engine_strength import ThrowStrength as ThrowStrength
 from crankfem.analyses.strength.engine_strength import engine_strength as engine_strength
-from crankfem.analyses.strength.shaft_loads import LargestLoad as LargestLoad
 from dynamics.strength.concentration import ConcentrationFactors as ConcentrationFactors
 from dynamics.strength.concentration import CrankWeb as CrankWeb
 from dynamics.strength.concentration import ElementFactors as ElementFactors

@@ -8,7 +8,7 @@ from geometry.mass import MassProperties as MassProperties
 from geometry.mass import Unbalance as Unbalance
 from geometry.mass import unbalance as unbalance
 from geometry.mesh import ThrowMesh as ThrowMesh
-from geometry.mesh_files import write_mesh as write_mesh
+from geometry.solid_files import write_mesh as write_mesh
 from geometry.solid_files import write_step as write_step
 from geometry.throw_dimensions import Counterweight as Counterweight
 from geometry.throw_dimensions import FurtherPin as FurtherPin

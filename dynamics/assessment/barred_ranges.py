@@ -11,8 +11,8 @@ from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
-from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity
+from crankbase.units.units import format_usage
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
 from dynamics.assessment.wording import barred_sentence, shown_range, speed_text
 from dynamics.indices import at_most, within
@@ -137,10 +137,10 @@ class BarredRangeRule:
 
     def highest_by(self, limit: VibrationLimit) -> float:
         """Return the speed above which no range that exceeds a limit may be barred [rad/s]."""
-        own = np.inf if limit.passing is None else limit.passing.high
-        if np.isinf(own):
+        highest = np.inf if limit.passing is None else limit.passing.high
+        if np.isinf(highest):
             return self.highest
-        return own if self.highest_ratio is None else min(own, self.highest)
+        return highest if self.highest_ratio is None else min(highest, self.highest)
 
     def bounds(self, critical: float) -> tuple[float, float]:
         """Return the lowest and highest barred speed about a critical speed [rad/s].
@@ -192,8 +192,6 @@ def exceeded_ranges(
 
     Parameters
     ----------
-    limit : VibrationLimit
-    curve : AmplitudeCurve
     highest : float
         Ranges end there [rad/s].
 
@@ -210,25 +208,21 @@ def exceeded_ranges(
     """
     speeds, used = curve.speeds, usage(limit, curve)
     tops = _tops(curve.values)
-    found = []
+    ranges = []
     for first, last in _runs(used > 1.0):
         if not at_most(speeds[first], highest):
             break
-        judged = [
-            place for place in range(first, last + 1) if at_most(float(speeds[place]), highest)
-        ]
-        found.append(
+        judged = first + np.flatnonzero(at_most(speeds[first : last + 1], highest))
+        ranges.append(
             ExceededRange(
                 low=_crossing(limit, curve, used, first, -1),
                 high=min(_crossing(limit, curve, used, last, 1), highest),
                 peaks=_peaks_to(curve, tops[(tops >= first) & (tops <= last)], highest),
-                cut_off=bool(
-                    first == 0 or (last == speeds.size - 1 and at_most(speeds[last], highest))
-                ),
+                cut_off=first == 0 or speeds.size - 1 in judged,
                 used=float(np.max(used[judged])),
             )
         )
-    return tuple(found)
+    return tuple(ranges)
 
 
 def barred_ranges(
@@ -242,7 +236,6 @@ def barred_ranges(
     Parameters
     ----------
     findings : sequence of pairs of VibrationLimit and AmplitudeCurve
-    rule : BarredRangeRule
     running_range : tuple of two floats
         Lowest and highest running speed [rad/s]. Ranges that end below the lowest one are passed on
         every start, and only have to be passable.
@@ -263,9 +256,9 @@ def barred_ranges(
     running range free: since touching ranges are merged, separate ones always leave speeds between them.
     """
     widened = [
-        _Widened(*_widened(found, rule), found, limit, curve.name)
+        _Widened(*_widened(exceeded, rule), exceeded, limit, curve.name)
         for limit, curve in findings
-        for found in exceeded_ranges(limit, curve, limit_end_speed(limit, running_range))
+        for exceeded in exceeded_ranges(limit, curve, limit_end_speed(limit, running_range))
     ]
     groups: list[list[_Widened]] = []
     reach = -np.inf
@@ -354,12 +347,12 @@ def _barred(
         runs = within(speeds, *running_range) & (share > 1.0)
         worst = int(np.argmax(np.where(runs, share, 0.0) if np.any(runs) else share))
         if share[worst] > 1.0:
-            said = (
+            sentence = (
                 f"{curve.name} reaches {_amount(values[worst], limit.unit)} at "
                 f"{speed_text(float(speeds[worst]))}, where "
                 f"{_amount(passing[worst], limit.unit)} may be passed"
             )
-            too_much.append((bool(runs[worst]), float(share[worst]), said))
+            too_much.append((bool(runs[worst]), float(share[worst]), sentence))
     if too_much:
         others = len(too_much) - 1
         more = "location exceeds" if others == 1 else "locations exceed"
@@ -388,23 +381,23 @@ def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
     spans = sorted((item.exceeded.low, item.exceeded.high) for item in group)
     reached = np.maximum.accumulate([high for _, high in spans])
     gaps = any(low > high for (low, _), high in zip(spans[1:], reached, strict=False))
-    said = [
+    parts = [
         f"limits are exceeded from {speed_text(first.exceeded.low)} ({first.place}) to "
         f"{speed_text(last.exceeded.high)} ({last.place}), {'not throughout, ' if gaps else ''}"
         f"{_used(max(group, key=lambda item: item.exceeded.used))} is used at most"
     ]
     lowest = min(group, key=lambda item: item.low)
     if lowest.low < first.exceeded.low:
-        said.append(
+        parts.append(
             f"the range begins at 16 n/(18 - r) below the peak at n = {speed_text(lowest.exceeded.peaks[0])}"
         )
     highest = max(group, key=lambda item: item.high)
     if highest.high > last.exceeded.high:
-        peak = max(own for own in highest.exceeded.peaks if at_most(own, rule.rated_speed))
-        said.append(f"it ends at (18 - r) n/16 above the peak at n = {speed_text(peak)}")
-    if len(said) > 1:
-        said.append(f"r is n divided by the rated speed of {speed_text(rule.rated_speed)}")
-    return "; ".join(said)
+        peak = max(top for top in highest.exceeded.peaks if at_most(top, rule.rated_speed))
+        parts.append(f"it ends at (18 - r) n/16 above the peak at n = {speed_text(peak)}")
+    if len(parts) > 1:
+        parts.append(f"r is n divided by the rated speed of {speed_text(rule.rated_speed)}")
+    return "; ".join(parts)
 
 
 def _used(item: _Widened) -> str:
@@ -416,12 +409,12 @@ def _amount(value: float, unit: str) -> str:
     return "no bounds" if np.isinf(value) else format_quantity(float(value), unit, 4)
 
 
-def _widened(found: ExceededRange, rule: BarredRangeRule) -> tuple[float, float]:
+def _widened(exceeded: ExceededRange, rule: BarredRangeRule) -> tuple[float, float]:
     """Return a range widened to the rule's bounds about its peaks below the rated speed."""
-    ends = [rule.bounds(peak) for peak in found.peaks if at_most(peak, rule.rated_speed)]
+    ends = [rule.bounds(peak) for peak in exceeded.peaks if at_most(peak, rule.rated_speed)]
     return (
-        min([found.low, *(low for low, _ in ends)]),
-        max([found.high, *(high for _, high in ends)]),
+        min([exceeded.low, *(low for low, _ in ends)]),
+        max([exceeded.high, *(high for _, high in ends)]),
     )
 
 

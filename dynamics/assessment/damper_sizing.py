@@ -9,12 +9,10 @@ from scipy.optimize import brentq, minimize, minimize_scalar
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import BLUE, RED, new_axes, with_gaps
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.diagrams import BLUE, RED, legend_inside, new_axes, with_gaps, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, positive_range, usage
@@ -43,7 +41,6 @@ class TrialSize:
 
     Parameters
     ----------
-    size : float
     settings : ndarray of shape (d,)
         The best settings found for it.
     used : float
@@ -57,10 +54,10 @@ class TrialSize:
 
 def smallest_sufficient(tried: Sequence[TrialSize]) -> TrialSize:
     """Return the smallest size that keeps the limit; if none does, the one of least usage."""
-    kept = [one for one in tried if one.used <= 1.0]
+    kept = [trial for trial in tried if trial.used <= 1.0]
     if kept:
-        return min(kept, key=lambda one: one.size)
-    return min(tried, key=lambda one: (one.used, one.size))
+        return min(kept, key=lambda trial: trial.size)
+    return min(tried, key=lambda trial: (trial.used, trial.size))
 
 
 def without_close_sizes(tried: Sequence[TrialSize]) -> tuple[TrialSize, ...]:
@@ -76,7 +73,7 @@ def without_close_sizes(tried: Sequence[TrialSize]) -> tuple[TrialSize, ...]:
     tuple of Tried
         Includes the first, the last and the selected one.
     """
-    places = np.log([one.size for one in tried])
+    places = np.log([trial.size for trial in tried])
     close = AT_END * float(places[-1] - places[0])
     kept = {0, len(tried) - 1, tried.index(smallest_sufficient(tried))}
     for place in range(len(tried)):
@@ -105,16 +102,16 @@ def search_sizes(
     tuple of Tried
         All sizes tried, ascending.
     """
-    found: dict[float, TrialSize] = {}
+    tried: dict[float, TrialSize] = {}
 
     def used(logarithm: float) -> float:
         size = min(max(float(np.exp(logarithm)), low), high)
-        if size not in found:
+        if size not in tried:
             nearest = min(
-                found.values(), key=lambda one: abs(np.log(one.size / size)), default=None
+                tried.values(), key=lambda trial: abs(np.log(trial.size / size)), default=None
             )
-            found[size] = at(size, nearest)
-        return found[size].used
+            tried[size] = at(size, nearest)
+        return tried[size].used
 
     if low == high:
         return (at(low, None),)
@@ -123,8 +120,8 @@ def search_sizes(
     best = int(np.argmin([finite(value) for value in values]))
     if values[best] > 1.0 and 0 < best < points - 1:
         _brent(used, float(places[best + 1]), float(places[best - 1]))
-    kept = smallest_sufficient(list(found.values()))
-    smaller = [one.size for one in found.values() if one.size < kept.size]
+    kept = smallest_sufficient(list(tried.values()))
+    smaller = [trial.size for trial in tried.values() if trial.size < kept.size]
     if kept.used <= AIM and smaller:
         brentq(
             lambda place: finite(used(place)) - finite(AIM),
@@ -132,7 +129,7 @@ def search_sizes(
             np.log(kept.size),
             xtol=0.1 * CLOSE,
         )
-    return tuple(found[size] for size in sorted(found))
+    return tuple(tried[size] for size in sorted(tried))
 
 
 def minimize_usage(
@@ -208,8 +205,8 @@ def _minimum_usage(
     first, least = grid[place], values[place]
     if free.size == 1:
         low, high = max(place - 1, 0), min(place + 1, points - 1)
-        found = _brent(lambda x: at(np.array([x])), float(axes[0][low]), float(axes[0][high]))
-        best = np.array([found])
+        least_at = _brent(lambda x: at(np.array([x])), float(axes[0][low]), float(axes[0][high]))
+        best = np.array([least_at])
     else:
         steps = 0.5 * np.diag([axis[1] - axis[0] for axis in axes])
         best = _nelder_mead(at, np.vstack((first, first + steps)), ends[free])
@@ -218,13 +215,13 @@ def _minimum_usage(
 
 
 def _brent(used: Callable[[float], float], low: float, high: float) -> float:
-    found = minimize_scalar(
+    minimum = minimize_scalar(
         lambda x: finite(used(float(x))),
         bounds=(low, high),
         method="bounded",
         options={"xatol": CLOSE},
     )
-    return float(found.x)
+    return float(minimum.x)
 
 
 def _nelder_mead(
@@ -234,7 +231,7 @@ def _nelder_mead(
         return finite(used(x))
 
     start: FloatArray = np.array(simplex[0], dtype=np.float64)
-    found = minimize(
+    minimum = minimize(
         objective,
         start,
         method="Nelder-Mead",
@@ -246,7 +243,7 @@ def _nelder_mead(
             "maxfev": MOST_TRIALS,
         },
     )
-    return np.asarray(found.x, dtype=np.float64)
+    return np.asarray(minimum.x, dtype=np.float64)
 
 
 Damper = TorsionalDamper | AxialDamper
@@ -265,7 +262,6 @@ class SizedDamper:
         Chain with this damper.
     reached : bool
         Whether the limit is kept.
-    limit : VibrationLimit
     curve, without : AmplitudeCurve
         The limited quantity with the damper and without one.
     used, used_without : float
@@ -298,8 +294,6 @@ class SizedDamper:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         show : {"amplitude", "sizes"}, optional
             Amplitude over the speed, or the best result of each size.
 
@@ -342,15 +336,7 @@ class SizedDamper:
     def to_pandas(self) -> DataFrame:
         """Return a row for each size, with the least share of the permitted amplitude found.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         unit = "N s/m" if isinstance(self.damper, AxialDamper) else "kg m^2"
         return table({"size": (self.sizes, unit), "used": (self.used_at_best, "1")})
@@ -387,7 +373,6 @@ def size_viscous_damper(
         Number (from 0) or name of the node with the damper.
     result : callable
         Maps a chain, with a damper and its ring as the last node, to the limited quantity over the speed.
-    limit : VibrationLimit
     ring_inertia : float or tuple of two floats
         Of the ring, or the range to search [kg m^2]; for a single value only the damping with the least
         vibration is found.
@@ -395,10 +380,6 @@ def size_viscous_damper(
         Of the damper, or the range to search [N m s/rad]; by default c / (2 I w_1) from 0.02 to 5.
     hub_inertia : float
         Of the housing, which turns with the shaft [kg m^2].
-
-    Returns
-    -------
-    SizedDamper
 
     Raises
     ------
@@ -413,12 +394,12 @@ def size_viscous_damper(
     """
     sizes = _checked_range("ring_inertia", ring_inertia, "kg m^2")
     per_size = 2.0 * _first_frequency(chain)
-    given = None if damping is None else _checked_range("damping", damping, "N m s/rad")
+    dampings = None if damping is None else _checked_range("damping", damping, "N m s/rad")
 
     def ranges(size: float) -> Ranges:
-        if given is None:
+        if dampings is None:
             return [DAMPING_RATIOS]
-        return [(given[0] / (per_size * size), given[1] / (per_size * size))]
+        return [(dampings[0] / (per_size * size), dampings[1] / (per_size * size))]
 
     def make(size: float, settings: FloatArray) -> Damper:
         return ViscousDamper(size, float(settings[0]) * per_size * size, hub_inertia)
@@ -449,10 +430,6 @@ def size_rubber_damper(
     tuning : float or tuple of two floats, optional
         Angular frequency of the ring with the shaft held, or the range to search [rad/s]; by
         default from 0.4 to 2.5 times the chain's first elastic one. It determines the stiffness.
-
-    Returns
-    -------
-    SizedDamper
 
     Raises
     ------
@@ -503,10 +480,6 @@ def size_axial_damper(
     stiffness, mass : float
         Of oil and housing to ground [N/m], and of the collar [kg].
 
-    Returns
-    -------
-    SizedDamper
-
     Raises
     ------
     InputError
@@ -539,8 +512,8 @@ class _Sizing:
 
     def used(self, size: float, settings: FloatArray) -> float:
         """Largest share of the permitted amplitude with a damper; inf if unbounded."""
-        found = self.result(self.make(size, settings).attached(self.chain, self.node))
-        return float(np.max(usage(self.limit, found)))
+        curve = self.result(self.make(size, settings).attached(self.chain, self.node))
+        return float(np.max(usage(self.limit, curve)))
 
     def optimized(self, size: float, nearest: TrialSize | None) -> TrialSize:
         """Optimize the settings of a damper of one size, if it has some."""
@@ -557,9 +530,9 @@ class _Sizing:
         """Find the smallest damper whose best settings keep the limit; `what` names its size."""
         tried = search_sizes(self.optimized, *sizes, scan)
         best = smallest_sufficient(tried)
-        found = zip(settings, best.settings.tolist(), self.ranges(best.size), strict=True)
+        searched = zip(settings, best.settings.tolist(), self.ranges(best.size), strict=True)
         remark = range_end_remark(what, best.size, *sizes) + "".join(
-            range_end_remark(name, value, *ends) for name, value, ends in found
+            range_end_remark(name, value, *ends) for name, value, ends in searched
         )
         damper = self.make(best.size, best.settings)
         chain = damper.attached(self.chain, self.node)
@@ -583,8 +556,8 @@ class _Sizing:
             without=without,
             used=best.used,
             used_without=before,
-            sizes=np.array([one.size for one in shown_sizes]),
-            used_at_best=np.array([one.used for one in shown_sizes]),
+            sizes=np.array([trial.size for trial in shown_sizes]),
+            used_at_best=np.array([trial.used for trial in shown_sizes]),
             sentence=(
                 f"A {what} of {shown} keeps the limit on {limit}: {numbers}."
                 if best.used <= 1.0
@@ -609,11 +582,11 @@ def _first_frequency(chain: Chain) -> float:
     return float(modes.angular_frequencies[modes.rigid])
 
 
-def _checked_range(name: str, given: Range, unit: str) -> tuple[float, float]:
+def _checked_range(name: str, ends: Range, unit: str) -> tuple[float, float]:
     """Return the ends of a range; a single value is both."""
     of = "it is that of a damper"
-    if not isinstance(given, tuple):
-        value = positive_number(name, given, unit, of)
+    if not isinstance(ends, tuple):
+        value = positive_number(name, ends, unit, of)
         return value, value
     allowed = "the least and then the largest value, because the search runs between them"
-    return positive_range(name, given, unit, of, allowed)
+    return positive_range(name, ends, unit, of, allowed)

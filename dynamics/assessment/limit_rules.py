@@ -242,11 +242,11 @@ def generator_set_limit(
     check_choice("part", part, ("crankshaft", "generator shaft"), "the rule limits these")
     even = _has_limits_of_engines_in_line(strokes, kind, firing_interval_deg)
     kept, passed = crankshaft_material_factors(tensile_strength, yield_strength, alloy=alloy)
-    own, quick = (31e6, 118e6) if part == "generator shaft" else (21e6 if even else 16e6, 90e6)
+    running, quick = (31e6, 118e6) if part == "generator shaft" else (21e6 if even else 16e6, 90e6)
     slowest = LEAST_SET_SPEED * rated
 
     def permitted(speeds: FloatArray) -> FloatArray:
-        return np.where(speeds < slowest, passed * quick, kept * own)
+        return np.where(speeds < slowest, passed * quick, kept * running)
 
     return VibrationLimit(
         quantity="torsional stress",
@@ -302,14 +302,14 @@ def _counted(strength: float, *, alloy: bool) -> str:
     most = CRANKSHAFT_STRENGTHS[alloy]
     if strength <= most:
         return ""
-    told = f"a tensile strength of {strength / 1e6:g} MPa enters the rule as {most / 1e6:g} MPa"
+    text = f"a tensile strength of {strength / 1e6:g} MPa enters the rule as {most / 1e6:g} MPa"
     end = f", where its formula ends for {'low alloy' if alloy else 'carbon'} steel"
     more = (
         ""
         if alloy
         else f" (for low alloy steel, alloy = true, at {CRANKSHAFT_STRENGTHS[True] / 1e6:g} MPa)"
     )
-    return f"{told}{end}{more}"
+    return f"{text}{end}{more}"
 
 
 CRANKSHAFT_RULES: dict[str, Callable[..., VibrationLimit]] = {

@@ -350,7 +350,6 @@ def positive_range(
 
     Parameters
     ----------
-    field : str
     ends : array_like of shape (2,)
     unit, of, allowed : str
         Their unit, why they are positive, what the two ends are and why.
@@ -360,11 +359,11 @@ def positive_range(
     InputError
         If they are not two such numbers, or the first is the larger.
     """
-    found = positive_vector(field, ends, unit, of)
-    if found.size != 2 or not found[0] <= found[1]:
-        shown = ", ".join(f"{end:g}" for end in found)
+    pair = positive_vector(field, ends, unit, of)
+    if pair.size != 2 or not pair[0] <= pair[1]:
+        shown = ", ".join(f"{end:g}" for end in pair)
         raise InputError(f"{field}: given ({shown}) {unit}; allowed are {allowed}.")
-    return float(found[0]), float(found[1])
+    return float(pair[0]), float(pair[1])
 
 
 def checked_rated_speed(rated_speed: float) -> float:

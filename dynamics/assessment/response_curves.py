@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.chains.chain import Chain
@@ -49,7 +49,6 @@ def node_amplitude(
     ----------
     excitation : OrderExcitation
         Forces on the nodes; further nodes of the chain, such as the ring of a damper, are free.
-    node : int or str
     elastic : bool
         Whether only the motion relative to that of the rigid body counts.
     magnifier : float, optional
@@ -119,7 +118,6 @@ def with_resonances(excitation: OrderExcitation, chain: Chain) -> OrderExcitatio
     ----------
     excitation : OrderExcitation
         Forces on the first nodes of the chain.
-    chain : Chain
 
     Returns
     -------
@@ -174,9 +172,9 @@ def damped_frequencies(chain: Chain) -> FloatArray:
             [-inverse @ stiffness / scale, -inverse @ damping],
         ]
     )
-    found = np.linalg.eigvals(state)
+    eigenvalues = np.linalg.eigvals(state)
     # Rigid motions are round-off: the root of it, as they come in pairs.
-    return np.sort(found.imag[found.imag > 1e-6 * scale])
+    return np.sort(eigenvalues.imag[eigenvalues.imag > 1e-6 * scale])
 
 
 def _response(chain: Chain, excitation: OrderExcitation, magnifier: float | None) -> ForcedResponse:
@@ -199,7 +197,6 @@ def largest_amplitude(series: OrderSeries, weights: FloatArray) -> tuple[float, 
 
     Parameters
     ----------
-    series : OrderSeries
     weights : ndarray of shape (S,)
         Of each speed, such as the reciprocal of the limit; not negative, zero where the speed is ignored.
 
@@ -229,11 +226,11 @@ def largest_amplitude(series: OrderSeries, weights: FloatArray) -> tuple[float, 
         if bounds.flat[some[0]] <= best:
             break
         speeds, _ = np.unravel_index(some, bounds.shape)
-        found = synthesis(series.orders, series.speeds[speeds], flat[:, some]).amplitude
-        used = weights[speeds] * found
+        amplitudes = synthesis(series.orders, series.speeds[speeds], flat[:, some]).amplitude
+        used = weights[speeds] * amplitudes
         top = int(np.argmax(used))
         if used[top] > best:
-            best, amplitude, winner = float(used[top]), float(found[top]), int(some[top])
+            best, amplitude, winner = float(used[top]), float(amplitudes[top]), int(some[top])
     speed, place = np.unravel_index(winner, bounds.shape)
     return amplitude, int(speed), int(place)
 
@@ -245,7 +242,6 @@ def speeds_above(
 
     Parameters
     ----------
-    series : OrderSeries
     weights : ndarray of shape (S,)
         As for `largest_amplitude`.
     known : ndarray of shape (S,), bool
@@ -259,9 +255,9 @@ def speeds_above(
         rows = rows[bounds[rows, place[rows]] > 1.0]
         if not rows.size:
             break
-        own = series.values[:, rows, place[rows]]
-        found = synthesis(series.orders, series.speeds[rows], own).amplitude
-        above[rows] = weights[rows] * found > 1.0
+        phasors = series.values[:, rows, place[rows]]
+        amplitudes = synthesis(series.orders, series.speeds[rows], phasors).amplitude
+        above[rows] = weights[rows] * amplitudes > 1.0
     return np.asarray(above)
 
 
@@ -313,9 +309,9 @@ def refined_maxima(uses_at: Uses, speeds: FloatArray, least: float = np.inf) -> 
         # The best place known stays among those tried, for the bracket need not be even about it.
         tried = left[:, np.newaxis] + (right - left)[:, np.newaxis] * steps
         asked = np.unique(tried)
-        found = uses_at(asked)[curves[:, np.newaxis], np.searchsorted(asked, tried)]
+        uses = uses_at(asked)[curves[:, np.newaxis], np.searchsorted(asked, tried)]
         every = np.column_stack((left, best, tried, right))
-        known = np.column_stack((none, reached, found, none))
+        known = np.column_stack((none, reached, uses, none))
         row, top = np.arange(best.size), np.argmax(known, axis=1)
         best, reached = every[row, top], known[row, top]
         below, above = every < best[:, np.newaxis], every > best[:, np.newaxis]
@@ -330,17 +326,17 @@ def refined_maxima(uses_at: Uses, speeds: FloatArray, least: float = np.inf) -> 
 def _maxima(values: FloatArray, least: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return curve and index of each maximum to be refined; an unbounded one needs no refinement."""
     chosen = set()
-    for curve, own in enumerate(values):
-        beside = np.concatenate(([-1.0], own, [-1.0]))
-        tops = np.flatnonzero((own > beside[:-2]) & (own >= beside[2:]) & (own > 0.0))
-        largest = np.max(own, initial=0.0)
-        chosen |= {(curve, top) for top in tops.tolist() if own[top] >= NEARLY_LARGEST * largest}
+    for curve, uses in enumerate(values):
+        beside = np.concatenate(([-1.0], uses, [-1.0]))
+        tops = np.flatnonzero((uses > beside[:-2]) & (uses >= beside[2:]) & (uses > 0.0))
+        largest = np.max(uses, initial=0.0)
+        chosen |= {(curve, top) for top in tops.tolist() if uses[top] >= NEARLY_LARGEST * largest}
         # Ranges without a gap above the least value, numbered by the steps up to it.
-        runs = np.cumsum(np.diff(own > least, prepend=False))
-        exceeding = tops[own[tops] > least]
+        runs = np.cumsum(np.diff(uses > least, prepend=False))
+        exceeding = tops[uses[tops] > least]
         for run in np.unique(runs[exceeding]):
             inside = exceeding[runs[exceeding] == run]
             chosen |= {(curve, int(inside[0])), (curve, int(inside[-1]))}
-    found = sorted(pair for pair in chosen if np.isfinite(values[pair]))
-    pairs = np.array(found, dtype=np.intp).reshape(-1, 2)
+    bounded = sorted(pair for pair in chosen if np.isfinite(values[pair]))
+    pairs = np.array(bounded, dtype=np.intp).reshape(-1, 2)
     return pairs[:, 0], pairs[:, 1]

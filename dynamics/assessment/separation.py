@@ -126,7 +126,6 @@ def critical_ranges(
 
     Parameters
     ----------
-    chain : Chain
     spreads : sequence of Spread
         Uncertain values; none for the nominal critical speeds alone.
     orders : array_like of shape (K,)
@@ -162,14 +161,15 @@ def critical_ranges(
     excited = positive_vector("orders", orders, "", "they count cycles per revolution")
     first, last = checked_running_range(running_range)
     modes = chain.modes()
-    each = [(own, *frequency_bounds(own, spreads)) for own in (chain, *others)]
-    found = []
+    each = [(variant, *frequency_bounds(variant, spreads)) for variant in (chain, *others)]
+    ranges = []
     for mode in range(modes.rigid, modes.frequencies.size):
         number = mode - modes.rigid + 1
         for order in excited.tolist():
             per_hertz = 2.0 * np.pi / order
             shifts = [
-                (1.0,) if damped is None else damped(own, number, order) for own, _, _ in each
+                (1.0,) if damped is None else damped(variant, number, order)
+                for variant, _, _ in each
             ]
             for shift in shifts[0]:
                 ends = [
@@ -180,12 +180,16 @@ def critical_ranges(
                 middle = per_hertz * shift * float(modes.frequencies[mode])
                 least = per_hertz * float(min(low for low, _ in ends))
                 most = per_hertz * float(max(high for _, high in ends))
-                margin, own = separation_margin(
+                margin, nominal = separation_margin(
                     [least, middle], [most, middle], (first, last)
                 ).tolist()
                 if margin <= within:
-                    found.append(CriticalRange(number, order, middle, least, most, margin, own))
-    return tuple(sorted(found, key=lambda one: (one.nominal, one.mode, one.order)))
+                    ranges.append(
+                        CriticalRange(number, order, middle, least, most, margin, nominal)
+                    )
+    return tuple(
+        sorted(ranges, key=lambda critical: (critical.nominal, critical.mode, critical.order))
+    )
 
 
 def _partner(shift: float, nominal: Sequence[float], peaks: Sequence[float]) -> float:
@@ -260,9 +264,9 @@ def major_criticals(
     clear = (share[0] * rated, share[1] * rated)
     orders = (0.5 * cylinders, float(cylinders)) if strokes == 4 else (float(cylinders),)
     majors: FloatArray = np.array(orders)
-    found = tuple(
-        one
-        for one in criticals
-        if np.any(np.isclose(one.order, majors)) and within(one.speed, *clear)
+    near = tuple(
+        critical
+        for critical in criticals
+        if np.any(np.isclose(critical.order, majors)) and within(critical.speed, *clear)
     )
-    return MajorCriticals(orders, clear, found)
+    return MajorCriticals(orders, clear, near)

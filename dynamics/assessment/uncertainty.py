@@ -8,13 +8,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, positive_vector
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import is_number, is_whole_within, whole_number, whole_within
-from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.choices import (
+    check_choice,
+    is_number,
+    is_whole_within,
+    whole_number,
+    whole_within,
+)
+from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
-from crankbase.library_types import Axes
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Axes
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
 
@@ -116,7 +120,6 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
 
     Parameters
     ----------
-    chain : Chain
     spreads : sequence of p Spread
         They state what each factor acts on; a value with two factors gets both.
     factors : array_like of shape (p,)
@@ -126,8 +129,8 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
     InputError
         If an element or node does not exist, or a factor is not above zero.
     """
-    given = positive_vector("factors", factors, "", "it is a factor on a positive value")
-    scales = scale_factors(chain, spreads, given[np.newaxis])
+    sizes = positive_vector("factors", factors, "", "it is a factor on a positive value")
+    scales = scale_factors(chain, spreads, sizes[np.newaxis])
     changed = {
         name: getattr(chain, name) * scale[0]
         for name, scale in scales.items()
@@ -246,8 +249,6 @@ class Samples:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         place : int, optional
             Which of several results, from 0; several dimensions are counted in rows.
         label : str, optional
@@ -271,8 +272,8 @@ class Samples:
             "place", place, 0, columns.shape[1] - 1, "each sample has that many results"
         )
         bars = whole_number("bins", bins, 1, "samples are counted in bars")
-        own = columns[:, number]
-        bounded = own[np.isfinite(own)]
+        results = columns[:, number]
+        bounded = results[np.isfinite(results)]
         if not bounded.size:
             raise InputError(
                 f"place: given {place}, where all samples are unbounded; allowed is one with bounded "
@@ -287,8 +288,8 @@ class Samples:
         axes.axvspan(low, high, color=GRAY, alpha=0.15, zorder=0, label="middle 90 %")
         axes.set_xlabel(label)
         axes.set_ylabel("samples [1]")
-        lost = own.size - bounded.size
-        write_title(axes, f"{own.size} samples" + (f", {lost} unbounded" if lost else ""))
+        lost = results.size - bounded.size
+        write_title(axes, f"{results.size} samples" + (f", {lost} unbounded" if lost else ""))
         legend_inside(axes)
         return axes
 
@@ -340,7 +341,6 @@ def frequency_samples(
 
     Parameters
     ----------
-    chain : Chain
     spreads : sequence of p Spread
     samples, seed : int
         See `sampled_factors`.
@@ -363,7 +363,6 @@ def frequency_bounds(
 
     Parameters
     ----------
-    chain : Chain
     spreads : sequence of Spread
     others : sequence of Chain, optional
         Other possible chains, such as in bearings of other stiffness: with the same nodes and the
@@ -393,8 +392,10 @@ def frequency_bounds(
     lowest = np.where(softer, ends[:, 1], ends[:, 0])
     highest = np.where(softer, ends[:, 0], ends[:, 1])
     corners = np.vstack((lowest, highest))
-    found = np.array([_frequencies(own, spreads, corners) for own in (chain, *others)])
-    return np.min(found[:, 0], axis=0), np.max(found[:, 1], axis=0)
+    frequencies = np.array(
+        [_frequencies(variant, spreads, corners) for variant in (chain, *others)]
+    )
+    return np.min(frequencies[:, 0], axis=0), np.max(frequencies[:, 1], axis=0)
 
 
 def frequency_sensitivities(chain: Chain, spreads: Sequence[Spread]) -> FloatArray:
@@ -451,16 +452,11 @@ def chain_samples(
 
     Parameters
     ----------
-    chain : Chain
     spreads : sequence of p Spread
     result : callable
         Chain to a number or an array of the same shape for every chain.
     samples, seed : int
         See `sampled_factors`.
-
-    Returns
-    -------
-    Samples
 
     Notes
     -----
@@ -524,21 +520,21 @@ def _frequencies(chain: Chain, spreads: Sequence[Spread], factors: FloatArray) -
     left, right = expand[ends[:, 0]], expand[ends[:, 1]]
     spread_out = chain.distributed_inertia * scales["distributed_inertia"] / 6.0
     mass = np.einsum("Nn,na,nb->Nab", chain.inertia * scales["inertia"], expand, expand)
-    for one, other, weight in (
+    for first, second, weight in (
         (left, left, 2),
         (right, right, 2),
         (left, right, 1),
         (right, left, 1),
     ):
-        mass += weight * np.einsum("Ne,ea,eb->Nab", spread_out, one, other)
+        mass += weight * np.einsum("Ne,ea,eb->Nab", spread_out, first, second)
     root = np.linalg.cholesky(mass)
     rows = np.swapaxes(np.linalg.solve(root, np.swapaxes(springs, 1, 2)), 1, 2)
     singular = np.linalg.svd(rows, compute_uv=False)
     rigid = chain.rigid_motions()[0].shape[1]
     count = expand.shape[1] - rigid
-    found = np.zeros((len(factors), expand.shape[1]))
-    found[:, rigid:] = singular[:, :count][:, ::-1]
-    return found / (2.0 * np.pi)
+    angular = np.zeros((len(factors), expand.shape[1]))
+    angular[:, rigid:] = singular[:, :count][:, ::-1]
+    return angular / (2.0 * np.pi)
 
 
 def _softens(spread: Spread) -> bool:

@@ -7,13 +7,21 @@ from typing import Literal
 
 import numpy as np
 
-from crankbase.drawing.curves import ORDER_COLORS
-from crankbase.drawing.diagram_style import BLUE, GRAY, ORANGE, RED, new_axes, with_gaps
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.diagrams import (
+    BLUE,
+    GRAY,
+    ORANGE,
+    ORDER_COLORS,
+    RED,
+    legend_below,
+    legend_inside,
+    new_axes,
+    with_gaps,
+    write_title,
+)
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table, table_of
+from crankbase.tables.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.assessment.barred_ranges import (
@@ -58,8 +66,6 @@ class LimitCheck:
 
     Parameters
     ----------
-    limit : VibrationLimit
-    curve : AmplitudeCurve
     worst_speed : float
         Speed at which most of the limit is used, among the speeds judged: from the lowest running speed
         to the highest, or to the end of the limit's rule above it [rad/s].
@@ -140,11 +146,6 @@ class LimitCheck:
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude and the permitted value over the speed, with a dot at the worst speed.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
         Returns
         -------
         matplotlib.axes.Axes
@@ -175,15 +176,7 @@ class LimitCheck:
     def to_pandas(self) -> DataFrame:
         """Return a row for each speed: amplitude, what is permitted (inf if nothing is stated), its use.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         unit = self.limit.unit
         return table(
@@ -249,7 +242,7 @@ class Verdict:
     @property
     def ranges_to_bar(self) -> list[tuple[float, float]]:
         """Speed ranges that may be barred, for any limit [rad/s]."""
-        return [(one.low, one.high) for one in self.barred if one.allowed]
+        return [(barred.low, barred.high) for barred in self.barred if barred.allowed]
 
     @property
     def sentence(self) -> str:
@@ -260,11 +253,11 @@ class Verdict:
         elif most.used > worst.used:
             place = limit_at(most.limit.name, most.curve.name)
             above = f" Above the running range, {place}: {most.use}."
-        said = f"{self.headline}: {worst.sentence}{above}"
+        text = f"{self.headline}: {worst.sentence}{above}"
         if self.status != "not acceptable":
-            return said
+            return text
         exceeded = (*self.barred, *self.started_through)
-        return f"{said} {' '.join(f'{one.sentence}.' for one in exceeded if not one.allowed)}"
+        return f"{text} {' '.join(f'{one.sentence}.' for one in exceeded if not one.allowed)}"
 
     @property
     def headline(self) -> str:
@@ -274,11 +267,6 @@ class Verdict:
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the share of each limit that is used over the speed, with barred ranges shaded.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
 
         Returns
         -------
@@ -322,15 +310,7 @@ class Verdict:
     def to_pandas(self) -> DataFrame:
         """Return one row for each check, the worst use first.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         return table_of(self.checks)
 
@@ -350,7 +330,6 @@ def judge(
     running_range : tuple of two floats
         Lowest and highest running speed [rad/s]; every curve must cover it. A limit
         that its source states up to a higher speed is judged up to there, as far as calculated.
-    rule : BarredRangeRule
     full_load : bool, optional
         As of `barred_ranges`.
 
@@ -370,12 +349,12 @@ def judge(
     low, high = checked_running_range(running_range)
     checks = [_check(limit, curve, (low, high)) for limit, curve in findings]
     ranges = barred_ranges(findings, rule, (low, high), full_load)
-    barred = tuple(one for one in ranges if one.position != "below")
-    below = tuple(one for one in ranges if one.position == "below")
-    refused = any(not one.allowed for one in ranges)
+    barred = tuple(span for span in ranges if span.position != "below")
+    below = tuple(span for span in ranges if span.position == "below")
+    refused = any(not span.allowed for span in ranges)
     status: Status = "not acceptable" if refused else "barred range needed" if barred else "fine"
     noted = [f"{check.curve.name}: {text}" for check in checks for text in check.remarks]
-    noted += [f"{one.shown}: {text}" for one in ranges for text in one.remarks]
+    noted += [f"{span.shown}: {text}" for span in ranges for text in span.remarks]
     for limit, _ in findings:
         if not at_most(high, limit.continuous.high):
             stated = speed_text(limit.continuous.high)
@@ -508,15 +487,7 @@ class Decision:
     def to_pandas(self) -> DataFrame:
         """Return a table with a row for each value tried.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         return table_of(self.trials)
 
@@ -530,10 +501,6 @@ def decide(status: Status, trials: Iterable[Trial]) -> Decision:
         Of the calculation.
     trials : iterable of Trial
         Of one or more fields, each varied separately; the value used is among its values.
-
-    Returns
-    -------
-    Decision
 
     Examples
     --------

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity, quantities_apart
+from crankbase.units.units import format_usage
 from dynamics.assessment.limits import VibrationLimit
 
 # What a verdict is called; "undecided" and "not judged" are those of a run, not of a `Verdict`.
@@ -114,12 +114,12 @@ def values_sentence(
     used = "used" if why else "assumed"
     texts = [f"{text} ({used})" if place == taken else text for place, text in enumerate(shown)]
     turns = [place for place in range(1, len(holds)) if holds[place] != holds[place - 1]]
-    told = range(turns[0] - 1, turns[0] + 1) if len(turns) == 1 else range(len(holds))
+    named = range(turns[0] - 1, turns[0] + 1) if len(turns) == 1 else range(len(holds))
     kept, lost = (
-        " or ".join(texts[place] for place in told if holds[place] == side)
+        " or ".join(texts[place] for place in named if holds[place] == side)
         for side in (True, False)
     )
-    beside = "" if taken is None or taken in told else f" ({shown[taken]} {used})"
+    beside = "" if taken is None or taken in named else f" ({shown[taken]} {used})"
     remedy = f"within {why}, set by" if why else "give"
     article = "an" if name[0] in "aeiou" else "a"
     return f"{article} {name} of {kept}, not with {lost}{beside}: {remedy} {field}"

@@ -11,9 +11,8 @@ import numpy as np
 from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, positive_number
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.balance.moving_masses import (
     Hodograph,
     MovingMasses,
@@ -114,13 +113,10 @@ class Balance:
 
     Parameters
     ----------
-    engine : EngineLayout
     speed : float
         Of the shaft [rad/s]; forces are proportional to its square.
     about : float
         Point of the shaft axis about which moments are taken [m].
-    model : str
-        "rigid" or "two-mass".
     rows : tuple of OrderBalance
         One for each order.
     """
@@ -132,13 +128,7 @@ class Balance:
     rows: tuple[OrderBalance, ...]
 
     def of(self, order: int) -> OrderBalance:
-        """Return one order.
-
-        Raises
-        ------
-        InputError
-            If the balance does not include it.
-        """
+        """Return one order."""
         for row in self.rows:
             if row.order == order:
                 return row
@@ -150,19 +140,10 @@ class Balance:
     def plot(self, axes: Axes | None = None, *, show: Literal["force", "moment"] = "force") -> Axes:
         """Draw the residual forces or moments, a curve for each order that is not balanced.
 
-        Parameters
-        ----------
-        show : {"force", "moment"}, optional
-
         Returns
         -------
         matplotlib.axes.Axes
             Seen from the free end: y up, x to the left; thin lines are the cylinders' axes.
-
-        Raises
-        ------
-        InputError
-            If it is neither.
         """
         check_choice("show", show, ("force", "moment"), "inertia leaves these over")
         curves = unbalanced(self, show)
@@ -181,21 +162,27 @@ class Balance:
             "order": ([row.order for row in self.rows], "1")
         }
         for name, unit in (("force", "N"), ("moment", "N m")):
-            own: list[Hodograph] = [getattr(row, name) for row in self.rows]
+            hodographs: list[Hodograph] = [getattr(row, name) for row in self.rows]
             for part in ("major", "minor", "x", "y"):
-                columns[f"{name}_{part}"] = ([getattr(one, part) for one in own], unit)
-            angles = [math.nan if one.angle_deg is None else one.angle_deg for one in own]
+                columns[f"{name}_{part}"] = (
+                    [getattr(hodograph, part) for hodograph in hodographs],
+                    unit,
+                )
+            angles = [
+                math.nan if hodograph.angle_deg is None else hodograph.angle_deg
+                for hodograph in hodographs
+            ]
             columns[f"{name}_angle"] = (list(angles), "deg")
             kept = [getattr(row, f"{name}_balanced") for row in self.rows]
             columns[f"{name}_balanced"] = (kept, "")
         return table(columns)
 
 
-def unbalanced(found: Balance, of: Literal["force", "moment"]) -> dict[str, Hodograph]:
+def unbalanced(engine_balance: Balance, of: Literal["force", "moment"]) -> dict[str, Hodograph]:
     """Return the forces or moments of the orders that are not balanced, by name."""
     return {
         f"order {row.order}": getattr(row, of)
-        for row in found.rows
+        for row in engine_balance.rows
         if not getattr(row, f"{of}_balanced")
     }
 
@@ -214,10 +201,6 @@ def balance(
     ----------
     engine : EngineLayout
         With `rotating` masses for counterweights and the unbalance of the throws.
-    speed : float
-        Of the shaft [rad/s].
-    orders : sequence of int, optional
-        Cycles per revolution of the shaft.
     about : float, optional
         Point of the shaft axis about which moments are taken [m]; by default the middle of the cylinders.
     model : str, optional
@@ -266,11 +249,11 @@ def balance(
     middle = 0.5 * (min(places) + max(places))
     point = middle if about is None else float(finite_array("about", about))
     masses = moving_masses(engine)
-    moving = sum(one.reciprocating + one.rotating for one in masses)
+    moving = sum(moving_mass.reciprocating + moving_mass.rotating for moving_mass in masses)
     statics = sum(mass.static_moment for mass in engine.rotating)
     force_scale = (moving * engine.crank_radius + statics) * turning**2
     reach = max(engine.crank_radius, *(abs(place - point) for place in places))
-    moving_at_pistons = [one.reciprocating for one in masses]
+    moving_at_pistons = [moving_mass.reciprocating for moving_mass in masses]
     to_and_fro = reciprocating_forces(engine, moving_at_pistons, turning, wanted)
     beside = _lateral(engine, masses, turning, wanted) if model == "rigid" else {}
     with_the_crank = _rotating(engine, masses, turning)
@@ -381,8 +364,6 @@ class HingedRodEffects:
 
     Parameters
     ----------
-    order : int
-        Cycles per revolution of the shaft.
     side_by_side : Hodograph
         Each hinged rod replaced by a copy of the main rod, and its reciprocating mass by that of
         the main rod's cylinder.
@@ -416,15 +397,15 @@ class HingedRodEffects:
 
     def to_pandas(self) -> DataFrame:
         """Return one row for each of the four forces: semi-axes and amplitudes."""
-        own = list(self.curves.values())
+        hodographs = list(self.curves.values())
         return table(
             {
                 "case": (list(self.curves), ""),
-                "order": ([self.order] * len(own), "1"),
-                "major": ([one.major for one in own], "N"),
-                "minor": ([one.minor for one in own], "N"),
-                "x": ([one.x for one in own], "N"),
-                "y": ([one.y for one in own], "N"),
+                "order": ([self.order] * len(hodographs), "1"),
+                "major": ([hodograph.major for hodograph in hodographs], "N"),
+                "minor": ([hodograph.minor for hodograph in hodographs], "N"),
+                "x": ([hodograph.x for hodograph in hodographs], "N"),
+                "y": ([hodograph.y for hodograph in hodographs], "N"),
             }
         )
 
@@ -441,10 +422,6 @@ def hinged_rod_effects(
     ----------
     engine : EngineLayout
         With at least one hinged rod.
-    speed : float
-        Of the shaft [rad/s].
-    orders : sequence of int, optional
-        Cycles per revolution of the shaft.
     cylinders : sequence of int, optional
         Numbers of the cylinders whose forces are added, such as the two of one throw; all by
         default.
@@ -475,8 +452,8 @@ def hinged_rod_effects(
             "because their effect is calculated."
         )
     beside = _side_by_side(engine)
-    own = [masses.reciprocating for masses in moving_masses(engine)]
-    of_mains = [own[engine.main_of(number) - 1] for number in range(1, count + 1)]
+    reciprocating = [masses.reciprocating for masses in moving_masses(engine)]
+    of_mains = [reciprocating[engine.main_of(number) - 1] for number in range(1, count + 1)]
 
     def forces(layout: EngineLayout, masses: Sequence[float]) -> list[Hodograph]:
         by_order = reciprocating_forces(layout, masses, speed, wanted)
@@ -488,8 +465,8 @@ def hinged_rod_effects(
     cases = (
         forces(beside, of_mains),
         forces(engine, of_mains),
-        forces(beside, own),
-        forces(engine, own),
+        forces(beside, reciprocating),
+        forces(engine, reciprocating),
     )
     return tuple(
         HingedRodEffects(order, *each)

@@ -9,14 +9,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import radians_of
-from crankbase.checks.arrays import ComplexArray, FloatArray, complex_array, nonnegative_number
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    complex_array,
+    nonnegative_number,
+    radians_of,
+)
+from crankbase.checks.choices import check_choice, whole_number
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.engine.layout import EngineLayout, RotatingMass
 from dynamics.engine.motions import checked_orders, parts_motion, turn_spectrum
 from dynamics.plots.load_diagrams import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
@@ -127,11 +130,6 @@ class Hodograph:
     def amplitude_along(self, *, angle_deg: float) -> float:
         """Return the amplitude of the component in a direction [deg].
 
-        Raises
-        ------
-        InputError
-            If the direction is not a finite number.
-
         Notes
         -----
         Re(F exp(-i angle)) has the coefficient P exp(-i angle) + conj(Q) exp(i angle).
@@ -151,13 +149,7 @@ class Hodograph:
         return np.asarray(self.forward * turn + self.backward / turn)
 
     def points(self, count: int = 181) -> tuple[FloatArray, FloatArray]:
-        """Return x and y of points along the closed curve, each real of shape (count,).
-
-        Raises
-        ------
-        InputError
-            If the count is not a whole number of 1 or more.
-        """
+        """Return x and y of points along the closed curve, each real of shape (count,)."""
         count = whole_number("count", count, 1, "so many points are wanted")
         vectors = self.at(
             shaft_angle_deg=np.degrees(np.linspace(0.0, 2.0 * np.pi / self.order, count))
@@ -182,11 +174,6 @@ class Hodograph:
         -------
         matplotlib.axes.Axes
             A dot marks the vector at shaft angle zero, an arrowhead the direction of motion.
-
-        Raises
-        ------
-        InputError
-            If the quantity is unknown.
         """
         check_choice("quantity", quantity, ("force", "moment"), "the axes have the unit of one")
         labels = FORCE_LABELS if quantity == "force" else MOMENT_LABELS
@@ -194,20 +181,7 @@ class Hodograph:
         return draw_hodographs(axes, {name: self}, labels, title=f"{quantity} of {name}")
 
     def to_pandas(self, unit: str = "N", count: int = 181) -> DataFrame:
-        """Return the vector at evenly spaced shaft angles over one revolution, both ends included.
-
-        Parameters
-        ----------
-        unit : str, optional
-            N, or N m for a moment.
-        count : int, optional
-            Two or more.
-
-        Raises
-        ------
-        InputError
-            If the count is not a whole number of 2 or more.
-        """
+        """Return the vector at evenly spaced shaft angles over one revolution, both ends included."""
         most = whole_number("count", count, 2, "a turn has two ends")
         angles = np.linspace(0.0, 360.0, most)
         vector = self.at(shaft_angle_deg=angles)
@@ -222,18 +196,18 @@ def _unit(number: complex) -> complex:
 
 def hodograph_sum(order: int, hodographs: Iterable[Hodograph]) -> Hodograph:
     """Return the hodograph of the sum of vectors of one order."""
-    given = list(hodographs)
+    terms = list(hodographs)
     return Hodograph(
         order,
-        _accurate_sum(one.forward for one in given),
-        _accurate_sum(one.backward for one in given),
+        _accurate_sum(term.forward for term in terms),
+        _accurate_sum(term.backward for term in terms),
     )
 
 
 def _accurate_sum(numbers: Iterable[complex]) -> complex:
     """Return the sum with round-off set to zero where terms cancel."""
-    given = list(numbers)
-    return complex(math.fsum(one.real for one in given), math.fsum(one.imag for one in given))
+    terms = list(numbers)
+    return complex(math.fsum(term.real for term in terms), math.fsum(term.imag for term in terms))
 
 
 def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph, ...]:
@@ -243,8 +217,6 @@ def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph,
     ----------
     vectors : complex array_like of shape (m,)
         y - i x at m shaft angles, evenly over one revolution from zero, without the closing one.
-    orders : sequence of int
-        Cycles per revolution of the shaft.
 
     Returns
     -------
@@ -264,19 +236,20 @@ def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph,
     >>> round(found.major, 9), round(found.minor, 9), found.sense
     (4.0, 2.0, 1)
     """
-    given = complex_array("vectors", vectors)
-    if given.ndim != 1 or not np.all(np.isfinite(given)):
+    samples = complex_array("vectors", vectors)
+    if samples.ndim != 1 or not np.all(np.isfinite(samples)):
         raise InputError(
-            f"vectors: given an array of shape {given.shape} with {np.count_nonzero(~np.isfinite(given))} "
+            f"vectors: given an array of shape {samples.shape} with "
+            f"{np.count_nonzero(~np.isfinite(samples))} "
             "values not finite; allowed is a row of finite ones, because they follow the shaft."
         )
     wanted = checked_orders(orders)
-    if 2 * max(wanted) >= given.size:
+    if 2 * max(wanted) >= samples.size:
         raise InputError(
-            f"orders: given {max(wanted)} with {given.size} samples; allowed is less than half the number "
+            f"orders: given {max(wanted)} with {samples.size} samples; allowed is less than half the number "
             "of samples over a turn, because they resolve no more."
         )
-    coefficients = np.fft.fft(given) / given.size
+    coefficients = np.fft.fft(samples) / samples.size
     return tuple(
         Hodograph(order, complex(coefficients[order]), complex(coefficients[-order]))
         for order in wanted
@@ -310,10 +283,6 @@ class MovingMasses:
 
 def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
     """Return the masses of each cylinder's moving parts.
-
-    Returns
-    -------
-    tuple of n MovingMasses
 
     Notes
     -----
@@ -419,8 +388,6 @@ def reciprocating_forces(
     ----------
     masses : sequence of n float
         One for each cylinder [kg].
-    speed : float
-        Of the shaft [rad/s].
 
     Returns
     -------
@@ -457,10 +424,10 @@ def cylinder_forces(
         For each order the n forces [N].
     """
     spectrum = turn_spectrum(forces, max(orders))
-    found: dict[int, list[PlacedForce]] = {}
+    by_order: dict[int, list[PlacedForce]] = {}
     for order in orders:
         ahead, back = spectrum[..., order].tolist(), spectrum[..., -order].tolist()
-        found[order] = [
+        by_order[order] = [
             (
                 cylinder.position,
                 Hodograph(order, forward, backward).times(
@@ -469,4 +436,4 @@ def cylinder_forces(
             )
             for cylinder, forward, backward in zip(engine.cylinders, ahead, back, strict=True)
         ]
-    return found
+    return by_order

@@ -45,11 +45,6 @@ class Dashpot:
         Nodes, from 0.
     damping : float
         Torque or force per relative speed [N m s/rad or N s/m].
-
-    Raises
-    ------
-    InputError
-        If the damping is not a finite number above zero.
     """
 
     left: int

@@ -6,12 +6,10 @@ from itertools import pairwise
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
-from crankbase.library_types import Axes, DataFrame, Dataset
+from crankbase.checks.choices import whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid, table
+from crankbase.tables.frames import Axes, DataFrame, Dataset, grid, table
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from dynamics.plots.quantities import name_axis
 
@@ -53,7 +51,6 @@ class Modes:
         Share of each of the e elements, then of each connection to ground, in the mode's strain
         energy, in the order of `strain_names`; columns sum to 1, those of rigid-body modes are 0. It
         is also the relative change of the squared frequency per relative change of that stiffness.
-    node_names : tuple of n str
     connections : tuple of e pairs of int
         Nodes that each element joins.
     """
@@ -96,20 +93,10 @@ class Modes:
     def plot(self, axes: Axes | None = None, *, count: int = 3) -> Axes:
         """Draw the shapes of the first elastic modes over the nodes.
 
-        Parameters
-        ----------
-        count : int, optional
-            How many modes.
-
         Returns
         -------
         matplotlib.axes.Axes
             Lines join nodes connected by an element; a cross marks a node of vibration.
-
-        Raises
-        ------
-        InputError
-            If the count is not a whole number of 1 or more.
         """
         most = whole_number("count", count, 1, "a diagram shows some modes")
         shown = slice(self.rigid, self.rigid + most)
@@ -133,7 +120,7 @@ class Modes:
                 "mode": (list(self.names), ""),
                 "frequency": (self.frequencies, "Hz"),
                 "angular_frequency": (self.angular_frequencies, "rad/s"),
-                "nodes": ([len(found) for found in self.node_positions], "1"),
+                "nodes": ([len(positions) for positions in self.node_positions], "1"),
                 "modal_inertia": (self.modal_inertia, "kg m^2 or kg"),
             }
         )

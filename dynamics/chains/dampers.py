@@ -5,11 +5,64 @@ from dataclasses import dataclass
 from typing import get_args
 
 from crankbase.checks.arrays import nonnegative_number, positive_number
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import add_node, find_node, with_ground, with_inertia
+
+
+@dataclass(frozen=True)
+class TorsionalRing:
+    """A body that turns with a node of a chain or a section of a shaft through a spring and a dashpot.
+
+    The ring of a viscous damper (no stiffness) or of a rubber damper (a loss factor), a driven machine
+    behind a coupling.
+
+    Parameters
+    ----------
+    inertia : float
+        [kg m^2]
+    stiffness : float
+        [N m/rad]
+    damping : float
+        [N m s/rad]
+    loss_factor : float
+        Imaginary part of the stiffness relative to the real one.
+
+    Raises
+    ------
+    InputError
+        If the inertia is not above zero, another value is negative, or there is no connection.
+    """
+
+    inertia: float
+    stiffness: float = 0.0
+    damping: float = 0.0
+    loss_factor: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive_number("ring inertia", self.inertia, "kg m^2", "a body has inertia")
+        why = "it is that of a passive element"
+        for name, unit in (("stiffness", "N m/rad"), ("damping", "N m s/rad"), ("loss_factor", "")):
+            nonnegative_number(f"ring {name}", getattr(self, name), unit, why)
+        if self.stiffness == 0.0 and self.damping == 0.0:
+            raise InputError(
+                "ring: given neither stiffness nor damping; allowed is one of them or both, because the "
+                "ring would not be joined to the shaft."
+            )
+
+    def attached(self, chain: Chain, node: str | int, name: str) -> Chain:
+        """Return the chain with this body on a node, as its last node, of the given name."""
+        return add_node(
+            chain,
+            name,
+            self.inertia,
+            to=node,
+            stiffness=self.stiffness or None,
+            damping=self.damping,
+            loss_factor=self.loss_factor,
+        )
 
 
 @dataclass(frozen=True)
@@ -24,8 +77,6 @@ class ViscousDamper:
         Torque per relative speed of ring and housing [N m s/rad].
     hub_inertia : float, optional
         Of the housing, which turns with the shaft [kg m^2].
-    name : str, optional
-        Of the ring's node.
 
     Raises
     ------
@@ -44,16 +95,14 @@ class ViscousDamper:
             "damper.damping", self.damping, "N m s/rad", "oil alone joins the ring to the shaft"
         )
 
-    def attached(self, chain: Chain, node: str | int) -> Chain:
-        """Return the chain with this damper on a node; its ring is the last node.
+    @property
+    def ring(self) -> TorsionalRing:
+        """Ring and oil, without the hub."""
+        return TorsionalRing(self.ring_inertia, damping=self.damping)
 
-        Raises
-        ------
-        InputError
-            If the node is unknown, or the ring's name is taken.
-        """
-        held = with_inertia(chain, node, self.hub_inertia)
-        return add_node(held, self.name, self.ring_inertia, to=node, damping=self.damping)
+    def attached(self, chain: Chain, node: str | int) -> Chain:
+        """Return the chain with this damper on a node; its ring is the last node."""
+        return self.ring.attached(with_inertia(chain, node, self.hub_inertia), node, self.name)
 
 
 @dataclass(frozen=True)
@@ -72,8 +121,6 @@ class RubberDamper:
         Viscous damping parallel to it [N m s/rad].
     hub_inertia : float, optional
         Of the hub, which turns with the shaft [kg m^2].
-    name : str, optional
-        Of the ring's node.
 
     Raises
     ------
@@ -98,27 +145,18 @@ class RubberDamper:
         nonnegative_number("damper.damping", self.damping, "N m s/rad", why)
 
     @property
+    def ring(self) -> TorsionalRing:
+        """Ring and rubber, without the hub."""
+        return TorsionalRing(self.ring_inertia, self.stiffness, self.damping, self.loss_factor)
+
+    @property
     def angular_frequency(self) -> float:
         """Natural frequency of the ring with the shaft held [rad/s]."""
         return float((self.stiffness / self.ring_inertia) ** 0.5)
 
     def attached(self, chain: Chain, node: str | int) -> Chain:
-        """Return the chain with this damper on a node; its ring is the last node.
-
-        Raises
-        ------
-        InputError
-            If the node is unknown, or the ring's name is taken.
-        """
-        return add_node(
-            with_inertia(chain, node, self.hub_inertia),
-            self.name,
-            self.ring_inertia,
-            to=node,
-            stiffness=self.stiffness,
-            loss_factor=self.loss_factor,
-            damping=self.damping,
-        )
+        """Return the chain with this damper on a node; its ring is the last node."""
+        return self.ring.attached(with_inertia(chain, node, self.hub_inertia), node, self.name)
 
 
 @dataclass(frozen=True)
@@ -152,13 +190,7 @@ class AxialDamper:
         nonnegative_number("axial_damper.mass", self.mass, "kg", "it adds to that of the shaft")
 
     def attached(self, chain: Chain, node: str | int) -> Chain:
-        """Return the chain with this damper between a node and ground.
-
-        Raises
-        ------
-        InputError
-            If the node is unknown.
-        """
+        """Return the chain with this damper between a node and ground."""
         held = with_ground(chain, node, self.stiffness, damping=self.damping)
         return with_inertia(held, node, self.mass)
 
@@ -252,16 +284,6 @@ def untuned_optimum(mass_ratio: float) -> AbsorberOptimum:
 def tuned_optimum(mass_ratio: float) -> AbsorberOptimum:
     """Return the absorber with spring and viscous damping after Den Hartog.
 
-    Parameters
-    ----------
-    mass_ratio : float
-        mu, inertia of the absorber over that of the main system.
-
-    Raises
-    ------
-    InputError
-        If the ratio is not above zero.
-
     Notes
     -----
     With f the tuning, g = w / w_n, x = g^2 and z = c / (2 I_a w_n)
@@ -288,16 +310,6 @@ def tuned_optimum(mass_ratio: float) -> AbsorberOptimum:
 def rubber_optimum(mass_ratio: float) -> AbsorberOptimum:
     """Return the absorber whose damping is the loss factor of its spring.
 
-    Parameters
-    ----------
-    mass_ratio : float
-        mu, inertia of the absorber over that of the main system.
-
-    Raises
-    ------
-    InputError
-        If the ratio is not above zero.
-
     Notes
     -----
     With the loss factor h, h f^2 replaces the 2 z g of a viscous absorber, see `tuned_optimum`:
@@ -320,11 +332,6 @@ def rubber_optimum(mass_ratio: float) -> AbsorberOptimum:
 
 def main_inertia(chain: Chain, node: str | int, mode: int = 1) -> tuple[float, float]:
     """Return the modal inertia of one mode at a node, and the mode's angular frequency.
-
-    Parameters
-    ----------
-    mode : int, optional
-        Elastic mode, from 1.
 
     Returns
     -------
@@ -367,14 +374,8 @@ def viscous_damper_for(
     ----------
     chain : Chain
         Torsional, without the damper but with its hub.
-    node : str or int
-        Node of the damper.
     ring_inertia : float
         [kg m^2]
-    mode : int, optional
-        Elastic mode to damp, from 1.
-    hub_inertia, name : optional
-        Of the damper; see `ViscousDamper`.
 
     Raises
     ------

@@ -16,14 +16,13 @@ from crankbase.checks.arrays import (
     positive_number,
     positive_vector,
 )
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import check_choice, whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.dampers import AxialDamper, TorsionalDamper, check_axial, check_torsional
-from dynamics.chains.editing import add_node, join_chains, with_damper, with_ground
+from dynamics.chains.editing import join_chains, with_damper, with_ground
 from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
@@ -48,8 +47,6 @@ class EngineChain:
 
     Parameters
     ----------
-    chain : Chain
-        Inertias and stiffnesses; its nodes have names.
     kind : {"axial", "torsional"}
         Kind of motion of the chain, which sets its units.
     throw_nodes : tuple of int
@@ -93,17 +90,13 @@ class EngineChain:
 
         Modes of a coupling, a damper's ring or a shaft line are skipped. None if there is no other.
         """
-        own = np.flatnonzero(self.crankshaft_shares(modes)[modes.rigid :] >= CRANKSHAFT_MODE)
-        return modes.rigid + int(own[0]) if own.size else None
+        shaft_modes = np.flatnonzero(
+            self.crankshaft_shares(modes)[modes.rigid :] >= CRANKSHAFT_MODE
+        )
+        return modes.rigid + int(shaft_modes[0]) if shaft_modes.size else None
 
     def with_chain(self, chain: Chain) -> "EngineChain":
-        """Return the same engine with its chain changed by the functions that edit chains.
-
-        Raises
-        ------
-        InputError
-            If nodes of the old chain are missing or have moved.
-        """
+        """Return the same engine with its chain changed by the functions that edit chains."""
         if chain.names[: len(self.chain.names)] != self.chain.names:
             raise InputError(
                 f"chain: given nodes {', '.join(chain.names)}; allowed are ones that begin with "
@@ -154,8 +147,6 @@ def axial_chain(
         Hysteretic damping of each throw, or of all.
     section_damping : float or array_like of shape (n + 1,), optional
         Viscous (absolute) damping of each section, or of all, to ground [N s/m].
-    damper : AxialDamper, optional
-        At the free end.
     shaft_line : Chain, optional
         Axial chain of the shaft line behind the flywheel; its first node becomes section n.
 
@@ -251,8 +242,6 @@ def torsional_chain(
     cylinders : int or sequence of n int, optional
         Number of cylinders on each throw, or on all. If it is one everywhere the nodes are
         called "cylinder 1" and so on, otherwise "throw 1" and so on.
-    damper : ViscousDamper or RubberDamper, optional
-        At the free end; its hub's inertia is added there.
     shaft_line : Chain, optional
         Torsional chain of the shaft line behind the flywheel; its first node becomes the flywheel.
 
@@ -315,35 +304,22 @@ def torsional_chain(
         chain = join_chains(chain, FLYWHEEL, shaft_line)
     machines = (driven,) if isinstance(driven, DrivenMachine) else tuple(driven or ())
     for machine in machines:
-        chain = _with_machine(chain, machine)
+        chain = machine.attached(chain)
     if damper is not None:
         chain = with_damper(chain, FREE_END, damper)
     throws = tuple(range(len(ends), len(ends) + count))
     return EngineChain(chain, "torsional", throw_nodes=throws)
 
 
-def _with_machine(chain: Chain, machine: DrivenMachine) -> Chain:
-    wider = add_node(
-        chain,
-        machine.name,
-        machine.inertia,
-        to=machine.on,
-        stiffness=machine.coupling_stiffness,
-        damping=machine.coupling_damping,
-        loss_factor=machine.coupling_loss_factor,
-    )
-    return with_ground(wider, machine.name, damping=machine.damping)
-
-
 def throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:
     """Return the names of the cranks' nodes, from the free end."""
-    given = [cylinders] * count if isinstance(cylinders, int | np.integer) else list(cylinders)
-    if len(given) != count:
+    counts = [cylinders] * count if isinstance(cylinders, int | np.integer) else list(cylinders)
+    if len(counts) != count:
         raise InputError(
-            f"cylinders: given {len(given)} values; allowed are {count}, or one for all, because "
+            f"cylinders: given {len(counts)} values; allowed are {count}, or one for all, because "
             "there is one for each throw."
         )
-    on_each = [whole_number("cylinders", value, 1, "a throw carries cylinders") for value in given]
+    on_each = [whole_number("cylinders", value, 1, "a throw carries cylinders") for value in counts]
     word = "cylinder" if max(on_each) == 1 else "throw"
     return [f"{word} {number}" for number in range(1, count + 1)]
 
@@ -432,8 +408,6 @@ def throw_inertias(
 
     Parameters
     ----------
-    engine : EngineLayout
-        Cylinders with rods, hinged ones too, and pistons.
     solid_inertias : float or array_like of shape (t,)
         Moment of inertia of each solid throw about the shaft axis, counterweights included, or of
         all [kg m^2].
@@ -471,8 +445,8 @@ def throw_inertias(
         "every throw has inertia",
         zero_allowed=False,
     )
-    own = _half_shares(engine) if reciprocating == "half" else _means(engine)
-    shares = [sum(own[number - 1] for number in group) for group in groups]
+    inertias = _half_shares(engine) if reciprocating == "half" else _means(engine)
+    shares = [sum(inertias[number - 1] for number in group) for group in groups]
     return np.asarray(solids + np.array(shares))
 
 
@@ -518,7 +492,7 @@ def _means(engine: EngineLayout) -> list[float]:
 
 def _masses(field: str, masses: ArrayLike) -> FloatArray:
     why = "it adds to the inertia of the throw"
-    given = finite_array(field, masses)
-    if given.ndim == 0:
-        return np.array([nonnegative_number(field, float(given), "kg", why)])
-    return nonnegative_vector(field, given, "kg", why)
+    checked = finite_array(field, masses)
+    if checked.ndim == 0:
+        return np.array([nonnegative_number(field, float(checked), "kg", why)])
+    return nonnegative_vector(field, checked, "kg", why)

@@ -8,11 +8,12 @@ from typing import Literal, Protocol, get_args
 import numpy as np
 
 from crankbase.checks.arrays import SMALLEST, nonnegative_number, positive_number
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number, whole_within
+from crankbase.checks.choices import check_choice, whole_number, whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
+from dynamics.chains.dampers import TorsionalRing
+from dynamics.chains.editing import with_ground
 
 # Shares of the dry propeller that designers often take before they know better; assumed here, no
 # published table stands behind them. D. M. MacPherson, V. R. Puleo, M. B. Packard, Estimation of
@@ -37,8 +38,6 @@ class DrivenMachine:
         Hysteretic damping of the coupling: its stiffness is k (1 + i loss factor).
     damping : float, optional
         Absolute damping of the machine, torque per speed of vibration [N m s/rad].
-    name : str, optional
-        Of its node.
     on : str, optional
         Name of the node with the coupling; the flywheel by default.
 
@@ -70,6 +69,18 @@ class DrivenMachine:
         nonnegative_number("driven.coupling_loss_factor", self.coupling_loss_factor, "", why)
         nonnegative_number("driven.damping", self.damping, unit, why)
 
+    @property
+    def ring(self) -> TorsionalRing:
+        """The machine behind its coupling, without its absolute damping."""
+        return TorsionalRing(
+            self.inertia, self.coupling_stiffness, self.coupling_damping, self.coupling_loss_factor
+        )
+
+    def attached(self, chain: Chain) -> Chain:
+        """Return the chain with this machine on its node."""
+        wider = self.ring.attached(chain, self.on, self.name)
+        return with_ground(wider, self.name, damping=self.damping)
+
 
 @dataclass(frozen=True)
 class Propeller:
@@ -90,8 +101,6 @@ class Propeller:
         Torque per speed of torsional vibration [N m s/rad].
     axial_damping : float, optional
         Force per speed of axial vibration [N s/m].
-    name : str, optional
-        Of its node.
 
     Raises
     ------
@@ -217,7 +226,6 @@ class ShaftCone:
         A proportional bore is a constant share of the outer diameter.
     material : optional
         Anything with youngs_modulus, shear_modulus and density; steel by default.
-    name : str, optional
 
     Raises
     ------
@@ -291,13 +299,7 @@ class ShaftCone:
         return math.pi / 16.0 * (outer**4 - inner**4) / outer
 
     def divided(self, parts: int) -> tuple["ShaftCone", ...]:
-        """Return the piece divided into equally long ones, at most 10,000.
-
-        Raises
-        ------
-        InputError
-            If the number is not such a number.
-        """
+        """Return the piece divided into equally long ones, at most 10,000."""
         why = "a piece of a shaft is cut into some parts"
         parts = whole_within("parts", parts, 1, MOST_PARTS, why)
         step = (self.right_diameter - self.left_diameter) / parts
@@ -377,15 +379,6 @@ def shaft_cylinder(
     ----------
     length, diameter : float
         [m]
-    bore : float, optional
-        Diameter of the bore [m].
-    material : optional
-        Anything with youngs_modulus, shear_modulus and density; steel by default.
-
-    Raises
-    ------
-    InputError
-        If a size is not above zero, or the bore leaves no wall.
     """
     outer = positive_number("shaft.diameter", diameter, "m", "a shaft has a cross section")
     return ShaftCone(length, outer, outer, bore, "cylindrical", material, name)
@@ -404,15 +397,6 @@ def shaft_flange(
     ----------
     thickness, diameter : float
         [m]
-    bore : float, optional
-        Diameter of the bore [m].
-    material : optional
-        Anything with youngs_modulus, shear_modulus and density; steel by default.
-
-    Raises
-    ------
-    InputError
-        If a size is not above zero, or the bore leaves no wall.
 
     Notes
     -----
@@ -440,7 +424,6 @@ class Coupling:
     loss_factor : float, optional
         Hysteretic damping: the stiffness is k (1 + i loss_factor). Data sheets give the relative
         damping psi, the energy lost in a cycle over the largest stored: loss_factor = psi / (2 pi).
-    name : str, optional
 
     Raises
     ------
@@ -477,13 +460,7 @@ class Coupling:
             nonnegative_number(f"coupling.{field}", getattr(self, field), unit, why)
 
     def stiffness(self, kind: Motion) -> float:
-        """Return the stiffness for one kind of motion.
-
-        Raises
-        ------
-        InputError
-            If it is not given.
-        """
+        """Return the stiffness for one kind of motion."""
         value = self.torsional_stiffness if kind == "torsional" else self.axial_stiffness
         if value is None:
             raise InputError(
@@ -503,8 +480,6 @@ class RigidBody:
         Polar moment of inertia [kg m^2].
     mass : float
         [kg]
-    name : str
-        Of its node.
 
     Raises
     ------
@@ -577,13 +552,7 @@ class ShaftLine:
 
     @property
     def section_modulus(self) -> float:
-        """Smallest torsional section modulus of its pieces of shaft [m^3].
-
-        Raises
-        ------
-        InputError
-            If there is no piece of shaft.
-        """
+        """Smallest torsional section modulus of its pieces of shaft [m^3]."""
         if not self._shafts:
             raise InputError(
                 "pieces: given no piece of shaft; allowed are one or more, because stress belongs to a "
@@ -592,13 +561,7 @@ class ShaftLine:
         return min(piece.section_modulus for piece in self._shafts)
 
     def compliance(self, kind: Motion) -> float:
-        """Return the compliance from end to end [rad/(N m)] or [m/N].
-
-        Raises
-        ------
-        InputError
-            If the kind is unknown, or a coupling has no stiffness.
-        """
+        """Return the compliance from end to end [rad/(N m)] or [m/N]."""
         check_choice("kind", kind, get_args(Motion), "a chain is one of them")
         return sum(_compliance(piece, kind) for piece in self.pieces)
 
@@ -614,7 +577,6 @@ class ShaftLine:
 
         Parameters
         ----------
-        kind : {"torsional", "axial"}, optional
         parts : int, optional
             Number of elements for each piece of shaft.
         inertia : {"consistent", "lumped"}, optional
@@ -665,10 +627,10 @@ class _Row:
         self.elements: list[tuple[float, float, float, float]] = []
 
     def add_shaft(self, part: ShaftCone, kind: Motion, loss: float, *, lumped: bool) -> None:
-        own = part.polar_inertia if kind == "torsional" else part.mass
-        ends = own / 2.0 if lumped else 0.0
+        spread = part.polar_inertia if kind == "torsional" else part.mass
+        ends = spread / 2.0 if lumped else 0.0
         self.inertia[-1] += ends
-        self._element(1.0 / _compliance(part, kind), 0.0, loss, 0.0 if lumped else own, ends)
+        self._element(1.0 / _compliance(part, kind), 0.0, loss, 0.0 if lumped else spread, ends)
 
     def add_coupling(self, piece: Coupling, kind: Motion) -> None:
         torsional = kind == "torsional"
@@ -693,8 +655,8 @@ class _Row:
             ground_damping=self.ground_damping,
             distributed_inertia=spread,
             names=[
-                ", ".join(own) if own else f"{name} {number}"
-                for number, own in enumerate(self.names)
+                ", ".join(bodies) if bodies else f"{name} {number}"
+                for number, bodies in enumerate(self.names)
             ],
         )
 

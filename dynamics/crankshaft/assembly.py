@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray, one_for_each
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
@@ -85,7 +85,7 @@ def join_lines(
     first, size : int
         First of the unknowns left for lines, and the number of all.
     """
-    found = []
+    joined = []
     for kind, chain, section in lines:
         expand = chain.expansion()
         unknowns = np.arange(first, first + expand.shape[1] - 1)
@@ -93,8 +93,8 @@ def join_lines(
         motions = np.zeros((len(expand), size))
         # Gears' groups are counted by their first nodes: the first one is the section's.
         motions[:, [section, *unknowns]] = expand
-        found.append(JoinedLine(kind, chain, motions, unknowns))
-    return tuple(found)
+        joined.append(JoinedLine(kind, chain, motions, unknowns))
+    return tuple(joined)
 
 
 CLASSES = ("axial", "torsional", "bending")
@@ -187,7 +187,6 @@ def shaft_stations(
     Parameters
     ----------
     throws : sequence of n ShaftThrow
-    around : ShaftSurroundings
     pin_masses : ndarray of shape (p,)
         Rods' and pistons' mass at each pin [kg].
     starts : ndarray of shape (n + 1,)
@@ -195,18 +194,14 @@ def shaft_stations(
     section_motions : ndarray of shape (6 (n + 1), u)
     pin_slices : sequence of p ndarrays of shape (6, u)
         Motion of each pin's slice at the shaft axis, in the shaft's frame.
-
-    Returns
-    -------
-    Stations
     """
     count = len(starts)
     sections, pins, pin_places = np.zeros((count, 2)), [], []
     for number, throw in enumerate(throws):
-        own = np.array(throw.rigid_inertia())
-        sections[number : number + 2] += END_SHARE * own
+        inertia = np.array(throw.rigid_inertia())
+        sections[number : number + 2] += END_SHARE * inertia
         share = (1.0 - 2.0 * END_SHARE) / len(throw.pins)
-        pins += [share * own] * len(throw.pins)
+        pins += [share * inertia] * len(throw.pins)
         pin_places += [float(starts[number] + center[2]) for center in throw.pins]
     axial, polar = np.vstack((sections, *pins)).T
     diametral = 0.5 * polar
@@ -343,10 +338,6 @@ def assemble_crankshaft(
     turning_sense : {1, -1}
         1 if the shaft turns about +z, else -1: tangential forces act in the sense of rotation.
 
-    Returns
-    -------
-    AssembledShaft
-
     Raises
     ------
     InputError
@@ -377,9 +368,9 @@ def assemble_crankshaft(
         )
     first_shape = (6 + bending) * count
     first_ring = first_shape + sum(throw.shapes for throw in throws)
-    given, first_line = around.lines(count), first_ring + len(rings)
-    size = first_line + sum(chain.expansion().shape[1] - 1 for _, chain, _ in given)
-    lines = join_lines(given, first_line, size)
+    attached, first_line = around.lines(count), first_ring + len(rings)
+    size = first_line + sum(chain.expansion().shape[1] - 1 for _, chain, _ in attached)
+    lines = join_lines(attached, first_line, size)
     mass, stiffness, damping, loss = np.zeros((4, size, size))
     pin_rows, pin_slices, pin_frames = [], [], []
     # Each throw turned by itself about the shaft axis, and what that moves.
@@ -387,20 +378,20 @@ def assemble_crankshaft(
     place = first_shape
     for number, throw in enumerate(throws):
         beyond = 6 * count + bending * number
-        own = np.r_[
+        unknowns = np.r_[
             6 * number : 6 * number + 12,
             beyond : beyond + 2 * bending,
             place : place + throw.shapes,
         ]
         place += throw.shapes
         turn = throw.turn
-        mass[np.ix_(own, own)] += turn @ throw.mass @ turn.T
+        mass[np.ix_(unknowns, unknowns)] += turn @ throw.mass @ turn.T
         about[number, [6 * number + RZ, 6 * number + 6 + RZ]] = 1.0
-        momenta[number, own] = turn @ throw.mass @ turn.T @ about[number, own]
-        stiffness[np.ix_(own, own)] += turn @ throw.stiffness @ turn.T
+        momenta[number, unknowns] = turn @ throw.mass @ turn.T @ about[number, unknowns]
+        stiffness[np.ix_(unknowns, unknowns)] += turn @ throw.stiffness @ turn.T
         for pin, center in zip(throw.pin_loads, throw.pins, strict=True):
             motion = np.zeros((6, size))
-            motion[:, own] = (turn @ pin).T
+            motion[:, unknowns] = (turn @ pin).T
             pin_rows.append(_pin_directions(center, turning_sense) @ motion[:3])
             pin_slices.append(turn[:6, :6] @ on_axis(center) @ motion)
             pin_frames.append(motion[:2])
@@ -415,10 +406,10 @@ def assemble_crankshaft(
         momenta[number] += value * rows.T @ (rows @ about[number])
     beyond_first = np.zeros(size)
     for body, section, outward in around.bodies(count):
-        own = np.r_[6 * section : 6 * section + 6]
-        mass[np.ix_(own, own)] += body.mass_matrix(outward)
+        unknowns = np.r_[6 * section : 6 * section + 6]
+        mass[np.ix_(unknowns, unknowns)] += body.mass_matrix(outward)
         if outward < 0.0:
-            beyond_first[own] += body.mass_matrix(outward)[RZ]
+            beyond_first[unknowns] += body.mass_matrix(outward)[RZ]
 
     unit = np.eye(size)
     held, dashpots = [], []
@@ -509,11 +500,11 @@ def _pin_moments(
 
 def _supports(around: ShaftSurroundings, count: int) -> list[tuple[int, float, float]]:
     """Return the unknowns that bearings and axial supports act on, their stiffness and damping."""
-    found = []
+    springs = []
     if around.bearings is not None:
         each = zip(*(values.tolist() for values in around.bearings.at(count)), strict=True)
         for section, (stiffness, damping) in enumerate(each):
-            found += [(6 * section + motion, stiffness, damping) for motion in (UX, UY)]
+            springs += [(6 * section + motion, stiffness, damping) for motion in (UX, UY)]
     for support in around.axial_supports:
         section = whole_within(
             "axial support section",
@@ -522,8 +513,8 @@ def _supports(around: ShaftSurroundings, count: int) -> list[tuple[int, float, f
             count - 1,
             f"the shaft has {count} sections",
         )
-        found.append((6 * section + UZ, support.stiffness, support.damping))
-    return found
+        springs.append((6 * section + UZ, support.stiffness, support.damping))
+    return springs
 
 
 def _rigid_motions(
@@ -537,7 +528,6 @@ def _rigid_motions(
 
     Parameters
     ----------
-    around : ShaftSurroundings
     places : ndarray of shape (n + 1,)
         Of the sections along the shaft [m].
     first_ring, size : int
@@ -558,33 +548,35 @@ def _rigid_motions(
             column[component : 6 * count : 6] = value
         return column
 
-    found = {ROTATION: motion({RZ: 1.0})}
+    motions = {ROTATION: motion({RZ: 1.0})}
     for row, (name, ring, _) in enumerate(around.rings(count), start=first_ring):
         if ring.stiffness > 0.0:
-            found[ROTATION][row] = 1.0
+            motions[ROTATION][row] = 1.0
         else:
-            found[f"rotation of the {name.removeprefix('damper ')} alone"] = unit[row]
+            motions[f"rotation of the {name.removeprefix('damper ')} alone"] = unit[row]
     if not any(support.stiffness > 0.0 for support in around.axial_supports):
-        found[TRANSLATION] = motion({UZ: 1.0})
+        motions[TRANSLATION] = motion({UZ: 1.0})
     for line in lines:
         with_section, alone = line.rigid_motions()
         together = ROTATION if line.kind == "torsional" else TRANSLATION
         if with_section is None:
-            found.pop(together, None)
-        elif together in found:
-            found[together] += with_section
-        found |= {f"{together.partition(' ')[0]} of {names} alone": own for own, names in alone}
+            motions.pop(together, None)
+        elif together in motions:
+            motions[together] += with_section
+        motions |= {
+            f"{together.partition(' ')[0]} of {names} alone": column for column, names in alone
+        }
     bearings = np.array([])
     if around.bearings is not None:
         bearings = places[around.bearings.at(count)[0] > 0.0]
     if bearings.size == 0:
-        found["translation along x"] = motion({UX: 1.0})
-        found["translation along y"] = motion({UY: 1.0})
+        motions["translation along x"] = motion({UX: 1.0})
+        motions["translation along y"] = motion({UY: 1.0})
     if bearings.size <= 1:
         arms = places - (bearings[0] if bearings.size else places.mean())
-        found["tilt about x"] = motion({RX: 1.0, UY: -arms})
-        found["tilt about y"] = motion({RY: 1.0, UX: arms})
-    return np.column_stack([np.zeros((size, 0)), *found.values()]), tuple(found)
+        motions["tilt about x"] = motion({RX: 1.0, UY: -arms})
+        motions["tilt about y"] = motion({RY: 1.0, UX: arms})
+    return np.column_stack([np.zeros((size, 0)), *motions.values()]), tuple(motions)
 
 
 def _pin_directions(center: FloatArray, sense: int) -> FloatArray:

@@ -10,9 +10,8 @@ from scipy.optimize import linear_sum_assignment
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table, table_of
+from crankbase.tables.frames import Axes, DataFrame, Row, table, table_of
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FLYWHEEL, FREE_END, EngineChain, Kind
 from dynamics.crankshaft.assembly import CLASSES, MOTION_OF, AssembledShaft, Stations
 from dynamics.crankshaft.coupled_response import CoupledResponse
@@ -117,7 +116,6 @@ def matching_modes(
 
     Parameters
     ----------
-    crankshaft : CrankshaftSystem
     chain : EngineChain
         Axial or torsional, of the same throws.
     highest_frequency : float
@@ -135,8 +133,8 @@ def matching_modes(
     """
     positive_number("highest_frequency", highest_frequency, "Hz", "modes are compared up to it")
     modes = chain.chain.modes()
-    own = chain.crankshaft_shares(modes) >= CRANKSHAFT_MODE
-    wanted = np.flatnonzero(own & (modes.frequencies <= highest_frequency))
+    of_cranks = chain.crankshaft_shares(modes) >= CRANKSHAFT_MODE
+    wanted = np.flatnonzero(of_cranks & (modes.frequencies <= highest_frequency))
     wanted = wanted[wanted >= modes.rigid].tolist()
     return match_modes(crankshaft.shaft, crankshaft.modes, chain, wanted)
 
@@ -165,7 +163,7 @@ def match_modes(
     likeness = mode_likeness(shaft, modes, chain, wanted)
     scores = share * likeness
     chain_modes = chain.chain.modes()
-    rigid, found = (chain_modes.rigid, modes.rigid), []
+    rigid, matches = (chain_modes.rigid, modes.rigid), []
     taken = linear_sum_assignment(scores, maximize=True)[1].tolist()
     others = scores.copy()
     others[:, taken] = 0.0
@@ -179,8 +177,8 @@ def match_modes(
         if others[row, second] >= DIVIDED:
             further = (float(modes.frequencies[second]), float(share[second]))
         frequency = float(chain_modes.frequencies[number])
-        found.append(ModeMatch(chain.kind, number, frequency, *match, *rigid, *further))
-    return tuple(found)
+        matches.append(ModeMatch(chain.kind, number, frequency, *match, *rigid, *further))
+    return tuple(matches)
 
 
 def mode_likeness(
@@ -190,10 +188,8 @@ def mode_likeness(
 
     Parameters
     ----------
-    shaft : AssembledShaft
     modes : ShaftModes
         Of that shaft.
-    chain : EngineChain
     wanted : sequence of w int
         Modes of the chain, rigid ones counted.
 
@@ -218,7 +214,7 @@ def mode_likeness(
     sizes = np.sum(moved * (weight @ moved), axis=0)
     sizes = np.where(sizes > 0.0, sizes, 1.0)
     chain_modes = chain.chain.modes()
-    found = np.zeros((len(wanted), modes.frequencies.size))
+    likeness = np.zeros((len(wanted), modes.frequencies.size))
     for row, number in enumerate(wanted):
         frequency, shape = (
             chain_modes.frequencies[number],
@@ -226,8 +222,8 @@ def mode_likeness(
         )
         near = within(modes.frequencies, frequency / SEARCHED, frequency * SEARCHED)
         cosines = (shape @ moved) ** 2 / sizes / (shape @ chain_modes.shapes[nodes, number])
-        found[row] = np.where(near, cosines, 0.0)
-    return found
+        likeness[row] = np.where(near, cosines, 0.0)
+    return likeness
 
 
 def followed_modes(masses: FloatArray, shapes: Sequence[FloatArray]) -> NDArray[np.int64]:
@@ -374,17 +370,12 @@ def frequency_difference(
 
     Parameters
     ----------
-    shaft : AssembledShaft
     chain : EngineChain
         With the throws' compliances in the same bearings.
     rigid_chain : EngineChain
         With those in laterally rigid bearings.
     mode : int
         Elastic mode of the chain, from 1.
-
-    Returns
-    -------
-    FrequencyDifference
 
     Raises
     ------
@@ -448,22 +439,23 @@ class FlywheelTilt:
     def sentence(self) -> str:
         """For example "torsional mode 1 from 75.0 Hz without to 84.0 Hz with it"."""
         name = f"{self.kind} mode {self.mode}"
-        found = " and ".join(
-            f"{one:.1f}" for one in sorted(filter(None, (self.shaft, self.further)))
+        listed = " and ".join(
+            f"{frequency:.1f}" for frequency in sorted(filter(None, (self.shaft, self.further)))
         )
         # Inertia raises no frequency in its place of the row: a mode told higher has changed places.
         passed = self.shown and self.further is None and self.shaft > self.without
         below = " (which brings another mode below it)" if passed else ""
-        return f"{name} from {self.without:.1f} Hz without to {found} Hz with it{below}"
+        return f"{name} from {self.without:.1f} Hz without to {listed} Hz with it{below}"
 
 
 def _elastic(chain: EngineChain, mode: int) -> float:
-    found = chain.chain.modes().elastic_frequencies
-    if not 1 <= mode <= len(found):
+    frequencies = chain.chain.modes().elastic_frequencies
+    if not 1 <= mode <= len(frequencies):
         raise InputError(
-            f"mode: given {mode}; allowed is 1 to {len(found)}, because the chain has so many elastic modes."
+            f"mode: given {mode}; allowed is 1 to {len(frequencies)}, because the chain has so many elastic "
+            "modes."
         )
-    return float(found[mode - 1])
+    return float(frequencies[mode - 1])
 
 
 def _match(shaft: AssembledShaft, chain: EngineChain, mode: int) -> ModeMatch:
@@ -553,11 +545,6 @@ class ResponseMatch:
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude of the free end by the chain and by the whole shaft over the speed.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
         Returns
         -------
         matplotlib.axes.Axes
@@ -571,15 +558,7 @@ class ResponseMatch:
     def to_pandas(self) -> DataFrame:
         """Return a row for each speed: amplitude by the chain and by the shaft.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         unit = "m" if self.kind == "axial" else "rad"
         return table(
@@ -599,12 +578,10 @@ class ChainVerdict:
     Attributes
     ----------
     kind : {"axial", "torsional"}
-    suffices : bool
     reasons : tuple of str
         Why it is inadequate, a sentence each; empty if it is adequate.
     modes : tuple of ModeMatch
         The modes compared.
-    response : ResponseMatch or None
     """
 
     kind: Kind
@@ -616,15 +593,7 @@ class ChainVerdict:
     def to_pandas(self) -> DataFrame:
         """Return a row for each mode that was compared; amplitudes are in ``response``.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         return table_of(self.modes)
 
@@ -639,16 +608,10 @@ def matching_response(
 
     Parameters
     ----------
-    coupled : CoupledResponse
-    chain : EngineChain
     answer : ForcedResponse
         Of the chain, under the same forces.
     running_range : tuple of two floats, optional
         As in `ResponseMatch`.
-
-    Returns
-    -------
-    ResponseMatch
 
     Raises
     ------
@@ -686,11 +649,6 @@ def chain_verdict(
     ----------
     modes : sequence of ModeMatch
         From `matching_modes`, of one kind.
-    response : ResponseMatch, optional
-
-    Returns
-    -------
-    ChainVerdict
 
     Raises
     ------

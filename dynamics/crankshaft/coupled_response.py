@@ -8,14 +8,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.scalars import is_whole_within
-from crankbase.drawing.curves import Curves, Series, draw_curves
-from crankbase.drawing.diagram_style import BLUE, ORANGE, new_axes, with_gaps
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.choices import is_whole_within
+from crankbase.diagrams import (
+    BLUE,
+    ORANGE,
+    Curves,
+    Series,
+    draw_curves,
+    legend_inside,
+    new_axes,
+    with_gaps,
+    write_title,
+)
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from crankbase.units.units import RPM
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem
@@ -48,7 +55,6 @@ def shaft_excitation(
 
     Parameters
     ----------
-    crankshaft : CrankshaftSystem
     forces : CylinderForces
         Orders (K,), speeds (S,), tangential and radial phasors (K, S, c) of c cylinders.
     pins : sequence of c int, optional
@@ -127,7 +133,6 @@ class CoupledResponse:
 
     Attributes
     ----------
-    crankshaft : CrankshaftSystem
     tangential, radial : ForcedResponse
         Under tangential forces alone and under radial forces alone; the motion under both is the sum.
     further : ForcedResponse or None
@@ -142,8 +147,8 @@ class CoupledResponse:
     @property
     def parts(self) -> tuple[ForcedResponse, ...]:
         """The responses whose sum is the motion."""
-        found = (self.tangential, self.radial)
-        return found if self.further is None else (*found, self.further)
+        cylinders = (self.tangential, self.radial)
+        return cylinders if self.further is None else (*cylinders, self.further)
 
     @property
     def orders(self) -> FloatArray:
@@ -253,26 +258,20 @@ class CoupledResponse:
     def _split(self, point: str) -> "SplitMotion":
         responses = {"tangential": self.tangential, "radial": self.radial, "both": self.total}
         motions = {name: self._elastic(each, point) for name, each in responses.items()}
-        unbounded, found = self.unbounded, {}
+        unbounded, amplitudes = self.unbounded, {}
         for name, motion in motions.items():
-            found[name] = np.where(unbounded, np.inf, np.abs(motion))
+            amplitudes[name] = np.where(unbounded, np.inf, np.abs(motion))
             summed = synthesis(self.orders, self.speeds, motion, unbounded)
-            found[f"{name}_sum"] = summed.amplitude
-        return SplitMotion(point=point, orders=self.orders, speeds=self.speeds, **found)
+            amplitudes[f"{name}_sum"] = summed.amplitude
+        return SplitMotion(point=point, orders=self.orders, speeds=self.speeds, **amplitudes)
 
     def plot(self, axes: Axes | None = None, point: str = "main bearing 1 uz") -> Axes:
         """Draw the amplitude of a point over the speed by tangential, by radial and by all forces.
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         point : str, optional
             Such as "main bearing 1 uz", the free end along the shaft.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -283,11 +282,6 @@ class CoupledResponse:
 
     def to_xarray(self) -> Dataset:
         """Return complex motions of all points by tangential and by radial forces.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
 
         Raises
         ------
@@ -303,11 +297,11 @@ class CoupledResponse:
                 **{
                     kind: (
                         over,
-                        infinite_where_unbounded(own.motion, self.unbounded),
+                        infinite_where_unbounded(part.motion, self.unbounded),
                         "m or rad",
                         f"phasor of the motion by {kind} forces",
                     )
-                    for kind, own in (("tangential", self.tangential), ("radial", self.radial))
+                    for kind, part in (("tangential", self.tangential), ("radial", self.radial))
                 },
                 "unbounded": (("order", "speed"), self.unbounded, "1", "no steady vibration"),
                 "unit": (("point",), np.array(units), "", "unit of the point's motion"),
@@ -326,7 +320,6 @@ class SplitMotion:
 
     Attributes
     ----------
-    point : str
     tangential, radial, both : (K, S) array
         Amplitude by order and speed; inf where unbounded.
     tangential_sum, radial_sum, both_sum : (S,) array
@@ -351,11 +344,6 @@ class SplitMotion:
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the synthesized amplitude over the speed, by tangential, radial and all forces.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
         Returns
         -------
         matplotlib.axes.Axes
@@ -374,25 +362,17 @@ class SplitMotion:
     def to_xarray(self) -> Dataset:
         """Return the amplitudes by order and speed, and of all orders together.
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Units and errors are those of `crankbase.tables.frames.grid`.
         """
         unit = point_unit(self.point)
         plane = ("order", "speed")
-        found: dict[str, tuple[tuple[str, ...], FloatArray, str, str]] = {}
+        variables: dict[str, tuple[tuple[str, ...], FloatArray, str, str]] = {}
         for kind in ("tangential", "radial", "both"):
             words = "all forces" if kind == "both" else f"{kind} forces"
-            found[kind] = (plane, getattr(self, kind), unit, f"amplitude by {words}")
+            variables[kind] = (plane, getattr(self, kind), unit, f"amplitude by {words}")
             total = getattr(self, f"{kind}_sum")
-            found[f"{kind}_sum"] = (("speed",), total, unit, f"all orders together, by {words}")
-        return grid(found, orders_and_speeds(self.orders, self.speeds))
+            variables[f"{kind}_sum"] = (("speed",), total, unit, f"all orders together, by {words}")
+        return grid(variables, orders_and_speeds(self.orders, self.speeds))
 
 
 def point_unit(point: str) -> str:
@@ -428,10 +408,6 @@ def coupled_response(
     further : OrderExcitation, optional
         Other forces on the points of the shaft, at the same speeds; orders may differ.
 
-    Returns
-    -------
-    CoupledResponse
-
     Raises
     ------
     InputError
@@ -448,13 +424,13 @@ def coupled_response(
         system = system.with_magnifier(magnifier)
     tangential = shaft_excitation(crankshaft, forces, pins=pins, radial=False)
     radial = shaft_excitation(crankshaft, forces, pins=pins, tangential=False)
-    given = [tangential, radial]
+    excitations = [tangential, radial]
     if further is not None:
-        given.append(further)
-        every = combined_excitation(*given)
+        excitations.append(further)
+        every = combined_excitation(*excitations)
         silent = replace(every, forces=np.zeros_like(every.forces))
-        given = [combined_excitation(one, silent) for one in given]
-    return CoupledResponse(crankshaft, *(forced_response(system, acting) for acting in given))
+        excitations = [combined_excitation(acting, silent) for acting in excitations]
+    return CoupledResponse(crankshaft, *(forced_response(system, acting) for acting in excitations))
 
 
 def split_curves(
@@ -494,7 +470,6 @@ def shaft_criticals(
 
     Parameters
     ----------
-    coupled : CoupledResponse
     quantities : LinearQuantities
         Of its system, all of one unit.
     speed_range : tuple of two floats

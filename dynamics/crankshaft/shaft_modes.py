@@ -5,14 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_within
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.choices import check_choice, whole_within
+from crankbase.diagrams import legend_inside, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid, table
+from crankbase.tables.frames import Axes, DataFrame, Dataset, grid, table
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.crankshaft.assembly import CLASSES, AssembledShaft
 from dynamics.crankshaft.surroundings import RZ, UZ
@@ -94,9 +91,9 @@ class ShaftModes:
             If there is no such class.
         """
         check_choice("kind", kind, CLASSES, "modes are of these kinds")
-        own = self.crankshaft_shares[self.rigid :] >= CRANKSHAFT_MODE
-        found = np.flatnonzero(own & (np.array(self.kinds[self.rigid :]) == kind))
-        return self.rigid + int(found[0]) if found.size else None
+        of_cranks = self.crankshaft_shares[self.rigid :] >= CRANKSHAFT_MODE
+        modes = np.flatnonzero(of_cranks & (np.array(self.kinds[self.rigid :]) == kind))
+        return self.rigid + int(modes[0]) if modes.size else None
 
     def plot(
         self, axes: Axes | None = None, *, mode: int | None = None, radius: float | None = None
@@ -105,17 +102,11 @@ class ShaftModes:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         mode : int, optional
             Its number, as in the arrays, rigid motions included; the first elastic one by default.
         radius : float, optional
             Crank radius, at which rotation about the shaft is shown as displacement [m]; without it
             nothing can be drawn.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -141,37 +132,21 @@ class ShaftModes:
     def to_pandas(self) -> DataFrame:
         """Return one row for each mode: name, frequency, and shares of its energy.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         return table(
             {
                 "mode": (list(self.names), ""),
                 "frequency": (self.frequencies, "Hz"),
                 "kind": (list(self.kinds), ""),
-                **{name: (own, "1") for name, own in zip(CLASSES, self.shares, strict=True)},
+                **{name: (share, "1") for name, share in zip(CLASSES, self.shares, strict=True)},
             }
         )
 
     def to_xarray(self) -> Dataset:
         """Return frequencies, energy shares and the motions of all stations.
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Units and errors are those of `crankbase.tables.frames.grid`.
         """
         over = ("station", "axis", "mode")
         return grid(
@@ -191,16 +166,7 @@ class ShaftModes:
 
 
 def crankshaft_modes(shaft: AssembledShaft) -> ShaftModes:
-    """Find all natural modes of a crankshaft without its damping.
-
-    Parameters
-    ----------
-    shaft : AssembledShaft
-
-    Returns
-    -------
-    ShaftModes
-    """
+    """Find all natural modes of a crankshaft without its damping."""
     natural, shapes = natural_modes(shaft.mass, shaft.stiffness, shaft.rigid)
     rigid = shaft.rigid.shape[1]
     # Of rigid motions any combinations are modes; the plain ones have names.
@@ -254,7 +220,6 @@ class CrankshaftSystem:
 
     Attributes
     ----------
-    shaft : AssembledShaft
     modes : ShaftModes
         Of all unknowns, before modes are left out.
     system : LinearSystem
@@ -302,13 +267,8 @@ def crankshaft_system(
 
     Parameters
     ----------
-    shaft : AssembledShaft
     highest_frequency : float, optional
         Modes up to this are kept [Hz]; all by default.
-
-    Returns
-    -------
-    CrankshaftSystem
 
     Raises
     ------

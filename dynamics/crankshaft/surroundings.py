@@ -14,10 +14,11 @@ from crankbase.checks.arrays import (
     positive_number,
     read_only,
 )
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import whole_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
+from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.engine_chains import Kind
 
 # Motions of a section: displacements, then rotations.
@@ -175,9 +176,9 @@ class EndBody:
         InputError
             If it is neither.
         """
-        own = [self.mass] * 3 + [self.diametral] * 2 + [self.polar_inertia]
+        diagonal = [self.mass] * 3 + [self.diametral] * 2 + [self.polar_inertia]
         center = self.center_motion(outward)
-        return np.asarray(center.T @ np.diag(own) @ center)
+        return np.asarray(center.T @ np.diag(diagonal) @ center)
 
     def center_motion(self, outward: float) -> FloatArray:
         """Return the motion of its center per motion of its section, (6, 6); as `mass_matrix`."""
@@ -248,47 +249,6 @@ class AxialSupport:
         nonnegative_number("axial support damping", self.damping, "N s/m", "damping takes energy")
 
 
-@dataclass(frozen=True)
-class TorsionalRing:
-    """A body that turns with an end section through a spring and a dashpot.
-
-    For example the ring of a viscous damper (no stiffness) or of a rubber damper (a loss factor) at the
-    free end, or a driven machine behind a coupling at the flywheel.
-
-    Parameters
-    ----------
-    inertia : float
-        [kg m^2]
-    stiffness : float
-        [N m/rad]
-    damping : float
-        [N m s/rad]
-    loss_factor : float
-        Imaginary part of the stiffness relative to the real one.
-
-    Raises
-    ------
-    InputError
-        If the inertia is not above zero, another value is negative, or there is no connection.
-    """
-
-    inertia: float
-    stiffness: float = 0.0
-    damping: float = 0.0
-    loss_factor: float = 0.0
-
-    def __post_init__(self) -> None:
-        positive_number("ring inertia", self.inertia, "kg m^2", "a body has inertia")
-        why = "it is that of a passive element"
-        for name, unit in (("stiffness", "N m/rad"), ("damping", "N m s/rad"), ("loss_factor", "")):
-            nonnegative_number(f"ring {name}", getattr(self, name), unit, why)
-        if self.stiffness == 0.0 and self.damping == 0.0:
-            raise InputError(
-                "ring: given neither stiffness nor damping; allowed is one of them or both, because the "
-                "ring would not be joined to the shaft."
-            )
-
-
 @summarized("bearings", "axial_supports", "loss_factor")
 @dataclass(frozen=True)
 class ShaftSurroundings:
@@ -356,8 +316,8 @@ class ShaftSurroundings:
         return [(name, ring, section) for name, ring, section in both if ring is not None]
 
 
-def _each(name: str, given: ArrayLike, count: int, *, held: bool) -> FloatArray:
-    values = np.array(given, dtype=np.float64)
+def _each(name: str, stiffness: ArrayLike, count: int, *, held: bool) -> FloatArray:
+    values = np.array(stiffness, dtype=np.float64)
     values = np.full(count, values) if values.ndim == 0 else values
     allowed = "zero or more, or infinite for one that is held" if held else "zero or more"
     if values.shape != (count,):

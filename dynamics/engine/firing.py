@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, finite_vector
-from crankbase.checks.scalars import is_whole
+from crankbase.checks.choices import is_whole
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_degrees
 
@@ -23,25 +23,25 @@ MOST_CYLINDERS = 48
 
 def check_firing_order(firing_order: Sequence[int], cylinders: int) -> None:
     """Refuse an order that repeats or omits a cylinder."""
-    given = list(firing_order)
-    fault = _order_fault(given, cylinders)
+    order = list(firing_order)
+    fault = _order_fault(order, cylinders)
     if fault is not None:
         raise InputError(
-            f"firing_order: given {given}; allowed is each cylinder number from 1 to {cylinders} "
+            f"firing_order: given {order}; allowed is each cylinder number from 1 to {cylinders} "
             f"once, because {fault}."
         )
 
 
-def _order_fault(given: list[int], cylinders: int) -> str | None:
+def _order_fault(order: list[int], cylinders: int) -> str | None:
     """Return what is wrong with an order, or None."""
-    for number in given:
+    for number in order:
         if not is_whole(number):
             return "cylinders have whole numbers"
         if not 1 <= number <= cylinders:
             return f"the engine has no cylinder {number}"
-        if given.count(number) > 1:
+        if order.count(number) > 1:
             return f"it repeats cylinder {number}"
-    missing = [number for number in range(1, cylinders + 1) if number not in given]
+    missing = [number for number in range(1, cylinders + 1) if number not in order]
     return f"it omits cylinder {missing[0]}" if missing else None
 
 
@@ -141,7 +141,10 @@ def repeating_intervals(intervals_deg: Sequence[float]) -> tuple[float, ...]:
     period = next(
         size
         for size in sizes
-        if all(math.isclose(one, steps[k % size], abs_tol=0.01) for k, one in enumerate(steps))
+        if all(
+            math.isclose(interval, steps[k % size], abs_tol=0.01)
+            for k, interval in enumerate(steps)
+        )
     )
     return steps[:period]
 
@@ -170,7 +173,7 @@ def even_firing_order(firing_angles: Sequence[float], strokes: int) -> tuple[int
     count, first = len(firing_angles), min(firing_angles)
     step = math.radians(cycle_degrees(strokes)) / count
     slots: dict[int, int] = {}
-    for number in sorted(range(1, count + 1), key=lambda one: firing_angles[one - 1]):
+    for number in sorted(range(1, count + 1), key=lambda cylinder: firing_angles[cylinder - 1]):
         for turn in range(strokes // 2):
             place = (firing_angles[number - 1] - first + turn * 2.0 * math.pi) / step
             slot = round(place)
@@ -186,11 +189,6 @@ def least_uneven_order(
     firing_angles: Sequence[float], strokes: int
 ) -> tuple[tuple[int, ...], tuple[float, ...]] | None:
     """Return the firing order whose intervals differ least for the same cranks, and its intervals.
-
-    Parameters
-    ----------
-    firing_angles : sequence of n float
-        Shaft angle at which each cylinder fires now [rad].
 
     Returns
     -------
@@ -229,7 +227,9 @@ def least_uneven_order(
     even = np.flatnonzero(spread <= np.min(spread) + EVEN)
 
     def rank(row: int) -> tuple[int, float, tuple[int, ...]]:
-        repeated = repeating_intervals([round(math.degrees(one), 1) for one in steps[row]])
+        repeated = repeating_intervals(
+            [round(math.degrees(interval), 1) for interval in steps[row]]
+        )
         return len(repeated), round(float(np.sum(steps[row] ** 2)), 6), _order_of(angles[row])
 
     best = min(even.tolist(), key=rank)
@@ -274,20 +274,14 @@ def check_order_of_angles(
 def firing_order_of_angles(
     firing_angles: Sequence[float], strokes: int, first: int
 ) -> tuple[int, ...]:
-    """Return the cylinder numbers in the order in which they fire.
-
-    Parameters
-    ----------
-    firing_angles : sequence of n float
-        Shaft angle at which each cylinder fires, in any cycle [rad].
-    """
+    """Return the cylinder numbers in the order in which they fire."""
     cycle, start = math.radians(cycle_degrees(strokes)), firing_angles[first - 1]
     later = [round(_angle_after(start, angle, cycle), 9) for angle in firing_angles]
     others = (number for number in range(1, len(firing_angles) + 1) if number != first)
     return (first, *sorted(others, key=lambda number: (later[number - 1], number)))
 
 
-def _angle_after(one: float, other: float, cycle: float) -> float:
+def _angle_after(earlier: float, later: float, cycle: float) -> float:
     """Return how much later in the cycle the other angle is; zero within round-off if together."""
-    apart = (other - one) % cycle
+    apart = (later - earlier) % cycle
     return apart - cycle if cycle - apart < IN_LINE else apart

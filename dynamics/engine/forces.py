@@ -8,19 +8,19 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees, radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
+    checked_degrees,
     finite_array,
     nonnegative_number,
+    radians_of,
     turning_speeds,
 )
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
 from dynamics.engine.layout import EngineCylinder, EngineLayout
@@ -41,15 +41,10 @@ class MechanismForces:
 
     Parameters
     ----------
-    engine : EngineLayout
-    shaft_angles_deg : ndarray of shape (m,)
-        [deg]
     speed : ndarray of shape (m,)
         Of the shaft at these angles [rad/s].
     crank_acceleration : ndarray of shape (m,)
         [rad/s^2]
-    model : str
-        Of the rods' masses.
     gas : ndarray of shape (n, m)
         On the piston, towards the shaft.
     side : ndarray of shape (n, m)
@@ -104,13 +99,7 @@ class MechanismForces:
         return self.engine.crank_radius * self.tangential
 
     def plot(self, axes: Axes | None = None, cylinder: int = 1) -> Axes:
-        """Draw gas force, tangential force and side force of a cylinder over its cycle.
-
-        Raises
-        ------
-        InputError
-            If there is no such cylinder.
-        """
+        """Draw gas force, tangential force and side force of a cylinder over its cycle."""
         place = whole_within("cylinder", cylinder, 1, len(self.gas), "the engine has that many") - 1
         since_firing = (
             np.radians(self.shaft_angles_deg) - np.radians(self.engine.firing_deg[place])
@@ -171,10 +160,6 @@ def mechanism_forces(
         Of the shaft [rad/s].
     gas : array_like of shape (n, m), (m,) or a number
         Force on each piston towards the shaft [N].
-    shaft_angles_deg : array_like of shape (m,)
-        [deg]
-    model : str, optional
-        One of `ROD_MODELS`.
     friction : array_like of shape (n, m), (m,) or a number
         Force on each piston along its axis, positive away from the shaft [N].
     crank_acceleration : float or ndarray of shape (m,), optional
@@ -242,18 +227,13 @@ def mechanism_forces(
 
 
 def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: str) -> FloatArray:
-    """Return finite values as an array, broadcast to a shape.
-
-    Parameters
-    ----------
-    values : number or array_like
-    """
-    given = finite_array(field, values)
+    """Return finite values as an array, broadcast to a shape."""
+    array = finite_array(field, values)
     try:
-        return np.array(np.broadcast_to(given, shape))
+        return np.array(np.broadcast_to(array, shape))
     except ValueError:
         raise InputError(
-            f"{field}: given an array of shape {given.shape}; allowed is a number or an array that fits "
+            f"{field}: given an array of shape {array.shape}; allowed is a number or an array that fits "
             f"{shape}, because {reason}."
         ) from None
 
@@ -333,8 +313,6 @@ def gas_forces(
         One for all cylinders, each counted from its own firing top, or one for each cylinder.
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa].
-    shaft_angles_deg : array_like of shape (m,)
-        [deg]
 
     Returns
     -------
@@ -356,15 +334,15 @@ def gas_forces(
             "for each cylinder, because each piston has its own force."
         )
     forces = []
-    for cylinder, firing, own in zip(
+    for cylinder, firing, curve in zip(
         engine.cylinders, np.radians(engine.firing_deg), pressures, strict=True
     ):
-        if own.strokes != engine.strokes:
+        if curve.strokes != engine.strokes:
             raise InputError(
-                f"pressure: given a cycle of {own.strokes} strokes; allowed is {engine.strokes}, because "
+                f"pressure: given a cycle of {curve.strokes} strokes; allowed is {engine.strokes}, because "
                 "that is the engine's."
             )
-        forces.append(cylinder.area * (own.at(angle_deg=np.degrees(angles - firing)) - under))
+        forces.append(cylinder.area * (curve.at(angle_deg=np.degrees(angles - firing)) - under))
     return np.array(forces)
 
 
@@ -376,15 +354,10 @@ def piston_position(engine: EngineLayout, number: int) -> Position:
     callable
         Angles [rad] of shape (m,) to positions of the piston pin along the cylinder axis, away from the
         shaft [m], as required by `gas_cycle`.
-
-    Raises
-    ------
-    InputError
-        If the engine has no such cylinder.
     """
-    own = checked_cylinder(engine, number)
-    firing = np.radians(engine.firing_deg[own - 1])
-    return lambda angle: parts_motion(engine, own, firing + angle).piston.place.real
+    checked = checked_cylinder(engine, number)
+    firing = np.radians(engine.firing_deg[checked - 1])
+    return lambda angle: parts_motion(engine, checked, firing + angle).piston.place.real
 
 
 Result = TypeVar("Result")

@@ -5,9 +5,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 
-from crankbase.checks.angles import refuse_crank_radians
-from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, positive_number
-from crankbase.checks.scalars import is_whole, whole_within
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    nonnegative_number,
+    positive_number,
+    refuse_crank_radians,
+)
+from crankbase.checks.choices import is_whole, whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
@@ -81,7 +86,6 @@ class EngineCylinder:
         [m]
     piston_mass : float
         Piston with rings and pin, and crosshead and piston rod if present [kg].
-    rod : ConnectingRod
     crank_angle_deg : float, optional
         Angle of its crankpin about +z, counted from +y, when the shaft angle is zero [deg].
     bank_angle_deg : float, optional
@@ -208,8 +212,6 @@ class EngineLayout:
         Cylinder 1 first.
     firing_order : sequence of n int, or str
         Cylinder numbers in the order of firing, or as text like ``"1-5-3-6-2-4"``; each fires at its top.
-    strokes : int, optional
-        Strokes per cycle, 2 or 4.
     firing_angles_deg : sequence of n float, optional
         Shaft angle at which each cylinder fires [deg], if the order does not determine it: cylinders
         that fire together, or a top skipped on purpose. In any cycle, in the firing order. This holds
@@ -251,8 +253,8 @@ class EngineLayout:
         refuse_crank_radians(
             "crank_angle_deg", [cylinder.crank_angle_deg for cylinder in self.cylinders]
         )
-        given = self.firing_order
-        order = firing_order_from_text(given) if isinstance(given, str) else tuple(given)
+        order = self.firing_order
+        order = firing_order_from_text(order) if isinstance(order, str) else tuple(order)
         check_firing_order(order, len(self.cylinders))
         object.__setattr__(self, "firing_order", tuple(int(number) for number in order))
         if self.firing_angles_deg is None:
@@ -271,8 +273,10 @@ class EngineLayout:
         if self.firing_angles_deg is not None:
             return tuple(self.firing_angles_deg)
         tops = [math.radians(cylinder.top_shaft_angle_deg) for cylinder in self.cylinders]
-        found = firing_angles_of_order(tuple(map(int, self.firing_order)), tops, self.strokes)
-        return tuple(math.degrees(angle) for angle in found)
+        firing_angles = firing_angles_of_order(
+            tuple(map(int, self.firing_order)), tops, self.strokes
+        )
+        return tuple(math.degrees(angle) for angle in firing_angles)
 
     @property
     def cycle_deg(self) -> float:
@@ -280,24 +284,12 @@ class EngineLayout:
         return cycle_degrees(self.strokes)
 
     def main_of(self, number: int) -> int:
-        """Return the number of the cylinder whose rod is on the crankpin: its own or the main one.
-
-        Raises
-        ------
-        InputError
-            If there is no such cylinder.
-        """
+        """Return the number of the cylinder whose rod is on the crankpin: its own or the main one."""
         pin = self.cylinder(number).slave_pin
         return number if pin is None else pin.main_cylinder
 
     def cylinder(self, number: int) -> EngineCylinder:
-        """Return a cylinder by its number, from 1.
-
-        Raises
-        ------
-        InputError
-            If there is no such cylinder.
-        """
+        """Return a cylinder by its number, from 1."""
         why = "the cylinders are numbered from 1"
         return self.cylinders[whole_within("number", number, 1, len(self.cylinders), why) - 1]
 
@@ -346,14 +338,14 @@ class EngineLayout:
             raise InputError(f"{name}{error}") from None
 
     def _checked_angles(self, firing_angles_deg: Sequence[float]) -> tuple[float, ...]:
-        given = finite_array("firing_angles_deg", list(firing_angles_deg))
-        refuse_crank_radians("firing_angles_deg", given)
-        if given.shape != (len(self.cylinders),):
+        firing_angles = finite_array("firing_angles_deg", list(firing_angles_deg))
+        refuse_crank_radians("firing_angles_deg", firing_angles)
+        if firing_angles.shape != (len(self.cylinders),):
             raise InputError(
-                f"firing_angles_deg: given {given.size} angles; allowed is one for each of the "
+                f"firing_angles_deg: given {firing_angles.size} angles; allowed is one for each of the "
                 f"{len(self.cylinders)} cylinders, because each fires at its own."
             )
-        angles = tuple(math.radians(angle) for angle in given.tolist())
+        angles = tuple(math.radians(angle) for angle in firing_angles.tolist())
         for number, (angle, cylinder) in enumerate(
             zip(angles, self.cylinders, strict=True), start=1
         ):
@@ -365,7 +357,7 @@ class EngineLayout:
                     "where its crank lies along its axis."
                 )
         check_order_of_angles(tuple(map(int, self.firing_order)), angles, self.strokes)
-        return tuple(given.tolist())
+        return tuple(firing_angles.tolist())
 
 
 def check_distinct_positions(engine: EngineLayout) -> None:

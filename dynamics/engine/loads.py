@@ -7,13 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import ComplexArray, FloatArray, finite_vector, positive_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
-from crankbase.units.number_formats import format_number
+from crankbase.tables.frames import Axes, DataFrame, table
+from crankbase.units.units import format_number
 from dynamics.cycle import check_even_cycle, cycle_degrees, has_closing_sample
 from dynamics.engine.forces import MechanismForces, pin_groups, summed
 from dynamics.engine.layout import check_distinct_positions
@@ -30,8 +28,6 @@ class LoadDiagram:
 
     Parameters
     ----------
-    name : str
-        Of the crankpin or main bearing.
     angles_deg : ndarray of shape (m,)
         Shaft angles [deg], even over one cycle, closing sample left out.
     force : complex ndarray of shape (m,)
@@ -81,11 +77,6 @@ class LoadDiagram:
         ----------
         diameter, length : float
             Of the bearing surface [m].
-
-        Raises
-        ------
-        InputError
-            If a size is not above zero.
         """
         across = positive_number("bearing diameter", diameter, "m", "it is a length")
         along = positive_number("bearing length", length, "m", "it is a length")
@@ -116,11 +107,6 @@ class LoadDiagram:
             seen from the free end. By default the magnitude of the force over the shaft angle.
         mark_step_deg : float, optional
             Interval of the dots on the locus in shaft angle [deg]; only with a frame.
-
-        Raises
-        ------
-        InputError
-            If the frame is unknown, or the step out of range.
         """
         check_polar("crank" if frame is None else frame, mark_step_deg)
         if frame is None:
@@ -140,7 +126,7 @@ class LoadDiagram:
     def to_pandas(self) -> DataFrame:
         """Return the force in both frames, a row for each shaft angle."""
         forces = {
-            name[:-2]: (own, "N") for name, own in self.columns().items() if name[-2:] == "_N"
+            name[:-2]: (force, "N") for name, force in self.columns().items() if name[-2:] == "_N"
         }
         return table({"shaft_angle": (self.angles_deg, "deg"), **forces})
 
@@ -197,8 +183,6 @@ def main_bearing_loads(
 
     Parameters
     ----------
-    forces : MechanismForces
-        At even angles over one working cycle; a closing sample is left out.
     bearing_positions : array_like of shape (k,)
         Of the bearings' middles along the shaft, ascending [m].
 

@@ -7,9 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.angles import checked_degrees, radians_of
-from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
-from crankbase.checks.scalars import is_whole, whole_within
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    checked_degrees,
+    positive_number,
+    radians_of,
+)
+from crankbase.checks.choices import is_whole, whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import even_angles
@@ -50,18 +55,7 @@ class CylinderMotion:
 def cylinder_motion(
     engine: EngineLayout, number: int, *, shaft_angles_deg: ArrayLike
 ) -> CylinderMotion:
-    """Return the motion of a cylinder's parts.
-
-    Parameters
-    ----------
-    shaft_angles_deg : array_like of shape (m,)
-        [deg]
-
-    Raises
-    ------
-    InputError
-        If an angle is not a finite number, they are radians, or there is no such cylinder.
-    """
+    """Return the motion of a cylinder's parts."""
     return parts_motion(engine, number, radians_of("shaft_angles_deg", shaft_angles_deg))
 
 
@@ -98,8 +92,6 @@ def reduced_inertia(
     ----------
     models : tuple of n RodModel
         Of each cylinder's rod.
-    shaft_angles_deg : array_like of shape (m,)
-        [deg]
 
     Returns
     -------
@@ -176,14 +168,14 @@ def turn_spectrum(
 
 def checked_orders(orders: Sequence[int]) -> tuple[int, ...]:
     """Return orders as integers."""
-    given = list(orders)
-    whole = [order for order in given if is_whole(order) and order >= 1]
-    if not given or len(whole) != len(given) or len(set(given)) != len(given):
+    numbers = list(orders)
+    whole = [order for order in numbers if is_whole(order) and order >= 1]
+    if not numbers or len(whole) != len(numbers) or len(set(numbers)) != len(numbers):
         raise InputError(
-            f"orders: given {given}; allowed are different whole numbers of 1 or more, because "
+            f"orders: given {numbers}; allowed are different whole numbers of 1 or more, because "
             "inertia forces repeat every turn."
         )
-    return tuple(int(order) for order in given)
+    return tuple(int(order) for order in numbers)
 
 
 def checked_cylinder(engine: EngineLayout, number: int) -> int:
@@ -201,8 +193,6 @@ def piston_acceleration(
     ----------
     number : int
         Of the cylinder, from 1; its rod may be hinged to another.
-    speed : float
-        Of the shaft [rad/s].
     angles_deg : array_like of shape (m,)
         Crank angle [deg], counted from the position in which the crank is along this cylinder's axis.
 
@@ -230,13 +220,6 @@ def acceleration_orders(
     engine: EngineLayout, number: int, speed: float, highest: int = 8
 ) -> Harmonics:
     """Return the orders of a piston's acceleration towards the shaft, exact to round-off.
-
-    Parameters
-    ----------
-    speed : float
-        Of the shaft [rad/s].
-    highest : int, optional
-        The highest order required.
 
     Returns
     -------
@@ -274,9 +257,10 @@ def acceleration_orders(
     return harmonics(piston_acceleration(engine, number, speed, angles_deg=angles), strokes=2)
 
 
-def order_part(found: Harmonics, order: int, angles: FloatArray) -> FloatArray:
+def order_part(spectrum: Harmonics, order: int, angles: FloatArray) -> FloatArray:
     """Return one order of an acceleration at crank angles (m,) [rad], shape (m,) [m/s^2]."""
-    place = found.index_of(order)
+    place = spectrum.index_of(order)
     return np.asarray(
-        found.cosine[place] * np.cos(order * angles) + found.sine[place] * np.sin(order * angles)
+        spectrum.cosine[place] * np.cos(order * angles)
+        + spectrum.sine[place] * np.sin(order * angles)
     )

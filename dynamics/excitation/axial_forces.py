@@ -5,23 +5,31 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     check_shape,
+    checked_degrees,
     finite_array,
     positive_vector,
     turning_speeds,
 )
-from crankbase.checks.scalars import whole_number, whole_within
-from crankbase.drawing.curves import Curves, Series, draw_curves
-from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, new_axes
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.checks.choices import whole_number, whole_within
+from crankbase.diagrams import (
+    BLUE,
+    COLORS,
+    GRAY,
+    Curves,
+    Series,
+    draw_curves,
+    legend_below,
+    legend_inside,
+    new_axes,
+    write_title,
+)
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.units import RPM
 from dynamics.excitation.chain_excitation import axial_throw_forces
 from dynamics.excitation.cylinders import CylinderForces
@@ -37,9 +45,6 @@ class AxialForceComparison:
 
     Parameters
     ----------
-    orders : ndarray of shape (K,)
-    speeds : ndarray of shape (S,)
-        [rad/s].
     alone : complex ndarray of shape (K, S, n)
         P_i = c_i Z_i / e_i: each throw loaded by its own pin alone [N].
     in_shaft : complex ndarray of shape (K, S, n)
@@ -71,19 +76,13 @@ class AxialForceComparison:
         Zero where no throw has a force of this order.
         """
         apart, most = (
-            np.max(np.abs(found), axis=2) for found in (self.alone - self.in_shaft, self.in_shaft)
+            np.max(np.abs(forces), axis=2) for forces in (self.alone - self.in_shaft, self.in_shaft)
         )
         share: FloatArray = np.divide(apart, most, out=np.zeros_like(most), where=most > 0.0)
         return share
 
     def columns(self, speed_index: int) -> dict[str, FloatArray]:
-        """Return a table over the orders at one of the speeds, units in the names, each (K,).
-
-        Raises
-        ------
-        InputError
-            If there is no such speed.
-        """
+        """Return a table over the orders at one of the speeds, units in the names, each (K,)."""
         place = checked_speed_index(speed_index, self.speeds)
         table = {"order": self.orders}
         for throw in range(self.alone.shape[2]):
@@ -100,26 +99,14 @@ class AxialForceComparison:
     def plot(self, axes: Axes | None = None, throw: int = 1, *, main_orders: int = 3) -> Axes:
         """Draw the axial force of a throw by its main orders over the speed, by both methods.
 
-        Parameters
-        ----------
-        throw : int, optional
-            Its number, from 1 at the free end.
-        main_orders : int, optional
-            Number of orders, those with the largest peaks.
-
         Returns
         -------
         matplotlib.axes.Axes
             Full lines are those in the shaft, dashed ones those of the single throw.
-
-        Raises
-        ------
-        InputError
-            If there is no such throw, or the number of orders is not 1 or more.
         """
         whole_within("throw", throw, 1, self.alone.shape[2], "the shaft has that many")
         alone, in_shaft = (
-            KILO * np.abs(found[:, :, throw - 1]) for found in (self.alone, self.in_shaft)
+            KILO * np.abs(forces[:, :, throw - 1]) for forces in (self.alone, self.in_shaft)
         )
         most = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
         axes = new_axes(axes)
@@ -159,8 +146,6 @@ def compare_axial_forces(
     own_compliances : array_like of shape (n,), optional
         e of each single throw [m/N] under the same support as its c; c and e of different supports are
         incompatible. By default `compliances`.
-    pins : array_like of c int, optional
-        Pin of each cylinder, from 0.
     shapes : array_like of shape (q, n + 1), optional
         Axial mode shapes at the sections, to show the effect of the difference on each mode.
 
@@ -194,8 +179,6 @@ class AxialForceOverCycle:
     ----------
     shaft_angles_deg : ndarray of shape (m,)
         Evenly spaced over the cycle, without the closing one [deg].
-    speed : float
-        [rad/s].
     throws : ndarray of shape (m, n)
         P_i, the force with which each throw pushes its ends apart [N].
     held : ndarray of shape (m,)
@@ -248,18 +231,18 @@ class AxialForceOverCycle:
 
     def columns(self) -> dict[str, FloatArray]:
         """Return all forces over the shaft angle, units in the names, each (m,)."""
-        found = {"shaft_angle_deg": self.shaft_angles_deg}
+        columns = {"shaft_angle_deg": self.shaft_angles_deg}
         if self.thrust_bearing is not None:
-            found["thrust_bearing_N"] = self.thrust_bearing
-        found["held_N"] = self.held
-        for place, own in enumerate(self.throws.T, start=1):
-            found[f"throw_{place}_N"] = own
-        return found
+            columns["thrust_bearing_N"] = self.thrust_bearing
+        columns["held_N"] = self.held
+        for place, force in enumerate(self.throws.T, start=1):
+            columns[f"throw_{place}_N"] = force
+        return columns
 
     def to_pandas(self) -> DataFrame:
         """Return a row for each shaft angle."""
         angles, *forces = self.columns().items()
-        named = {name.removesuffix("_N"): (own, "N") for name, own in forces}
+        named = {name.removesuffix("_N"): (force, "N") for name, force in forces}
         return table({"shaft_angle": (angles[1], "deg")} | named)
 
 
@@ -276,10 +259,6 @@ def axial_force_over_cycle(
 
     Parameters
     ----------
-    shaft_angles_deg : array_like of shape (m,)
-        [deg].
-    speed : float
-        [rad/s].
     pin_forces : array_like of shape (m, p, 2)
         Radial force Z, towards the shaft, and tangential force T on each pin [N].
     compliances : array_like of shape (n,)

@@ -11,7 +11,7 @@ from crankbase.checks.arrays import (
     positive_number,
     positive_vector,
 )
-from crankbase.checks.scalars import is_whole
+from crankbase.checks.choices import is_whole
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics
@@ -60,14 +60,8 @@ def node_torques(
 
     Parameters
     ----------
-    engine_chain : EngineChain
-        Torsional.
     speed : number or array_like of shape (m,)
         Of the shaft at these angles [rad/s].
-    load : optional
-        As for `cylinder_forces`.
-    shaft_angle_deg : array_like of shape (m,)
-        [deg].
 
     Returns
     -------
@@ -137,8 +131,6 @@ def axial_excitation(
     ----------
     engine_chain : EngineChain
         Axial, with a section before and one after each throw.
-    compliances, influence, pins
-        As for `axial_throw_forces`.
 
     Returns
     -------
@@ -205,39 +197,43 @@ def _summed_at_nodes(
     values: ComplexArray, nodes: "tuple[int, ...] | list[int]", n: int
 ) -> ComplexArray:
     """Return values (K, S, c) summed at the nodes where they act (K, S, n)."""
-    found = np.zeros((*values.shape[:2], n), dtype=np.complex128)
+    sums = np.zeros((*values.shape[:2], n), dtype=np.complex128)
     for place, node in enumerate(nodes):
-        found[:, :, node] += values[:, :, place]
-    return found
+        sums[:, :, node] += values[:, :, place]
+    return sums
 
 
 def _influence(
     influence: ArrayLike, forces: CylinderForces, throws: int, pins: ArrayLike | None
 ) -> FloatArray:
     """Return the lengthening of each throw per Z and T of each cylinder (n, c, 2)."""
-    given = finite_array("influence", influence)
-    if given.shape == (throws,):
-        given = np.diag(given)
-    if given.ndim == 2:
-        given = np.stack((given, np.zeros_like(given)), axis=-1)
+    lengthening = finite_array("influence", influence)
+    if lengthening.shape == (throws,):
+        lengthening = np.diag(lengthening)
+    if lengthening.ndim == 2:
+        lengthening = np.stack((lengthening, np.zeros_like(lengthening)), axis=-1)
     on_pins = np.array(forces.throws) if pins is None else _pins(pins, len(forces.throws))
-    if given.ndim != 3 or given.shape[::2] != (throws, 2) or given.shape[1] != on_pins.max() + 1:
+    if (
+        lengthening.ndim != 3
+        or lengthening.shape[::2] != (throws, 2)
+        or lengthening.shape[1] != on_pins.max() + 1
+    ):
         raise InputError(
             f"influence: given an array of shape {np.shape(influence)}; allowed is ({throws},), "
             f"({throws}, {on_pins.max() + 1}) or ({throws}, {on_pins.max() + 1}, 2), because it has a row "
             "for each throw and a column for each pin."
         )
-    return np.asarray(given[:, on_pins])
+    return np.asarray(lengthening[:, on_pins])
 
 
 def _pins(pins: ArrayLike, cylinders: int) -> NDArray[np.int64]:
-    given = list(np.asarray(pins).ravel())
-    if len(given) != cylinders or not all(is_whole(pin) and pin >= 0 for pin in given):
+    places = list(np.asarray(pins).ravel())
+    if len(places) != cylinders or not all(is_whole(pin) and pin >= 0 for pin in places):
         raise InputError(
-            f"pins: given {given}; allowed is a whole number from 0 for each of the {cylinders} "
+            f"pins: given {places}; allowed is a whole number from 0 for each of the {cylinders} "
             "cylinders, because its rod sits on one pin."
         )
-    return np.array(given, dtype=np.int64)
+    return np.array(places, dtype=np.int64)
 
 
 # Two orders are one within this share: that of a propeller comes from a gear ratio.
@@ -273,12 +269,12 @@ def combined_excitation(*excitations: OrderExcitation) -> OrderExcitation:
                 f"{first.speeds.size} and {first.forces.shape[2]}; allowed are the same speeds and nodes, "
                 "because forces are added speed by speed and node by node."
             )
-    every = np.sort(np.concatenate([own.orders for own in excitations]))
+    every = np.sort(np.concatenate([excitation.orders for excitation in excitations]))
     orders = every[np.diff(every, prepend=0.0) > SAME_ORDER * every]
     forces = np.zeros((orders.size, *first.forces.shape[1:]), dtype=np.complex128)
-    for own in excitations:
-        places = np.argmin(np.abs(orders[:, np.newaxis] - own.orders), axis=0)
-        np.add.at(forces, places, own.forces)
+    for excitation in excitations:
+        places = np.argmin(np.abs(orders[:, np.newaxis] - excitation.orders), axis=0)
+        np.add.at(forces, places, excitation.forces)
     return OrderExcitation(orders, first.speeds, forces)
 
 
@@ -302,11 +298,6 @@ def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: f
         Per torque in the parts free end to crank 1, crank 1 to crank 2 ... crank n to flywheel, each
         positive where it twists the part forwards [1/N]. It does not depend on where the shaft is
         held.
-
-    Raises
-    ------
-    InputError
-        If shapes do not fit.
 
     Notes
     -----
@@ -346,11 +337,6 @@ def tangential_towards_flywheel(
     ndarray of shape (n, p)
         The second layer of the influence in `axial_throw_forces`. It is valid if the
         flywheel keeps its speed and the shaft is far below its torsional resonances.
-
-    Raises
-    ------
-    InputError
-        If shapes do not fit.
 
     Notes
     -----
@@ -427,9 +413,9 @@ def _torque_of_parts(torques: ComplexArray, torsional: EngineChain) -> ComplexAr
     """Return the torque of each part of the crankshaft (K, S, n + 1), zero where there is none."""
     first, last = torsional.throw_nodes[0], torsional.throw_nodes[-1]
     pairs = torsional.chain.connections
-    found = np.zeros((*torques.shape[:2], last - first + 2), dtype=np.complex128)
+    parts = np.zeros((*torques.shape[:2], last - first + 2), dtype=np.complex128)
     # A crankshaft is a row of nodes; what else sits on a crank passes no torque along it.
     for place, left in enumerate(range(first - 1, last + 1)):
         if (left, left + 1) in pairs:
-            found[:, :, place] = torques[:, :, pairs.index((left, left + 1))]
-    return found
+            parts[:, :, place] = torques[:, :, pairs.index((left, left + 1))]
+    return parts

@@ -8,24 +8,21 @@ from typing import Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     finite_vector,
     nonnegative_number,
     positive_number,
+    radians_of,
     read_only,
     turning_speeds,
 )
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number, whole_within
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.choices import check_choice, whole_number, whole_within
+from crankbase.diagrams import legend_inside, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.cycle import cycle_radians, even_angles, order_step
 from dynamics.engine import RodModelName
 from dynamics.engine.firing import MOST_CYLINDERS
@@ -64,24 +61,15 @@ class CylinderHarmonics:
 
     Parameters
     ----------
-    orders : ndarray of shape (K,)
-        In cycles per crankshaft revolution, ascending.
-    crank_radius : float
-        R [m].
-    throws : tuple of c int
-        Throw of each cylinder, from 0 at the free end.
     gas : tuple of c complex ndarrays of shape (D, K + 1, 2)
         Mean and phasors of T and Z for each of the cylinder's diagrams [N], at shaft angle zero.
     weights : tuple of c callables
         Speeds and load to the weight of each of these diagrams (S, D).
     inertia : complex ndarray of shape (K + 1, c, 2)
         Mean and phasors of T and Z of moving masses, per square of the speed [N s^2/rad^2].
-    takes_load : bool
-        Whether the gas depends on a load.
     one_diagram : str
         What is used at all speeds though it belongs to one: "pressure diagram", "torque diagram", or ""
         for nothing.
-    remarks : tuple of str
     """
 
     orders: FloatArray
@@ -108,13 +96,13 @@ class CylinderHarmonics:
             raise InputError(
                 "load: given without a pressure map; allowed is none, because a single diagram has no load."
             )
-        found = speeds[:, np.newaxis, np.newaxis] ** 2 * self.inertia[:, np.newaxis]
+        total = speeds[:, np.newaxis, np.newaxis] ** 2 * self.inertia[:, np.newaxis]
         known: dict[int, FloatArray] = {}
         for place, (of_diagrams, weigh) in enumerate(zip(self.gas, self.weights, strict=True)):
             if id(weigh) not in known:
                 known[id(weigh)] = weigh(speeds, load)
-            found[:, :, place] += np.tensordot(known[id(weigh)], of_diagrams, axes=1).swapaxes(0, 1)
-        return found
+            total[:, :, place] += np.tensordot(known[id(weigh)], of_diagrams, axes=1).swapaxes(0, 1)
+        return total
 
     def at(
         self, speed: float | ArrayLike, load: Load | None = None, *, shaft_angle_deg: ArrayLike
@@ -126,10 +114,6 @@ class CylinderHarmonics:
         speed : number or array_like of shape (m,)
             Of the shaft [rad/s]: the inertia forces are proportional to its square, and a pressure map is
             evaluated at it.
-        load : optional
-            As for `phasors`, at each of these speeds.
-        shaft_angle_deg : array_like of shape (m,)
-            [deg].
 
         Returns
         -------
@@ -148,11 +132,11 @@ class CylinderHarmonics:
         else:
             running = over_angles("speed", turning_speeds("speed", speed), angles)
         turning = np.exp(1j * np.outer(angles, np.concatenate(([0.0], self.orders))))
-        found = self.phasors(running, load)
+        phasors = self.phasors(running, load)
         if running.size == 1:
-            total = np.tensordot(turning, found[:, 0], axes=1).real
+            total = np.tensordot(turning, phasors[:, 0], axes=1).real
         else:
-            total = np.einsum("mk,kmcx->mcx", turning, found).real
+            total = np.einsum("mk,kmcx->mcx", turning, phasors).real
         return total[..., 0], total[..., 1]
 
 
@@ -219,10 +203,10 @@ def cylinder_harmonics(
         crank_radius=engine.crank_radius,
         throws=throw_of_each(engine, throws),
         gas=tuple(gas),
-        weights=tuple(own.weights for own in sources) or (constant_weight,) * cylinders,
+        weights=tuple(source.weights for source in sources) or (constant_weight,) * cylinders,
         inertia=_inertia_phasors(engine, asked, model) if inertia else none,
         takes_load=any(source.takes_load for source in sources),
-        one_diagram=_one_diagram([own.at_all_speeds for own in sources]),
+        one_diagram=_one_diagram([source.at_all_speeds for source in sources]),
         remarks=tuple(dict.fromkeys(text for source in sources for text in source.remarks)),
     )
 
@@ -231,15 +215,15 @@ def _one_diagram(at_all_speeds: Sequence[bool]) -> str:
     """State what is used at all speeds: the pressure of all cylinders, that of some, or nothing."""
     if at_all_speeds and all(at_all_speeds):
         return "pressure diagram"
-    some = [str(number) for number, own in enumerate(at_all_speeds, start=1) if own]
+    some = [str(number) for number, constant in enumerate(at_all_speeds, start=1) if constant]
     return f"pressure diagram of cylinder {', '.join(some)}" if some else ""
 
 
 def throw_of_each(engine: EngineLayout, throws: Sequence[int] | None) -> tuple[int, ...]:
     """Return the throw of each cylinder from 0, given or found from the layout."""
     groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
-    found = {number: throw for throw, group in enumerate(groups) for number in group}
-    return tuple(found[number] for number in range(1, len(engine.cylinders) + 1))
+    throw_of = {number: throw for throw, group in enumerate(groups) for number in group}
+    return tuple(throw_of[number] for number in range(1, len(engine.cylinders) + 1))
 
 
 def _pin_forces(forces: MechanismForces) -> FloatArray:
@@ -256,10 +240,10 @@ def _inertia_phasors(engine: EngineLayout, orders: FloatArray, model: RodModelNa
             mechanism_forces(engine, 1.0, 0.0, model=model, shaft_angles_deg=np.degrees(angles))
         )
     )
-    found = np.zeros((orders.size + 1, len(engine.cylinders), 2), dtype=np.complex128)
-    found[0] = forces[..., 0]
-    found[1 + whole] = np.moveaxis(forces[..., orders[whole].astype(np.int64)], -1, 0)
-    return found
+    phasors = np.zeros((orders.size + 1, len(engine.cylinders), 2), dtype=np.complex128)
+    phasors[0] = forces[..., 0]
+    phasors[1 + whole] = np.moveaxis(forces[..., orders[whole].astype(np.int64)], -1, 0)
+    return phasors
 
 
 @summarized("orders", "speeds [rad/s]", "tangential [N]", "radial [N]", "power [W]", "remarks")
@@ -327,22 +311,10 @@ class CylinderForces:
     ) -> tuple[FloatArray, FloatArray]:
         """Return T and Z over shaft angles at one of the speeds, the sum of mean and all orders.
 
-        Parameters
-        ----------
-        speed_index : int
-            Which of the speeds, from 0.
-        shaft_angle_deg : array_like of shape (m,)
-            [deg].
-
         Returns
         -------
         tangential, radial : ndarray of shape (m, c)
             [N].
-
-        Raises
-        ------
-        InputError
-            If there is no such speed, or an angle is not a finite number.
         """
         place = checked_speed_index(speed_index, self.speeds)
         angles = radians_of("shaft_angle_deg", shaft_angle_deg, vector=True)
@@ -359,20 +331,7 @@ class CylinderForces:
         show: Literal["tangential", "radial"] = "tangential",
         main_orders: int = MAIN_ORDERS,
     ) -> Axes:
-        """Draw the amplitudes of T or Z of a cylinder's main orders over the speed.
-
-        Parameters
-        ----------
-        show : {"tangential", "radial"}, optional
-            Which of the forces on the crankpin.
-        main_orders : int, optional
-            Number of orders, those with the largest peaks.
-
-        Raises
-        ------
-        InputError
-            If there is no such cylinder or force, or the number of orders is not 1 or more.
-        """
+        """Draw the amplitudes of T or Z of a cylinder's main orders over the speed."""
         whole_within("cylinder", cylinder, 1, len(self.throws), "the engine has that many")
         check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
         most = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
@@ -478,7 +437,7 @@ def cylinder_forces(
     >>> np.abs(slow_and_fast.tangential[3, :, 0]).round(2).tolist()
     [89.24, 356.96]
     """
-    found = cylinder_harmonics(
+    harmonics = cylinder_harmonics(
         engine,
         orders,
         pressure,
@@ -490,7 +449,7 @@ def cylinder_forces(
         throws=throws,
         crankcase_pressure=crankcase_pressure,
     )
-    return forces_at_speeds(found, speeds, load)
+    return forces_at_speeds(harmonics, speeds, load)
 
 
 def forces_at_speeds(
@@ -567,7 +526,7 @@ def torque_harmonics(
             f"firing_angles_deg: given {firing.size} angles; allowed are at most {MOST_CYLINDERS}, because "
             "no engine has more cylinders."
         )
-    if not each or len(each) != firing.size or len({own.strokes for own in each}) > 1:
+    if not each or len(each) != firing.size or len({spectrum.strokes for spectrum in each}) > 1:
         raise InputError(
             f"torque: given {len(each)} for {firing.size} firing angles; allowed is one for each cylinder, "
             "all of one kind of cycle, because each cylinder works on the same shaft."
@@ -582,13 +541,15 @@ def torque_harmonics(
     strokes = each[0].strokes
     asked = requested_orders(orders, strokes)
     gas: list[ComplexArray] = []
-    for own, angle in zip(each, firing.tolist(), strict=True):
-        order_indices(asked, strokes, own.samples, "the given torques")
-        order_indices(asked, strokes, 2 * own.orders.size + 1, "the orders kept of the torques")
+    for spectrum, angle in zip(each, firing.tolist(), strict=True):
+        order_indices(asked, strokes, spectrum.samples, "the given torques")
+        order_indices(
+            asked, strokes, 2 * spectrum.orders.size + 1, "the orders kept of the torques"
+        )
         places = np.round(asked / order_step(strokes)).astype(np.int64) - 1
-        phasors = (own.cosine - 1j * own.sine)[places] * np.exp(-1j * asked * angle)
+        phasors = (spectrum.cosine - 1j * spectrum.sine)[places] * np.exp(-1j * asked * angle)
         tangential = np.zeros(asked.size + 1, dtype=np.complex128)
-        tangential[0], tangential[1:] = own.mean / radius, phasors / radius
+        tangential[0], tangential[1:] = spectrum.mean / radius, phasors / radius
         gas.append(np.stack((tangential, 0.0 * tangential), axis=-1)[np.newaxis])
     return CylinderHarmonics(
         orders=read_only(asked),

@@ -26,13 +26,8 @@ class GasSource:
 
     Parameters
     ----------
-    diagrams : tuple of D Pressure
     weights : callable
         Speeds (S,) [rad/s] and load to the weight of each diagram (S, D).
-    takes_load : bool
-        Whether a map is among the sources.
-    at_all_speeds : bool
-        Whether a single diagram for all speeds is among the sources.
     """
 
     diagrams: tuple[Pressure, ...]
@@ -43,13 +38,15 @@ class GasSource:
     @property
     def samples(self) -> int | None:
         """Samples over the cycle of the coarsest diagram, None if none is sampled."""
-        known = [own.angles_deg.size for own in self.diagrams if isinstance(own, GasPressure)]
+        known = [
+            diagram.angles_deg.size for diagram in self.diagrams if isinstance(diagram, GasPressure)
+        ]
         return min(known, default=None)
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """Changes made to the diagrams."""
-        return tuple(text for own in self.diagrams for text in getattr(own, "remarks", ()))
+        return tuple(text for diagram in self.diagrams for text in getattr(diagram, "remarks", ()))
 
 
 def gas_sources(
@@ -83,20 +80,20 @@ def gas_sources(
 
 def _one_for_each(field: str, pressure: Pressures, engine: EngineLayout) -> list[GasSource]:
     count = len(engine.cylinders)
-    given = list(pressure) if isinstance(pressure, Sequence) else [pressure] * count
-    if len(given) != count:
+    pressures = list(pressure) if isinstance(pressure, Sequence) else [pressure] * count
+    if len(pressures) != count:
         raise InputError(
-            f"{field}: given {len(given)} for {count} cylinders; allowed is one for all, or one for each "
+            f"{field}: given {len(pressures)} for {count} cylinders; allowed is one for all, or one for each "
             "cylinder, because each piston has its own force."
         )
-    for own in given:
-        if own.strokes != engine.strokes:
+    for each in pressures:
+        if each.strokes != engine.strokes:
             raise InputError(
-                f"{field}: given a cycle of {own.strokes} strokes; allowed is {engine.strokes}, because "
+                f"{field}: given a cycle of {each.strokes} strokes; allowed is {engine.strokes}, because "
                 "that is the engine's."
             )
-    made = {id(own): _source(own) for own in given}
-    return [made[id(own)] for own in given]
+    made = {id(each): _source(each) for each in pressures}
+    return [made[id(each)] for each in pressures]
 
 
 def _source(pressure: AnyPressure) -> GasSource:

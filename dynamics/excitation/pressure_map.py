@@ -18,11 +18,10 @@ from crankbase.checks.arrays import (
     turning_speeds,
 )
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_below, write_title
+from crankbase.diagrams import legend_below, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.critical import engine_orders
 from dynamics.cycle import cycle_radians, even_angles, order_step
@@ -41,10 +40,6 @@ ON_STEP = 1e-9
 def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
     """Return mean and phasors of even samples over a cycle, angles counted from the first.
 
-    Parameters
-    ----------
-    samples : ndarray of shape (..., m)
-
     Returns
     -------
     complex ndarray of shape (..., (m - 1) // 2 + 1)
@@ -52,9 +47,9 @@ def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
         sampling rate is left out: the samples do not determine its phase.
     """
     count = samples.shape[-1]
-    found = np.fft.rfft(samples)[..., : (count - 1) // 2 + 1] / count
-    found[..., 1:] *= 2.0
-    return np.asarray(found)
+    phasors = np.fft.rfft(samples)[..., : (count - 1) // 2 + 1] / count
+    phasors[..., 1:] *= 2.0
+    return np.asarray(phasors)
 
 
 def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> NDArray[np.int64]:
@@ -186,7 +181,7 @@ def axis_weights(field: str, grid: FloatArray, asked: FloatArray, method: Method
     if grid.size == 1:
         return np.ones((asked.size, 1))
     if method == "linear":
-        return np.array([np.interp(within, grid, own) for own in unit]).T
+        return np.array([np.interp(within, grid, node_values) for node_values in unit]).T
     from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
 
     # Through three points a parabola, through two a straight line.
@@ -215,8 +210,6 @@ class PressureMap:
         propeller's curve.
     diagrams : tuple of a * b GasPressure
         Speed by speed, load by load within each.
-    method : {"cubic", "linear"}
-        Along either axis: cubic spline, or linear.
     load_of_speed : ndarray of shape (a,) or None
         Load of each speed's only diagram, where there is one.
 
@@ -256,15 +249,13 @@ class PressureMap:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Changes made to the diagrams, each sentence once."""
-        return tuple(dict.fromkeys(text for own in self.diagrams for text in own.remarks))
+        return tuple(dict.fromkeys(text for diagram in self.diagrams for text in diagram.remarks))
 
     def weights(self, speeds: ArrayLike, load: Load | None = None) -> FloatArray:
         """Return the weight of each diagram at speeds, and at a load for each of them.
 
         Parameters
         ----------
-        speeds : array_like of shape (S,)
-            [rad/s].
         load : number, array_like of shape (S,) or callable, optional
             In the measure of the map; none where it has a single load, or one at each speed.
 
@@ -305,13 +296,6 @@ class PressureMap:
         self, orders: ArrayLike, speeds: ArrayLike, load: Load | None = None
     ) -> NDArray[np.complex128]:
         """Return the complex harmonics of the pressure, counted from the cylinder's firing top.
-
-        Parameters
-        ----------
-        orders : array_like of shape (K,)
-            In cycles per crankshaft revolution.
-        speeds, load
-            As for `weights`.
 
         Returns
         -------
@@ -381,11 +365,6 @@ class PressureMap:
             Speed at which one diagram is interpolated [rad/s]; by default those of all speeds of the map.
         load : float, optional
             If the map has loads: any with a speed, one of the map's without; the highest by default.
-
-        Raises
-        ------
-        InputError
-            As `at`, or if the map has no diagrams at this load.
         """
         if speed is not None:
             axes = self.at(speed, load).plot(axes)
@@ -396,7 +375,7 @@ class PressureMap:
         names = _speed_names(self.speeds)
         if self.load_of_speed is not None:
             pairs = zip(names, self.load_of_speed, strict=True)
-            names = [f"{name}, load {own:g}" for name, own in pairs]
+            names = [f"{name}, load {speed_load:g}" for name, speed_load in pairs]
         curves = {
             name: MEGA * self._sampled[number * apart + place] for number, name in enumerate(names)
         }
@@ -421,9 +400,9 @@ class PressureMap:
         known = np.array([]) if self.loads is None else self.loads
         near = np.flatnonzero(np.abs(known - wanted) <= SAME * np.abs(known))
         if not near.size:
-            said = ", ".join(f"{own:g}" for own in known) or "none"
+            allowed = ", ".join(f"{map_load:g}" for map_load in known) or "none"
             raise InputError(
-                f"load: given {wanted:g} without a speed; allowed are {said}, because the map's own "
+                f"load: given {wanted:g} without a speed; allowed are {allowed}, because the map's own "
                 "diagrams at all speeds are drawn."
             )
         return int(near[0])
@@ -440,8 +419,6 @@ def pressure_map(
         Speed [rad/s], load in any measure, the same for all (share of the rated torque, mean
         effective pressure, power), and the diagram. Either every load at every speed, or one load
         at each speed, as along a propeller's curve.
-    method : {"cubic", "linear"}, optional
-        Interpolation between the diagrams, along either axis.
 
     Raises
     ------
@@ -454,7 +431,7 @@ def pressure_map(
             "points: given one that is not of three; allowed are (speed, load, diagram), because each "
             "diagram has both."
         )
-    given = [
+    checked = [
         (
             positive_number("pressure map speed", speed, "rad/s", "the engine runs"),
             nonnegative_number("pressure map load", load, "", "it drives"),
@@ -462,45 +439,45 @@ def pressure_map(
         )
         for speed, load, diagram in points
     ]
-    if not given:
+    if not checked:
         raise InputError("points: given none; allowed are one or more, because a map has diagrams.")
     check_choice("method", method, get_args(Method), "these are the ways between the diagrams")
-    strokes = {diagram.strokes for _, _, diagram in given}
+    strokes = {diagram.strokes for _, _, diagram in checked}
     if len(strokes) > 1:
         raise InputError(
             "points: given diagrams of 2 and of 4 strokes; allowed is one kind, because they are of "
             "one engine."
         )
-    speeds = sorted_unique([speed for speed, _, _ in given])
-    loads = sorted_unique([load for _, load, _ in given])
+    speeds = sorted_unique([speed for speed, _, _ in checked])
+    loads = sorted_unique([load for _, load, _ in checked])
     places = [
-        (nearest_index(speeds, speed), nearest_index(loads, load)) for speed, load, _ in given
+        (nearest_index(speeds, speed), nearest_index(loads, load)) for speed, load, _ in checked
     ]
-    found = dict(zip(places, [diagram for _, _, diagram in given], strict=True))
-    if len(found) < len(given):
+    diagrams = dict(zip(places, [diagram for _, _, diagram in checked], strict=True))
+    if len(diagrams) < len(checked):
         raise InputError(
-            f"points: given {len(given)} points of which {len(found)} differ in speed or load; allowed "
+            f"points: given {len(checked)} points of which {len(diagrams)} differ in speed or load; allowed "
             "is each point once, because it has one diagram."
         )
-    if len(found) == speeds.size * loads.size:
+    if len(diagrams) == speeds.size * loads.size:
         return PressureMap(
             read_only(speeds),
             read_only(loads),
-            tuple(found[row, column] for row, column in np.ndindex(speeds.size, loads.size)),
+            tuple(diagrams[row, column] for row, column in np.ndindex(speeds.size, loads.size)),
             method,
         )
-    if len(found) == speeds.size == len({row for row, _ in found}):
-        along = sorted(found)
+    if len(diagrams) == speeds.size == len({row for row, _ in diagrams}):
+        along = sorted(diagrams)
         return PressureMap(
             read_only(speeds),
             None,
-            tuple(found[place] for place in along),
+            tuple(diagrams[place] for place in along),
             method,
             read_only(np.array([loads[column] for _, column in along])),
         )
-    missing = next(place for place in np.ndindex(speeds.size, loads.size) if place not in found)
+    missing = next(place for place in np.ndindex(speeds.size, loads.size) if place not in diagrams)
     raise InputError(
-        f"points: given {len(found)} points with {speeds.size} speeds and {loads.size} loads, none at "
+        f"points: given {len(diagrams)} points with {speeds.size} speeds and {loads.size} loads, none at "
         f"{per_minute(float(speeds[missing[0]]))} and load {loads[missing[1]]:g}; allowed are all loads "
         "at every speed, or one at each, because what lies between is interpolated along both (loads as "
         "shares of the full load of each speed make a grid)."
@@ -510,7 +487,9 @@ def pressure_map(
 def _speed_names(speeds: FloatArray) -> list[str]:
     """Return speeds [rad/s] for a legend, to four digits if these distinguish them."""
     short = [f"{RPM * speed:.4g} 1/min" for speed in speeds.tolist()]
-    return short if len(set(short)) == len(short) else [per_minute(one) for one in speeds.tolist()]
+    return (
+        short if len(set(short)) == len(short) else [per_minute(speed) for speed in speeds.tolist()]
+    )
 
 
 # What a cycle has of its own, and its solution is not told.
@@ -543,8 +522,6 @@ def pressure_map_from_cycles(
         As for `gas_cycle`.
     speeds : array_like of shape (a,)
         [rad/s].
-    loads : array_like of shape (b,)
-        In any measure.
     heat : array_like of shape (a, b), optional
         Heat released in one cycle at each point [J], instead of the pressures below; 0 is a motored
         engine.
@@ -554,8 +531,6 @@ def pressure_map_from_cycles(
     intake_pressure, exhaust_pressure : array_like of shape (a, b), optional
         Absolute pressure at the end of the intake and during exhaust [Pa]; by default those of the
         cycle. With a turbocharger both rise together.
-    method : {"cubic", "linear"}, optional
-        Interpolation between the points.
 
     Raises
     ------
@@ -564,7 +539,7 @@ def pressure_map_from_cycles(
     """
     running, loaded = finite_vector("speeds", speeds), finite_vector("loads", loads)
     shape = (running.size, loaded.size)
-    given = {
+    targets = {
         "heat": heat,
         "peak_pressure": peak_pressure,
         "mean_effective_pressure": mean_effective_pressure,
@@ -573,17 +548,17 @@ def pressure_map_from_cycles(
     }
     known = {
         name: _at_points(name, values, shape)
-        for name, values in given.items()
+        for name, values in targets.items()
         if values is not None
     }
     points = []
     for place in np.ndindex(*shape):
         speed, load = float(running[place[0]]), float(loaded[place[1]])
         wanted = {name: float(values[place]) for name, values in known.items()}
-        own: dict[str, Any] = {name: wanted.pop(name) for name in OF_CYCLE if name in wanted}
+        receivers: dict[str, Any] = {name: wanted.pop(name) for name in OF_CYCLE if name in wanted}
         try:
-            found = gas_cycle(
-                replace(cycle, **own),
+            solved = gas_cycle(
+                replace(cycle, **receivers),
                 position,
                 area,
                 **wanted,
@@ -593,17 +568,17 @@ def pressure_map_from_cycles(
         except InputError as error:
             raise InputError(f"at {per_minute(speed)} and load {load:g}: {error}") from None
         # What was solved at each point would make a remark of its own for every one.
-        kept = tuple(text for text in found.pressure.remarks if not text.startswith("Solved"))
-        points.append((speed, load, replace(found.pressure, remarks=kept)))
+        kept = tuple(text for text in solved.pressure.remarks if not text.startswith("Solved"))
+        points.append((speed, load, replace(solved.pressure, remarks=kept)))
     return pressure_map(points, method=method)
 
 
 def _at_points(field: str, values: ArrayLike, shape: tuple[int, int]) -> FloatArray:
-    given = finite_array(field, values)
+    array = finite_array(field, values)
     try:
-        return np.asarray(np.broadcast_to(given, shape))
+        return np.asarray(np.broadcast_to(array, shape))
     except ValueError:
         raise InputError(
-            f"{field}: given an array of shape {given.shape}; allowed is {shape}, because there is one for "
+            f"{field}: given an array of shape {array.shape}; allowed is {shape}, because there is one for "
             "each speed and load."
         ) from None

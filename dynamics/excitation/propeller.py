@@ -15,8 +15,7 @@ from crankbase.checks.arrays import (
     positive_number,
     turning_speeds,
 )
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import check_choice, whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain, speed_ratios
@@ -93,11 +92,11 @@ class PropellerForces:
                 "",
                 "they are amplitudes",
             )
-            given = getattr(self, f"{kind}_phases_deg")
+            phases = getattr(self, f"{kind}_phases_deg")
             phases = (
                 np.zeros(shares.size)
-                if given is None
-                else finite_vector(f"propeller_forces.{kind}_phases", given)
+                if phases is None
+                else finite_vector(f"propeller_forces.{kind}_phases", phases)
             )
             if phases.size != shares.size:
                 raise InputError(
@@ -134,12 +133,8 @@ def propeller_excitation(
     ----------
     chain : Chain
         Torsional or axial, with node 0 in the crankshaft.
-    node : int
-        Of the propeller, from 0.
     speeds : array_like of shape (S,)
         Of the crankshaft [rad/s], ascending.
-    kind : {"torsional", "axial"}
-        Of the chain: its torque or its thrust acts.
     ratio : float, optional
         Speed of the propeller over that of the crankshaft, negative for the opposite sense.
         By default that of the node by the chain's gears. Required for an axial chain of a geared

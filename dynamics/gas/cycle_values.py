@@ -6,8 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from crankbase.checks.angles import refuse_radians_between
-from crankbase.checks.arrays import nonnegative_number, positive_number
+from crankbase.checks.arrays import nonnegative_number, positive_number, refuse_radians_between
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes, cycle_degrees
@@ -39,8 +38,6 @@ class GasCycle:
 
     Parameters
     ----------
-    strokes : int
-        Strokes per cycle, 2 or 4.
     compression_ratio : float
         Largest over smallest volume, geometric.
     intake_pressure : float
@@ -64,8 +61,6 @@ class GasCycle:
         Where the first valve or port opens and expansion ends [deg].
     overlap_begins_deg, overlap_ends_deg : float
         Interval in which the pressure passes from exhaust to intake [deg].
-    assumed : tuple of str
-        Names of the parameters above that were assumed, not given.
 
     Raises
     ------
@@ -157,15 +152,7 @@ class GasCycle:
 
 @dataclass(frozen=True)
 class UsualValue:
-    """A default value.
-
-    Parameters
-    ----------
-    value : callable
-        Function of the strokes and the values known so far.
-    reason : str
-        Why this value.
-    """
+    """A default value."""
 
     value: Callable[[int, Mapping[str, float]], float]
     reason: str
@@ -228,14 +215,12 @@ USUAL_VALUES: dict[str, UsualValue] = {
 }
 
 
-def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) -> GasCycle:
+def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **known: float) -> GasCycle:
     """Return the parameters of a cycle; by default those of a turbocharged diesel.
 
     Parameters
     ----------
-    compression_ratio : float
-        Largest over smallest volume.
-    **given : float
+    **known : float
         Any other parameters of `GasCycle`: angles in degrees, the rest in SI units.
 
     Returns
@@ -267,16 +252,16 @@ def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) 
     (270000.0, 'exhaust_pressure')
     """
     checked_strokes(strokes)
-    unknown = [name for name in given if name not in USUAL_VALUES]
+    unknown = [name for name in known if name not in USUAL_VALUES]
     if unknown:
         raise InputError(
-            f"{unknown[0]}: given {given[unknown[0]]!r}; allowed are {', '.join(USUAL_VALUES)}, "
+            f"{unknown[0]}: given {known[unknown[0]]!r}; allowed are {', '.join(USUAL_VALUES)}, "
             "because the cycle model has no other parameters."
         )
-    for name, value in given.items():
+    for name, value in known.items():
         _check_finite(name, value)
-    values = dict(given)
-    assumed = tuple(name for name in USUAL_VALUES if name not in given)
+    values = dict(known)
+    assumed = tuple(name for name in USUAL_VALUES if name not in known)
     for name in assumed:
         values[name] = USUAL_VALUES[name].value(strokes, values)
     return GasCycle(

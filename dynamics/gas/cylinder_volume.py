@@ -7,8 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import radians_of
-from crankbase.checks.arrays import FloatArray, finite_array, finite_vector, positive_number
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    finite_vector,
+    positive_number,
+    radians_of,
+)
 from crankbase.errors import InputError
 from dynamics.cycle import checked_strokes
 from dynamics.gas.pressure import GasPressure, gas_pressure
@@ -36,8 +41,6 @@ class CylinderVolume:
         crank angles [rad].
     area : float
         Piston area [m^2].
-    compression_ratio : float
-        Largest over smallest volume.
     highest, lowest : float
         Highest and lowest position [m].
     top_angle_deg, bottom_angle_deg : float
@@ -105,16 +108,16 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
         )
     step = 2.0 * math.pi / SEARCH_PLACES
     places = step * np.arange(SEARCH_PLACES + 1, dtype=np.float64)
-    found = finite_array("position", position(places))
-    way = float(np.ptp(found))
-    if way <= 0.0 or abs(found[-1] - found[0]) > RETURN_TOLERANCE * way:
+    positions = finite_array("position", position(places))
+    way = float(np.ptp(positions))
+    if way <= 0.0 or abs(positions[-1] - positions[0]) > RETURN_TOLERANCE * way:
         raise InputError(
-            f"position: given {found[0]:g} m at 0 deg, {found[-1]:g} m at 360 deg and a way of "
+            f"position: given {positions[0]:g} m at 0 deg, {positions[-1]:g} m at 360 deg and a way of "
             f"{way:g} m between; allowed is a piston that moves and is back after one turn, because "
             "its volume repeats with the turn."
         )
-    top_angle, highest = _extreme(position, places[int(np.argmax(found[:-1]))], step, 1.0)
-    bottom_angle, lowest = _extreme(position, places[int(np.argmin(found[:-1]))], step, -1.0)
+    top_angle, highest = _extreme(position, places[int(np.argmax(positions[:-1]))], step, 1.0)
+    bottom_angle, lowest = _extreme(position, places[int(np.argmin(positions[:-1]))], step, -1.0)
     top_angle_deg = math.remainder(math.degrees(top_angle), 360.0)
     if abs(top_angle_deg) > FARTHEST_TOP:
         raise InputError(
@@ -191,13 +194,6 @@ def indicated_work(pressure: ArrayLike, volume_slope: ArrayLike, strokes: int = 
 def indicated_mean_effective_pressure(work: float, swept: float) -> float:
     """Return the work of one cycle per swept volume.
 
-    Parameters
-    ----------
-    work : float
-        Work of one cycle [J].
-    swept : float
-        Swept volume [m^3].
-
     Returns
     -------
     float
@@ -245,10 +241,6 @@ def motored_from_compression(
 
     Parameters
     ----------
-    pressure : GasPressure
-        Of the firing cylinder.
-    volume : CylinderVolume
-        Over its piston.
     fit_from_deg, fit_to_deg : float, optional
         Crank angles [deg] before the top between which the diagram shows pure compression.
 

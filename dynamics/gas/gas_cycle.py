@@ -9,14 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, finite_vector, nonnegative_number
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import is_number, whole_number
-from crankbase.drawing.diagram_style import BLUE, new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import check_choice, is_number, whole_number
+from crankbase.diagrams import BLUE, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.gas.cycle_values import (
@@ -61,8 +58,6 @@ class CycleSamples:
         Derivative of the volume by the crank angle [m^3/rad].
     swept : float
         Swept volume [m^3].
-    strokes : int
-        Strokes per cycle, 2 or 4.
     """
 
     motored: FloatArray
@@ -325,10 +320,6 @@ class GasCycleResult:
     ----------
     pressure : GasPressure
         Absolute pressure over the cycle; its remarks state what was solved and assumed.
-    cycle : GasCycle
-        The parameters, including those that were solved.
-    volume : CylinderVolume
-        The volume over the piston.
     heat : float
         Heat released in one cycle, less that lost to the walls [J].
     work : float
@@ -353,18 +344,7 @@ class GasCycleResult:
         *,
         show: Literal["indicator diagram", "pressure"] = "indicator diagram",
     ) -> Axes:
-        """Draw the indicator diagram, or the pressure over the crank angle.
-
-        Parameters
-        ----------
-        show : {"indicator diagram", "pressure"}, optional
-            Pressure over volume, or over the crank angle.
-
-        Raises
-        ------
-        InputError
-            If the plot is unknown.
-        """
+        """Draw the indicator diagram, or the pressure over the crank angle."""
         check_choice(
             "show",
             show,
@@ -412,8 +392,6 @@ def gas_cycle(
 
     Parameters
     ----------
-    cycle : GasCycle
-        Parameters of the cycle, as from `usual_gas_cycle`.
     position : callable
         Position of the piston along the cylinder axis from any origin, growing away from the
         shaft [m], for an array of crank angles [rad] from the nominal firing top. Any mechanism
@@ -427,8 +405,6 @@ def gas_cycle(
     mean_effective_pressure : float, optional
         Indicated mean effective pressure, gas exchange included [Pa]. With `peak_pressure` the
         parameter named in `solve_for` is found too.
-    solve_for : str, optional
-        "combustion_start_deg" or "combustion_duration_deg", when both pressures are given.
     samples : int, optional
         Even samples over the cycle, 360 a revolution or more; 1440 by default.
 
@@ -475,13 +451,13 @@ def gas_cycle(
         )
     remarks: list[str] = []
     if peak_pressure is not None and mean_effective_pressure is not None:
-        given = cycle
+        before = cycle
         cycle = _solved_combustion(
             cycle, volume, angles_deg, peak_pressure, mean_effective_pressure, solve_for
         )
         remarks.append(
             f"Solved: {name_of_field(solve_for)} {getattr(cycle, solve_for):.4g} deg in place of "
-            f"{getattr(given, solve_for):.4g} deg."
+            f"{getattr(before, solve_for):.4g} deg."
         )
     _check_resolved(cycle, count)
     state = cycle_samples(cycle, volume, angles_deg)
@@ -522,8 +498,6 @@ class FullLoad:
 
     Parameters
     ----------
-    compression_ratio : float
-        Largest over smallest volume.
     known : mapping of str to float
         Further parameters of `GasCycle`; the others are the usual ones.
     peak_pressure : float, optional
@@ -625,18 +599,16 @@ def _solved_combustion(
     from scipy.optimize import brentq  # here: loading it takes a quarter second
 
     first = int(below[0])
-    found = brentq(
-        lambda value: peak_at(value) - peak, places[first], places[first + 1], xtol=1e-15
-    )
-    return changed(float(found))
+    root = brentq(lambda value: peak_at(value) - peak, places[first], places[first + 1], xtol=1e-15)
+    return changed(float(root))
 
 
 def _search_angles(cycle: GasCycle, samples: int, name: Solved) -> FloatArray:
     """Return the angles at which to search for the start or the duration of the combustion [deg]."""
     if name == "combustion_start_deg":
-        given = cycle.combustion_start_deg
+        start = cycle.combustion_start_deg
         low = max(EARLIEST_START, cycle.intake_closes_deg)
         high = min(LATEST_START, cycle.exhaust_opens_deg - cycle.combustion_duration_deg)
-        return np.linspace(min(low, given), max(high, given), SEARCH_PLACES, dtype=np.float64)
+        return np.linspace(min(low, start), max(high, start), SEARCH_PLACES, dtype=np.float64)
     high = min(LONGEST_DURATION, cycle.exhaust_opens_deg - cycle.combustion_start_deg)
     return np.linspace(_shortest_duration(cycle, samples), high, SEARCH_PLACES, dtype=np.float64)

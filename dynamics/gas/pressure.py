@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees
-from crankbase.checks.arrays import FloatArray, positive_vector, read_only
+from crankbase.checks.arrays import FloatArray, checked_degrees, positive_vector, read_only
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.cycle import (
     PLACE_TOLERANCE,
     checked_strokes,
@@ -69,10 +67,6 @@ class GasPressure:
         below one step, without the closing sample.
     pressure : ndarray of shape (m,)
         Absolute pressure [Pa], positive.
-    strokes : int
-        Strokes per cycle, 2 or 4.
-    source : str
-        Origin of the samples.
     remarks : tuple of str
         Changes made to them, a sentence each.
 
@@ -139,11 +133,6 @@ class GasPressure:
             Absolute pressure [Pa]: a shape-preserving piecewise cubic through the samples,
             which exceeds neither of its two neighbors.
 
-        Raises
-        ------
-        InputError
-            If an angle is not a finite number, or they are radians.
-
         Notes
         -----
         Slopes after F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304, as in
@@ -186,13 +175,9 @@ def gas_pressure(
 
     Parameters
     ----------
-    pressure : array_like of shape (m,)
-        Absolute pressure [Pa], positive.
     angles_deg : array_like of shape (m,)
         Crank angles from the firing top dead center [deg], strictly ascending over one cycle that
         may start anywhere, no gap wider than 10 deg, the closing sample left out.
-    source : str, optional
-        Origin of the samples.
     remarks : tuple of str, optional
         Earlier changes to them.
 
@@ -220,12 +205,14 @@ def gas_pressure(
     (9.2, 12.0)
     """
     cycle = cycle_degrees(checked_strokes(strokes))
-    given = checked_degrees("angles_deg", angles_deg, vector=True)
+    degrees = checked_degrees("angles_deg", angles_deg, vector=True)
     values = positive_vector("pressure", pressure, "Pa", "it is absolute pressure")
-    _check_samples(given, values, cycle)
-    even = is_even_cycle(given, cycle)
+    _check_samples(degrees, values, cycle)
+    even = is_even_cycle(degrees, cycle)
     places, values, remark = (
-        _even_angles_in_cycle(given, values, cycle) if even else _resampled(given, values, cycle)
+        _even_angles_in_cycle(degrees, values, cycle)
+        if even
+        else _resampled(degrees, values, cycle)
     )
     return GasPressure(
         angles_deg=places,
@@ -243,8 +230,6 @@ def widest_gap(angles_deg: FloatArray, cycle_deg: float) -> tuple[int, float]:
     ----------
     angles_deg : ndarray of shape (m,)
         Ascending angles [deg], at least one.
-    cycle_deg : float
-        Length of the cycle [deg].
     """
     seam = angles_deg[0] + cycle_deg - angles_deg[-1]
     gaps = np.concatenate([[seam], np.diff(angles_deg)])
@@ -362,8 +347,6 @@ def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPress
 
     Parameters
     ----------
-    path : path
-        The file.
     strokes : int, optional
         Strokes per cycle, 2 or 4; by default found from the angles.
 
@@ -384,12 +367,12 @@ def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPress
     cycles = possible_cycles(strokes)
     rows = read_sample_rows(path, TABLE)
     remarks: list[str] = []
-    found = rows.strokes(
+    cycle_strokes = rows.strokes(
         cycles,
         lambda angles, cycle: closes_cycle(angles, cycle) or opens_little(angles, cycle),
         f" and open by {WIDEST_GAP:g} deg at most",
     )
-    cycle = cycles[found]
+    cycle = cycles[cycle_strokes]
     kind, _, unit = rows.value_name.split("_")
     pressure = UNITS[unit] * rows.values
     if kind == "gauge":
@@ -410,7 +393,7 @@ def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPress
     _check_pressure(rows, pressure)
     _check_peak_angle(rows, pressure, cycle)
     return gas_pressure(
-        pressure, found, source=rows.source, remarks=tuple(remarks), angles_deg=rows.angles
+        pressure, cycle_strokes, source=rows.source, remarks=tuple(remarks), angles_deg=rows.angles
     )
 
 
@@ -445,13 +428,13 @@ def _check_pressure(rows: SampleRows, pressure: FloatArray) -> None:
 
 def _check_peak_angle(rows: SampleRows, pressure: FloatArray, cycle: float) -> None:
     index = int(np.argmax(pressure))
-    given, half = float(rows.angles[index]), cycle / 2.0
-    if _near_top(given, cycle):
+    peak, half = float(rows.angles[index]), cycle / 2.0
+    if _near_top(peak, cycle):
         return
-    hint = f"; the table looks shifted by {half:g} deg" if _near_top(given + half, cycle) else ""
+    hint = f"; the table looks shifted by {half:g} deg" if _near_top(peak + half, cycle) else ""
     raise rows.angle_error(
         index,
-        f"given the highest pressure at {given:g} deg; allowed is a peak from {EARLIEST_PEAK:g} to "
+        f"given the highest pressure at {peak:g} deg; allowed is a peak from {EARLIEST_PEAK:g} to "
         f"{LATEST_PEAK:g} deg, because angles count from the firing top dead center{hint}",
     )
 

@@ -8,8 +8,13 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees
-from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, positive_number
+from crankbase.checks.arrays import (
+    FloatArray,
+    checked_degrees,
+    finite_array,
+    nonnegative_number,
+    positive_number,
+)
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
@@ -55,8 +60,8 @@ def antiderivative(samples: FloatArray) -> FloatArray:
     spectrum = np.fft.rfft(samples)
     spectrum[1:] /= 1j * np.arange(1, spectrum.size)
     spectrum[0] = 0.0
-    found = np.fft.irfft(spectrum, samples.size)
-    return np.asarray(found - found[0])
+    integral = np.fft.irfft(spectrum, samples.size)
+    return np.asarray(integral - integral[0])
 
 
 def periodic_spline(samples: FloatArray) -> "CubicSpline":
@@ -203,18 +208,11 @@ def two_stroke_cycle(
 
     Parameters
     ----------
-    compression_ratio : float
-        Largest over smallest volume.
     peak_pressure, mean_effective_pressure, intake_pressure : float
         Highest pressure, absolute; indicated mean pressure; and pressure of the charge, absolute
         [Pa]. They determine the duration of the combustion.
     **parameters : float
         Any other parameters of `GasCycle`.
-
-    Raises
-    ------
-    InputError
-        As `gas_cycle`.
     """
     cycle = usual_gas_cycle(
         compression_ratio, strokes=2, intake_pressure=intake_pressure, **parameters

@@ -7,11 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, finite_vector, positive_number, read_only
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import whole_number
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import (
@@ -42,19 +41,14 @@ class HingeMoment:
 
     Parameters
     ----------
-    engine : CrossheadEngine
     speed : float
         Of the crank, held constant [rad/s].
-    kinematics : str
-        "exact", "series" or "printed".
     angles_deg : ndarray
         Even crank angles from the top dead center [deg], without the closing one.
     gas_force : callable
         Force on the piston towards the shaft [N] at any angles, a function of radians.
     gas : ndarray
         That force at the angles [N].
-    reduced : ReducedCrank
-        The engine reduced to its crank at the angles.
     load : float
         M_r, constant moment of the driven machine [N m]: the mean of the gas moment.
     moment : ndarray
@@ -144,8 +138,6 @@ def hinge_moment(
         closing one.
     speed : float
         Of the crank [rad/s].
-    kinematics : str, optional
-        "exact", "series" or "printed"; see `reduced_crank`.
     samples : int, optional
         Number of angles over the revolution.
 
@@ -204,10 +196,10 @@ def as_function(gas_force: GasForce | ArrayLike) -> GasForce:
     """Return a gas force as a function of angles [rad]; samples are interpolated by a periodic spline."""
     if callable(gas_force):
         return gas_force
-    given = finite_vector("gas_force", gas_force)
-    if given.size < FEWEST_SAMPLES:
+    forces = finite_vector("gas_force", gas_force)
+    if forces.size < FEWEST_SAMPLES:
         raise InputError(
-            f"gas_force: given {given.size} values; allowed are {FEWEST_SAMPLES} or more at even angles "
+            f"gas_force: given {forces.size} values; allowed are {FEWEST_SAMPLES} or more at even angles "
             "over a turn, because fewer do not show the rise of the pressure."
         )
-    return periodic_spline(given)
+    return periodic_spline(forces)

@@ -7,22 +7,20 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     finite_array,
     nonnegative_number,
     positive_number,
+    radians_of,
     read_only,
 )
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table
+from crankbase.tables.frames import Axes, DataFrame, Row, table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import periodic_spline
@@ -117,8 +115,6 @@ class GasSpring:
         H, height of the gas column with both rollers at the initial radius [m].
     pressure : float
         p_0, initial pressure of the gas [Pa]; above `ambient`.
-    exponent : float, optional
-        n of the polytropic law p V^n = const.
     ambient : float, optional
         Pressure on the outer sides of the pistons [Pa]. The law of Zotov, Imaeva 2024 has none:
         they call p_0 an excess pressure and use it in the polytropic law, which holds for
@@ -164,34 +160,16 @@ class GasSpring:
         return self.pressure + self.ambient
 
     def gas_pressure(self, compression: ArrayLike) -> FloatArray:
-        """Return the pressure above ambient [Pa] when the column is z [m] shorter.
-
-        Raises
-        ------
-        InputError
-            If z is not a finite number below the height.
-        """
+        """Return the pressure above ambient [Pa] when the column is z [m] shorter."""
         share = 1.0 - self._within(compression) / self.height
         return np.asarray(self.absolute * share**-self.exponent - self.ambient)
 
     def force(self, compression: ArrayLike) -> FloatArray:
-        """Return the force on each piston, outwards [N], when the column is z [m] shorter.
-
-        Raises
-        ------
-        InputError
-            If z is not a finite number below the height.
-        """
+        """Return the force on each piston, outwards [N], when the column is z [m] shorter."""
         return self.piston_area * self.gas_pressure(compression)
 
     def work(self, compression: ArrayLike) -> FloatArray:
-        """Return the work that shortens the column by z [m], the integral of the force [J].
-
-        Raises
-        ------
-        InputError
-            If z is not a finite number below the height.
-        """
+        """Return the work that shortens the column by z [m], the integral of the force [J]."""
         shorter = self._within(compression)
         logarithm = -np.log1p(-shorter / self.height)
         less = self.exponent - 1.0
@@ -225,11 +203,11 @@ class GasSpring:
         wanted = finite_array("work", work)
         self._check_energy(wanted)
         self._check_column(wanted)
-        found = self._closed_form(wanted + self.piston_area * self.ambient * self.height)
+        shortening = self._closed_form(wanted + self.piston_area * self.ambient * self.height)
         if self.ambient > 0.0:
             for _ in range(NEWTON_STEPS):
-                found = found - (self.work(found) - wanted) / self.force(found)
-        return np.asarray(found)
+                shortening = shortening - (self.work(shortening) - wanted) / self.force(shortening)
+        return np.asarray(shortening)
 
     def _within(self, compression: ArrayLike) -> FloatArray:
         """Return compressions that leave part of the column."""
@@ -266,17 +244,17 @@ class GasSpring:
         asked = -float(np.min(work, initial=0.0))
         if self.ambient > 0.0:
             slack = self.height * (1.0 - (self.absolute / self.ambient) ** (1.0 / self.exponent))
-            given = -float(self.work(slack))
+            released = -float(self.work(slack))
         elif self.exponent > 1.0:
             scale = self.piston_area * self.absolute * self.height
-            given = scale / (self.exponent - 1.0)
+            released = scale / (self.exponent - 1.0)
         else:
             return
-        if asked >= given * (1.0 - 1e-9):
+        if asked >= released * (1.0 - 1e-9):
             raise InputError(
                 f"pressure: given {self.pressure / 1e6:g} MPa in a spring that must give "
                 f"{asked / 1e3:.4g} kJ; allowed is a pressure at which the gas gives more, here at most "
-                f"{given / 1e3:.4g} kJ, because it does no more work when it has expanded."
+                f"{released / 1e3:.4g} kJ, because it does no more work when it has expanded."
             )
 
 
@@ -298,11 +276,8 @@ class ProfileCheck:
 
     Parameters
     ----------
-    name : str
-    met : bool
     value, limit : float
         The value and its limit, in `unit`; inf where a path has no hollow.
-    unit : str
     reason : str
         The condition, and why.
     """
@@ -350,7 +325,6 @@ class HingeProfile:
 
     Parameters
     ----------
-    spring : GasSpring
     start_radius : float
         rho_0, radius at the top dead center, where the spring has its initial height and pressure [m].
     roller_radius : float
@@ -422,20 +396,7 @@ class HingeProfile:
         return 2.0 * self.spring_force * self.slope
 
     def moment_at(self, pressure: float | None = None, *, angles_deg: ArrayLike) -> FloatArray:
-        """Return the hinge's moment on the crank, 2 F_pn d rho/d phi [N m].
-
-        Parameters
-        ----------
-        pressure : float, optional
-            Initial pressure of the spring [Pa], by default that of the design.
-        angles_deg : array_like of any shape
-            Crank angles [deg].
-
-        Raises
-        ------
-        InputError
-            If an angle is not a finite number, or they are radians.
-        """
+        """Return the hinge's moment on the crank, 2 F_pn d rho/d phi [N m]."""
         spring = self.spring if pressure is None else replace(self.spring, pressure=pressure)
         angles = radians_of("angles_deg", angles_deg)
         compression = 2.0 * (self.start_radius - self.curve(angles))
@@ -468,7 +429,7 @@ class HingeProfile:
         least, column = float(self.radius.min()), self.spring.height - float(self.compression.max())
         least_column = LEAST_COLUMN * self.spring.height
         hollow, lowest = smallest_hollow(self.curvature), float(self.pressure.min())
-        found = {
+        conditions = {
             "smallest radius": (least, self.roller_radius, "m"),
             "shortest gas column": (column, least_column, "m"),
             "lowest spring pressure": (lowest, 0.0, "Pa"),
@@ -476,48 +437,38 @@ class HingeProfile:
         }
         return tuple(
             ProfileCheck(name, value > limit, value, limit, unit, MUST_BE[name])
-            for name, (value, limit, unit) in found.items()
+            for name, (value, limit, unit) in conditions.items()
         )
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """Remarks on conditions that are met."""
-        found = []
+        sentences = []
         longest = -float(self.compression.min())
         if longest > 1e-6 * self.spring.height:
-            found.append(
+            sentences.append(
                 f"The spring gets {longest * 1e3:.3g} mm longer than at the top dead center: its "
                 "cylinder needs room for that."
             )
         steepest = float(np.radians(np.max(np.abs(self.force_angle_deg))))
         if steepest > STEEP:
-            found.append(
+            sentences.append(
                 f"The guides are steep: the roller force is up to {np.degrees(steepest):.0f} "
                 "deg off the spring's axis (cams are kept below 30 deg), so friction matters."
             )
         half = np.roll(self.radius, -(self.radius.size // 2))
         apart = float(np.max(np.abs(half - self.radius)))
         if apart > 1e-6 * self.start_radius:
-            found.append(
+            sentences.append(
                 f"Radii half a turn apart differ by up to {apart * 1e3:.3g} mm: each of the two rollers "
                 "needs a guide of its own, one turned by 180 deg against the other."
             )
-        return tuple(found)
+        return tuple(sentences)
 
     def plot(
         self, axes: Axes | None = None, *, show: Literal["guide", "moment", "radius"] = "guide"
     ) -> Axes:
-        """Draw the guide and the path of the rollers, or moment or radius over the crank angle.
-
-        Parameters
-        ----------
-        show : {"guide", "moment", "radius"}, optional
-
-        Raises
-        ------
-        InputError
-            If it is none of these.
-        """
+        """Draw the guide and the path of the rollers, or moment or radius over the crank angle."""
         check_choice("show", show, ("guide", "moment", "radius"), "these are known over the turn")
         title = f"Guides for {format_quantity(self.speed, 'rad/s', 5)}"
         if show != "guide":
@@ -577,12 +528,8 @@ def hinge_profile(
 
     Parameters
     ----------
-    moment : HingeMoment
-        Its M_h is required.
     start_radius : float
         rho_0 at the top dead center [m].
-    roller_radius : float, optional
-        [m]
 
     Returns
     -------

@@ -7,9 +7,8 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number, positive_number, read_only
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.cycle import even_angles
@@ -38,14 +37,8 @@ class SteadyHingeTurn:
     ----------
     angles_deg : ndarray of shape (m,)
         Even crank angles from the top dead center [deg].
-    speed : ndarray of shape (m,)
-        [rad/s]
-    mean_speed : float
-        Mean speed over time [rad/s].
     gain : float
         Energy surplus of the revolution [J]; zero except for integration error.
-    flywheel : float
-        Added inertia [kg m^2].
     """
 
     angles_deg: FloatArray
@@ -102,12 +95,8 @@ def steady_hinge_turn(
     ----------
     point : HingeMoment
         Engine, gas force, load and speed; its own hinge moment is not used.
-    hinge : HingeProfile, optional
-        Guides whose spring acts on the crank; none by default.
     pressure : float, optional
         Initial pressure of the spring [Pa], by default that of the design.
-    flywheel : float, optional
-        Inertia added [kg m^2].
     speed : float, optional
         Mean speed of the revolution [rad/s], by default that of `point`.
     top_speed : float, optional
@@ -154,14 +143,8 @@ def simulate_hinge(
 
     Parameters
     ----------
-    point, hinge, pressure, flywheel
-        As for `steady_hinge_turn`.
     start_speed : float, optional
         At the top [rad/s]; by default that of the periodic revolution at the speed of `point`.
-    turns : float, optional
-        Angle to integrate over.
-    samples : int, optional
-        Steps per revolution of the result.
 
     Raises
     ------
@@ -309,12 +292,8 @@ def flywheel_for(
 
     Parameters
     ----------
-    point : HingeMoment
-        Operating point, whose mean speed is kept.
     fluctuation : float
         Required coefficient, above zero.
-    hinge : HingeProfile, optional
-        A hinge that assists.
 
     Returns
     -------
@@ -333,10 +312,10 @@ def flywheel_for(
 
     def excess(inertia: float) -> float:
         try:
-            found = steady_at(energy, inertia, point.speed).fluctuation
+            reached = steady_at(energy, inertia, point.speed).fluctuation
         except InputError:
-            found = STANDING
-        return math.log(found / fluctuation)
+            reached = STANDING
+        return math.log(reached / fluctuation)
 
     if excess(0.0) <= 0.0:
         return 0.0
@@ -365,12 +344,8 @@ def best_pressure(
     ----------
     point : HingeMoment
         Operating point, in general not the one for which the guides were designed.
-    hinge : HingeProfile
-        Given guides.
     bounds : tuple of two float, optional
         Smallest and largest pressure considered, as multiples of the design's.
-    flywheel : float, optional
-        Inertia added [kg m^2].
 
     Raises
     ------
@@ -406,27 +381,27 @@ def best_pressure(
 
     tried = np.linspace(math.log(low), math.log(high), TRIED_PRESSURES)
     place = int(np.argmin([fluctuation(value) for value in tried]))
-    found = minimize_scalar(
+    minimum = minimize_scalar(
         fluctuation,
         bounds=(tried[max(place - 1, 0)], tried[min(place + 1, tried.size - 1)]),
         method="bounded",
         options={"xatol": PRESSURE_STEP},
     )
-    if not found.fun < STANDING:
+    if not minimum.fun < STANDING:
         raise InputError(
             f"bounds: given {low:g} to {high:g}; allowed are bounds between which the crank completes "
             f"revolutions at {point.speed:g} rad/s, because there is nothing to compare otherwise."
         )
     unchanged = fluctuation(0.0)
-    ratio = math.exp(float(found.x))
-    wanted, given = point.moment, hinge.moment_at(angles_deg=point.angles_deg)
+    ratio = math.exp(float(minimum.x))
+    wanted, hinged = point.moment, hinge.moment_at(angles_deg=point.angles_deg)
     residual = wanted - hinge.moment_at(ratio * hinge.spring.pressure, angles_deg=point.angles_deg)
     return BestPressure(
         pressure=ratio * hinge.spring.pressure,
         ratio=ratio,
-        fluctuation=float(found.fun),
+        fluctuation=float(minimum.fun),
         unchanged=unchanged if unchanged < STANDING else None,
         moment_residual=math.sqrt(float(np.mean(residual**2) / np.mean(wanted**2))),
         largest_residual=float(np.max(np.abs(residual)) / np.max(np.abs(wanted))),
-        fitted_ratio=float(np.dot(wanted, given) / np.dot(given, given)),
+        fitted_ratio=float(np.dot(wanted, hinged) / np.dot(hinged, hinged)),
     )

@@ -6,8 +6,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.drawing.diagram_style import COLORS, GRAY
-from crankbase.library_types import Axes
+from crankbase.diagrams import COLORS, GRAY
+from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.plots.harmonics import KIND_COLORS
 from dynamics.plots.quantities import SPEED_LABEL
@@ -75,7 +75,7 @@ class CampbellFrame(NamedTuple):
 
     def labeled(self, orders: Sequence[float]) -> list[float]:
         """Return the orders whose lines have labels at their ends: whole ones, shown and far enough apart."""
-        found, last = [], -LABEL_ROOM
+        labels, last = [], -LABEL_ROOM
         for order in sorted(orders):
             speed, frequency, over = self.line_end(order)
             if not float(order).is_integer() or speed <= self.ends[0]:
@@ -84,24 +84,24 @@ class CampbellFrame(NamedTuple):
             share = (self.ends[1] - speed) / (self.ends[1] - self.ends[0])
             place = 1.0 + share if over else frequency / self.top
             if place - last >= LABEL_ROOM:
-                found.append(order)
+                labels.append(order)
                 last = place
-        return found
+        return labels
 
 
 def campbell_frame(
     natural: FloatArray,
     orders: FloatArray,
     speed_range: tuple[float, float],
-    found: Sequence[Meeting],
+    meetings: Sequence[Meeting],
 ) -> CampbellFrame:
     """Return the contents of a Campbell diagram; arguments as for `draw_campbell`."""
     low, high = (speed * RPM for speed in speed_range)
     # Limits may hold above the running range, and resonances lie there.
-    last = max((own.speed_rpm for own in found), default=high)
+    last = max((meeting.speed_rpm for meeting in meetings), default=high)
     margin = MARGIN * (high - low)
     left, right = max(0.0, low - margin), max(high, last) + margin
-    met = [own.frequency for own in found]
+    met = [meeting.frequency for meeting in meetings]
     reach = float(np.max(orders)) * right / 60.0
     shown = natural[natural <= reach]
     top = HEADROOM * (max(met) if met else float(shown[0]) if shown.size else reach)
@@ -118,23 +118,22 @@ def draw_campbell(
     natural: FloatArray,
     orders: FloatArray,
     speed_range: tuple[float, float],
-    found: Sequence[Meeting],
+    meetings: Sequence[Meeting],
 ) -> None:
     """Draw natural frequencies and order lines over speed, with a dot at each resonance.
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     natural : ndarray of shape (n,)
         Natural frequencies [Hz]; those above the range of the orders are left out.
     orders : ndarray of shape (K,)
         In cycles per crankshaft revolution.
     speed_range : tuple of two floats
         Running range [rad/s].
-    found : sequence of Meeting
+    meetings : sequence of Meeting
         Dots grow with their severity.
     """
-    frame = campbell_frame(natural, orders, speed_range, found)
+    frame = campbell_frame(natural, orders, speed_range, meetings)
     (low, high), (left, right), top = frame.running, frame.ends, frame.top
     axes.axvspan(low, high, color=RUNNING, zorder=0)
     labeled = frame.labeled(orders.tolist())
@@ -154,27 +153,27 @@ def draw_campbell(
             bbox={"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 0.8},
         )
     for kind, color in KIND_COLORS.items():
-        own = [one for one in found if one.kind == kind]
-        for one in own:
+        alike = [meeting for meeting in meetings if meeting.kind == kind]
+        for meeting in alike:
             axes.plot(
-                one.speed_rpm,
-                one.frequency,
-                "X" if one.unbounded else "o",
+                meeting.speed_rpm,
+                meeting.frequency,
+                "X" if meeting.unbounded else "o",
                 color=color,
-                markersize=DOT + DOT_GROWTH * one.severity,
+                markersize=DOT + DOT_GROWTH * meeting.severity,
                 markeredgecolor="white",
                 markeredgewidth=0.5,
                 zorder=3,
             )
-        if own:
+        if alike:
             axes.plot([], [], "o", color=color, label=f"{kind} order")
-    if any(one.unbounded for one in found):
+    if any(meeting.unbounded for meeting in meetings):
         axes.plot([], [], "X", color=GRAY, label="unbounded: nothing damps it")
     axes.set_xlim(left, right)
     axes.set_ylim(0.0, top)
     axes.set_xlabel(SPEED_LABEL)
     axes.set_ylabel(FREQUENCY_LABEL)
-    if found:
+    if meetings:
         axes.legend(
             fontsize=8, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.03), frameon=False
         )

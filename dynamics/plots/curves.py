@@ -7,11 +7,27 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import FloatArray, finite_array
-from crankbase.drawing.curves import Band, Curves, Mark, Series, draw_bands, draw_curves, draw_lines
-from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, ORANGE, new_axes, with_gaps
-from crankbase.drawing.legends import legend_above, legend_below, legend_inside, write_title
+from crankbase.diagrams import (
+    BLUE,
+    COLORS,
+    GRAY,
+    ORANGE,
+    Band,
+    Curves,
+    Mark,
+    Series,
+    draw_bands,
+    draw_curves,
+    draw_lines,
+    legend_above,
+    legend_below,
+    legend_inside,
+    new_axes,
+    with_gaps,
+    write_title,
+)
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
+from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.indices import within
 from dynamics.plots.quantities import SPEED_LABEL, QuantityDisplay
@@ -48,15 +64,10 @@ def draw_over_angle(
         In the unit of the axis.
     label, angle_label : str
         Of the axes, with their units.
-    title : str, optional
     cyclic : bool, optional
         Whether the even angles are a cycle without its closing sample, which is added.
     colors : sequence of colors, optional
         Of the curves in turn.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     degrees = np.degrees(angles)
     if cyclic:
@@ -152,10 +163,8 @@ def plot_run(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes or None
     time, speed : ndarray of shape (m,)
         [s, rad/s]
-    curve : RunCurve
     steady : (speeds [rad/s], amplitudes in SI) or None
         At constant speeds, ascending, drawn where the run passes these speeds.
 
@@ -318,7 +327,6 @@ def over_speed(
     total, plain : ndarray of shape (S,)
         Of all orders together, and the sum of their amplitudes, in SI.
     unbounded : ndarray of shape (S,), bool
-    quantity : Shown
     limits, passing : mapping of str to float or array_like of shape (S,), optional
         In SI; inf where none is stated. The latter, for passing a range, are not main curves.
     barred : sequence of pairs of floats, optional
@@ -332,7 +340,7 @@ def over_speed(
     inside = np.ones(speeds.shape, dtype=bool) if running is None else within(speeds, *running)
     rpm, factor = speeds * RPM, quantity.factor
     plain_sum = with_gaps(factor * plain)
-    found = [
+    series = [
         Series(
             name,
             with_gaps(factor * np.broadcast_to(np.asarray(limit, dtype=float), rpm.shape)),
@@ -349,7 +357,7 @@ def over_speed(
         # Beside what has no bounds all else would be flat: let the curves leave at the top.
         highest = min(highest, BESIDE_UNBOUNDED * float(np.median(finite)) if finite.size else 0.0)
     highest = max(
-        [highest, *(float(np.nanmax(own.values, initial=0.0)) for own in found if own.main)]
+        [highest, *(float(np.nanmax(curve.values, initial=0.0)) for curve in series if curve.main)]
     )
     return Curves(
         x=rpm,
@@ -357,7 +365,7 @@ def over_speed(
             *order_series(orders, factor * by_order, main_orders, inside),
             Series("all orders (synthesis)", with_gaps(factor * total), "total"),
             Series("plain sum", plain_sum, "plain sum"),
-            *found,
+            *series,
         ),
         x_label=SPEED_LABEL,
         y_label=quantity.label,
@@ -394,13 +402,8 @@ def draw_named_curves(
         In the unit of the axis, none below zero.
     label : str
         Of the upright axis, with its unit.
-    title : str, optional
     dashed : bool, optional
         Whether all but the first are.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     axes = new_axes(axes, height=3.8)
     for place, (name, values) in enumerate(curves.items()):

@@ -7,9 +7,19 @@ from typing import Protocol
 import numpy as np
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, new_axes
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
-from crankbase.library_types import Axes
+from crankbase.diagrams import (
+    BLUE,
+    COLORS,
+    GRAY,
+    GREEN,
+    ORANGE,
+    RED,
+    legend_below,
+    legend_inside,
+    new_axes,
+    write_title,
+)
+from crankbase.tables.frames import Axes
 from dynamics.indices import grouped
 
 ORDER_LABEL = "harmonic order [cycles per revolution]"
@@ -44,11 +54,6 @@ def draw_harmonics(
         By name, in the unit of the axis.
     label : str
         Label of the vertical axis, with its unit.
-    title : str, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     axes = new_axes(axes)
     width = bar_width(orders)
@@ -80,25 +85,24 @@ class Sum(Protocol):
         """Return the sum at crank angles [deg]."""
 
 
-def over_cycle(samples: FloatArray, found: Sum) -> tuple[FloatArray, FloatArray, FloatArray]:
+def over_cycle(samples: FloatArray, harmonics: Sum) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return angles and the sum of harmonics at them, and the angles of samples, all in degrees.
 
     Parameters
     ----------
     samples : ndarray of shape (m,)
         Even over one cycle from crank angle zero.
-    found : Sum
 
     Returns
     -------
     degrees, sums : ndarray of shape (p,)
     sampled : ndarray of shape (m,)
     """
-    cycle = 180.0 * found.strokes
+    cycle = 180.0 * harmonics.strokes
     degrees = np.linspace(0.0, cycle, POINTS)
     return (
         degrees,
-        found.at(crank_angle_deg=degrees),
+        harmonics.at(crank_angle_deg=degrees),
         np.arange(len(samples)) * cycle / len(samples),
     )
 
@@ -106,7 +110,7 @@ def over_cycle(samples: FloatArray, found: Sum) -> tuple[FloatArray, FloatArray,
 def draw_samples(
     axes: Axes | None,
     samples: FloatArray,
-    found: Sum,
+    harmonics: Sum,
     *,
     summed: str = "sum of harmonics",
     title: str = "",
@@ -119,20 +123,14 @@ def draw_samples(
         Those of a new figure if None.
     samples : ndarray of shape (m,)
         Even over one cycle from crank angle zero [N m].
-    found : Sum
     summed : str, optional
         Words for the sum.
-    title : str, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     axes = new_axes(axes)
-    degrees, sums, sampled = over_cycle(samples, found)
+    degrees, sums, sampled = over_cycle(samples, harmonics)
     axes.plot(degrees, sums, color=BLUE, label=summed)
     axes.plot(sampled, samples, "o", color=ORANGE, markersize=3.5, label="table")
-    axes.axhline(found.mean, color=GREEN, linestyle="--", linewidth=1.0, label="mean")
+    axes.axhline(harmonics.mean, color=GREEN, linestyle="--", linewidth=1.0, label="mean")
     axes.set_xlabel(ANGLE_LABEL)
     axes.set_ylabel(TORQUE_LABEL)
     legend_inside(axes)
@@ -188,7 +186,6 @@ def draw_star(
     ----------
     axes : matplotlib.axes.Axes
         In lengths of the longest vector.
-    star : Vectors
     words : str
         Above it, such as "order 3".
     center : tuple of two floats, optional
@@ -215,9 +212,9 @@ def draw_star(
         axes.text(x + at.imag - shift, y + at.real, label, fontsize=8, ha=side, va="center")
     if star.kind == "minor":
         _arrow(axes, center, complex(star.vectors.sum()) / star.largest, SUM, 2.6)
-    said = star.kind if star.kind != "minor" else f"minor, {100.0 * star.share:.3g} %"
+    kind = star.kind if star.kind != "minor" else f"minor, {100.0 * star.share:.3g} %"
     axes.text(
-        x, y + 0.5 * STAR_STEP + 0.02, f"{words}\n{said}", fontsize=8, ha="center", va="center"
+        x, y + 0.5 * STAR_STEP + 0.02, f"{words}\n{kind}", fontsize=8, ha="center", va="center"
     )
 
 
@@ -286,18 +283,18 @@ class Series(Protocol):
         """Return each harmonic at crank angles [deg], (K, m)."""
 
 
-def harmonic_words(found: Series, place: int, unit: str) -> str:
+def harmonic_words(harmonics: Series, place: int, unit: str) -> str:
     """State amplitude and phase of the harmonic at an index, such as "279.7 N m, 230.2 deg".
 
     Amplitudes have the decimals of the largest one.
     """
-    whole = math.floor(math.log10(max(float(np.max(found.amplitude)), 1e-300)))
-    amplitude = f"{found.amplitude[place]:.{min(max(3 - whole, 0), 12)}f}"
-    return f"{amplitude} {unit}, {np.degrees(found.phase[place]):.1f} deg"
+    whole = math.floor(math.log10(max(float(np.max(harmonics.amplitude)), 1e-300)))
+    amplitude = f"{harmonics.amplitude[place]:.{min(max(3 - whole, 0), 12)}f}"
+    return f"{amplitude} {unit}, {np.degrees(harmonics.phase[place]):.1f} deg"
 
 
 def draw_single_harmonics(
-    axes: Axes | None, found: Series, unit: str, samples: FloatArray | None = None
+    axes: Axes | None, harmonics: Series, unit: str, samples: FloatArray | None = None
 ) -> Axes:
     """Draw harmonics over the crank angle in one diagram, the largest if there are too many.
 
@@ -305,20 +302,15 @@ def draw_single_harmonics(
     ----------
     axes : matplotlib.axes.Axes or None
         Those of a new figure if None.
-    found : Series
     unit : str
         Of the amplitudes.
     samples : ndarray of shape (m,), optional
         Even over one cycle from crank angle zero, drawn as dots.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     axes = new_axes(axes)
-    degrees = _cycle(found)
-    curves = found.each_at(crank_angle_deg=degrees)
-    strongest = np.sort(np.argsort(-found.amplitude, kind="stable")[: len(COLORS)])
+    degrees = _cycle(harmonics)
+    curves = harmonics.each_at(crank_angle_deg=degrees)
+    strongest = np.sort(np.argsort(-harmonics.amplitude, kind="stable")[: len(COLORS)])
     if samples is not None:
         step = degrees[-1] / len(samples)
         axes.plot(step * np.arange(len(samples)), samples, ".", color="#b6bec7", label="table")
@@ -328,35 +320,35 @@ def draw_single_harmonics(
             curves[place],
             color=COLORS[number],
             linestyle=STYLES[number],
-            label=f"order {found.orders[place]:g}: {harmonic_words(found, place, unit)}",
+            label=f"order {harmonics.orders[place]:g}: {harmonic_words(harmonics, place, unit)}",
         )
     _name_axes(axes, degrees, f"harmonics [{unit}]")
     legend_below(axes, 3)
     write_title(
         axes,
         "Single harmonics"
-        if len(strongest) == len(found.orders)
-        else f"The {len(strongest)} strongest of {len(found.orders)} harmonics",
+        if len(strongest) == len(harmonics.orders)
+        else f"The {len(strongest)} strongest of {len(harmonics.orders)} harmonics",
     )
     return axes
 
 
-def draw_one_harmonic(axes: Axes, found: Series, place: int, unit: str) -> None:
+def draw_one_harmonic(axes: Axes, harmonics: Series, place: int, unit: str) -> None:
     """Draw the harmonic at an index with its amplitude as dashed lines, order and phase in the title."""
-    degrees = _cycle(found)
-    angles = found.orders[place] * np.radians(degrees) + found.phase[place]
-    axes.plot(degrees, found.amplitude[place] * np.sin(angles), color=BLUE)
+    degrees = _cycle(harmonics)
+    angles = harmonics.orders[place] * np.radians(degrees) + harmonics.phase[place]
+    axes.plot(degrees, harmonics.amplitude[place] * np.sin(angles), color=BLUE)
     for level in (-1.0, 1.0):
-        axes.axhline(level * found.amplitude[place], color=GRAY, linestyle="--", linewidth=0.8)
+        axes.axhline(level * harmonics.amplitude[place], color=GRAY, linestyle="--", linewidth=0.8)
     _name_axes(axes, degrees, f"harmonic [{unit}]")
     axes.set_title(
-        f"Order {found.orders[place]:g}\n{harmonic_words(found, place, unit)}", fontsize=9
+        f"Order {harmonics.orders[place]:g}\n{harmonic_words(harmonics, place, unit)}", fontsize=9
     )
 
 
-def _cycle(found: Series) -> FloatArray:
+def _cycle(harmonics: Series) -> FloatArray:
     """Return crank angles over one cycle [deg]."""
-    return np.linspace(0.0, 180.0 * found.strokes, POINTS)
+    return np.linspace(0.0, 180.0 * harmonics.strokes, POINTS)
 
 
 def _name_axes(axes: Axes, degrees: FloatArray, label: str) -> None:

@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import COLORS, GRAY, new_axes
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.diagrams import COLORS, GRAY, legend_below, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
-from crankbase.units.number_formats import format_number
+from crankbase.tables.frames import Axes
+from crankbase.units.units import format_number
 from dynamics.plots.quantities import KILO
 
 DASHES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 2, 1, 2, 1, 2)))
@@ -56,14 +55,8 @@ def draw_hodographs(
         By name [N or N m]; none leaves the axes empty, with `empty` in the middle.
     labels : tuple of two str
         Of the axes across and up.
-    title : str, optional
     banks : iterable of float, optional
         Angles of the cylinders' axes, drawn as thin lines [rad].
-    empty : str, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Notes
     -----
@@ -183,7 +176,6 @@ def draw_polar_loads(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     loads : sequence of tuples of str and Load
         Each with its name for the legend, one or more.
     frame : {"crank", "engine"}
@@ -219,7 +211,6 @@ def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     loads : sequence of tuples of str and Load
         Each with its name for the legend, one or more.
     """
@@ -327,11 +318,11 @@ def label_spots(
     )
     low, high = square_round([curve])
     turns = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
-    found: list[complex | None] = []
+    labels: list[complex | None] = []
     placed: list[complex] = []
 
-    def apart(one: complex, others: NDArray[np.complex128], size: float) -> bool:
-        gap = others - one
+    def apart(spot: complex, others: NDArray[np.complex128], size: float) -> bool:
+        gap = others - spot
         inside = (np.abs(gap.real) < size * half[0]) & (np.abs(gap.imag) < size * half[1])
         return not np.any(inside)
 
@@ -343,7 +334,7 @@ def label_spots(
                 point.imag + size * half[1] * np.sin(outward + turn),
             )
             for size in STEPS
-            for turn in sorted(turns, key=lambda own: min(own, 2.0 * np.pi - own))
+            for turn in sorted(turns, key=lambda angle: min(angle, 2.0 * np.pi - angle))
         ]
         chosen = next(
             (
@@ -356,7 +347,7 @@ def label_spots(
             ),
             None,
         )
-        found.append(chosen)
+        labels.append(chosen)
         if chosen is not None:
             placed.append(chosen)
-    return found
+    return labels

@@ -5,9 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
-from crankbase.drawing.legends import legend_above
-from crankbase.library_types import Axes
+from crankbase.diagrams import BLUE, COLORS, GRAY, GREEN, ORANGE, legend_above
+from crankbase.tables.frames import Axes
 from dynamics.plots.quantities import MILLI
 
 # Letters that stand side by side under the axis.
@@ -27,7 +26,6 @@ def draw_chain_shapes(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     shapes : ndarray of shape (n, m)
         One mode in each column.
     labels : sequence of m str
@@ -93,7 +91,6 @@ def draw_shaft_shape(axes: Axes, positions: FloatArray, motion: FloatArray, radi
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     positions : ndarray of shape (s,)
         Of stations along the shaft [m], ascending.
     motion : ndarray of shape (s, 6)
@@ -168,9 +165,9 @@ def crosses_on_axis(
     positions: tuple[float, ...], pairs: Sequence[tuple[int, int]], places: FloatArray
 ) -> list[float]:
     """Return the positions on the axis of points on elements, from those of the nodes."""
-    found = []
+    crossings = []
     for position in positions:
         number = min(int(position), len(pairs) - 1)
         left, right = pairs[number]
-        found.append(float(places[left] + (position - number) * (places[right] - places[left])))
-    return found
+        crossings.append(float(places[left] + (position - number) * (places[right] - places[left])))
+    return crossings

@@ -135,7 +135,7 @@ def in_unit(unit: str) -> QuantityDisplay:
     >>> in_unit("Pa").label
     'alternating stress [MPa]'
     """
-    for quantity, own in SI_UNITS.items():
-        if own == unit:
+    for quantity, si_unit in SI_UNITS.items():
+        if si_unit == unit:
             return QuantityDisplay(*QUANTITIES[quantity], unit)
     return QuantityDisplay(f"amplitude [{unit}]", 1.0, unit)

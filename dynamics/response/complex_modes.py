@@ -54,7 +54,6 @@ class ComplexModes:
         dashpot, or where the number of modes differs.
     sources : tuple of m dicts of str to float
         Sources of each mode's damping, the largest share first; shares sum to 1.
-    system : LinearSystem
     terms : DampedModes
         All eigenvalues with their inputs and outputs.
     places : ndarray of shape (s,), int
@@ -141,22 +140,19 @@ class ComplexModes:
         gap = 1j * angular_frequencies[:, np.newaxis] - eigenvalues
         met = np.abs(gap) <= UNBOUNDED_WITHIN * np.abs(eigenvalues)
         parts = (forces @ inputs.T) * (rows @ outputs.T) / np.where(met, np.inf, gap**power)
-        found = np.zeros((angular_frequencies.size, self.eigenvalues.size + 1), dtype=np.complex128)
-        np.add.at(found.T, self.places, parts.T)
-        return found
+        total = np.zeros((angular_frequencies.size, self.eigenvalues.size + 1), dtype=np.complex128)
+        np.add.at(total.T, self.places, parts.T)
+        return total
 
     def to_pandas(self) -> "DataFrame":
         """Return a table: number, frequency, damping ratio, frequencies of ring free and locked.
+
+        Units and errors are those of `crankbase.tables.frames.table`.
 
         Returns
         -------
         pandas.DataFrame
             Units are in ``frame.attrs["units"]``; NaN for a mode without an undamped counterpart.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
         """
         known = np.where(self.numbers > 0, self.numbers - 1, 0)
         columns = {
@@ -164,7 +160,7 @@ class ComplexModes:
             "frequency": (self.frequencies, "Hz"),
             "damping_ratio": (self.damping_ratios, "1"),
             "undamped": (np.where(self.numbers > 0, self.undamped[known], np.nan), "Hz"),
-            "damped_by": ([next(iter(own), "") for own in self.sources], ""),
+            "damped_by": ([next(iter(shares), "") for shares in self.sources], ""),
         }
         if self.locked is not None:
             locked = np.where(self.numbers > 0, self.locked[known], np.nan)
@@ -172,12 +168,14 @@ class ComplexModes:
         return table(columns)
 
 
-def complex_modes(given: Chain | LinearSystem | DampedChain | ForcedResponse) -> ComplexModes:
+def complex_modes(
+    chain_or_system: Chain | LinearSystem | DampedChain | ForcedResponse,
+) -> ComplexModes:
     """Find the damped modes of a chain or a system, with all of its damping.
 
     Parameters
     ----------
-    given : Chain, LinearSystem, DampedChain or ForcedResponse
+    chain_or_system : Chain, LinearSystem, DampedChain or ForcedResponse
         The chain or system that vibrates, or a response of it.
 
     Returns
@@ -198,25 +196,25 @@ def complex_modes(given: Chain | LinearSystem | DampedChain | ForcedResponse) ->
     A mode gets the number of the undamped mode nearest in frequency, taken midway between ring
     free and ring locked, so that the total distance is least.
     """
-    if isinstance(given, ForcedResponse):
-        chain, system = given.chain, given.system
+    if isinstance(chain_or_system, ForcedResponse):
+        chain, system = chain_or_system.chain, chain_or_system.system
     else:
-        chain, system = chain_and_system(given)
+        chain, system = chain_and_system(chain_or_system)
     terms = damped_modes(system)
     eigenvalues, _, outputs = _with_undamped(terms)
     vibrating = np.flatnonzero(eigenvalues.imag > LEAST_OSCILLATION * np.abs(eigenvalues))
     vibrating = vibrating[np.argsort(eigenvalues[vibrating].imag)]
-    own, motion = eigenvalues[vibrating], outputs[vibrating]
+    upper, motion = eigenvalues[vibrating], outputs[vibrating]
     undamped, locked = system.elastic_frequencies, _locked_frequencies(chain, system)
     nodes = motion @ system.expand.T
-    largest = nodes[np.arange(own.size), np.argmax(np.abs(nodes), axis=1)]
+    largest = nodes[np.arange(upper.size), np.argmax(np.abs(nodes), axis=1)]
     return ComplexModes(
-        eigenvalues=own,
-        numbers=_numbers(np.abs(own) / (2.0 * np.pi), undamped, locked),
+        eigenvalues=upper,
+        numbers=_numbers(np.abs(upper) / (2.0 * np.pi), undamped, locked),
         shapes=(nodes / largest[:, np.newaxis]).T,
         undamped=undamped,
         locked=locked,
-        sources=_sources(chain, system, own, motion),
+        sources=_sources(chain, system, upper, motion),
         system=system,
         terms=terms,
         places=_places(eigenvalues, vibrating),
@@ -260,13 +258,13 @@ def _locked_frequencies(chain: Chain | None, system: LinearSystem) -> FloatArray
 
 
 def _numbers(
-    found: FloatArray, undamped: FloatArray, locked: FloatArray | None
+    damped: FloatArray, undamped: FloatArray, locked: FloatArray | None
 ) -> NDArray[np.int64]:
     """Number modes by the corresponding undamped ones."""
     middle = undamped if locked is None else np.sqrt(undamped * locked)
-    apart = np.abs(np.log(found[:, np.newaxis] / middle))
+    apart = np.abs(np.log(damped[:, np.newaxis] / middle))
     rows, columns = linear_sum_assignment(apart)
-    numbers = np.zeros(found.size, dtype=np.int64)
+    numbers = np.zeros(damped.size, dtype=np.int64)
     numbers[rows] = columns + 1
     return numbers
 
@@ -293,7 +291,7 @@ def _sources(
         names = (
             *chain.elements,
             *dashpot_names(chain),
-            *(f"{own} to ground" for own in chain.names),
+            *(f"{node} to ground" for node in chain.names),
         )
     rest = np.sum((np.conj(motion) * (motion @ damping + motion @ loss / w)).real, axis=1)
     shares = np.column_stack((*parts, rest))
@@ -302,6 +300,10 @@ def _sources(
     shares = np.where(shares > 1e-12 * whole, shares, 0.0)
     names = (*names, SYSTEM_DAMPING if chain is None else MODAL_DAMPING)
     return tuple(
-        {names[place]: float(own[place] / np.sum(own)) for place in np.argsort(-own) if own[place]}
-        for own in shares
+        {
+            names[place]: float(each[place] / np.sum(each))
+            for place in np.argsort(-each)
+            if each[place]
+        }
+        for each in shares
     )

@@ -143,10 +143,10 @@ class DampedCritical:
                 f"{self.locked_speed * RPM:.4g} 1/min with it locked"
             )
         peak = f"peak at {self.speed_rpm:.4g} 1/min in {self.place}"
-        found = peak if self.has_peak else "no peak"
+        where = peak if self.has_peak else "no peak"
         if self.has_peak and not self.in_band:
-            found += ", where its forces are largest"
-        return f"Order {self.order:g}, mode {self.mode}: {found} ({beside})."
+            where += ", where its forces are largest"
+        return f"Order {self.order:g}, mode {self.mode}: {where} ({beside})."
 
     def row(self) -> Row:
         """Return the columns of a table of critical speeds, each value with its unit; see `table_of`."""
@@ -393,8 +393,8 @@ class _Vibration:
 
     def maxima(self) -> _Maxima:
         """Return the local maxima of all orders at all places."""
-        found = [self._maxima(order) for order in range(self.response.orders.size)]
-        return _Maxima._make(np.concatenate(column) for column in zip(*found, strict=True))
+        maxima = [self._maxima(order) for order in range(self.response.orders.size)]
+        return _Maxima._make(np.concatenate(column) for column in zip(*maxima, strict=True))
 
     def _maxima(self, place: int) -> _Maxima:
         order, known = float(self.response.orders[place]), self.response.speeds
@@ -458,20 +458,22 @@ class _Vibration:
         # Where nothing bounds the amplitude, the mode at its own frequency makes it.
         apart = np.abs(np.append(self.modes.eigenvalues.imag, np.inf) - w[:, np.newaxis])
         alone = (apart == np.min(apart, axis=1, keepdims=True)).astype(np.float64)
-        shares, bends = (np.where(unbounded[:, np.newaxis], alone, own) for own in (shares, bends))
+        shares, bends = (
+            np.where(unbounded[:, np.newaxis], alone, part) for part in (shares, bends)
+        )
         reached = self.modes.magnifiers(w) >= BAND * self.modes.largest_magnifiers
         in_band = np.column_stack((reached, np.zeros(w.size, dtype=bool)))
         in_band |= unbounded[:, np.newaxis] & (alone > 0.0)
         mode = np.argmax(bends, axis=1)
         each = np.arange(w.size)
-        own = in_band[each, mode] & (bends[each, mode] > 0.0)
+        of_mode = in_band[each, mode] & (bends[each, mode] > 0.0)
         first = np.abs(motion @ motion_rows(self.response, [0])[0][0])
         return _Made(
             np.where(unbounded, np.inf, np.abs(value)),
             np.where(unbounded, np.inf, first),
-            np.where(own, mode, np.argmax(shares, axis=1)),
+            np.where(of_mode, mode, np.argmax(shares, axis=1)),
             shares,
-            own,
+            of_mode,
             in_band & (bends >= SEVERAL * np.max(bends, axis=1, keepdims=True)) & (bends > 0.0),
         )
 
@@ -500,12 +502,12 @@ class _Vibration:
         ranks = np.lexsort((size, self.quantities.loads[maxima.places], preferred[maxima.places]))
         rank = np.empty(ranks.size)
         rank[ranks] = np.arange(ranks.size)
-        told = []
+        main = []
         for group in groups:
             largest = np.max(share[group])
             stands = share[group] >= (LARGE * largest if least is None else min(least, largest))
-            told.append(group[np.argmax(np.where(stands, rank[group], -1.0))])
-        chosen = maxima.chosen(np.array(told))
+            main.append(group[np.argmax(np.where(stands, rank[group], -1.0))])
+        chosen = maxima.chosen(np.array(main))
         speeds = _golden_section(
             lambda some: self._amplitudes(chosen.orders, chosen.places, some),
             chosen.low,
@@ -513,7 +515,7 @@ class _Vibration:
         )
         there = self.made(chosen.orders, chosen.places, speeds)
         near = maxima.speeds.copy()
-        near[told] = speeds
+        near[main] = speeds
         return [
             _Peak(
                 float(self.response.orders[chosen.orders[row]]),
@@ -521,22 +523,24 @@ class _Vibration:
                 float(there.value[row]),
                 float(there.first[row]),
                 int(chosen.places[row]),
-                tuple(int(one) for one in maxima.places[group] if one != chosen.places[row]),
+                tuple(int(other) for other in maxima.places[group] if other != chosen.places[row]),
                 (float(np.min(near[group])), float(np.max(near[group]))),
                 int(numbers[mode := there.mode[row]]),
                 tuple(
                     dict.fromkeys(
                         number
                         for number in (
-                            *numbers[there.mode[row : row + 1][there.own[row : row + 1]]].tolist(),
+                            *numbers[
+                                there.mode[row : row + 1][there.of_mode[row : row + 1]]
+                            ].tolist(),
                             *numbers[there.makers[row]].tolist(),
-                            *numbers[made.mode[group][made.own[group]]].tolist(),
+                            *numbers[made.mode[group][made.of_mode[group]]].tolist(),
                         )
                         if number
                     )
                 ),
                 float(there.shares[row, mode]),
-                bool(there.own[row]),
+                bool(there.of_mode[row]),
                 float(np.max(share[group])),
             )
             for row, group in enumerate(groups)
@@ -561,7 +565,7 @@ class _Made(NamedTuple):
     first: FloatArray
     mode: NDArray[np.intp]
     shares: FloatArray
-    own: NDArray[np.bool_]
+    of_mode: NDArray[np.bool_]
     makers: NDArray[np.bool_]
 
     def chosen(self, which: NDArray[np.bool_]) -> "_Made":
@@ -606,8 +610,8 @@ def _golden_section(
 
 def _meets(modes: ComplexModes, order: float, number: int, ends: tuple[float, float]) -> bool:
     """Whether an order meets a mode within a range, undamped, locked or damped."""
-    own = modes.frequencies[modes.numbers == number].tolist()
-    known = [float(modes.undamped[number - 1]), *own]
+    damped = modes.frequencies[modes.numbers == number].tolist()
+    known = [float(modes.undamped[number - 1]), *damped]
     if modes.locked is not None:
         known.append(float(modes.locked[number - 1]))
     return any(within(2.0 * np.pi * frequency / order, *ends) for frequency in known)

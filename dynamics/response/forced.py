@@ -10,10 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.memory import check_memory
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.chains.chain import Chain
 from dynamics.plots.quantities import (
     Quantity,
@@ -51,7 +50,6 @@ class ForcedResponse:
         The system with all of its damping.
     chain : Chain or None
         The chain it was made from.
-    excitation : OrderExcitation
     unknowns : ndarray of shape (K, S, q), complex
         Amplitudes of the unknowns of the system; for a chain without gears those of the nodes.
     method : str
@@ -118,8 +116,6 @@ class ForcedResponse:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         node : int or str, optional
             By number from 0 or name.
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
@@ -149,11 +145,6 @@ class ForcedResponse:
         ----------
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
             What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
 
         Raises
         ------
@@ -202,10 +193,6 @@ def forced_response(
         By damped modes, checked, with the other method as fallback; or by solving with the complex
         dynamic stiffness at each order and speed.
 
-    Returns
-    -------
-    ForcedResponse
-
     Raises
     ------
     NotEnoughMemoryError
@@ -251,11 +238,11 @@ def forced_response(
 
 
 def chain_and_system(
-    given: Chain | LinearSystem | DampedChain,
+    vibrating: Chain | LinearSystem | DampedChain,
 ) -> tuple[Chain | None, LinearSystem]:
     """Return the chain, if there is one, and the system for the calculation."""
-    if isinstance(given, LinearSystem):
-        return None, given
-    if isinstance(given, DampedChain):
-        return given.chain, given.system
-    return given, chain_system(given)
+    if isinstance(vibrating, LinearSystem):
+        return None, vibrating
+    if isinstance(vibrating, DampedChain):
+        return vibrating.chain, vibrating.system
+    return vibrating, chain_system(vibrating)

@@ -70,10 +70,6 @@ def harmonic_response(
         By damped modes, with a check of residuals and the other method as fallback; or by solving with
         the complex dynamic stiffness at every frequency.
 
-    Returns
-    -------
-    HarmonicResponse
-
     Raises
     ------
     InputError
@@ -175,13 +171,13 @@ class DampedModes:
         loss[:rigid] = loss[:, :rigid] = 0.0  # no spring, no loss: only round-off is there
         scale = float(natural[-1]) or 1.0
         # By each mode's own frequency: the highest may be a hundred thousand times as high.
-        own = np.where(natural > 0.0, natural, 1.0)
+        frequencies = np.where(natural > 0.0, natural, 1.0)
         reached = (
             np.maximum(
                 _quadratic_forms(system.damping, shapes),
-                _quadratic_forms(system.loss, shapes) / own,
+                _quadratic_forms(system.loss, shapes) / frequencies,
             )
-            / own
+            / frequencies
         )
         reached[:rigid] = 1.0
         elastic = rigid + np.flatnonzero(reached[rigid:] > UNDAMPED)
@@ -211,11 +207,11 @@ class DampedModes:
         """Return the motions (m, q) under forces that excite no undamped mode at its frequency."""
         s = 1j * frequencies[:, np.newaxis]
         gap = s - self.eigenvalues
-        own = self._undamped
+        undamped = self._undamped
         # Forces that do no work on an undamped mode leave it at rest even at its own frequency; their
         # round-off is not to be divided by next to nothing.
-        at_own = _at(self.eigenvalues[own].imag, frequencies[:, np.newaxis])
-        gap[:, own] = np.where(at_own, np.inf, gap[:, own])
+        at_own = _at(self.eigenvalues[undamped].imag, frequencies[:, np.newaxis])
+        gap[:, undamped] = np.where(at_own, np.inf, gap[:, undamped])
         shares = forces @ self.inputs.T
         shares /= gap
         motion = shares @ self.outputs
@@ -248,9 +244,9 @@ class DampedModes:
         met = np.zeros(frequencies.size, dtype=bool)
         excited = met.copy()
         undamped = self._undamped
-        own = np.concatenate((self.alone, self.eigenvalues[undamped].imag))
+        natural = np.concatenate((self.alone, self.eigenvalues[undamped].imag))
         works = np.column_stack((self.alone_shapes, self.inputs[undamped].T))
-        for frequency, work in zip(own.tolist(), works.T, strict=True):
+        for frequency, work in zip(natural.tolist(), works.T, strict=True):
             near = np.flatnonzero(_at(frequency, frequencies))
             met[near] = True
             largest = np.abs(forces[near]) @ np.abs(work)
@@ -264,8 +260,8 @@ def damped_modes(system: LinearSystem) -> DampedModes:
     return DampedModes.of(system)
 
 
-def _at(own: FloatArray | float, frequencies: FloatArray) -> NDArray[np.bool_]:
-    return np.asarray(np.abs(frequencies - own) <= UNBOUNDED_WITHIN * own)
+def _at(natural: FloatArray | float, frequencies: FloatArray) -> NDArray[np.bool_]:
+    return np.asarray(np.abs(frequencies - natural) <= UNBOUNDED_WITHIN * natural)
 
 
 def _quadratic_forms(matrix: FloatArray, shapes: FloatArray) -> FloatArray:

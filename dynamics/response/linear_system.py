@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike
 from scipy.linalg import eigh, qr
 
 from crankbase.checks.arrays import FloatArray, nonnegative_vector, one_for_each, positive_number
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.units.number_formats import compact
+from crankbase.units.units import compact
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
 from dynamics.indices import node_index, values_at_nodes
@@ -227,7 +227,6 @@ class EngineMagnifier:
 
     Parameters
     ----------
-    magnifier : float
     nodes : tuple of int
         Nodes of the cylinders, from 0.
     frequency : float
@@ -266,7 +265,6 @@ def damped(
 
     Parameters
     ----------
-    chain : Chain
     magnifier : float, optional
         Of every elastic mode: amplitude at resonance over the static one of that mode. If
         nothing is given (an empty mapping counts as nothing) and the chain is undamped, `DEFAULT_MAGNIFIER`.
@@ -289,10 +287,6 @@ def damped(
     source : str, optional
         Source of the values, for the record.
 
-    Returns
-    -------
-    DampedChain
-
     Raises
     ------
     InputError
@@ -300,7 +294,7 @@ def damped(
         undamped is combined with any damping, or a node or an element already has damping of the kind and
         `add` is not True.
     """
-    given = {
+    dampings = {
         "magnifier": magnifier,
         "modal_damping": modal_damping,
         "absolute": absolute,
@@ -311,17 +305,17 @@ def damped(
     }
     named = [
         name
-        for name, value in given.items()
+        for name, value in dampings.items()
         if value is not None and not (isinstance(value, Mapping) and not value)
     ]
-    own = bool(np.any(chain.damping_matrix()) or np.any(chain.loss_matrix()))
-    if undamped and (named or own):
+    of_chain = bool(np.any(chain.damping_matrix()) or np.any(chain.loss_matrix()))
+    if undamped and (named or of_chain):
         what = ", ".join(named) or "damping of the chain itself"
         raise InputError(
             f"undamped: given True together with {what}; allowed is one of both, because what is "
             "damped is not undamped."
         )
-    said = [f"damping of the chain itself: {_own_damping(chain)}"] if own else []
+    notes = [f"damping of the chain itself: {_own_damping(chain)}"] if of_chain else []
     between = of_elements("relative", relative, chain)
     at_nodes = values_at_nodes(
         "absolute", absolute, chain.inertia.size, UNIT, "damping takes energy away"
@@ -333,16 +327,16 @@ def damped(
         "relative": f"relative damping of elements, up to {_largest(between):g} {UNIT}",
         "loss_factor": f"loss factor of elements, up to {_largest(losses):g}",
     }
-    said += [f"{text}: {source}" for name, text in by_place.items() if name in named]
+    notes += [f"{text}: {source}" for name, text in by_place.items() if name in named]
     if np.any(inverse):
-        said.append(
+        notes.append(
             f"magnifier of elements, least {1.0 / np.max(inverse):g} (loss factor 1/magnifier): "
             f"{source}"
         )
     of_cylinders = np.zeros(chain.inertia.size)
     if engine_magnifier is not None:
         of_cylinders = _cylinder_damping(engine_magnifier, chain)
-        said.append(
+        notes.append(
             f"magnifier {engine_magnifier.magnifier:g} of cylinders (absolute damping, taken at "
             f"{engine_magnifier.frequency:g} Hz): {source}"
         )
@@ -368,40 +362,42 @@ def damped(
     )
     system = chain_system(whole).with_added_damping(magnifier, modal_damping)
     if modal_damping is not None:
-        said.append(
+        notes.append(
             f"modal damping, up to {_largest(np.asarray(modal_damping)):g} of critical: {source}"
         )
     if magnifier is not None:
-        said.append(f"magnifier {magnifier:g} of every elastic mode: {source}")
-    if not (named or own or undamped):
+        notes.append(f"magnifier {magnifier:g} of every elastic mode: {source}")
+    if not (named or of_chain or undamped):
         system = system.with_magnifier(DEFAULT_MAGNIFIER)
-        said.append(
+        notes.append(
             f"magnifier {DEFAULT_MAGNIFIER:g} of every elastic mode, because none is given: "
             f"{MAGNIFIER_SOURCE}"
         )
     if undamped:
-        said.append("no damping, on purpose")
-    return DampedChain(whole, system, tuple(said))
+        notes.append("no damping, on purpose")
+    return DampedChain(whole, system, tuple(notes))
 
 
 def _own_damping(chain: Chain) -> str:
     """State the damping in a chain's description: each value and its location."""
-    joints = [f"{chain.names[one.left]} - {chain.names[one.right]}" for one in chain.dashpots]
-    found: dict[str, list[str]] = {}
+    joints = [
+        f"{chain.names[dashpot.left]} - {chain.names[dashpot.right]}" for dashpot in chain.dashpots
+    ]
+    texts: dict[str, list[str]] = {}
     for before, unit, values, places, what in (
         ("loss factor ", " of", chain.loss_factor, chain.elements, "elements"),
         ("", f" {UNIT} of", chain.damping, chain.elements, "elements"),
-        ("", f" {UNIT} between", [one.damping for one in chain.dashpots], joints, "pairs"),
+        ("", f" {UNIT} between", [dashpot.damping for dashpot in chain.dashpots], joints, "pairs"),
         ("", f" {UNIT} to ground at", chain.ground_damping, chain.names, "nodes"),
     ):
         groups: dict[str, list[str]] = {}
         for value, place in zip(values, places, strict=True):
             if value > 0.0:
                 groups.setdefault(f"{before}{compact(value, 4)}{unit}", []).append(place)
-        found |= {
+        texts |= {
             text: [f"{len(at)} {what}"] if len(at) > NAMED else at for text, at in groups.items()
         }
-    return "; ".join(f"{text} {', '.join(at)}" for text, at in found.items())
+    return "; ".join(f"{text} {', '.join(at)}" for text, at in texts.items())
 
 
 def of_elements(
@@ -437,13 +433,13 @@ def _largest(values: FloatArray) -> float:
 
 
 def _inverse_magnifiers(values: ArrayLike | Mapping[int, float] | None, chain: Chain) -> FloatArray:
-    given = of_elements("element_magnifier", values, chain, unit="", missing=np.inf)
-    if np.any(given == 0.0):
+    magnifiers = of_elements("element_magnifier", values, chain, unit="", missing=np.inf)
+    if np.any(magnifiers == 0.0):
         raise InputError(
-            f"element_magnifier[{np.flatnonzero(given == 0.0)[0]}]: given 0; allowed are finite "
+            f"element_magnifier[{np.flatnonzero(magnifiers == 0.0)[0]}]: given 0; allowed are finite "
             "numbers of more than zero, because the loss factor is their inverse."
         )
-    return np.asarray(1.0 / given)
+    return np.asarray(1.0 / magnifiers)
 
 
 def _cylinder_damping(choice: EngineMagnifier, chain: Chain) -> FloatArray:

@@ -9,12 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, positive_vector
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, SolveError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name
 from dynamics.plots.curves import draw_named_curves
@@ -65,8 +63,6 @@ class ElementLoads:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         element : int or str, optional
             By number from 0 or name; of nodes or dashpots for these parts.
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
@@ -75,10 +71,6 @@ class ElementLoads:
             Which of the four series.
         **drawn
             As `DrawnBeside` says: limits, barred, main_orders.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -175,7 +167,6 @@ def alternating_stress(
 
     Parameters
     ----------
-    loads : ElementLoads
     sections : array_like of shape (e,) or mapping of element to float
         Section modulus in torsion [m^3] of a torsional chain, or area [m^2] of an axial one, of
         every element; or of some by number from 0 or by name, where others have no shaft section.
@@ -312,7 +303,9 @@ def load_rows(response: ForcedResponse, elements: Sequence[int | str] | None = N
     chain = chain_of(response)
     why = "a load is that of an element"
     chosen = range(len(chain.elements)) if elements is None else elements
-    places = [index_of_name("elements", one, chain.elements, "elements", why) for one in chosen]
+    places = [
+        index_of_name("elements", element, chain.elements, "elements", why) for element in chosen
+    ]
     rows = chain.stiffness[:, np.newaxis] * chain.elongations() @ response.system.expand
     return rows[places], tuple(chain.elements[place] for place in places)
 
@@ -327,7 +320,7 @@ def motion_rows(response: ForcedResponse, nodes: Sequence[int | str] | None = No
     """
     why = "an amplitude is that of a node"
     chosen = range(len(response.names)) if nodes is None else nodes
-    places = [index_of_name("node", one, response.names, "nodes", why) for one in chosen]
+    places = [index_of_name("node", node, response.names, "nodes", why) for node in chosen]
     system = response.system
     rows = system.expand[places]
     rigid = system.shapes[:, : system.rigid.shape[1]]
@@ -405,8 +398,8 @@ class PowerBalance:
     @property
     def dissipated(self) -> FloatArray:
         """All heat together [W], (K, S); it equals the power of excitation."""
-        own = self.elements.sum(axis=2) + self.dashpots.sum(axis=2) + self.ground.sum(axis=2)
-        return np.asarray(own + self.rest)
+        heat = self.elements.sum(axis=2) + self.dashpots.sum(axis=2) + self.ground.sum(axis=2)
+        return np.asarray(heat + self.rest)
 
     @property
     def error(self) -> float:
@@ -424,11 +417,6 @@ class PowerBalance:
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the power of excitation and of all kinds of damping over the speed, all orders together.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
 
         Returns
         -------
@@ -453,15 +441,7 @@ class PowerBalance:
     def to_xarray(self) -> Dataset:
         """Return all powers over order, speed and place.
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Units and errors are those of `crankbase.tables.frames.grid`.
         """
         plane = ("order", "speed")
         return grid(
@@ -543,13 +523,13 @@ def checked_power_balance(response: ForcedResponse) -> PowerBalance:
     SolveError
         If power in and heat differ by more than a share of 1e-6.
     """
-    found = power_balance(response)
-    if not found.error <= LARGEST_POWER_ERROR:
+    balance = power_balance(response)
+    if not balance.error <= LARGEST_POWER_ERROR:
         raise SolveError(
-            f"Power into the vibration and heat in its damping differ by a share of {found.error:.1e} "
+            f"Power into the vibration and heat in its damping differ by a share of {balance.error:.1e} "
             f"(allowed {LARGEST_POWER_ERROR:.0e})."
         )
-    return found
+    return balance
 
 
 def _quadratic(matrix: FloatArray, motion: ComplexArray) -> FloatArray:

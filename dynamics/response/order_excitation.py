@@ -5,21 +5,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     check_sizes,
     complex_array,
     positive_vector,
+    radians_of,
     read_only,
     turning_speeds,
 )
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.choices import whole_within
 from crankbase.errors import InputError, quoted
-from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Dataset, grid
 from dynamics.harmonics import Harmonics
 from dynamics.plots.quantities import Quantity, orders_and_speeds, quantity_display
 
@@ -61,8 +60,8 @@ class OverSpeed:
 
     def pieces(self, speeds: FloatArray) -> NDArray[np.int64]:
         """Return the pieces of speeds; the first and the last one are extrapolated."""
-        found = np.searchsorted(self.speeds, speeds, "right") - 1
-        return np.asarray(np.clip(found, 0, len(self.coefficients) - 1))
+        places = np.searchsorted(self.speeds, speeds, "right") - 1
+        return np.asarray(np.clip(places, 0, len(self.coefficients) - 1))
 
     def at(self, order_index: NDArray[np.int64], speeds: FloatArray) -> ComplexArray:
         """Return amplitudes at pairs of order and speed, which are broadcast, shape (..., n)."""
@@ -200,20 +199,12 @@ class OrderExcitation:
     def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``forces`` over order, speed and node.
 
+        Units and errors are those of `crankbase.tables.frames.grid`.
+
         Parameters
         ----------
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
             What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
         """
         unit = quantity_display(quantity, "N m or N").unit
         over = ("order", "speed", "node")
@@ -227,12 +218,11 @@ class OrderExcitation:
         )
 
 
-def phasors_of(found: Harmonics, orders: ArrayLike) -> ComplexArray:
+def phasors_of(harmonics: Harmonics, orders: ArrayLike) -> ComplexArray:
     """Return the amplitudes Y_k = A_k - i B_k of orders from the harmonics of samples.
 
     Parameters
     ----------
-    found : Harmonics
     orders : array_like of shape (K,)
         Ascending, in cycles per crankshaft revolution.
 
@@ -248,14 +238,14 @@ def phasors_of(found: Harmonics, orders: ArrayLike) -> ComplexArray:
         half the sampling rate they determine one part only.
     """
     wanted = checked_orders(orders)
-    places = [found.index_of(order) for order in wanted.tolist()]
-    if found.samples % 2 == 0 and places[-1] == found.samples // 2 - 1:
+    places = [harmonics.index_of(order) for order in wanted.tolist()]
+    if harmonics.samples % 2 == 0 and places[-1] == harmonics.samples // 2 - 1:
         raise InputError(
-            f"order: given {wanted[-1]:g}; allowed are those below {found.highest_order:g}, because "
-            f"{found.samples} samples over one cycle show two values to each wave of it, which do not "
+            f"order: given {wanted[-1]:g}; allowed are those below {harmonics.highest_order:g}, because "
+            f"{harmonics.samples} samples over one cycle show two values to each wave of it, which do not "
             "separate its amplitude from its phase."
         )
-    return np.asarray(found.cosine[places] - 1j * found.sine[places])
+    return np.asarray(harmonics.cosine[places] - 1j * harmonics.sine[places])
 
 
 def at_angles(orders: FloatArray, phasors: ComplexArray, shaft_angles: FloatArray) -> FloatArray:

@@ -121,15 +121,15 @@ class PeakCause:
     @property
     def resonant(self) -> tuple[OrderPart, ...]:
         """Parts of orders at a resonance, the largest contribution first."""
-        found = [one for one in self.parts if one.state == "at resonance"]
-        return tuple(sorted(found, key=lambda one: -one.contribution))
+        parts = [part for part in self.parts if part.state == "at resonance"]
+        return tuple(sorted(parts, key=lambda part: -part.contribution))
 
     def share(self, state: State, mode: int | None = None) -> float:
         """Return the share of the peak from orders of a state, of one mode or of all."""
         chosen = [
-            one.contribution
-            for one in self.parts
-            if one.state == state and mode in (None, one.mode)
+            part.contribution
+            for part in self.parts
+            if part.state == state and mode in (None, part.mode)
         ]
         return sum(chosen) / self.amplitude if self.amplitude else 0.0
 
@@ -143,18 +143,18 @@ class PeakCause:
         """The main orders of the amplitude with their shares, the largest first."""
         if np.isinf(self.amplitude):
             return "; ".join(
-                f"order {one.order:g} excites {_mode(one)}, which nothing damps"
-                for one in self.parts
-                if np.isinf(one.amplitude)
+                f"order {part.order:g} excites {_mode(part)}, which nothing damps"
+                for part in self.parts
+                if np.isinf(part.amplitude)
             )
         least = LEAST_PART * self.amplitude
-        groups = [self._runs(own, least) for own in self._together()]
-        named = [one for runs in groups for run in runs for one in run]
+        groups = [self._runs(orders, least) for orders in self._together()]
+        named = [part for runs in groups for run in runs for part in run]
         if not named:
             return "no order makes a part of it worth naming"
         groups = sorted((runs for runs in groups if runs), key=lambda runs: -abs(_total(runs)))
         texts = [self._group(runs) for runs in groups]
-        rest = self.amplitude - sum(one.contribution for one in named)
+        rest = self.amplitude - sum(part.contribution for part in named)
         if abs(rest) >= least:
             texts.append(f"all others {_verb(rest, many=True)} {self._quantity(abs(rest))}")
         return "; ".join(texts)
@@ -162,32 +162,24 @@ class PeakCause:
     def to_pandas(self) -> "DataFrame":
         """Return a table with a row for each order.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         return table_of(self.parts)
 
     def _together(self) -> list[Orders]:
         """Return the orders reported together: those of one resonance, and all that are forced."""
-        found: dict[tuple[str, str], list[OrderPart]] = {}
-        for one in self.parts:
-            key = (one.state, "" if one.state == "forced" else _mode(one))
-            found.setdefault(key, []).append(one)
-        return [tuple(own) for own in found.values()]
+        groups: dict[tuple[str, str], list[OrderPart]] = {}
+        for part in self.parts:
+            key = (part.state, "" if part.state == "forced" else _mode(part))
+            groups.setdefault(key, []).append(part)
+        return [tuple(group) for group in groups.values()]
 
     def _runs(self, parts: Orders, least: float) -> tuple[Orders, ...]:
         """Return the main orders of those reported together: runs of them, with the small ones between.
 
         A run has at least three main orders.
         """
-        main = [place for place, one in enumerate(parts) if abs(one.contribution) >= least]
+        main = [place for place, part in enumerate(parts) if abs(part.contribution) >= least]
         if not main:
             return ()
         # Orders that are told elsewhere end a run too.
@@ -210,7 +202,7 @@ class PeakCause:
             "amplified": f"amplified by {_mode(first) if first.mode else 'several modes'}",
             "forced": "forced without resonance",
         }[first.state]
-        parts = [one for run in runs for one in run]
+        parts = [part for run in runs for part in run]
         many = len(parts) > 1
         texts = [
             f"{run[0].order:g} to {run[-1].order:g}" if len(run) > 1 else f"{run[0].order:g}"
@@ -221,7 +213,7 @@ class PeakCause:
             f"order{'s' if many else ''} {listed}, {where}, {_verb(total, many)} "
             f"{self._quantity(abs(total))} ({100.0 * abs(total) / self.amplitude:.0f} %)"
         )
-        most = max(parts, key=lambda one: one.contribution)
+        most = max(parts, key=lambda part: part.contribution)
         if many and 0.5 * total <= most.contribution <= total:
             text += f", {self._quantity(most.contribution)} of it by order {most.order:g}"
         return text
@@ -252,7 +244,6 @@ def peak_cause(
 
     Parameters
     ----------
-    response : ForcedResponse
     series : OrderSeries
         Motions, loads or stresses of the response, at its orders and speeds.
     place : int or str
@@ -269,10 +260,6 @@ def peak_cause(
         The part of the excitation that comes from another vibration, such as the lengthening of a shaft
         by its twist, at the same speeds and at some of the orders, and the cause of
         that vibration at the same speed.
-
-    Returns
-    -------
-    PeakCause
 
     Raises
     ------
@@ -313,24 +300,24 @@ def peak_cause(
     w = series.orders * speed
     forces = response.excitation.forces[:, index] @ response.system.expand
     rows = np.broadcast_to(row, forces.shape)
-    given = modes.contributions(w, forces, rows)
-    whole = np.sum(given, axis=1, keepdims=True)
+    made = modes.contributions(w, forces, rows)
+    whole = np.sum(made, axis=1, keepdims=True)
     size = np.where(whole == 0.0, 1.0, np.abs(whole))
-    shares = (given / size * np.conj(whole / size)).real[:, :-1]
+    shares = (made / size * np.conj(whole / size)).real[:, :-1]
     magnifiers, largest = modes.magnifiers(w), modes.largest_magnifiers
     tops = np.abs(modes.eigenvalues) * np.sqrt(np.maximum(1.0 - 2.0 * modes.damping_ratios**2, 0.0))
     static = np.abs(np.sum(shares / np.where(magnifiers > 0.0, magnifiers, 1.0), axis=1))
     brought = np.zeros(w.size)
     if driven is not None:
-        own = np.isin(series.orders, driven[0].orders)
+        driven_orders = np.isin(series.orders, driven[0].orders)
         other = np.zeros(forces.shape, dtype=np.complex128)
-        other[own] = driven[0].forces[:, index] @ response.system.expand
+        other[driven_orders] = driven[0].forces[:, index] @ response.system.expand
         through = np.sum(modes.contributions(w, other, rows), axis=1, keepdims=True)
         brought = (through / size * np.conj(whole / size)).real[:, 0]
     parts = []
     for at, order in enumerate(series.orders.tolist()):
-        own = np.abs(modes.eigenvalues.imag - w[at]) if endless[at] else -shares[at]
-        most = int(np.argmin(own)) if own.size else -1
+        ranked = np.abs(modes.eigenvalues.imag - w[at]) if endless[at] else -shares[at]
+        most = int(np.argmin(ranked)) if ranked.size else -1
         part = OrderPart(
             order, float(contributions[at]), float(np.abs(phasors[at])), "forced", 0, 0.0, 1.0, 0.0
         )
@@ -358,10 +345,10 @@ def peak_cause(
 
 def _resonance_of(part: OrderPart, other: PeakCause) -> OrderPart:
     """Return a part with the resonance of the same order of another vibration, if there is one."""
-    for one in other.parts:
-        if one.order == part.order and one.state != "forced":
-            own = {name: getattr(part, name) for name in ("contribution", "amplitude")}
-            return replace(one, **own)
+    for resonant in other.parts:
+        if resonant.order == part.order and resonant.state != "forced":
+            kept = {name: getattr(part, name) for name in ("contribution", "amplitude")}
+            return replace(resonant, **kept)
     return part
 
 
@@ -378,7 +365,7 @@ def _mode(part: OrderPart) -> str:
 
 
 def _total(runs: tuple[Orders, ...]) -> float:
-    return sum(one.contribution for run in runs for one in run)
+    return sum(part.contribution for run in runs for part in run)
 
 
 def _verb(value: float, many: bool) -> str:

@@ -16,13 +16,11 @@ from crankbase.checks.arrays import (
     one_for_each,
     positive_vector,
 )
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row
+from crankbase.tables.frames import Axes, Row
 from dynamics.critical import critical_speeds
 from dynamics.indices import index_of_name
 from dynamics.plots.campbell import draw_campbell
@@ -150,14 +148,14 @@ def resonances(
         )
     ends = (float(response.speeds[0]), float(response.speeds[-1]))
     frequencies = system.elastic_frequencies
-    found = critical_speeds(
+    criticals = critical_speeds(
         frequencies, response.orders, ends if speed_range is None else speed_range
     )
-    if not found:
+    if not criticals:
         return ()
-    modes = np.array([own.mode for own in found])
-    speeds = np.array([own.speed for own in found])
-    order_places = np.searchsorted(response.orders, [own.order for own in found])
+    modes = np.array([critical.mode for critical in criticals])
+    speeds = np.array([critical.speed for critical in criticals])
+    order_places = np.searchsorted(response.orders, [critical.order for critical in criticals])
     forces = excitation.interpolated(order_places, speeds)
     unknown_forces = forces @ system.expand
     rigid = system.rigid.shape[1]
@@ -180,10 +178,10 @@ def resonances(
     severities = np.where(answer.unbounded, 1.0, amplitudes / (largest or 1.0))
     return tuple(
         Resonance(
-            mode=own.mode + 1,
-            frequency=own.frequency,
-            order=own.order,
-            speed=own.speed,
+            mode=critical.mode + 1,
+            frequency=critical.frequency,
+            order=critical.order,
+            speed=critical.speed,
             amplitude=float("inf") if answer.unbounded[row] else float(amplitudes[row]),
             equilibrium=float(equilibrium[row]),
             magnifier=float(magnifiers[row]),
@@ -193,7 +191,7 @@ def resonances(
             kind="major" if together[row] >= IN_PHASE else "minor",
             unbounded=bool(answer.unbounded[row]),
         )
-        for row, own in enumerate(found)
+        for row, critical in enumerate(criticals)
     )
 
 
@@ -268,15 +266,15 @@ def refined_speeds(
     low, high = (float(limit) for limit in speed_range)
     even = np.linspace(low, high, count)
     spacing = (high - low) / (count - 1)
-    found = [even]
-    for own in critical:
-        half = max(float(ratios[own.mode]), LEAST_RATIO) * own.speed
+    grids = [even]
+    for resonance in critical:
+        half = max(float(ratios[resonance.mode]), LEAST_RATIO) * resonance.speed
         offsets = list(NEAR)
         while offsets[-1] * (GROWTH - 1.0) * half < spacing and offsets[-1] * half < high - low:
             offsets.append(offsets[-1] * GROWTH)
         about = half * np.array(offsets)
-        found += [own.speed - about, np.array([own.speed]), own.speed + about]
-    speeds = np.sort(np.concatenate(found))
+        grids += [resonance.speed - about, np.array([resonance.speed]), resonance.speed + about]
+    speeds = np.sort(np.concatenate(grids))
     speeds = speeds[(speeds >= low) & (speeds <= high)]
     # Of several alike the first stays; they differ by round-off.
     apart = np.diff(speeds, prepend=0.0) > SAME_SPEED * speeds
@@ -287,7 +285,7 @@ def campbell_diagram(
     frequencies: ArrayLike,
     orders: ArrayLike,
     speed_range: tuple[float, float],
-    found: Sequence[Resonance] = (),
+    met: Sequence[Resonance] = (),
     axes: Axes | None = None,
 ) -> Axes:
     """Draw natural frequencies and order lines over speed, with a dot at each resonance.
@@ -300,14 +298,8 @@ def campbell_diagram(
         In cycles per crankshaft revolution.
     speed_range : tuple of two floats
         Running range [rad/s], shaded.
-    found : sequence of Resonance, optional
+    met : sequence of Resonance, optional
         Dots grow with their severity.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw; new axes by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------
@@ -323,6 +315,6 @@ def campbell_diagram(
         )
     ends = checked_range("speed_range", speed_range, "rad/s", "it is shaded")
     axes = new_axes(axes, height=4.8)
-    draw_campbell(axes, natural, lines, ends, found)
+    draw_campbell(axes, natural, lines, ends, met)
     write_title(axes, "Campbell diagram")
     return axes

@@ -10,16 +10,18 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.angles import radians_of
-from crankbase.checks.arrays import ComplexArray, FloatArray, checked_range, regular_array
-from crankbase.checks.scalars import whole_number, whole_within
-from crankbase.drawing.curves import Curves
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    checked_range,
+    radians_of,
+    regular_array,
+)
+from crankbase.checks.choices import whole_number, whole_within
+from crankbase.diagrams import Curves, new_axes, write_title
 from crankbase.errors import InputError, quoted
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.indices import index_of_name
 from dynamics.plots.curves import MAIN_ORDERS, draw_over_speed, over_speed
 from dynamics.plots.quantities import (
@@ -58,7 +60,7 @@ def checked_limits(
             f"limits: given {quoted(limits)}; allowed is a mapping of names to limits, because each is drawn "
             "with its name."
         )
-    found = {}
+    checked = {}
     for name, values in limits.items():
         field = f"limits[{name!r}]"
         array = np.array(regular_array(field, values, "iuf", "real numbers only"), dtype=float)
@@ -73,8 +75,8 @@ def checked_limits(
                 f"{field}: given {worst:g}; allowed are numbers of zero or more, inf where no limit is "
                 "stated, because amplitudes are compared with it."
             )
-        found[str(name)] = np.array(np.broadcast_to(array, (speed_count,)))
-    return found
+        checked[str(name)] = np.array(np.broadcast_to(array, (speed_count,)))
+    return checked
 
 
 def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -165,10 +167,6 @@ def synthesis(
         y = Re sum_k Y_k exp(i k phi).
     unbounded : ndarray of shape (K, S), bool, optional
         Where there is no steady vibration.
-
-    Returns
-    -------
-    Synthesis
 
     Raises
     ------
@@ -288,29 +286,29 @@ def _peaks(
     margin = 2.0 * half * (1.0 / np.cos(np.pi * multiples[-1] / size) - 1.0)
     # Of the flat array: several times as fast as of rows and columns.
     row, column = np.divmod(np.flatnonzero(samples >= (top - margin)[:, np.newaxis]), size)
-    own = samples[row, column]
+    heights = samples[row, column]
     # A sum that is zero throughout has no peaks.
-    summit = (own >= samples[row, column - 1]) & (own >= samples[row, (column + 1) % size])
+    summit = (heights >= samples[row, column - 1]) & (heights >= samples[row, (column + 1) % size])
     row, column = row[summit & (half[row] > 0.0)], column[summit & (half[row] > 0.0)]
     step = 2.0 * np.pi / size
     start = step * column
     angle = start.copy()
     waves = phasors[:, row]
-    found = samples[row, column].copy()
+    peaks = samples[row, column].copy()
     # Value, slope and bend of a sum are the real, imaginary and real part of its moments.
     powers = multiples.astype(np.complex128) ** np.arange(3)[:, np.newaxis]
     rises = np.unique(np.diff(multiples, prepend=0), return_inverse=True)
     for _ in range(NEWTON_STEPS + 1):
         value, slope, bend = powers @ (waves * _turned(*rises, angle))
-        found = np.maximum(found, value.real)
+        peaks = np.maximum(peaks, value.real)
         move = np.divide(-slope.imag, bend.real, out=np.zeros_like(angle), where=bend.real > 0.0)
         before = angle
         angle = np.clip(angle + move, start - step, start + step)
         if np.all(np.abs(angle - before) <= SETTLED * step):
             break
     highest, angles = top.copy(), np.zeros(top.shape)
-    np.maximum.at(highest, row, found)
-    equal = np.flatnonzero(found >= highest[row] - SAME_PEAK)
+    np.maximum.at(highest, row, peaks)
+    equal = np.flatnonzero(peaks >= highest[row] - SAME_PEAK)
     backwards = equal[
         np.argsort(-angle[equal])
     ]  # so that the first of equal peaks is the one that stays
@@ -432,8 +430,6 @@ class OrderSeries:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         place : int or str, optional
             The location, by number from 0 or name.
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
@@ -513,11 +509,6 @@ class OrderSeries:
         ----------
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
             What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
 
         Raises
         ------

@@ -123,7 +123,7 @@ class CrankWeb:
         InputError
             If the web has no length of that name.
         """
-        names = [one.name for one in fields(self) if one.name != "semi_built"]
+        names = [part.name for part in fields(self) if part.name != "semi_built"]
         check_choice("name", name, [*names, "overlap"], "these are the lengths of a crank web")
         length = "section_thickness" if name == "web_thickness" else name
         return float(getattr(self, length)) / self.pin_diameter
@@ -154,8 +154,8 @@ def check_ranges(web: CrankWeb) -> None:
             continue
         check_ratio(f"{name} over pin_diameter", name, web.ratio(name))
     if not web.semi_built:
-        own = web.journal_fillet_radius / web.journal_diameter
-        check_ratio("journal_fillet_radius over journal_diameter", "journal_fillet_radius", own)
+        ratio = web.journal_fillet_radius / web.journal_diameter
+        check_ratio("journal_fillet_radius over journal_diameter", "journal_fillet_radius", ratio)
 
 
 def check_ratio(what: str, name: str, value: float, lowest: float | None = None) -> None:
@@ -200,7 +200,6 @@ class ConcentrationFactors:
 
     Parameters
     ----------
-    web : CrankWeb
     coefficients : {"printed", "suspected"}, optional
         Two coefficients of the rule are doubtful: 0.85 of b^3 in alpha_T and beta_T (suspected is 0.857)
         and 1.527 of w^2 in beta_B (1.5276). The printed ones give larger factors.
@@ -405,7 +404,7 @@ def coefficient_differences(web: CrankWeb) -> dict[str, float]:
     InputError
         If a ratio of the web is outside the range of the formulas.
     """
-    printed, suspected = (ConcentrationFactors(web, one) for one in COEFFICIENTS)
+    printed, suspected = (ConcentrationFactors(web, coefficients) for coefficients in COEFFICIENTS)
     doubted = {"alpha_T": "alpha_torsion"}
     if not web.semi_built:
         doubted |= {"beta_B": "beta_bending", "beta_T": "beta_torsion"}
@@ -440,7 +439,6 @@ class ElementFactors:
 
     Parameters
     ----------
-    web : CrankWeb
     alpha_bending, alpha_torsion : float or None
         At the pin's fillet: largest equivalent stress by von Mises under a bending moment, largest shear
         stress under a torque. None without a fillet.
@@ -505,9 +503,9 @@ def unsafe_formulas(
     formulas: ConcentrationFactors | None, elements: ElementFactors | None
 ) -> dict[str, tuple[float, float]]:
     """Return the factors that are smaller by the rule's formulas than by finite elements: symbol to both."""
-    found: dict[str, tuple[float, float]] = {}
+    factors: dict[str, tuple[float, float]] = {}
     if formulas is None or elements is None:
-        return found
+        return factors
     for name, symbol in SYMBOLS.items():
         by_elements = getattr(elements, name)
         if by_elements is None:
@@ -517,5 +515,5 @@ def unsafe_formulas(
         except InputError:
             continue
         if by_formula < by_elements:
-            found[symbol] = by_formula, by_elements
-    return found
+            factors[symbol] = by_formula, by_elements
+    return factors

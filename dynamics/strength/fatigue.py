@@ -92,10 +92,11 @@ class PlaceStrength:
     def row(self) -> Row:
         """Return its values by column, each with its unit, for tables."""
         units = {"throw": "1", "place": "", "web": "", "depth": "m"}
-        found: Row = {
-            own.name: (getattr(self, own.name), units.get(own.name, "Pa")) for own in fields(self)
+        columns: Row = {
+            column.name: (getattr(self, column.name), units.get(column.name, "Pa"))
+            for column in fields(self)
         }
-        return found | {"acceptability": (self.acceptability, "1"), "passed": (self.passed, "")}
+        return columns | {"acceptability": (self.acceptability, "1"), "passed": (self.passed, "")}
 
 
 def fatigue_strength(
@@ -293,10 +294,6 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
     factor : float
         k, from `findley_factor`.
 
-    Returns
-    -------
-    CriticalPlane
-
     Raises
     ------
     InputError
@@ -307,15 +304,15 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
     Planes are searched over all directions in steps of 10 degrees, then near the worst in steps of 2 and 0.4.
     Stresses on a plane are linear in those of the history, so the corners of its path are sufficient.
     """
-    given = finite_array("history", history)
+    points = finite_array("history", history)
     factor = nonnegative_number("factor", factor, "", "it weighs the normal stress")
-    if given.ndim != 2 or given.shape[1] != 3 or not len(given):
+    if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise InputError(
-            f"history: given an array of shape {given.shape}; allowed is (m, 3), because a free surface has "
+            f"history: given an array of shape {points.shape}; allowed is (m, 3), because a free surface has "
             "three stresses at each moment."
         )
-    corners = _corners(given)
-    path = given[corners]
+    corners = _corners(points)
+    path = points[corners]
     step = math.radians(FIRST_STEP)
     around = np.arange(0.0, math.pi - 1e-9, step)
     down = np.arange(0.0, 0.5 * math.pi + 1e-9, step)
@@ -437,12 +434,12 @@ def _round_four(held: FloatArray, new: FloatArray) -> tuple[FloatArray, FloatArr
     """
     four = np.concatenate([held, new[:, None]], axis=1)
     sets, centers = [], []
-    for one in range(3):
-        sets.append(np.stack([new, held[:, one], held[:, one]], axis=1))
-        centers.append(0.5 * (new + held[:, one]))
-    for one, two in ((0, 1), (0, 2), (1, 2)):
-        sets.append(np.stack([new, held[:, one], held[:, two]], axis=1))
-        centers.append(_center(new, held[:, one], held[:, two]))
+    for first in range(3):
+        sets.append(np.stack([new, held[:, first], held[:, first]], axis=1))
+        centers.append(0.5 * (new + held[:, first]))
+    for first, second in ((0, 1), (0, 2), (1, 2)):
+        sets.append(np.stack([new, held[:, first], held[:, second]], axis=1))
+        centers.append(_center(new, held[:, first], held[:, second]))
     center = np.stack(centers, axis=1)
     reach = np.linalg.norm(four[:, None] - center[:, :, None], axis=3)
     radius = np.linalg.norm(new[:, None] - center, axis=2)
@@ -453,16 +450,16 @@ def _round_four(held: FloatArray, new: FloatArray) -> tuple[FloatArray, FloatArr
     return np.stack(sets, axis=1)[count, choice], center[count, choice], radius[count, choice]
 
 
-def _center(one: FloatArray, two: FloatArray, three: FloatArray) -> FloatArray:
+def _center(first: FloatArray, second: FloatArray, third: FloatArray) -> FloatArray:
     """Center (b, 2) of the circle through three points; inf where they are in line."""
-    a, b = two - one, three - one
+    a, b = second - first, third - first
     twice = 2.0 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
     squares = np.sum(a * a, axis=1), np.sum(b * b, axis=1)
     x = b[:, 1] * squares[0] - a[:, 1] * squares[1]
     y = a[:, 0] * squares[1] - b[:, 0] * squares[0]
     with np.errstate(divide="ignore", invalid="ignore"):
         offset = np.stack([x, y], axis=1) / twice[:, None]
-    return np.where(np.isfinite(offset), one + offset, np.inf)
+    return np.where(np.isfinite(offset), first + offset, np.inf)
 
 
 Process = Literal["induction", "nitriding"]
@@ -599,7 +596,6 @@ def factors_below(
 
     Parameters
     ----------
-    factors : ConcentrationFactors or ElementFactors
     place : {"pin fillet", "oil hole"}
         The available text has no formula for the journal's fillet.
     depth : float

@@ -102,13 +102,13 @@ def alternating(values: ArrayLike) -> FloatArray:
     InputError
         If a value is not finite, or there is none over the last axis.
     """
-    given = finite_array("values", values)
-    if given.ndim == 0 or given.shape[-1] == 0:
+    series = finite_array("values", values)
+    if series.ndim == 0 or series.shape[-1] == 0:
         raise InputError(
-            f"values: given an array of shape {given.shape}; allowed is a value or more over the last axis, "
+            f"values: given an array of shape {series.shape}; allowed is a value or more over the last axis, "
             "because they alternate between the lowest and the highest."
         )
-    return np.asarray(0.5 * np.ptp(given, axis=-1))
+    return np.asarray(0.5 * np.ptp(series, axis=-1))
 
 
 def web_stresses(
@@ -118,8 +118,6 @@ def web_stresses(
 
     Parameters
     ----------
-    throw : SupportedThrow
-    web : CrankWeb
     at : float
         Middle of the web's thickness from the left support [m]; L_1 of the left web.
     strokes : {2, 4}
@@ -150,7 +148,6 @@ def hole_stress(
 
     Parameters
     ----------
-    throw : SupportedThrow
     web : CrankWeb
         Of the pin.
     at : float

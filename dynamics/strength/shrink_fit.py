@@ -121,10 +121,10 @@ class ShrinkFit:
     @cached_property
     def refusals(self) -> tuple[str, ...]:
         """Violations of the rule, a sentence each; empty if the fit complies."""
-        found = []
+        refused = []
         size = self.shrink_diameter
         if self.distance < LEAST_DISTANCE * size:
-            found.append(
+            refused.append(
                 f"pin and journal are {_mm(self.distance)} apart at the fit, 0.05 shrink diameters or "
                 f"{_mm(LEAST_DISTANCE * size)} are needed"
             )
@@ -132,25 +132,25 @@ class ShrinkFit:
             LEAST_FILLET * self.journal_diameter, FILLET_OF_STEP * (size - self.journal_diameter)
         )
         if self.fillet_radius < radius:
-            found.append(
+            refused.append(
                 f"the journal's fillet has a radius of {_mm(self.fillet_radius)}, {_mm(radius)} are needed"
             )
         if self._slip >= size * self.journal_yield:
-            found.append(
+            refused.append(
                 "no bore is small enough: a solid journal yields under the pressure that the torque needs; "
                 "use finite elements"
             )
         elif self.journal_bore > self.largest_bore:
-            found.append(
+            refused.append(
                 f"the journal's bore of {_mm(self.journal_bore)} is above {_mm(self.largest_bore)}; use "
                 "finite elements"
             )
         if self.least_shrinkage > self.most_shrinkage:
-            found.append(
+            refused.append(
                 f"the torque needs a shrinkage of {_mm(self.least_shrinkage)}, the web bears "
                 f"{_mm(self.most_shrinkage)} at most"
             )
-        return tuple(found)
+        return tuple(refused)
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -16,12 +16,10 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
 from dynamics.cycle import checked_strokes, order_step
 from dynamics.engine.forces import spread_array
@@ -92,13 +90,7 @@ class Star:
         return "balanced" if self.share <= FULL_SUM_TOLERANCE else "minor"
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the star: firing at shaft angle zero points up, angles turn clockwise.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-            In lengths of the longest vector, without ticks.
-        """
+        """Draw the star: firing at shaft angle zero points up, angles turn clockwise."""
         axes = new_axes(axes, width=3.2, height=3.6)
         draw_star(axes, self, f"order {self.order:g}")
         finish_stars(axes)
@@ -130,14 +122,10 @@ def star_diagram(
 
     Parameters
     ----------
-    engine : EngineLayout, optional
-        The engine, or instead `firing_angles_deg`.
     orders : array_like of shape (K,) or number, optional
         Orders, or the highest of all orders of the cycle.
     firing_angles_deg : array_like of shape (n,), optional
         Shaft angle at which each cylinder fires [deg], if no engine is given.
-    strokes : int, optional
-        Per cycle, 2 or 4: the engine's own; for firing angles with a highest order 4 by default.
     amplitudes : array_like of shape (n,) or (K, n), optional
         Of the cylinders' harmonics, where they differ; 1 by default.
     phases_deg : array_like of shape (n,) or (K, n), optional
@@ -162,8 +150,8 @@ def star_diagram(
     shape = (asked.size, firing.size)
     reason = "each order's vector of each cylinder takes its own"
     lengths, shares, turns = (
-        spread_array(field, otherwise if given is None else given, shape, reason)
-        for field, given, otherwise in (
+        spread_array(field, otherwise if spread is None else spread, shape, reason)
+        for field, spread, otherwise in (
             ("amplitudes", amplitudes, 1.0),
             ("mode_shape", mode_shape, 1.0),
             ("phases_deg", phases_deg, 0.0),
@@ -175,9 +163,9 @@ def star_diagram(
         Star(
             order,
             read_only(np.degrees([_turned(angle) for angle in row.tolist()])),
-            read_only(own.copy()),
+            read_only(row_lengths.copy()),
         )
-        for order, row, own in zip(asked.tolist(), directions, lengths, strict=True)
+        for order, row, row_lengths in zip(asked.tolist(), directions, lengths, strict=True)
     )
 
 
@@ -185,13 +173,13 @@ def _firing_and_strokes(
     engine: EngineLayout | None, firing_angles_deg: ArrayLike | None, strokes: int | None
 ) -> tuple[FloatArray, int | None]:
     """Return the firing angles [rad], and the strokes if known."""
-    told = None if strokes is None else checked_strokes(strokes)
+    checked = None if strokes is None else checked_strokes(strokes)
     if engine is None and firing_angles_deg is not None:
         firing = np.radians(finite_vector("firing_angles_deg", firing_angles_deg))
     elif isinstance(engine, EngineLayout) and firing_angles_deg is None:
-        if told not in (None, engine.strokes):
+        if checked not in (None, engine.strokes):
             raise InputError(
-                f"strokes: given {told}; allowed is {engine.strokes} or nothing, because that is the "
+                f"strokes: given {checked}; allowed is {engine.strokes} or nothing, because that is the "
                 "engine's."
             )
         return np.radians(engine.firing_deg), engine.strokes
@@ -206,7 +194,7 @@ def _firing_and_strokes(
             "firing_angles_deg: given none; allowed is one for each cylinder, because the star has a "
             "vector of each."
         )
-    return firing, told
+    return firing, checked
 
 
 def _requested_orders(orders: ArrayLike | float, strokes: int | None) -> FloatArray:
@@ -228,13 +216,7 @@ def _requested_orders(orders: ArrayLike | float, strokes: int | None) -> FloatAr
 
 
 def leading_stars(stars: Sequence[Star]) -> tuple[Star, ...]:
-    """Return the major orders, or if there is none, as with uneven firing, the largest ones.
-
-    Raises
-    ------
-    InputError
-        If no star is given.
-    """
+    """Return the major orders, or if there is none, as with uneven firing, the largest ones."""
     if not stars:
         raise InputError("stars: given none; allowed are one or more, because one is to lead.")
     majors = tuple(star for star in stars if star.kind == "major")
@@ -256,13 +238,13 @@ def same_stars(stars: Iterable[Star]) -> tuple[tuple[Star, ...], ...]:
     return tuple(tuple(group) for group in groups)
 
 
-def _alike(one: Star, other: Star) -> bool:
-    if one.weights.shape != other.weights.shape or not np.allclose(
-        one.weights, other.weights, rtol=1e-9, atol=0.0
+def _alike(star: Star, reference: Star) -> bool:
+    if star.weights.shape != reference.weights.shape or not np.allclose(
+        star.weights, reference.weights, rtol=1e-9, atol=0.0
     ):
         return False
     first, second = (
-        np.radians(star.directions_deg - star.directions_deg[0]) for star in (one, other)
+        np.radians(star.directions_deg - star.directions_deg[0]) for star in (star, reference)
     )
     return _equal_directions(first, second) or _equal_directions(first, -second)
 

@@ -9,14 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, read_only
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import is_whole, whole_number, whole_within
-from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE
-from crankbase.drawing.legends import legend_above
+from crankbase.checks.choices import check_choice, is_whole, whole_number, whole_within
+from crankbase.diagrams import BLUE, COLORS, ORANGE, legend_above
 from crankbase.errors import InputError, SolveError
-from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid, table
+from crankbase.tables.frames import Axes, DataFrame, Dataset, grid, table
 from dynamics.cycle import cycle_radians, even_angles
 from dynamics.engine import RodModelName
 from dynamics.engine.firing import IN_LINE
@@ -51,13 +48,13 @@ def samples_and_gas(
         return angles, gas_forces(
             engine, pressure, crankcase_pressure, shaft_angles_deg=np.degrees(angles)
         )
-    given = finite_array("pressure", np.asarray(pressure))
-    if given.shape != shape:
+    forces = finite_array("pressure", np.asarray(pressure))
+    if forces.shape != shape:
         raise InputError(
-            f"pressure: given forces of shape {given.shape}; allowed is {shape}, because there is one "
+            f"pressure: given forces of shape {forces.shape}; allowed is {shape}, because there is one "
             "for each cylinder and sample."
         )
-    return angles, given
+    return angles, forces
 
 
 def forces_by_cause(
@@ -72,9 +69,9 @@ def forces_by_cause(
 
 
 def _are_pressures(
-    given: "Pressure | Sequence[Pressure] | ArrayLike",
+    pressure: "Pressure | Sequence[Pressure] | ArrayLike",
 ) -> TypeGuard["Pressure | Sequence[Pressure]"]:
-    first = given[0] if isinstance(given, Sequence) and given else given
+    first = pressure[0] if isinstance(pressure, Sequence) and pressure else pressure
     return hasattr(first, "at")
 
 
@@ -109,41 +106,41 @@ def throws_along_shaft(engine: EngineLayout) -> tuple[tuple[int, ...], ...]:
 
 
 def _shares(engine: EngineLayout, throw: list[int], number: int) -> bool:
-    own = engine.cylinders[number - 1]
+    cylinder = engine.cylinders[number - 1]
     for other in (engine.cylinders[member - 1] for member in throw):
         turned = math.remainder(
-            math.radians(own.crank_angle_deg - other.crank_angle_deg), 2.0 * math.pi
+            math.radians(cylinder.crank_angle_deg - other.crank_angle_deg), 2.0 * math.pi
         )
         leaning = math.remainder(
-            math.radians(own.bank_angle_deg - other.bank_angle_deg), 2.0 * math.pi
+            math.radians(cylinder.bank_angle_deg - other.bank_angle_deg), 2.0 * math.pi
         )
-        apart = abs(own.position - other.position)
-        if abs(turned) > IN_LINE or abs(leaning) <= IN_LINE or apart >= CLOSE * own.bore:
+        apart = abs(cylinder.position - other.position)
+        if abs(turned) > IN_LINE or abs(leaning) <= IN_LINE or apart >= CLOSE * cylinder.bore:
             return False
     return True
 
 
 def checked_throws(engine: EngineLayout, throws: Sequence[int]) -> tuple[tuple[int, ...], ...]:
     """Return the numbers of the cylinders on each throw from the throw of each cylinder, from 0."""
-    given = list(throws)
-    if len(given) != len(engine.cylinders):
+    of_cylinders = list(throws)
+    if len(of_cylinders) != len(engine.cylinders):
         raise InputError(
-            f"throws: given {len(given)}; allowed are {len(engine.cylinders)}, because each cylinder "
+            f"throws: given {len(of_cylinders)}; allowed are {len(engine.cylinders)}, because each cylinder "
             "works on one."
         )
-    if not all(is_whole(throw) for throw in given):
+    if not all(is_whole(throw) for throw in of_cylinders):
         raise InputError(
-            f"throws: given {given}; allowed are whole numbers from 0 on, because throws are counted "
+            f"throws: given {of_cylinders}; allowed are whole numbers from 0 on, because throws are counted "
             "from the free end."
         )
-    if sorted(set(given)) != list(range(max(given) + 1)):
+    if sorted(set(of_cylinders)) != list(range(max(of_cylinders) + 1)):
         raise InputError(
-            f"throws: given {given}; allowed are throws from 0 on without a gap, because each has a "
+            f"throws: given {of_cylinders}; allowed are throws from 0 on without a gap, because each has a "
             "cylinder."
         )
     return tuple(
-        tuple(place + 1 for place, own in enumerate(given) if own == throw)
-        for throw in range(max(given) + 1)
+        tuple(place + 1 for place, number in enumerate(of_cylinders) if number == throw)
+        for throw in range(max(of_cylinders) + 1)
     )
 
 
@@ -162,10 +159,6 @@ class PinForceHarmonics:
 
     Parameters
     ----------
-    number : int
-        Of the cylinder.
-    firing_angle_deg : float
-        Shaft angle of its firing top [deg].
     tangential_gas, tangential_inertia, tangential : Harmonics
         T, in the sense of rotation: of the gas, of moving masses, of both. Crank radius times T is
         the torque.
@@ -189,38 +182,25 @@ class PinForceHarmonics:
         show: Literal["tangential", "radial"] = "tangential",
         highest_order: float | None = None,
     ) -> Axes:
-        """Draw the amplitudes of T or Z by order: of the gas, of moving masses, of both.
-
-        Parameters
-        ----------
-        show : {"tangential", "radial"}, optional
-            Which of the forces on the crankpin.
-        highest_order : float, optional
-            Highest order drawn; all by default.
-
-        Raises
-        ------
-        InputError
-            If there is no such force, or no order is left.
-        """
+        """Draw the amplitudes of T or Z by order: of the gas, of moving masses, of both."""
         check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
-        found = {
+        series = {
             name: getattr(self, show + ending)
             for name, ending in (("gas", "_gas"), ("inertia", "_inertia"), ("both", ""))
         }
         if highest_order is not None:
-            found = {name: own.up_to(highest_order) for name, own in found.items()}
-        bars = {name: KILO * own.amplitude for name, own in found.items()}
+            series = {name: spectrum.up_to(highest_order) for name, spectrum in series.items()}
+        bars = {name: KILO * spectrum.amplitude for name, spectrum in series.items()}
         title = f"Harmonics of the {show} force, cylinder {self.number}"
-        return draw_harmonics(axes, found["both"].orders, bars, "amplitude [kN]", title=title)
+        return draw_harmonics(axes, series["both"].orders, bars, "amplitude [kN]", title=title)
 
     def to_pandas(self) -> DataFrame:
         """Return one row for each order: amplitude and phase of T and Z by cause."""
         columns: dict[str, tuple[FloatArray, str]] = {"order": (self.tangential.orders, "1")}
         for name in CAUSES:
-            own: Harmonics = getattr(self, name)
-            columns[name] = (own.amplitude, "N")
-            columns[f"{name}_phase"] = (own.phase, "rad")
+            spectrum: Harmonics = getattr(self, name)
+            columns[name] = (spectrum.amplitude, "N")
+            columns[f"{name}_phase"] = (spectrum.phase, "rad")
         return table(columns)
 
 
@@ -253,10 +233,6 @@ def pin_force_harmonics(
     highest_order : float, optional
         Highest order; the samples must resolve it.
 
-    Returns
-    -------
-    tuple of n PinForceHarmonics
-
     Raises
     ------
     InputError
@@ -270,14 +246,14 @@ def pin_force_harmonics(
         (of_gas.radial, of_masses.radial),
     ):
         parts += [by_gas, by_masses, by_gas + by_masses]
-    found = []
+    by_cylinder = []
     for place, firing in enumerate(np.radians(engine.firing_deg)):
         split = [
             from_firing_top(engine, place, angles, part[place]).up_to(highest_order)
             for part in parts
         ]
-        found.append(PinForceHarmonics(place + 1, math.degrees(firing), *split))
-    return tuple(found)
+        by_cylinder.append(PinForceHarmonics(place + 1, math.degrees(firing), *split))
+    return tuple(by_cylinder)
 
 
 # A mean torque below this share of the largest is round-off.
@@ -297,9 +273,6 @@ class EngineTorque:
 
     Parameters
     ----------
-    engine : EngineLayout
-    speed : float
-        Constant speed of the shaft [rad/s].
     shaft_angles_deg : ndarray of shape (m,)
         Evenly over the cycle from zero, without the closing sample [deg].
     gas, inertia : ndarray of shape (n, m)
@@ -326,9 +299,9 @@ class EngineTorque:
     @property
     def per_throw(self) -> FloatArray:
         """Torque of each throw, along the shaft (k, m) [N m]."""
-        own = self.per_cylinder
+        torques = self.per_cylinder
         return np.array(
-            [own[[number - 1 for number in throw]].sum(axis=0) for throw in self.throws]
+            [torques[[number - 1 for number in throw]].sum(axis=0) for throw in self.throws]
         )
 
     @property
@@ -373,43 +346,20 @@ class EngineTorque:
         return difference / exchanged if exchanged > 0.0 else difference
 
     def harmonics(self, throw: int | None = None) -> Harmonics:
-        """Return the harmonics of the engine's torque, or of one throw's, counted from 1.
-
-        Raises
-        ------
-        InputError
-            If there is no such throw.
-        """
+        """Return the harmonics of the engine's torque, or of one throw's, counted from 1."""
         if throw is None:
             return harmonics(self.total, self.engine.strokes)
         return harmonics(self.per_throw[self._checked_throw(throw)], self.engine.strokes)
 
     def cylinder_harmonics(self, number: int) -> Harmonics:
-        """Return the harmonics of one cylinder's torque, phases counted from its own firing top.
-
-        Raises
-        ------
-        InputError
-            If there is no such cylinder.
-        """
+        """Return the harmonics of one cylinder's torque, phases counted from its own firing top."""
         place = checked_cylinder(self.engine, number) - 1
         return from_firing_top(
             self.engine, place, np.radians(self.shaft_angles_deg), self.per_cylinder[place]
         )
 
     def plot(self, axes: Axes | None = None, throw: int | None = None) -> Axes:
-        """Draw the torque of the engine with its mean, or that of one throw by source, over the cycle.
-
-        Parameters
-        ----------
-        throw : int, optional
-            Number of the throw, from 1 at the free end; by default the whole engine.
-
-        Raises
-        ------
-        InputError
-            If there is no such throw.
-        """
+        """Draw the torque of the engine with its mean, or that of one throw by source, over the cycle."""
         colors: tuple[str, ...] = (BLUE, ORANGE)
         if throw is None:
             title = "Torque of the engine"
@@ -417,9 +367,9 @@ class EngineTorque:
             curves = {"engine": self.total, "mean": mean}
         else:
             title = f"Torque of throw {throw}"
-            own = [number - 1 for number in self.throws[self._checked_throw(throw)]]
+            members = [number - 1 for number in self.throws[self._checked_throw(throw)]]
             parts = {"gas": self.gas, "inertia": self.inertia, "both": self.per_cylinder}
-            curves = {name: values[own].sum(axis=0) for name, values in parts.items()}
+            curves = {name: values[members].sum(axis=0) for name, values in parts.items()}
             colors = (COLORS[1], COLORS[2], COLORS[0])
         shown = {name: KILO * values for name, values in curves.items()}
         axes = draw_over_angle(
@@ -480,15 +430,11 @@ def engine_torque(
 
     Parameters
     ----------
-    speed : float
-        Of the shaft, constant [rad/s].
     pressure : GasPressure, sequence of n GasPressure, array_like or None
         Pressures as for `gas_forces`, or forces on the pistons towards the shaft at the
         samples (n, samples) [N]; None for no gas force.
     samples : int, optional
         Number of samples over one cycle; they resolve orders up to half their number per revolution.
-    model : str, optional
-        Of the rods, one of `ROD_MODELS`.
     throws : sequence of n int, optional
         Throw of each cylinder, 0 next to the free end. Without it, cylinders of different banks
         with equal crank angles and nearly equal positions share one.

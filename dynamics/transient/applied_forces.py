@@ -8,7 +8,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
@@ -16,14 +15,14 @@ from crankbase.checks.arrays import (
     nonnegative_number,
     positive_number,
     positive_vector,
+    radians_of,
     read_only,
 )
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.indices import node_index
 from dynamics.plots.curves import draw_over_time
@@ -231,17 +230,7 @@ class SpeedCurve:
         return times
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the speed over the time.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the speed over the time."""
         axes = new_axes(axes, height=3.4)
         draw_over_time(axes, self.times, {"speed": RPM * self.speeds}, SPEED_LABEL)
         write_title(axes, "Speed over time")
@@ -320,15 +309,15 @@ class OrderForces:
         places = self.over_speed.pieces(speeds)
         forces = np.empty((angles.size, self.coefficients.shape[-1]))
         for piece in np.unique(places).tolist():
-            own = np.flatnonzero(places == piece)
+            rows = np.flatnonzero(places == piece)
             coefficients = self.coefficients[piece]
-            terms = waves[own] @ coefficients.reshape(len(coefficients), -1)
-            terms = terms.reshape(own.size, *coefficients.shape[1:])
-            above = (speeds[own] - self.over_speed.speeds[piece])[:, np.newaxis]
+            terms = waves[rows] @ coefficients.reshape(len(coefficients), -1)
+            terms = terms.reshape(rows.size, *coefficients.shape[1:])
+            above = (speeds[rows] - self.over_speed.speeds[piece])[:, np.newaxis]
             total = terms[:, 0]
             for power in range(1, terms.shape[1]):
                 total = total * above + terms[:, power]
-            forces[own] = total
+            forces[rows] = total
         return forces
 
 
@@ -452,7 +441,6 @@ class AppliedForces:
 
     Parameters
     ----------
-    curve : SpeedCurve
     excitations : tuple of (float, OrderForces)
         Each with its start time [s], ascending.
     loads : tuple of LoadStep
@@ -490,13 +478,15 @@ class AppliedForces:
     @property
     def orders(self) -> FloatArray:
         """All orders that act at some time, ascending."""
-        return np.unique(np.concatenate([own.orders for _, own in self.excitations]))
+        return np.unique(np.concatenate([excitation.orders for _, excitation in self.excitations]))
 
     def at(self, starts: FloatArray, step: float, places: FloatArray) -> FloatArray:
         """Return the forces (m, places, q) at points of steps without a change inside."""
         times = (starts[:, np.newaxis] + step * places).reshape(-1)
         middle = float(starts[0]) + 0.5 * step
-        by_orders = next(own for begins, own in reversed(self.excitations) if begins <= middle)
+        by_orders = next(
+            forces for begins, forces in reversed(self.excitations) if begins <= middle
+        )
         forces = by_orders.at(np.radians(self.curve.angle_deg(times)), self.curve.speed(times))
         for load in self.loads:
             forces += load.load * load.share(times)[:, np.newaxis] * self.inputs[load.node]
@@ -543,10 +533,10 @@ def _successive_excitations(
         begins.append(value)
     ends = [*begins[1:], float(speed.times[-1])]
     acting = []
-    for begin, end, own in zip(
-        begins, ends, (excitation, *(own for _, own in changes)), strict=True
+    for begin, end, exciting in zip(
+        begins, ends, (excitation, *(later for _, later in changes)), strict=True
     ):
-        forces = OrderForces.of(own, inputs)
+        forces = OrderForces.of(exciting, inputs)
         within = (speed.times > begin) & (speed.times < end)
         passed = np.append(speed.speed([begin, end]), speed.speeds[within])
         forces.check_speeds(float(passed.min()), float(passed.max()))

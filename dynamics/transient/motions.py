@@ -8,14 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import check_choice, whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
+from crankbase.tables.frames import Axes, Dataset, grid
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.chains.chain import Chain
@@ -68,7 +65,6 @@ def select_curve(
 
     Parameters
     ----------
-    chain : Chain or None
     quantity : {"torque", "force", "twist", "displacement"}
         Torque or force of an element, or twist or displacement of a node.
     place : int or str
@@ -97,7 +93,7 @@ def select_curve(
 def axis_names(chain: Chain | None, nodes: int, elements: int) -> tuple[list[str], list[str]]:
     """Return the names of nodes and elements for a table, numbers from 0 if there is no chain."""
     if chain is None:
-        return [str(number) for number in range(nodes)], [str(own) for own in range(elements)]
+        return [str(number) for number in range(nodes)], [str(number) for number in range(elements)]
     return list(chain.names), list(chain.elements)
 
 
@@ -140,10 +136,8 @@ def motion_grid(
 
     Parameters
     ----------
-    chain : Chain or None
     over : dict
         Name and coordinate of the axis of the rows.
-    motion, torque : ndarray
     quantity : str or None
         As for `units_of`.
     words : str, optional
@@ -206,16 +200,10 @@ class Envelope:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         place : int, optional
             Element, or node for "twist" and "displacement", from 0.
         quantity : {"torque", "force", "twist", "displacement"}, optional
         over : {"speed", "time"}, optional
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -285,11 +273,11 @@ def envelope_over(
     middles = 0.5 * (edges[1:] + edges[:-1])
 
     def half_ranges(values: FloatArray) -> FloatArray:
-        found = [
+        halves = [
             half_peak_to_peak(values[max(first - 1, 0) : last + 1])
             for first, last in pairwise(starts.tolist())
         ]
-        return np.array(found).reshape(whole, values.shape[1])
+        return np.array(halves).reshape(whole, values.shape[1])
 
     times = np.interp(middles, shaft_angle, time)
     return Envelope(
@@ -369,16 +357,10 @@ class CycleMotion:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         place : int or str, optional
             Element, or node for "twist" and "displacement", by number from 0 or name.
         quantity : {"torque", "force", "twist", "displacement"}, optional
             Torque or force in the spring of an element, or twist or displacement of a node.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -418,17 +400,17 @@ class CycleMotion:
         return half_peak_to_peak(np.vstack((finer[-1:], finer, finer[:1])))
 
     def _phasors(self, orders: ArrayLike, values: FloatArray) -> ComplexArray:
-        given = np.atleast_1d(finite_array("orders", orders))
-        cycles = given * self.turns
+        wanted = np.atleast_1d(finite_array("orders", orders))
+        cycles = wanted * self.turns
         whole = np.round(cycles)
         count = self.shaft_angle_deg.size
         if np.any((np.abs(cycles - whole) > 1e-9 * whole) | (whole < 1) | (2.0 * whole >= count)):
             raise InputError(
-                f"orders: given {given.tolist()}; allowed are multiples of {1.0 / self.turns:g} above zero "
+                f"orders: given {wanted.tolist()}; allowed are multiples of {1.0 / self.turns:g} above zero "
                 f"and below {0.5 * count / self.turns:g}, because the cycle has {self.turns} turns and "
                 f"{count} samples."
             )
-        waves = np.exp(-1j * np.outer(given, np.radians(self.shaft_angle_deg)))
+        waves = np.exp(-1j * np.outer(wanted, np.radians(self.shaft_angle_deg)))
         return np.asarray(waves @ values * (2.0 / count))
 
 
@@ -475,8 +457,6 @@ class ShaftRun:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         place : int or str, optional
             Element, or node for "twist" and "displacement", by number from 0 or name.
         quantity : {"torque", "force", "twist", "displacement"}, optional
@@ -485,10 +465,6 @@ class ShaftRun:
             Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
         turns : int, optional
             Revolutions of the shaft for one amplitude; by default those after which the run repeats.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------

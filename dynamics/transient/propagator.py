@@ -184,7 +184,6 @@ def viscous_system(
 
     Parameters
     ----------
-    chain_or_system : Chain or LinearSystem
     loss_as : {"viscous", "modal"}
         "viscous": each element of loss factor eta and stiffness k gets a damper of
         eta k / w, exact at one angular frequency w. "modal": each elastic mode gets half of its own
@@ -196,10 +195,6 @@ def viscous_system(
         Adds to each elastic mode the damping of this magnifier, 1 / (2 magnifier) of critical.
     modal_damping : float or array_like, optional
         Adds to each elastic mode this share of critical damping.
-
-    Returns
-    -------
-    ViscousSystem
 
     Raises
     ------

@@ -9,11 +9,10 @@ from typing import Literal, Unpack
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import check_choice, whole_number
 from crankbase.errors import InputError
-from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Dataset
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
 from dynamics.response.linear_system import LinearSystem
@@ -100,11 +99,6 @@ class SteadyMotion(CycleMotion):
             Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
             one. A chain does not determine it: by default units are "rad or m" and "N m or N".
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
         Raises
         ------
         InputError
@@ -135,7 +129,6 @@ def steady_motion(
 
     Parameters
     ----------
-    chain_or_system : Chain or LinearSystem
     excitation : OrderExcitation
         Between its speeds forces are interpolated as by `OrderExcitation.at_speeds`.
     speed : float
@@ -144,10 +137,6 @@ def steady_motion(
         Number of steps per cycle; by default each covers half a radian of the highest order.
     **damping
         loss_as, loss_frequency, magnifier, modal_damping, as for `viscous_system`.
-
-    Returns
-    -------
-    SteadyMotion
 
     Raises
     ------
@@ -189,16 +178,16 @@ def steady_from(
     propagator = Propagator.of(space, step)
     angles = start_angle + even_angles(2.0 * np.pi * turns, count)
     points = (angles[:, np.newaxis] + speed * step * PLACES).reshape(-1)
-    given = forces.at(points, np.full(points.size, speed)).reshape(count, PLACES.size, -1)
-    start, unbounded = _periodic_start(space, propagator, given, period)
-    states = np.vstack((start, propagator.propagate(start, given)[:-1]))
+    acting = forces.at(points, np.full(points.size, speed)).reshape(count, PLACES.size, -1)
+    start, unbounded = _periodic_start(space, propagator, acting, period)
+    states = np.vstack((start, propagator.propagate(start, acting)[:-1]))
     if unbounded:
         states[:] = 0.0
     places = slice(len(start) - space.rigid, len(start))
     mean = states[:, places].mean(axis=0)
     states[:, places] -= mean
     motion, _ = space.motion(states)
-    found = SteadyMotion(
+    steady = SteadyMotion(
         speed=speed,
         turns=turns,
         shaft_angle_deg=np.degrees(angles),
@@ -209,7 +198,7 @@ def steady_from(
         system=system,
         note=system.note,
     )
-    return found, states[0]
+    return steady, states[0]
 
 
 def spring_torques(chain: Chain | None, motion: FloatArray) -> FloatArray:
@@ -236,8 +225,8 @@ def _periodic_start(
     drive = outward.T @ right
     # How fast what each singular value stands for vibrates; rigid motions do not.
     elastic = space.scales[space.rigid :]
-    own = np.sqrt(inward**2 @ np.concatenate((elastic, elastic, np.zeros(space.rigid))) ** 2)
-    lost = singular <= UNBOUNDED_WITHIN * own * period
+    scale = np.sqrt(inward**2 @ np.concatenate((elastic, elastic, np.zeros(space.rigid))) ** 2)
+    lost = singular <= UNBOUNDED_WITHIN * scale * period
     largest = float(np.max(np.abs(right), initial=0.0))
     unbounded = bool(np.any(np.abs(drive[lost]) > NO_DRIVE * largest))
     start = np.zeros(size)
@@ -335,11 +324,6 @@ class TransientMotion(ShaftRun):
             Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
             one. A chain does not determine it: by default units are "rad or m" and "N m or N".
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
         Raises
         ------
         InputError
@@ -368,7 +352,6 @@ def transient_motion(
 
     Parameters
     ----------
-    chain_or_system : Chain or LinearSystem
     excitation : OrderExcitation
         Its forces follow the shaft angle, the integral of the speed; between its speeds they are
         interpolated as by `OrderExcitation.at_speeds`.
@@ -414,8 +397,8 @@ def transient_motion(
     if step is None:
         longest = USUAL_REACH / (float(orders[-1]) * fastest)
     else:
-        given = positive_number("step", step, "s", "time runs forward")
-        longest = checked_step(given, orders, fastest)
+        asked = positive_number("step", step, "s", "time runs forward")
+        longest = checked_step(asked, orders, fastest)
     pieces = time_segments(acting, longest)
     count, each = sum(piece.steps for piece in pieces), len(space.matrix) + 3 * len(space.inputs)
     if count * each > MOST_NUMBERS:
@@ -495,10 +478,10 @@ def _step_blocks(pieces: Sequence[TimeSegment]) -> Iterator[tuple[float, FloatAr
 def _steady_start(
     system: ViscousSystem, excitation: OrderExcitation, speed: SpeedCurve
 ) -> FloatArray:
-    found, state = steady_from(
+    steady, state = steady_from(
         system, excitation, float(speed.speeds[0]), math.radians(speed.start_angle_deg)
     )
-    if found.unbounded:
+    if steady.unbounded:
         raise InputError(
             f"start: given 'steady' at {speed.speeds[0]:g} rad/s; allowed is 'rest' there, because an "
             "undamped mode is excited at its own frequency."

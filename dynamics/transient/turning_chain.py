@@ -64,9 +64,9 @@ class ThrowCurves:
         waves = np.empty((*angles.shape, table.shape[1]), dtype=np.complex128)
         waves[...] = np.exp(1j * self._step * angles)[..., np.newaxis]
         waves = np.cumprod(waves, axis=-1)
-        found = np.matmul(waves.swapaxes(0, 1), table).real
-        inertia = self.inertia_mean + found[..., 0].T
-        return inertia, found[..., 1].T, self.torque_mean + found[..., 2].T
+        curves = np.matmul(waves.swapaxes(0, 1), table).real
+        inertia = self.inertia_mean + curves[..., 0].T
+        return inertia, curves[..., 1].T, self.torque_mean + curves[..., 2].T
 
     @cached_property
     def _step(self) -> float:
@@ -96,7 +96,6 @@ def throw_inertia_curves(
 
     Parameters
     ----------
-    engine : EngineLayout
     throws : sequence of n int
         Throw of each cylinder, from 0.
     model : str, optional
@@ -122,10 +121,12 @@ def throw_curves(
     engine: EngineLayout, forces: CylinderForces, speed_index: int, model: RodModelName = "rigid"
 ) -> ThrowCurves:
     """Return the curves of an engine's throws from its gas forces at one of their speeds."""
-    found = throw_inertia_curves(engine, forces.throws, model)
-    largest = np.max(np.abs(found.coefficients) / found.mean[:, np.newaxis], axis=0, initial=0.0)
+    inertias = throw_inertia_curves(engine, forces.throws, model)
+    largest = np.max(
+        np.abs(inertias.coefficients) / inertias.mean[:, np.newaxis], axis=0, initial=0.0
+    )
     kept = np.flatnonzero(largest > NEGLIGIBLE)
-    throws = found.mean.size
+    throws = inertias.mean.size
     mean, phasors = np.zeros(throws), np.zeros((forces.orders.size, throws), dtype=np.complex128)
     for cylinder, throw in enumerate(forces.throws):
         mean[throw] += forces.crank_radius * forces.mean_tangential[speed_index, cylinder]
@@ -134,8 +135,8 @@ def throw_curves(
     orders = np.union1d(of_inertia, forces.orders)
     return ThrowCurves(
         orders,
-        found.mean,
-        _placed(found.coefficients[:, kept], of_inertia, orders),
+        inertias.mean,
+        _placed(inertias.coefficients[:, kept], of_inertia, orders),
         mean,
         _placed(phasors.T, forces.orders, orders),
     )
@@ -227,13 +228,13 @@ class TurningChain:
         InputError
             If a speed is not finite, or there is not one for each unknown.
         """
-        given = finite_array("speeds", speeds)
-        if given.shape[-1:] != self.even.shape:
+        motion = finite_array("speeds", speeds)
+        if motion.shape[-1:] != self.even.shape:
             raise InputError(
-                f"speeds: given an array of shape {given.shape}; allowed are {self.even.size} in its last "
+                f"speeds: given an array of shape {motion.shape}; allowed are {self.even.size} in its last "
                 "dimension, because each unknown has its own."
             )
-        return np.asarray(given @ self.momentum)
+        return np.asarray(motion @ self.momentum)
 
     @_GIVEN_ON
     def torques(
@@ -287,13 +288,15 @@ class TurningChain:
         count, (throws, unknowns) = len(torques), self.throws.shape
         check_shape("torques", torques, (count, unknowns))
         check_shape("inertia", inertia, (count, throws, 2))
-        given = torques - inertia[..., 1] @ self.throws
+        moments = torques - inertia[..., 1] @ self.throws
         if self.separate:
-            return np.asarray(given / (np.diag(self.constant_mass) + inertia[..., 0] @ self.throws))
+            return np.asarray(
+                moments / (np.diag(self.constant_mass) + inertia[..., 0] @ self.throws)
+            )
         mass = self.constant_mass + np.einsum(
             "ct,tp,tq->cpq", inertia[..., 0], self.throws, self.throws
         )
-        return np.asarray(np.linalg.solve(mass, given[..., np.newaxis])[..., 0])
+        return np.asarray(np.linalg.solve(mass, moments[..., np.newaxis])[..., 0])
 
     @_GIVEN_ON
     def energies(
@@ -344,7 +347,6 @@ def turning_chain(
 
     Parameters
     ----------
-    engine : EngineLayout
     engine_chain : EngineChain
         Torsional, not held by ground stiffness. The inertia of each throw in it includes shaft,
         rods and pistons: the mean inertia of rods and pistons is subtracted and replaced by the exact
@@ -361,10 +363,6 @@ def turning_chain(
     **damping
         loss_as, loss_frequency, magnifier, modal_damping, as for `viscous_system`. Absolute damping
         of the chain acts on the vibration only: its dampers turn with the mean speed.
-
-    Returns
-    -------
-    TurningChain
 
     Raises
     ------
@@ -483,7 +481,6 @@ class TurningState:
 
     Parameters
     ----------
-    chain : TurningChain
     frame : float
         Speed of the uniform rotation that twists are counted from [rad/s].
     holds : bool
@@ -533,13 +530,13 @@ class TurningState:
         angles = np.full(mean.shape, self.frame * time)
         springs, dampers, gas, inertia = chain.torques(twist, speeds, angles, reference)
         load = -self.load(mean, time)[:, np.newaxis] * chain.load
-        found = np.empty_like(states)
-        found[:, :count] = vibration
-        found[:, count : 2 * count] = chain.accelerations(springs + dampers + gas + load, inertia)
+        slopes = np.empty_like(states)
+        slopes[:, :count] = vibration
+        slopes[:, count : 2 * count] = chain.accelerations(springs + dampers + gas + load, inertia)
         for place, torques in enumerate((gas, load, dampers), start=2 * count):
-            found[:, place] = np.sum(torques * speeds, axis=1)
-        found[:, -1] = twist @ chain.momentum
-        return found
+            slopes[:, place] = np.sum(torques * speeds, axis=1)
+        slopes[:, -1] = twist @ chain.momentum
+        return slopes
 
     def integrate(
         self,

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import whole_number
 from crankbase.errors import InputError
-from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
+from crankbase.tables.frames import Dataset
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
 from dynamics.transient.applied_forces import cycle_turns
@@ -75,7 +75,6 @@ class TurningCycle(CycleMotion):
         Sum of the works, ideally zero, relative to the largest of them and to the fluctuation of energy.
     closing_error : float
         Closing error of the cycle, as a share of the largest motion.
-    chain : TurningChain
     note : str
         How loss factors were replaced; empty if there are none.
     """
@@ -101,15 +100,7 @@ class TurningCycle(CycleMotion):
     def to_xarray(self) -> Dataset:
         """Return motions and torques over shaft angle, node and element.
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Units and errors are those of `crankbase.tables.frames.grid`.
         """
         speed = (("shaft_angle", "node"), self.speed, "rad/s", "speed of the node")
         return self._grid("twist", speed=speed)
@@ -135,10 +126,6 @@ def steady_cycle(
         stiff that its highest frequency, not the motion, would limit the step.
     samples : int, optional
         Over the cycle; by default eight per period of the highest order, 360 at least.
-
-    Returns
-    -------
-    TurningCycle
 
     Raises
     ------
@@ -199,8 +186,8 @@ class _Shooting:
     def residual(self, unknowns: FloatArray) -> FloatArray:
         """Return the residual (c, 2 q + 1) of unknowns (c, 2 q + 1)."""
         state, states = self.starts(unknowns)
-        found = self.integrate(state, states, [self.period])
-        ends = found.y[:, -1].reshape(states.shape)
+        solution = self.integrate(state, states, [self.period])
+        ends = solution.y[:, -1].reshape(states.shape)
         missed = (ends - states)[:, [*range(self.count), -1]]
         missed[:, :-1] /= state.sizes[: self.count]
         missed[:, -1] /= state.sizes[0] * self.period
@@ -208,12 +195,12 @@ class _Shooting:
 
     def integrate(self, state: TurningState, states: FloatArray, times: ArrayLike) -> Any:
         """Integrate over the cycle; refuse one that the integration did not get through."""
-        found = state.integrate(
+        solution = state.integrate(
             states, (0.0, self.period), self.method, self.evaluated, t_eval=times
         )
-        if not found.success:
+        if not solution.success:
             raise InputError(self.unsteady())
-        return found
+        return solution
 
     def solved(self) -> tuple[FloatArray, float]:
         """Return the unknowns (2 q + 1,) of the periodic cycle, and their residual."""
@@ -264,9 +251,9 @@ def _sampled_cycle(
     state, states = shooting.starts(unknowns[np.newaxis])
     angles = even_angles(2.0 * np.pi * turns, samples)
     times = np.append(angles / speed, shooting.period)
-    found = shooting.integrate(state, states, times)
+    solution = shooting.integrate(state, states, times)
     count = chain.even.size
-    values = found.y.T
+    values = solution.y.T
     works = values[-1, 2 * count : 2 * count + WORKS]
     motion = values[:-1, :count] @ chain.expand.T
     speeds = (values[:-1, count : 2 * count] + speed * chain.even) @ chain.expand.T
@@ -356,15 +343,7 @@ class TurningRun(ShaftRun):
     def to_xarray(self) -> Dataset:
         """Return speed, angle, motions, torques, energies and works over time, node and element.
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Units and errors are those of `crankbase.tables.frames.grid`.
         """
         energies = {
             name: (("time",), getattr(self, name), "J", name.replace("_", " ")) for name in ENERGIES
@@ -422,7 +401,7 @@ def turn_under_gas(
     end = run_time("duration", duration)
     if speed * end > 2.0 * np.pi * MOST_TURNS:
         raise too_many_turns("duration", end, speed * end / (2.0 * np.pi))
-    told = whole_number("samples_per_turn", samples_per_turn, 4, "they show the motion")
+    samples = whole_number("samples_per_turn", samples_per_turn, 4, "they show the motion")
     check_method(method)
     braking = _checked_load(load)
     in_turn = _checked_changes(chain, changes, end)
@@ -433,14 +412,14 @@ def turn_under_gas(
     done = [(np.zeros(1), now[np.newaxis])]
     time, stopped, finished = 0.0, False, False
     with contextlib.suppress(KeyboardInterrupt):
-        for place, (begins, own) in enumerate(in_turn):
-            state = TurningState(own, 0.0, False, braking, speed)
+        for place, (begins, turning) in enumerate(in_turn):
+            state = TurningState(turning, 0.0, False, braking, speed)
             last = in_turn[place + 1][0] if place + 1 < len(in_turn) else end
             time = begins
             while time < last and not stopped:
                 if len(done) > MOST_TURNS:
                     raise too_many_turns("duration", end, MOST_TURNS)
-                until, passed, rows, stopped = _turn(state, time, last, now, method, told)
+                until, passed, rows, stopped = _turn(state, time, last, now, method, samples)
                 done.append((passed, rows))
                 time, now = until, rows[-1]
                 if progress is not None:
@@ -448,7 +427,7 @@ def turn_under_gas(
         finished = not stopped
     how = "The shaft all but stops" if stopped else "Interrupted"
     reached = float(done[-1][0][-1])
-    orders = np.unique(np.concatenate([own.curves.orders for _, own in in_turn]))
+    orders = np.unique(np.concatenate([turning.curves.orders for _, turning in in_turn]))
     return _assembled(
         in_turn,
         np.concatenate([times for times, _ in done]),
@@ -465,7 +444,7 @@ def _turn(
     last: float,
     now: FloatArray,
     method: IntegrationMethod,
-    told: int,
+    samples: int,
 ) -> tuple[float, FloatArray, FloatArray, bool]:
     """Integrate about one revolution; return its end, times (m,), states (m, ...), whether it stops."""
     chain, count = state.chain, state.chain.even.size
@@ -480,27 +459,27 @@ def _turn(
         return float(values[count : 2 * count] @ chain.momentum) - STOPPED * speed
 
     stops.terminal = True  # type: ignore[attr-defined]  # scipy reads this of the function itself
-    times = np.linspace(time, until, told + 1)[1:]
+    times = np.linspace(time, until, samples + 1)[1:]
     evaluated = evaluation_counter(
         lambda now: _not_followed(last, now, MANY_STEPS), MOST_EVALUATIONS
     )
-    found = state.integrate(
+    solution = state.integrate(
         now[np.newaxis], (time, until), method, evaluated, t_eval=times, events=[stops]
     )
-    if found.status < 0:
-        raise _not_followed(last, time, str(found.message).rstrip("."))
-    passed, rows = np.asarray(found.t), np.asarray(found.y).reshape(now.size, -1).T
-    if found.status == 1:
-        ended = float(found.t_events[0][0])
+    if solution.status < 0:
+        raise _not_followed(last, time, str(solution.message).rstrip("."))
+    passed, rows = np.asarray(solution.t), np.asarray(solution.y).reshape(now.size, -1).T
+    if solution.status == 1:
+        ended = float(solution.t_events[0][0])
         if not passed.size or passed[-1] < ended:
-            passed, rows = np.append(passed, ended), np.vstack((rows, found.y_events[0][0]))
+            passed, rows = np.append(passed, ended), np.vstack((rows, solution.y_events[0][0]))
         return ended, passed, rows, True
     return until, passed, rows, False
 
 
-def _not_followed(given: float, reached: float, why: str) -> InputError:
+def _not_followed(end: float, reached: float, why: str) -> InputError:
     return InputError(
-        f"duration: given times up to {given:g} s; allowed is {reached:.6g} s or less, because the motion "
+        f"duration: given times up to {end:g} s; allowed is {reached:.6g} s or less, because the motion "
         f"cannot be followed any longer ({why})."
     )
 
@@ -545,10 +524,10 @@ def _checked_load(load: Load | float) -> Callable[[FloatArray, float], FloatArra
     if not callable(load):
         constant = float(finite_array("load", load))
         return lambda speeds, _time: np.full(speeds.shape, constant)
-    given = load
+    moment: Load = load
 
     def braking(speeds: FloatArray, time: float) -> FloatArray:
-        moments = np.array([given(speed, time) for speed in speeds.tolist()], dtype=np.float64)
+        moments = np.array([moment(speed, time) for speed in speeds.tolist()], dtype=np.float64)
         if not np.all(np.isfinite(moments)):
             raise InputError(
                 f"load: given a moment of {moments[0]} N m at {speeds[0]:.6g} rad/s and {time:.6g} s; "

@@ -15,14 +15,11 @@ from crankbase.checks.arrays import (
     nonnegative_number,
     read_only,
 )
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import check_choice, whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.units import RPM
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
@@ -73,12 +70,8 @@ class FreeTurning:
 
     Parameters
     ----------
-    time : ndarray of shape (m,)
-        [s]
     angle_deg : ndarray of shape (m,)
         Of the shaft [deg].
-    speed : ndarray of shape (m,)
-        [rad/s]
     acceleration : ndarray of shape (m,)
         [rad/s^2]
     kinetic_energy : ndarray of shape (m,)
@@ -118,17 +111,7 @@ class FreeTurning:
     def plot(
         self, axes: Axes | None = None, *, show: Literal["speed", "moment", "work"] = "speed"
     ) -> Axes:
-        """Draw the speed over the time, or the moments or works of all causes.
-
-        Parameters
-        ----------
-        show : {"speed", "moment", "work"}, optional
-
-        Raises
-        ------
-        InputError
-            If it is unknown.
-        """
+        """Draw the speed over the time, or the moments or works of all causes."""
         check_choice("show", show, ("speed", "moment", "work"), "these are known over the time")
         axes = new_axes(axes)
         if show == "speed":
@@ -178,8 +161,6 @@ def turn_freely(
     ----------
     engine : EngineLayout
         Its shaft_inertia includes the flywheel and the driven parts.
-    start_angle_deg : float
-        Of the shaft [deg].
     start_speed : float
         Zero or above [rad/s].
     duration : float
@@ -194,8 +175,6 @@ def turn_freely(
         Braking moment on the shaft [N m], or a callable (speed [rad/s], angle [rad]) -> moment.
     gravity : float, optional
         Acceleration of gravity along -y [m/s^2].
-    model : str, optional
-        Of the rods, one of `ROD_MODELS`.
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa]; for pressures only.
     times : array_like of shape (m,), optional
@@ -244,13 +223,13 @@ def turn_freely(
     if speed * end > 2.0 * math.pi * UNSTOPPED * MOST_TURNS:
         raise too_many_turns("duration", end, speed * end / (2.0 * math.pi))
     moments = shaft_moments(engine, gas, load, friction, gravity, model, crankcase_pressure)
-    told = _output_times(times, samples, end)
-    states, stop_time = _integrated(moments, (first, speed), end, told)
-    return _assembled(moments, told, states, stop_time)
+    shown = _output_times(times, samples, end)
+    states, stop_time = _integrated(moments, (first, speed), end, shown)
+    return _assembled(moments, shown, states, stop_time)
 
 
 def _integrated(
-    moments: ShaftMoments, start: tuple[float, float], end: float, told: FloatArray
+    moments: ShaftMoments, start: tuple[float, float], end: float, shown: FloatArray
 ) -> tuple[FloatArray, float | None]:
     """Return angle, speed and works at the output times (6, m), and when the engine stopped."""
     # If gas forces jump at the ends of strokes, each stroke is integrated separately with the
@@ -262,25 +241,25 @@ def _integrated(
     last = start[0] + 2.0 * math.pi * MOST_TURNS
     ends = moments.stroke_ends() if moments.gas.turns_at_ends else np.zeros(0)
     evaluated = work_counter("duration", end, "s", MOST_MOMENTS)
-    kept = [state[:, np.newaxis][:, : int(told[0] == 0.0)]]
+    kept = [state[:, np.newaxis][:, : int(shown[0] == 0.0)]]
     while True:
         angle = float(state[0])
         limit = _next_end(ends, angle)
         ways = moments.directions(0.5 * (angle + min(limit, angle + 2.0 * math.pi)))
-        found = _stroke(moments, ways, (time, end), state, limit, last, scales, evaluated)
-        reached = float(found.t[-1])
-        asked = told[(told > time) & (told <= reached)]  # the next stroke begins after its end
+        stroke = _stroke(moments, ways, (time, end), state, limit, last, scales, evaluated)
+        reached = float(stroke.t[-1])
+        asked = shown[(shown > time) & (shown <= reached)]  # the next stroke begins after its end
         if asked.size:
-            kept.append(found.sol(asked))
-        if found.t_events[0].size:
-            stopped = np.array(found.y_events[0][0])
+            kept.append(stroke.sol(asked))
+        if stroke.t_events[0].size:
+            stopped = np.array(stroke.y_events[0][0])
             # Where it stops is told even if nobody asked for that time, and only once.
-            if reached in told:
+            if reached in shown:
                 kept[-1] = kept[-1][:, :-1]
             return np.column_stack([*kept, stopped]), reached
         if reached >= end:
             return np.column_stack(kept), None
-        time, state = reached, np.array(found.y_events[1][0])
+        time, state = reached, np.array(stroke.y_events[1][0])
         state[0] = limit
 
 
@@ -325,7 +304,7 @@ def _stroke(
     events: list[Any] = [stops, reaches_end]
     for event, direction in zip(events, (-1.0, 1.0), strict=True):
         event.terminal, event.direction = True, direction
-    found = solve_ivp(
+    motion = solve_ivp(
         slope,
         span,
         state,
@@ -335,26 +314,26 @@ def _stroke(
         rtol=TOLERANCE,
         atol=TOLERANCE * scales,
     )
-    if found.status < 0:
-        reached, reason = float(found.t[-1]), str(found.message).rstrip(".")
+    if motion.status < 0:
+        reached, reason = float(motion.t[-1]), str(motion.message).rstrip(".")
         raise InputError(
             f"duration: given {span[1]:g} s; allowed is {reached:.6g} s or less, because the angle "
             f"cannot be followed any longer ({reason})."
         )
-    return found
+    return motion
 
 
 def _assembled(
-    moments: ShaftMoments, told: FloatArray, states: FloatArray, stop_time: float | None
+    moments: ShaftMoments, shown: FloatArray, states: FloatArray, stop_time: float | None
 ) -> FreeTurning:
     angle, speed, *works = states
-    time, remark = told, ""
+    time, remark = shown, ""
     if stop_time is not None:
-        time = np.append(told[: angle.size - 1], stop_time)
+        time = np.append(shown[: angle.size - 1], stop_time)
         remark = _stop_remark(stop_time, float(angle[-1]))
-    found = [moments.at(*place) for place in zip(angle.tolist(), speed.tolist(), strict=True)]
-    shares = np.array([each for each, _, _ in found]).T
-    inertia, inertia_slope = np.array([rest for _, *rest in found]).T
+    at_times = [moments.at(*place) for place in zip(angle.tolist(), speed.tolist(), strict=True)]
+    shares = np.array([each for each, _, _ in at_times]).T
+    inertia, inertia_slope = np.array([rest for _, *rest in at_times]).T
     accounts = [WorkShare(read_only(m), read_only(w)) for m, w in zip(shares, works, strict=True)]
     acceleration = (shares.sum(axis=0) - 0.5 * inertia_slope * speed**2) / inertia
     return FreeTurning(
@@ -380,13 +359,13 @@ def _output_times(times: ArrayLike | None, samples: int, end: float) -> FloatArr
         return np.linspace(
             0.0, end, whole_number("samples", samples, 2, "start and end are included")
         )
-    given = finite_vector("times", times)
-    if given.size == 0 or given[0] < 0.0 or given[-1] > end or np.any(np.diff(given) <= 0.0):
+    asked = finite_vector("times", times)
+    if asked.size == 0 or asked[0] < 0.0 or asked[-1] > end or np.any(np.diff(asked) <= 0.0):
         raise InputError(
-            f"times: given {given.size} of them; allowed are times that ascend from 0 s or later to "
+            f"times: given {asked.size} of them; allowed are times that ascend from 0 s or later to "
             f"the duration of {end:g} s or less, because the motion is known there."
         )
-    return given
+    return asked
 
 
 def turn_steadily(
@@ -408,8 +387,6 @@ def turn_steadily(
         Angle of one cycle divided by its time [rad/s].
     engine, gas, friction, gravity, model, crankcase_pressure
         As for `turn_freely`.
-    samples : int, optional
-        Steps per revolution.
 
     Returns
     -------

@@ -28,8 +28,6 @@ class TurnCurves:
 
     Parameters
     ----------
-    mean : ndarray of shape (c,)
-        Of each curve.
     coefficients : complex ndarray of shape (c, K)
         a_k of Re sum a_k exp(i k phi), k from 1.
     """
@@ -58,12 +56,12 @@ def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
     )
     # Each curve by its own size: inertias and lengths are not to be compared.
     scale = np.where(largest > 0.0, largest, 1.0)
-    found = scale * turn_spectrum(lambda angles: function(angles) / scale, 1)
-    half = found.shape[1] // 2
-    terms = 2.0 * found[:, 1:half]
+    spectrum = scale * turn_spectrum(lambda angles: function(angles) / scale, 1)
+    half = spectrum.shape[1] // 2
+    terms = 2.0 * spectrum[:, 1:half]
     above = np.flatnonzero(np.max(np.abs(terms) / scale, axis=0) > NEGLIGIBLE)
     needed = int(above[-1]) + 1 if above.size else 0
-    return TurnCurves(found[:, 0].real.copy(), terms[:, :needed].copy())
+    return TurnCurves(spectrum[:, 0].real.copy(), terms[:, :needed].copy())
 
 
 def engine_curves(engine: EngineLayout, models: tuple[RodModel, ...]) -> TurnCurves:
@@ -111,8 +109,6 @@ class PistonGas:
     forces : callable
         (shaft angle [rad], pistons' s (n,) [m], directions (n,)) -> forces towards the shaft (n,)
         [N].
-    turns_at_ends : bool
-        Whether the forces may jump where a piston changes its direction.
     """
 
     forces: Callable[[float, FloatArray, FloatArray], FloatArray]
@@ -143,14 +139,14 @@ def _from_pressures(
     firing = np.radians(engine.firing_deg)
     # Cylinders with the same pressure are asked for together.
     groups: dict[int, tuple[Pressure, list[int]]] = {}
-    for place, own in enumerate(pressures):
-        groups.setdefault(id(own), (own, []))[1].append(place)
+    for place, diagram in enumerate(pressures):
+        groups.setdefault(id(diagram), (diagram, []))[1].append(place)
 
     def forces(angle: float, _places: FloatArray, _directions: FloatArray) -> FloatArray:
-        found = np.empty(count)
+        absolute = np.empty(count)
         for pressure, members in groups.values():
-            found[members] = pressure.at(angle_deg=np.degrees(angle - firing[members]))
-        return np.asarray(areas * (found - crankcase_pressure))
+            absolute[members] = pressure.at(angle_deg=np.degrees(angle - firing[members]))
+        return np.asarray(areas * (absolute - crankcase_pressure))
 
     return forces
 
@@ -193,9 +189,6 @@ class ShaftMoments:
 
     Parameters
     ----------
-    curves : TurnCurves
-        From `engine_curves`.
-    gas : PistonGas
     load, friction : callable
         (speed [rad/s], angle [rad]) -> braking moment [N m].
     gravity : float
@@ -215,10 +208,6 @@ class ShaftMoments:
 
         Parameters
         ----------
-        angle : float
-            [rad]
-        speed : float
-            [rad/s]
         directions : ndarray of shape (n,), optional
             Of the pistons, positive away from the shaft, if known better than from the
             angle: at the end of a stroke.
@@ -260,8 +249,8 @@ class ShaftMoments:
         ends = []
         for place, cylinder in np.argwhere(ways[1:] != ways[:-1]).tolist():
             slope = functools.partial(self._slope, cylinder)
-            found = brentq(slope, grid[place], grid[place + 1], xtol=1e-15)
-            ends.append(float(found) % (2.0 * math.pi))
+            reversal = brentq(slope, grid[place], grid[place + 1], xtol=1e-15)
+            ends.append(float(reversal) % (2.0 * math.pi))
         ordered = np.sort(ends)
         return ordered[np.diff(ordered, prepend=-1.0) > SAME_ANGLE]
 
@@ -288,10 +277,10 @@ def shaft_moments(
     )
 
 
-def _resistance(field: str, given: Resistance | float) -> Resistance:
-    if callable(given):
-        return given
-    constant = float(finite_array(field, given))
+def _resistance(field: str, resistance: Resistance | float) -> Resistance:
+    if callable(resistance):
+        return resistance
+    constant = float(finite_array(field, resistance))
 
     def always(_speed: float, _angle: float) -> float:
         return constant

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number, read_only
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.checks.choices import whole_number
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, quoted
-from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
+from crankbase.tables.frames import Axes, DataFrame, table
 from crankbase.units.units import RPM
 from dynamics.cycle import even_angles
 from dynamics.plots.curves import draw_over_angle
@@ -60,13 +58,13 @@ def evaluation_counter(
     return evaluated
 
 
-def work_counter(field: str, given: float, unit: str, most: int) -> Callable[[float], None]:
+def work_counter(field: str, reach: float, unit: str, most: int) -> Callable[[float], None]:
     """Return an `evaluation_counter` whose error is that a motion is followed too far."""
 
     def refusal(reached: float) -> InputError:
         allowed = f"{0.99 * reached:.4g} {unit}".strip()
         return InputError(
-            f"{field}: given {f'{given:g} {unit}'.strip()}; allowed is {allowed} or less here, because a "
+            f"{field}: given {f'{reach:g} {unit}'.strip()}; allowed is {allowed} or less here, because a "
             "calculation has a limit of evaluations; another one can continue from there."
         )
 
@@ -82,26 +80,17 @@ def too_many_turns(field: str, time: float, turns: float) -> InputError:
 
 
 def checked_moment(
-    field: str, given: float, speed: float, angle: float, largest: float = math.inf
+    field: str, returned: float, speed: float, angle: float, largest: float = math.inf
 ) -> float:
     """Return a moment [N m] that a given function has returned.
 
     Cheap enough for every step of an integration, which would never end with a value that is not
     finite.
-
-    Parameters
-    ----------
-    given : float
-        [N m]
-    speed, angle : float
-        Where the function was asked [rad/s, rad].
-    largest : float, optional
-        [N m]
     """
-    moment = _number(given)
+    moment = _number(returned)
     if not (math.isfinite(moment) and abs(moment) <= largest):
         raise InputError(
-            f"{field}: given a moment of {quoted(given)} N m at {speed:.6g} rad/s and a shaft angle of "
+            f"{field}: given a moment of {quoted(returned)} N m at {speed:.6g} rad/s and a shaft angle of "
             f"{math.degrees(angle):.6g} deg; allowed are finite numbers"
             f"{'' if largest == math.inf else f' of up to {largest:g}'}, because the speed follows from the "
             "moments."
@@ -109,22 +98,22 @@ def checked_moment(
     return moment
 
 
-def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
+def checked_inertia(returned: float, angle: float, least: float = 0.0) -> float:
     """Return an inertia [kg m^2] at an angle [rad]."""
-    inertia = _number(given)
+    inertia = _number(returned)
     if not least < inertia < math.inf:
         raise InputError(
-            f"inertia: given {quoted(given)} kg m^2 at a shaft angle of {math.degrees(angle):.6g} deg; "
+            f"inertia: given {quoted(returned)} kg m^2 at a shaft angle of {math.degrees(angle):.6g} deg; "
             "allowed are finite numbers clearly above zero, because a shaft without inertia has no speed "
             "that follows from the moments."
         )
     return inertia
 
 
-def _number(given: float) -> float:
+def _number(returned: float) -> float:
     """Return the value of a user function as a float, NaN if it is none."""
     try:
-        return float(given)
+        return float(returned)
     except (TypeError, ValueError, OverflowError):
         return math.nan
 
@@ -232,10 +221,6 @@ class SpeedOverAngle:
 
     Parameters
     ----------
-    angle_deg : ndarray of shape (m,)
-        [deg]
-    speed : ndarray of shape (m,)
-        [rad/s]
     time : ndarray of shape (m,)
         From the first angle [s].
     energy : ndarray of shape (m,)
@@ -310,8 +295,6 @@ def speed_over_angle(
         Above zero [rad/s].
     turns : float
         Length of the integration, in revolutions of the shaft.
-    samples : int, optional
-        Steps per revolution of the result, both ends included.
 
     Returns
     -------
@@ -416,9 +399,9 @@ def _energy_after_step(
     """Return the energy after a step and its duration, halving the step if necessary."""
     # An energy that falls to zero does not prove that the shaft stops: too long a step with a
     # steep moment does the same. Near a true stop the steps become short, and at rest this remains.
-    found = _collocated(shaft, begin, step, energy)
-    if found is not None:
-        return found
+    after = _collocated(shaft, begin, step, energy)
+    if after is not None:
+        return after
     if halvings > 0:
         middle, first = _energy_after_step(shaft, begin, 0.5 * step, energy, halvings - 1)
         end, second = _energy_after_step(
@@ -519,8 +502,6 @@ def steady_turning(
         Angle of the period divided by its time [rad/s].
     turns : float
         Period of inertia and moment, in revolutions of the shaft: 2 for a four-stroke engine.
-    samples : int, optional
-        Per turn.
 
     Raises
     ------
@@ -539,7 +520,7 @@ def steady_turning(
     wanted = positive_number("mean_speed", mean_speed, "rad/s", "the shaft turns")
     period = 2.0 * math.pi * turns_followed("turns", turns)
     first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
-    told = whole_number(
+    shown = whole_number(
         "samples", samples, 1, "results are given at this many angles per revolution"
     )
     guess, start_energy, comes_round = _beginning(inertia, moment, wanted, first, period)
@@ -553,7 +534,7 @@ def steady_turning(
         energy = start_energy + scale * (float(unknowns[1]) - 1.0)
         if energy <= 0.0:
             return None
-        found = speed_over_angle(
+        trial = speed_over_angle(
             inertia,
             lambda speed, angle: moment(speed, angle) - load,
             start_angle_deg=math.degrees(first),
@@ -561,33 +542,33 @@ def steady_turning(
             turns=turns,
             samples=samples,
         )
-        return SteadyTurning(load, found) if found.stopped_at_deg is None else None
+        return SteadyTurning(load, trial) if trial.stopped_at_deg is None else None
 
     def residual(unknowns: FloatArray) -> list[float]:
         try:
-            found = turned(unknowns)
+            trial = turned(unknowns)
         except UnsettledError:  # close to rest: a trial like those that stop
-            found = None
-        if found is None:
+            trial = None
+        if trial is None:
             return [STOPPED, STOPPED]
-        turning = found.turning
+        turning = trial.turning
         gained = float(turning.energy[-1] - turning.energy[0])
         return [gained / scale, turning.mean_speed / wanted - 1.0]
 
     # The full output, as otherwise a search that finds nothing warns.
     solved = fsolve(residual, [1.0, 1.0], xtol=1e-12, maxfev=TRIALS, full_output=True)[0]
     steady = max(abs(miss) for miss in residual(solved)) <= STEADY
-    found = turned(solved, told) if steady else None
-    if found is None:
+    trial = turned(solved, shown) if steady else None
+    if trial is None:
         raise InputError(
             f"mean_speed: given {wanted:g} rad/s; allowed is a speed at which the shaft turns "
             "steadily, because none was found here."
             if comes_round
             else _too_slow(wanted)
         )
-    if found.turning.energy.min() < LEAST_ENERGY * np.ptp(found.turning.energy):
+    if trial.turning.energy.min() < LEAST_ENERGY * np.ptp(trial.turning.energy):
         raise InputError(_too_slow(wanted))
-    return found
+    return trial
 
 
 def _beginning(

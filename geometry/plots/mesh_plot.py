@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import GRAY, new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import GRAY, new_axes, write_title
 from crankbase.errors import InputError
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 from crankbase.errors import InputError
 from geometry.parts import ThrowParts
 from geometry.plots.dimension_lines import INK, OUTLINE, Place, Style, View
-from geometry.plots.end_view import draw_end
-from geometry.plots.side_view import draw_side
+from geometry.plots.views import draw_end, draw_side
 
 OutlineView = Literal["side", "front"]
 DRAWINGS: dict[str, tuple[Callable[[View, ThrowParts, bool], None], str]] = {

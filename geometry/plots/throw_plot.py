@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from geometry.parts import Cylinder, Point, Sector, Slope, ThrowParts, WebPlate
 from geometry.plots.dimension_lines import CENTER, JOURNAL_COLOR, View
-from geometry.plots.end_view import draw_end
-from geometry.plots.side_view import draw_side
+from geometry.plots.views import draw_end, draw_side
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

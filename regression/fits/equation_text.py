@@ -35,30 +35,15 @@ def equation_text(
 ) -> str:
     """Write the equation in natural units, with sufficient digits for calculation.
 
-    Evaluated by hand it gives the prediction within 1e-4 of its value over the whole box of the
-    runs: numbers have 6 digits, or more if necessary.
+    Evaluated by hand it gives the prediction within 1e-4 of its value over the box of the runs: numbers
+    have 6 digits, or more if necessary. On groups it gives the dimensionless response. `labels` replace
+    `factor_label`; `scale` is the power of ten factored out of the response, by default chosen from its
+    size.
 
-    Parameters
-    ----------
-    fitted : FittedForm
-        The equation; its factors and response in SI units.
-    symbol, unit : str
-        Symbol and SI unit of the response, such as "e_n" and "m/N".
-    basis : {"factors", "groups"}
-        Description of the columns. On groups the equation gives the dimensionless response.
-    labels : mapping, optional
-        Factor name to its label, if it differs from `factor_label`.
-    scale : float, optional
-        Power of ten factored out of the response; by default chosen from its size.
-
-    Returns
-    -------
-    str
-        ``e_n = 1e-9 * (6.1 - 0.0583 B + ...) m/N, lengths in mm``; in logarithms
-        ``ln(e_n / (1e-9 m/N)) = 7.2 - 1.1 ln(B/mm) + ...``, of the first degree
-        ``e_n = 7.2e-6 m/N * (B/mm)^-1.1 (h/mm)^-0.9``; on groups
-        ``ln(e_n E D_shm) = 3.1 + 0.9 ln(R/h) + ...``. A category is written as
-        ``[web_outline = rectangle]``, which is 1 if it applies and 0 otherwise.
+    Forms: ``e_n = 1e-9 * (6.1 - 0.0583 B + ...) m/N, lengths in mm``; in logarithms ``ln(e_n / (1e-9
+    m/N)) = 7.2 - 1.1 ln(B/mm) + ...``, of the first degree ``e_n = 7.2e-6 m/N * (B/mm)^-1.1
+    (h/mm)^-0.9``; on groups ``ln(e_n E D_shm) = 3.1 + 0.9 ln(R/h) + ...``. A category is ``[web_outline
+    = rectangle]``, 1 if it applies and 0 otherwise.
     """
     if basis == "groups":
         symbol, unit, scale = SCALES[unit].symbol.format(symbol), "", 1.0

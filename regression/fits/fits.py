@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.drawing.diagram_style import new_axes
+from crankbase.diagrams import new_axes
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -42,7 +42,7 @@ from regression.fits.terms import (
     polynomial_terms,
     term_name,
 )
-from regression.plots.equations import draw_effects
+from regression.plots import draw_effects
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,12 +54,7 @@ Array = NDArray[np.float64]
 def checked_runs(
     x_name: str, y_name: str, factors: tuple[str, ...], x: ArrayLike, y: ArrayLike, form: Form
 ) -> tuple[Array, Array]:
-    """Return columns (n, k) and responses (n,), checked for a fit.
-
-    Raises
-    ------
-    InputError
-    """
+    """Columns (n, k) and responses (n,), checked for a fit; `InputError` if unusable."""
     if not factors or len(set(factors)) != len(factors):
         raise InputError(
             f"factors: given {list(factors)}; allowed is each varied dimension once, at least one."
@@ -95,12 +90,7 @@ def checked_runs(
 
 
 def checked_sizes(name: str, scale: ArrayLike, values: Array) -> Array:
-    """Return the scale of each response, all above zero.
-
-    Raises
-    ------
-    InputError
-    """
+    """Scale of each response, all above zero; `InputError` otherwise."""
     sizes = np.asarray(scale, dtype=np.float64)
     if sizes.shape not in ((), values.shape) or not np.all(np.isfinite(sizes) & (sizes > 0.0)):
         raise InputError(
@@ -256,10 +246,6 @@ class Fit:
         ----------
         axes : matplotlib.axes.Axes, optional
             New ones by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
         """
         names, values = term_effects(self.fitted)
         logarithmic = self.fitted.logarithmic
@@ -482,17 +468,9 @@ MOST_TERMS = 1200
 class JudgedEquation:
     """An equation, with its columns at runs and at points where its error is estimated.
 
-    Attributes
-    ----------
-    fit : Fit
-    runs : (n, k) array
-        Columns at the runs to which it was fitted.
-    target : (n,) array
-        Values fitted there: the response over its scale, or the logarithm of that.
-    places : (m, k) array
-        Columns at the places.
-    sizes : (m,) array
-        Divisor that makes an error of the polynomial relative.
+    `runs` (n, k) are the columns at the runs to which it was fitted, `target` (n,) the values fitted
+    there (the response over its scale, or its logarithm), `places` (m, k) the columns at the points,
+    and `sizes` (m,) what makes an error of the polynomial relative.
     """
 
     fit: Fit
@@ -504,13 +482,9 @@ class JudgedEquation:
 
 @dataclass(frozen=True, eq=False)
 class ExpectedErrors:
-    """Covariance of an equation's relative errors at points, ``left @ right.T``.
+    """Covariance of relative errors at m points, ``left @ right.T`` (m, p).
 
-    Attributes
-    ----------
-    left, right : (m, p) array
-    noise : (m,) array
-        Part of the squared error that no run reduces.
+    `noise` (m,) is what no run reduces.
     """
 
     left: Array
@@ -535,17 +509,17 @@ class ExpectedErrors:
 def expected_errors(equation: JudgedEquation) -> ExpectedErrors:
     """Return the expected errors of an equation at its points."""
     form = equation.fit.fitted
-    own, lacking = form.terms, lacking_terms(equation.fit)
+    present, lacking = form.terms, lacking_terms(equation.fit)
 
     def columns(x: Array) -> tuple[Array, Array]:
         coded = code(x, form.center, form.half_range, form.log_factors)
-        return design_matrix(own, coded), design_matrix(lacking, coded)
+        return design_matrix(present, coded), design_matrix(lacking, coded)
 
     known, further = columns(equation.runs)
     ratio, variance = _likeliest(known, further, equation.target)
     matrix = np.hstack([known, further])
     normal = matrix.T @ matrix
-    normal[np.diag_indices_from(normal)] += ratio * (np.arange(len(normal)) >= len(own))
+    normal[np.diag_indices_from(normal)] += ratio * (np.arange(len(normal)) >= len(present))
     noise = variance * ratio / equation.sizes**2
     rows = np.hstack(columns(equation.places)) / equation.sizes[:, None]
     return ExpectedErrors(rows @ np.linalg.inv(normal) * (variance * ratio), rows, noise)
@@ -559,8 +533,8 @@ def lacking_terms(fit: Fit) -> tuple[Term, ...]:
     terms = polynomial_terms(len(form.factors), degree + 1, indicators=indicators)
     if len(terms) > MOST_TERMS:
         terms = polynomial_terms(len(form.factors), degree, indicators=indicators)
-    own = set(form.terms)
-    return tuple(term for term in terms if term not in own)
+    present = set(form.terms)
+    return tuple(term for term in terms if term not in present)
 
 
 def _likeliest(known: Array, further: Array, target: Array) -> tuple[float, float]:
@@ -582,26 +556,15 @@ def _likeliest(known: Array, further: Array, target: Array) -> tuple[float, floa
 
 
 def worst_places(equations: Sequence[JudgedEquation], count: int) -> list[int]:
-    """Choose the points with the largest sum of expected squared relative errors of all equations.
+    """Indices of the points with the largest sum of expected squared relative errors of all equations.
 
     Each counts as a run before the next is chosen.
-
-    Parameters
-    ----------
-    equations : sequence of JudgedEquation
-        All at the same m points.
-    count : int
-        At most m.
-
-    Returns
-    -------
-    list of int
     """
-    found = [expected_errors(equation) for equation in equations]
+    judged = [expected_errors(equation) for equation in equations]
     chosen: list[int] = []
     for _ in range(count):
-        total = np.sum([one.squares for one in found], axis=0)
+        total = np.sum([errors.squares for errors in judged], axis=0)
         total[chosen] = -np.inf
         chosen.append(int(np.argmax(total)))
-        found = [one.after_run(chosen[-1]) for one in found]
+        judged = [errors.after_run(chosen[-1]) for errors in judged]
     return chosen

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError
 from regression.fits.selection import DEPENDENT_COLUMN
 from regression.fits.terms import (
@@ -40,20 +40,10 @@ Basis = Literal["factors", "groups"]
 
 @dataclass(frozen=True)
 class Form:
-    """One form of equation.
+    """One form of equation: a polynomial of a degree, with or without squares.
 
-    Parameters
-    ----------
-    name : str
-    degree : int
-        Of its polynomial.
-    logarithmic : bool
-        Whether it is a form for the logarithm of the response, in the logarithms of the columns.
-    squares : bool
-        Whether columns are multiplied with themselves, not only with each other.
-    basis : {"factors", "groups"}
-        Whether its columns are the study's factors or dimensionless groups; with groups the response is
-        divided by its scale.
+    A logarithmic one is for the logarithm of the response, in the logarithms of the columns. With
+    `basis` "groups" columns are dimensionless groups, and the response is divided by its scale.
     """
 
     name: str
@@ -81,13 +71,7 @@ FORMS: Mapping[str, Form] = {
 
 
 def form_named(name: str) -> Form:
-    """Return the form of this name.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
+    """Form of this name; `InputError` if there is none."""
     if name not in FORMS:
         raise InputError(
             f"form: given {name!r}; allowed are {', '.join(FORMS)}, the forms of a regression "
@@ -97,14 +81,9 @@ def form_named(name: str) -> Form:
 
 
 def form_terms(form: Form, columns: int, indicators: Sequence[int] = ()) -> tuple[Term, ...]:
-    """Return the form's terms: constant, columns, squares, products, cubic ones.
+    """The form's terms: constant, columns, squares, products, cubic ones.
 
-    Parameters
-    ----------
-    form : Form
-    columns : int
-    indicators : sequence of int
-        Columns of 0 and 1, which have no powers.
+    `indicators` are columns of 0 and 1.
 
     Examples
     --------
@@ -188,22 +167,12 @@ class FittedForm:
             )
 
     def predict(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Evaluate at points.
-
-        Parameters
-        ----------
-        x : (..., k) array_like
-            The columns along the last axis.
-
-        Returns
-        -------
-        (...) ndarray
+        """Evaluate at points (..., k), the columns along the last axis: (...) array.
 
         Raises
         ------
         InputError
-            If the last axis does not have k columns, or a logarithm is taken of a value that
-            is not positive.
+            If the last axis does not have k columns, or a logarithm is taken of a value that is not positive.
         """
         points = np.asarray(x, dtype=np.float64)
         if points.ndim == 0 or points.shape[-1] != len(self.factors):
@@ -226,20 +195,10 @@ class FittedForm:
     def natural_coefficients(
         self, factor_sizes: Sequence[float] | None = None, response_size: float = 1.0
     ) -> dict[Term, float]:
-        """Coefficients of the terms in the columns (or their logarithms), not coded.
+        """Coefficients of the terms in columns (or their logarithms), not coded; rounded once.
 
-        Parameters
-        ----------
-        factor_sizes : sequence of float, optional
-            Size of each column's unit, 1e-3 for mm; 1 otherwise.
-        response_size : float, optional
-            Size of the response's unit.
-
-        Returns
-        -------
-        dict of Term to float
-            Rounded once from the exact expansion. The equation's own terms come first; a missing term
-            that divides one of its own follows.
+        `factor_sizes` and `response_size` are the sizes of their units, 1e-3 for mm. The equation's own
+        terms come first; a missing term that divides one of its own follows.
         """
         shifts, spans = self._natural_coding(factor_sizes)
         exact = expand(self.terms, self.coefficients, shifts, spans)
@@ -249,15 +208,7 @@ class FittedForm:
         return {term: float(value / Fraction(response_size)) for term, value in exact.items()}
 
     def natural_transformation(self) -> tuple[tuple[Term, ...], NDArray[np.float64]]:
-        """Return the matrix from coded to natural coefficients.
-
-        Returns
-        -------
-        terms : tuple of Term
-            In the order of `natural_coefficients`.
-        matrix : (len(terms), number of coefficients) ndarray
-            Natural coefficients are matrix @ coded coefficients.
-        """
+        """Terms in the order of `natural_coefficients`, and the matrix from coded coefficients to these."""
         shifts, spans = self._natural_coding(None)
         columns = [expand([term], [1.0], shifts, spans) for term in self.terms]
         rows = {term: row for row, term in enumerate(self.natural_coefficients())}
@@ -273,7 +224,7 @@ class FittedForm:
         """Return centers and half ranges in the columns' units, as fractions."""
         sizes = list(factor_sizes) if factor_sizes is not None else [1.0] * len(self.factors)
         logged = self.log_factors
-        shifts = [natural_shift(*given) for given in zip(self.center, sizes, logged, strict=True)]
+        shifts = [natural_shift(*coding) for coding in zip(self.center, sizes, logged, strict=True)]
         spans = [
             Fraction(half) if log else Fraction(half) / Fraction(size)
             for half, size, log in zip(self.half_range, sizes, logged, strict=True)
@@ -288,14 +239,9 @@ Array = NDArray[np.float64]
 class Encoding:
     """Description of the columns of an equation.
 
-    Attributes
-    ----------
-    basis : {"factors", "groups"}
-    names : tuple of str
-        Of the columns. A category of the labels a, b, c has the columns "name=b" and "name=c",
-        which are 1 for that label and 0 for others; the first label has none.
-    logged : tuple of bool
-        Columns that a form in logarithms may use as logarithms.
+    A category of the labels a, b, c has the columns "name=b" and "name=c", which are 1 for that label
+    and 0 for others; the first label has none. `logged`: which columns a form in logarithms may use as
+    logarithms.
     """
 
     basis: Basis
@@ -303,19 +249,9 @@ class Encoding:
     logged: tuple[bool, ...]
 
     def columns(self, factors: Sequence[Factor], values: Array, dimensions: Dimensions) -> Array:
-        """Return the columns of designs.
+        """Columns of n designs: `values` (n, k) of the factors [SI], of a category the label's index.
 
-        Parameters
-        ----------
-        factors : sequence of Factor
-        values : (n, k) ndarray
-            Of the factors [SI]; of a category the label's index.
-        dimensions : mapping
-            Of the throws, name to (n,) values [m]; for groups only.
-
-        Returns
-        -------
-        (n, number of columns) ndarray
+        `dimensions` of the throws, name to (n,) values [m], are for groups only.
         """
         places = {factor.name: place for place, factor in enumerate(factors)}
         made = []
@@ -333,15 +269,11 @@ class Encoding:
 
 
 def factor_encoding(factors: Sequence[Factor], values: Array) -> Encoding:
-    """Use the factors themselves as columns.
+    """Use the factors themselves as columns; `values` (n, k) at the runs.
+
+    Labels that no run has get no column.
 
     The logarithm of a factor whose range includes zero, such as an optional fillet, is not used.
-
-    Parameters
-    ----------
-    factors : sequence of Factor
-    values : (n, k) ndarray
-        At the runs; labels that no run has get no column.
     """
     names: list[str] = []
     logged: list[bool] = []
@@ -360,13 +292,7 @@ def group_encoding(
 ) -> Encoding:
     """Use varying dimensionless groups as columns, and categories.
 
-    Parameters
-    ----------
-    factors : sequence of Factor
-    values : (n, k) ndarray
-        At the runs.
-    dimensions : mapping
-        Of the throws at the runs, name to (n,) values [m].
+    Arguments as of `Encoding.columns`, at the runs.
 
     Raises
     ------
@@ -381,9 +307,9 @@ def group_encoding(
             f"groups: given the factor {odd[0]}; allowed are the main dimensions of the throw and "
             "ratios, because groups are made of these."
         )
-    found = group_values({name: column for name, column in dimensions.items() if is_length(name)})
-    chosen = independent_groups(found, len(numbers))
-    others = [name for name, column in found.items() if name not in chosen and _varies(column)]
+    groups = group_values({name: column for name, column in dimensions.items() if is_length(name)})
+    chosen = independent_groups(groups, len(numbers))
+    others = [name for name, column in groups.items() if name not in chosen and _varies(column)]
     if others or not chosen:
         raise InputError(
             f"groups: given {len(numbers)} factors that make {len(chosen) + len(others)} groups vary, "
@@ -411,10 +337,10 @@ def _category_columns(factor: Factor, column: Array) -> list[str]:
 
 def constant_groups(dimensions: Mapping[str, Array]) -> dict[str, float]:
     """Return the groups that are constant over all designs, with their value; absent features have none."""
-    found = group_values({name: column for name, column in dimensions.items() if is_length(name)})
+    groups = group_values({name: column for name, column in dimensions.items() if is_length(name)})
     return {
         name: float(column[0])
-        for name, column in found.items()
+        for name, column in groups.items()
         if column[0] and not _varies(column)
     }
 
@@ -473,14 +399,14 @@ def _independent(terms: Sequence[Term], coded: Array) -> list[Term]:
     left_out: set[Term] = set()
     for place, term in enumerate(terms):
         column = columns[:, place]
-        own = column.copy()
+        rest = column.copy()
         for _ in range(2):  # twice, or round-off would pass for an own part
-            own -= directions @ (directions.T @ own)
-        length = float(np.linalg.norm(own))
+            rest -= directions @ (directions.T @ rest)
+        length = float(np.linalg.norm(rest))
         dependent = length <= 1e2 * DEPENDENT_COLUMN * float(np.linalg.norm(column))
         if dependent or not left_out.isdisjoint(divisors(term)):
             left_out.add(term)
             continue
         kept.append(term)
-        directions = np.column_stack([directions, own / length])
+        directions = np.column_stack([directions, rest / length])
     return kept

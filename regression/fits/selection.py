@@ -37,14 +37,10 @@ COVERAGE, CONFIDENCE = 0.95, 0.90
 
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
-    """The solution of an overdetermined linear system, whose first column is the constant 1.
+    """The solution of an overdetermined linear system (n, p), whose first column is the constant 1.
 
     Attributes
     ----------
-    coefficients : (p,) ndarray
-        Least-squares coefficients of the columns.
-    fitted, residuals : (n,) ndarray
-        The fitted values, and the residuals.
     leverage : (n,) ndarray
         Diagonal of the hat matrix; 1 if a run alone determines a coefficient.
     covariance_factor : (p, p) ndarray
@@ -52,8 +48,7 @@ class LeastSquares:
     total_squares, residual_squares : float
         Sums of squares about the mean, and about the fit.
     variance_inflation : (p - 1,) ndarray
-        Of the columns after the constant: 1 if a column is independent of the others, 1 / (1 -
-        R2 of the column by the others) otherwise.
+        Of the columns after the constant: 1 / (1 - R2 of the column by the others).
     condition_number : float
         Ratio of the matrix's largest and smallest singular value.
     """
@@ -170,13 +165,7 @@ class LeastSquares:
 def least_squares(matrix: Array, y: Array, column_names: Sequence[str]) -> LeastSquares:
     """Solve ``matrix @ coefficients = y`` by ordinary least squares (orthogonal factorization).
 
-    Parameters
-    ----------
-    matrix : (n, p) ndarray
-        One column per coefficient, the first of them 1 throughout.
-    y : (n,) ndarray
-    column_names : sequence of str
-        For the message.
+    The first of the matrix's (n, p) columns is 1 throughout; the names are for messages.
 
     Raises
     ------
@@ -239,16 +228,11 @@ def coefficient_of_determination(values: Array, predicted: Array) -> float:
 
 
 def tolerance_limit(errors: Array) -> float:
-    """Return the error not exceeded by `COVERAGE` of new designs, with `CONFIDENCE`.
+    """Error (of n) not exceeded by `COVERAGE` of new designs, with `CONFIDENCE`.
 
-    The distribution-free limit (Wilks, Annals of Mathematical Statistics 12, 1941): the share of
-    new errors below the r-th of n sorted ones has the distribution Beta(r, n - r + 1). It takes 45 errors;
+    The distribution-free limit (Wilks, Annals of Mathematical Statistics 12, 1941): the share of new
+    errors below the r-th of n sorted ones has the distribution Beta(r, n - r + 1). It takes 45 errors;
     the largest of fewer is less certain, n / (n + 1) on average.
-
-    Parameters
-    ----------
-    errors : (n,) ndarray
-        Of designs similar to the new ones, at least one.
 
     Examples
     --------
@@ -277,21 +261,10 @@ PARSIMONY = 0.10
 
 
 def backward(matrix: Array, y: Array, terms: Sequence[Term]) -> tuple[list[int], list[int]]:
-    """Drop the terms without which PRESS does not grow.
+    """Drop the terms without which PRESS does not grow: of a matrix (n, p) of full rank, for y (n,).
 
-    Parameters
-    ----------
-    matrix : (n, p) ndarray
-        Columns of the terms at the runs, of full rank.
-    y : (n,) ndarray
-        Fitted values (the logarithm of the response in a form in logarithms).
-    terms : sequence of Term
-
-    Returns
-    -------
-    kept, dropped : list of int
-        Indices of the terms that stay, in order, and of those dropped, in the order of their removal.
-        Nothing is dropped if no fit with one term less has a finite PRESS.
+    Returns the indices of the terms that stay, in order, and of those dropped, in the order of their
+    removal. Nothing is dropped if no fit with one term less has a finite PRESS.
     """
     dropped: list[int] = []
     whole = np.asarray(np.linalg.pinv(matrix), dtype=np.float64)
@@ -300,17 +273,9 @@ def backward(matrix: Array, y: Array, terms: Sequence[Term]) -> tuple[list[int],
 
 
 def left_out_predictions(matrix: Array, y: Array, terms: Sequence[Term]) -> Array | None:
-    """Predict every run by the fit to all others, whose terms are selected without it too.
+    """Predict every run (n,) by the fit to all others, whose terms are selected without it, as by `backward`.
 
-    Parameters
-    ----------
-    matrix, y, terms
-        As in `backward`.
-
-    Returns
-    -------
-    (n,) ndarray or None
-        None if some run alone determines a coefficient of the form before the selection.
+    None if some run alone determines a coefficient of the form before the selection.
     """
     runs = len(y)
     whole = np.asarray(np.linalg.pinv(matrix), dtype=np.float64)
@@ -318,15 +283,18 @@ def left_out_predictions(matrix: Array, y: Array, terms: Sequence[Term]) -> Arra
     if runs <= len(terms) or float(np.max(leverage)) >= FULL_LEVERAGE:
         return None
     # Without run i, by the formula of Sherman and Morrison: (A'A - a a')^-1 and with it the pseudoinverse.
-    own = (whole @ whole.T @ matrix.T).T  # (n, p): (A'A)^-1 a of every run
+    influence = (whole @ whole.T @ matrix.T).T  # (n, p): (A'A)^-1 a of every run
     mixed = (matrix @ whole) / (1.0 - leverage)[:, None]
-    inverses = whole[None] + own[:, :, None] * mixed[:, None, :]
+    inverses = whole[None] + influence[:, :, None] * mixed[:, None, :]
     inverses[np.arange(runs), :, np.arange(runs)] = 0.0
     inverses = _drop(inverses, matrix, y, terms, np.arange(runs)[:, None])
     predicted: Array = np.einsum("ip,ipn,n->i", matrix, inverses, y, optimize=True)
     return predicted
 
 
+# Without column j the hat matrix loses v v^T, where v is the unit vector along row j of the pseudoinverse: it
+# is in the space of all columns and orthogonal to the others. So residuals, leverages and the pseudoinverse
+# follow from those before.
 def _drop(
     inverses: Array,
     matrix: Array,
@@ -335,34 +303,13 @@ def _drop(
     left_out: NDArray[np.intp],
     dropped: list[int] | None = None,
 ) -> Array:
-    """Drop terms of several fits of one form simultaneously, each to other runs.
-
-    Without column j the hat matrix loses v v^T, where v is the unit vector along row j of the pseudoinverse:
-    v is in the space of all columns and orthogonal to the others. So residuals, leverages and the
-    pseudoinverse follow from those before.
-
-    Parameters
-    ----------
-    inverses : (m, p, n) ndarray
-        Pseudoinverse of the matrix of each fit, 0 at the runs that it leaves out.
-    matrix, y, terms
-        As in `backward`.
-    left_out : (m, number) ndarray
-        Which runs each fit leaves out.
-    dropped : list, optional
-        Called with the indices of the dropped terms of the first fit, in order.
-
-    Returns
-    -------
-    (m, p, n) ndarray
-        Pseudoinverses of the remaining terms; 0 for dropped ones.
-    """
+    """Drop terms of m fits of one form simultaneously, each to other runs: their pseudoinverses (m, p, n)."""
     fits = len(inverses)
     taking_part = np.ones((fits, len(y)))
     np.put_along_axis(taking_part, left_out, 0.0, axis=1)
     residuals = taking_part * (y - (inverses @ y) @ matrix.T)
     leverage = np.einsum("np,mpn->mn", matrix, inverses)
-    divides = np.array([[one in divisors(term) for term in terms] for one in terms])
+    divides = np.array([[divisor in divisors(term) for term in terms] for divisor in terms])
     high = np.array([len(term) > 1 for term in terms])
     kept = np.ones((fits, len(terms)), dtype=bool)
     press = _press(residuals, 1.0 - leverage)
@@ -433,23 +380,10 @@ class Choice:
 def choose(fits: Sequence[AnyFit], scatter: float = 0.0) -> Choice:
     """Choose a fit by its held-out error, with parsimony.
 
-    Parameters
-    ----------
-    fits : sequence
-    scatter : float
-        Relative scatter of the finite element values from design to design: errors that differ by
-        less count as equal.
-
-    Returns
-    -------
-    Choice
-        Of the fits with equally small errors and equally few coefficients that of the smallest
-        error, and of those whose errors are the same to three digits the first.
-
-    Raises
-    ------
-    InputError
-        If there is no fit, or one was not judged by held-out designs.
+    Errors that differ by less than `scatter`, that of the finite element values from design to design,
+    count as equal. Of fits with equally small errors and equally few coefficients that of the smallest
+    error is taken, of those whose errors are the same to three digits the first. `InputError` without
+    fits judged by held-out designs.
     """
     if not fits:
         raise InputError("fits: given none; at least one is needed to choose from.")

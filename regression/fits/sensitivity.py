@@ -32,8 +32,7 @@ class SobolIndices:
     names : tuple of str
         Of the factors.
     first : tuple of float
-        most; the rest is caused by factors together.
-        most; what is missing is caused by factors together.
+        Share that a factor causes alone, Var E(y | x_i) / Var y; the rest is caused by several together.
     total : tuple of float
         Share that a factor causes alone and together with others, E Var(y | all but x_i) / Var y. Under
         constraints a factor also contains information on others, and this may be less than the first.
@@ -53,28 +52,11 @@ class SobolIndices:
 
 
 def elasticities(model: Model, factors: Sequence[Factor], nominal: Sequence[float]) -> list[float]:
-    """Elasticities d ln y / d ln p: percent change of y for one percent change of p.
+    """Elasticities d ln y / d ln p of the factors that are numbers: change of y in % for 1 % of p.
 
-    By central differences of y over p times and by exp(1e-4), so a power of p gives its exponent
-    within about 1e-8; the difference is divided by y at the nominal values, which may be
-    negative.
-
-    Parameters
-    ----------
-    model : callable
-    factors : sequence of Factor
-    nominal : sequence of float
-        Point of evaluation, one value of each factor; those of categories stay.
-
-    Returns
-    -------
-    list of float
-        Of the factors that are numbers, in their order; 0 for one whose nominal value is 0.
-
-    Raises
-    ------
-    InputError
-        If the response is 0 at the nominal values.
+    By central differences of y over p times and by exp(1e-4), so a power of p gives its exponent within
+    about 1e-8; the difference is divided by y at the nominal values, which may be negative. 0 for a
+    factor whose nominal value is 0; `InputError` if the response is 0 there.
     """
     middle = np.asarray(nominal, dtype=np.float64)
     numbers = [place for place, factor in enumerate(factors) if not factor.labels]
@@ -93,26 +75,17 @@ def elasticities(model: Model, factors: Sequence[Factor], nominal: Sequence[floa
     return [float(slope) for slope in slopes / values[0]]
 
 
-def nominal_values(factors: Sequence[Factor], given: Sequence[float | None]) -> list[float]:
-    """Return the point at which elasticities are evaluated.
+def nominal_values(factors: Sequence[Factor], base: Sequence[float | None]) -> list[float]:
+    """Point at which elasticities are evaluated.
 
-    Parameters
-    ----------
-    factors : sequence of Factor
-    given : sequence
-        Values of the base throw, None where it has none.
-
-    Returns
-    -------
-    list of float
-        The given value of a factor if it is within its range, else the middle of the range; of a
-        category the given label's index, else that of the first.
+    The base throw's value of a factor if it is within its range, else the middle of the range; of a
+    category the given label's index, else that of the first.
     """
     return [
         float(value)
         if value is not None and factor.lowest <= value <= factor.highest
         else (0.0 if factor.labels else 0.5 * (factor.lowest + factor.highest))
-        for factor, value in zip(factors, given, strict=True)
+        for factor, value in zip(factors, base, strict=True)
     ]
 
 
@@ -121,22 +94,11 @@ def sobol_indices(
 ) -> SobolIndices | None:
     """Estimate Sobol indices of first and total order (Saltelli et al. 2010, by scipy).
 
-    Parameters
-    ----------
-    model : callable
-    factors : sequence of Factor
-        Each uniform over its range, a category over its labels, independent of each other; under
-        constraints use `constrained_indices`.
-    points : int
-        A power of 2.
-    seed : int
-        Of the scrambled Sobol sequence.
+    None if y does not vary.
 
-    Returns
-    -------
-    SobolIndices or None
-        None for a response that does not vary. Estimates are uncertain by about 0.01: a first
-        index may be slightly below 0.
+    Factors are uniform over their ranges, categories over their labels, independent of each other;
+    under constraints use `constrained_indices`. `points` is a power of 2. Estimates are uncertain by
+    about 0.01: a first index may be slightly below 0.
     """
     # Half a second, which a lookup need not wait for.
     from scipy import stats
@@ -165,13 +127,13 @@ def sobol_indices(
     if len(factors) == 1:  # all of the variance is its own; scipy fails on one factor
         return SobolIndices(names, (1.0,), (1.0,), points)
     # Compliances are so small that squares of them lose digits: divided by their size.
-    found = stats.sobol_indices(
+    indices = stats.sobol_indices(
         func=lambda x: model(x.T) / size, n=points, dists=distributions, rng=seed
     )
     return SobolIndices(
         names,
-        tuple(np.atleast_1d(found.first_order).ravel().tolist()),
-        tuple(np.atleast_1d(found.total_order).ravel().tolist()),
+        tuple(np.atleast_1d(indices.first_order).ravel().tolist()),
+        tuple(np.atleast_1d(indices.total_order).ravel().tolist()),
         points,
     )
 
@@ -186,18 +148,11 @@ Inside = Callable[[Array], NDArray[np.bool_]]
 
 @dataclass(frozen=True, eq=False)
 class RegionSample:
-    """Points that are uniform over a region, and others that share some factors with each of them.
+    """Points (n, k) that are uniform over a region, and others that share some factors with each of them.
 
-    Attributes
-    ----------
-    names : tuple of k str
-    points : (n, k) array
-    one_anew, others_anew : list of k (n, k) array
-        With the factor at that index drawn again, and with all others.
-    orders : (n, k) array of int
-        For each point an order of the factors.
-    first_anew : list of k (n, k) array
-        With the first factor of the order drawn again, the first two, ..., all.
+    `one_anew` and `others_anew` have the factor at each index drawn again, or all others; `orders` (n,
+    k) an order of the factors for each point, and `first_anew` its first factor drawn again, the first
+    two, ..., all.
     """
 
     names: tuple[str, ...]
@@ -211,26 +166,16 @@ class RegionSample:
 def region_sample(
     factors: Sequence[Factor], inside: Inside, count: int = POINTS, seed: int = SEED
 ) -> RegionSample | None:
-    """Draw a sample of a part of the factors' box.
+    """Draw a sample of the points (n, k) of the factors' box that are `inside`.
 
-    Parameters
-    ----------
-    factors : sequence of k Factor
-    inside : callable
-        Function that returns which of points (n, k) are in the region.
-    count, seed : int
-
-    Returns
-    -------
-    RegionSample or None
-        None if the region is too small a part of the box to be found.
+    None if they are too few to be found.
     """
     rng = np.random.default_rng(seed)
     width = len(factors)
 
     def anew(points: Array, free: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
         """Draw the free factors of each point again; also return which were not found."""
-        found, left = points.copy(), np.arange(len(points))
+        moved, left = points.copy(), np.arange(len(points))
         for _ in range(TRIES):
             if not len(left):
                 break
@@ -238,9 +183,9 @@ def region_sample(
                 free[left], _in_box(factors, rng.random((len(left), width))), points[left]
             )
             kept = inside(drawn)
-            found[left[kept]] = drawn[kept]
+            moved[left[kept]] = drawn[kept]
             left = left[~kept]
-        return found, left
+        return moved, left
 
     points, lost = anew(np.empty((count, width)), np.ones((count, width), dtype=bool))
     if 2 * len(lost) > count:
@@ -264,18 +209,7 @@ def region_sample(
 
 
 def constrained_indices(model: Model, sample: RegionSample) -> SobolIndices | None:
-    """Estimate Sobol indices and Shapley effects over a region.
-
-    Parameters
-    ----------
-    model : callable
-    sample : RegionSample
-
-    Returns
-    -------
-    SobolIndices or None
-        None for a response that does not vary. Estimates are uncertain by about 0.01.
-    """
+    """Estimate Sobol indices and Shapley effects over a region, as `sobol_indices`."""
     values = model(sample.points)
     size = float(np.max(np.abs(values)))
     if float(np.ptp(values)) <= CONSTANT * size:

@@ -27,20 +27,9 @@ def polynomial_terms(
 ) -> tuple[Term, ...]:
     """List the terms of a polynomial: constant, columns, squares, products, then cubic ones.
 
-    Parameters
-    ----------
-    columns : int
-        Number of columns.
-    degree : int
-        Highest degree of a term.
-    indicators : collection of int
-        Columns that have no powers of their own, such as those of 0 and 1.
+    Indicators have no powers.
 
-    Returns
-    -------
-    tuple of Term
-        Shorter terms first, and of equal ones those of fewer columns; with every term all terms
-        that divide it.
+    Shorter terms stand first, of equal ones those of fewer columns; with every term all that divide it.
 
     Examples
     --------
@@ -51,12 +40,12 @@ def polynomial_terms(
     """
     terms: list[Term] = []
     for size in range(degree + 1):
-        found = [
+        longer = [
             term
             for term in itertools.combinations_with_replacement(range(columns), size)
             if all(term.count(number) < 2 for number in indicators)
         ]
-        terms += sorted(found, key=lambda term: (len(set(term)), term))
+        terms += sorted(longer, key=lambda term: (len(set(term)), term))
     return tuple(terms)
 
 
@@ -108,24 +97,9 @@ def code(
     half_range: Sequence[float],
     log_factors: Sequence[bool],
 ) -> NDArray[np.float64]:
-    """Turn columns (..., k) into coded variables z = (u - center) / half_range.
+    """Turn columns (..., k) into coded variables z = (u - center) / half_range, -1 to 1 over the runs.
 
-    Parameters
-    ----------
-    points : (..., k) ndarray
-    center, half_range : sequence of float
-        Of u, which is the column or, where `log_factors` says so, its natural logarithm.
-    log_factors : sequence of bool
-
-    Returns
-    -------
-    (..., k) ndarray
-        -1 ... 1 over the runs.
-
-    Raises
-    ------
-    InputError
-        If a logarithm is taken of a value that is not positive.
+    u is the column or, where `log_factors` says so, its natural logarithm; `InputError` if it has none.
     """
     logged = np.asarray(log_factors, dtype=bool)
     if logged.any():
@@ -160,11 +134,7 @@ def expand(
 ) -> dict[Term, Fraction]:
     """Insert z = (u - shift) / span into a polynomial, exactly.
 
-    Returns
-    -------
-    dict of Term to Fraction
-        Coefficients of the terms in u, the given ones first and in their order; a missing term
-        that divides one of the polynomial's own follows.
+    The given terms stand first and in their order; a missing term that divides one of them follows.
     """
     result: dict[Term, Fraction] = {term: Fraction(0) for term in terms}
     for term, coefficient in zip(terms, coefficients, strict=True):
@@ -203,19 +173,7 @@ _OWN_SHARE = 1e-3
 
 @dataclass(frozen=True)
 class Group:
-    """A dimensionless group.
-
-    Attributes
-    ----------
-    name : str
-        In the papers' symbols, such as "B/D_shm".
-    dimensions : tuple of str
-        Names of the dimensions used.
-    value : callable
-        Function of a mapping of dimensions; for plain numbers and arrays.
-    logged : bool
-        Whether a form in logarithms uses its logarithm: not if it may be 0 or negative.
-    """
+    """A dimensionless group, in the papers' symbols; `logged`: not if it may be 0 or negative."""
 
     name: str
     dimensions: tuple[str, ...]
@@ -252,17 +210,12 @@ _OTHER = "/D_shm"
 
 
 def group_named(name: str) -> Group:
-    """Return the group of this name: from the catalogue, or any other length over the pin diameter.
+    """Group of this name: from the catalogue, or any other length over the pin diameter; else `InputError`.
 
     Examples
     --------
     >>> group_named("web_journal_end/D_shm").dimensions
     ('web_journal_end', 'pin_diameter')
-
-    Raises
-    ------
-    InputError
-        If the name is unknown.
     """
     if name in GROUPS:
         return GROUPS[name]
@@ -277,25 +230,15 @@ def group_named(name: str) -> Group:
 
 def group_names(dimensions: Iterable[str]) -> tuple[str, ...]:
     """Return the groups of these dimensions: those of the catalogue, then other lengths."""
-    given = tuple(dimensions)
-    known = [name for name, group in GROUPS.items() if set(group.dimensions) <= set(given)]
-    if "pin_diameter" not in given:
+    lengths = tuple(dimensions)
+    known = [name for name, group in GROUPS.items() if set(group.dimensions) <= set(lengths)]
+    if "pin_diameter" not in lengths:
         return tuple(known)
-    return (*known, *(f"{name}{_OTHER}" for name in given if name not in _COVERED))
+    return (*known, *(f"{name}{_OTHER}" for name in lengths if name not in _COVERED))
 
 
 def group_values(dimensions: Dimensions) -> dict[str, Array]:
-    """Calculate all groups that the dimensions make.
-
-    Parameters
-    ----------
-    dimensions : mapping
-        Name of a length to (n,) array [m]; only lengths.
-
-    Returns
-    -------
-    dict of str to (n,) ndarray
-    """
+    """Calculate all groups that lengths make, name to (n,) array [m]."""
     return {
         name: np.asarray(group_named(name).value(dimensions), dtype=np.float64)
         for name in group_names(dimensions)
@@ -309,22 +252,10 @@ def is_length(name: str) -> bool:
 
 
 def independent_groups(values: Mapping[str, Array], limit: int) -> tuple[str, ...]:
-    """Choose groups that vary independently.
+    """Choose groups that vary independently, at most `limit`, in the order of `values` (n,).
 
     Starting with the first that varies, the group is added of which those already chosen explain the
     smallest share (by linear regression), as long as any has a share of its own.
-
-    Parameters
-    ----------
-    values : mapping
-        Group name to its values at the runs (n,).
-    limit : int
-        Largest number of groups: there are no more independent ones than varying numbers in the study.
-
-    Returns
-    -------
-    tuple of str
-        In the order of `values`.
     """
     varying = {
         name: (column - column.mean()) / np.linalg.norm(column - column.mean())
@@ -333,12 +264,12 @@ def independent_groups(values: Mapping[str, Array], limit: int) -> tuple[str, ..
     }
     chosen: list[str] = []
     while varying and len(chosen) < limit:
-        own = {name: float(np.linalg.norm(column)) for name, column in varying.items()}
+        left = {name: float(np.linalg.norm(column)) for name, column in varying.items()}
         # Of equals the first: at the start all have the length 1.
-        best = max(own, key=lambda name: round(own[name], 6))
-        if own[best] < _OWN_SHARE:
+        best = max(left, key=lambda name: round(left[name], 6))
+        if left[best] < _OWN_SHARE:
             break
         chosen.append(best)
-        direction = varying.pop(best) / own[best]
+        direction = varying.pop(best) / left[best]
         varying = {name: c - direction * (direction @ c) for name, c in varying.items()}
     return tuple(name for name in values if name in chosen)

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from crankbase.checks.choices import check_kind
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import check_kind, is_number
 from crankbase.errors import InputError, quoted
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
@@ -26,25 +25,19 @@ class OfThrow(Protocol):
 
 
 def throw_and_material(
-    given: CrankThrow | OfThrow, material: Material | None
+    throw: CrankThrow | OfThrow, material: Material | None
 ) -> tuple[CrankThrow, Material]:
-    """Return the throw and the material of what is given; steel by default.
-
-    Raises
-    ------
-    InputError
-        If what has a material is given with another one, or the material is none.
-    """
-    if isinstance(given, OfThrow):
-        if material not in (None, given.material):
+    """Throw and material, steel by default; `InputError` if what has a material is given with another one."""
+    if isinstance(throw, OfThrow):
+        if material not in (None, throw.material):
             raise InputError(
                 "material: given another one than the analysis has; allowed is the throw with a material, "
                 "or the analysis without one."
             )
-        return given.throw, given.material
+        return throw.throw, throw.material
     steel = STEEL if material is None else material
     check_kind("material", steel, Material, "a Material")
-    return given, steel
+    return throw, steel
 
 
 def fold_angle_deg(gamma_deg: float) -> float:
@@ -54,13 +47,7 @@ def fold_angle_deg(gamma_deg: float) -> float:
 
 
 def checked_angle_deg(gamma_deg: float) -> float:
-    """Return the folded angle [deg] after checking it.
-
-    Raises
-    ------
-    InputError
-        If the angle is not a finite number.
-    """
+    """Folded angle [deg]; `InputError` if it is not a finite number."""
     if isinstance(gamma_deg, Material):
         raise InputError(
             "gamma_deg: given a Material; write it as material=..., because the second argument is the angle "
@@ -75,13 +62,7 @@ def checked_angle_deg(gamma_deg: float) -> float:
 
 
 def shear_modulus(youngs_modulus: float, poisson_ratio: float) -> float:
-    """Return G = E / (2 (1 + nu)) [Pa] after checking both.
-
-    Raises
-    ------
-    InputError
-        If E is not a positive number, or nu not one within -1 < nu <= 0.5.
-    """
+    """G = E / (2 (1 + nu)) [Pa]; `InputError` if E is not positive, or nu not within -1 < nu <= 0.5."""
     if not (is_number(youngs_modulus) and youngs_modulus > 0.0):
         raise InputError(
             f"youngs_modulus: given {quoted(youngs_modulus)}; allowed is a positive number of Pa, "
@@ -97,21 +78,7 @@ def shear_modulus(youngs_modulus: float, poisson_ratio: float) -> float:
 
 @dataclass(frozen=True)
 class FormulaConstant:
-    """One open constant of a published formula.
-
-    Attributes
-    ----------
-    name : str
-        Its name in `constants`.
-    formula : str
-        The formula that contains it.
-    default : float
-        The default.
-    meaning : str
-        Its meaning.
-    reason : str
-        Reason for the default.
-    """
+    """One open constant of a published formula, its default, and the reason for it."""
 
     name: str
     formula: str
@@ -166,15 +133,12 @@ DEFAULT_CONSTANTS: Mapping[str, float] = {
 }
 
 
-def checked_constants(given: Mapping[str, float]) -> dict[str, float]:
-    """Return all constants, the given ones replacing their defaults.
+def checked_constants(constants: Mapping[str, float]) -> dict[str, float]:
+    """All constants, the given ones replacing their defaults.
 
-    Raises
-    ------
-    InputError
-        If a name is unknown, or a value is not a positive number.
+    `InputError` if one is unknown or not positive.
     """
-    for key, value in given.items():
+    for key, value in constants.items():
         if key not in DEFAULT_CONSTANTS:
             raise InputError(
                 f"constants: given {key!r}; allowed are {', '.join(DEFAULT_CONSTANTS)}, the open "
@@ -185,4 +149,4 @@ def checked_constants(given: Mapping[str, float]) -> dict[str, float]:
                 f"constant {key}: given {value!r}; allowed is a positive number, because the "
                 "constant multiplies a compliance."
             )
-    return {**DEFAULT_CONSTANTS, **given}
+    return {**DEFAULT_CONSTANTS, **constants}

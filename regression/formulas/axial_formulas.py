@@ -148,22 +148,9 @@ def axial_formula(
 def axial_formula_faults(
     throw: CrankThrow, variant: str, gamma_deg: float = 180.0
 ) -> dict[str, str]:
-    """Why `axial_formulas` leaves formulas out, in half a sentence each.
+    """Why `axial_formulas` leaves formulas out, by name in half a sentence each.
 
-    Parameters
-    ----------
-    throw, variant, gamma_deg
-        As in `axial_formulas`.
-
-    Returns
-    -------
-    dict of str to str
-        Name of each formula that is left out to the reason.
-
-    Raises
-    ------
-    InputError
-        As in `axial_formulas`.
+    Arguments and errors as there.
     """
     case = _case(throw, gamma_deg, None, None)
     _check_variant(variant)
@@ -189,15 +176,15 @@ def _case(
     material: Material | None,
     constants: Mapping[str, float] | None,
 ) -> ThrowCase:
-    given = dict(constants or {})
-    own, used = throw_and_material(throw, material)
+    chosen = dict(constants or {})
+    crank, used = throw_and_material(throw, material)
     return ThrowCase(
-        own,
+        crank,
         checked_angle_deg(gamma_deg),
         used.youngs_modulus,
         used.shear_modulus,
-        checked_constants(given),
-        frozenset(given),
+        checked_constants(chosen),
+        frozenset(chosen),
     )
 
 

@@ -14,19 +14,9 @@ from geometry.throw import CrankThrow
 
 @dataclass(frozen=True)
 class ThrowCase:
-    """One throw with its material, the angle of its neighbors and the formulas' constants.
+    """One throw with its moduli [Pa], the formulas' constants, and its neighbors' angle, 0 to 180 [deg].
 
-    Attributes
-    ----------
-    throw : CrankThrow
-    gamma_deg : float
-        Angle between neighboring cranks, folded to 0 ... 180 [deg].
-    youngs_modulus, shear_modulus : float
-        E, G [Pa].
-    constants : mapping
-        A value for every name in `DEFAULT_CONSTANTS`.
-    given_constants : frozenset of str
-        Those that were given.
+    `constants` has a value for every name in `DEFAULT_CONSTANTS`; `given_constants` are those given.
     """
 
     throw: CrankThrow
@@ -141,15 +131,15 @@ def formulas_to_pandas(found: Mapping[str, FormulaValue]) -> Any:
         If pandas is not installed.
     """
     values = list(found.values())
-    units = " or ".join(dict.fromkeys(one.unit for one in values))
+    units = " or ".join(dict.fromkeys(value.unit for value in values))
     return table(
         {
             "formula": (list(found), ""),
-            "value": ([one.value for one in values], units),
-            "valid": ([one.valid for one in values], ""),
-            "variant": ([one.variant for one in values], ""),
-            "remarks": (["; ".join(one.remarks) for one in values], ""),
-            "source": ([one.source for one in values], ""),
+            "value": ([value.value for value in values], units),
+            "valid": ([value.valid for value in values], ""),
+            "variant": ([value.variant for value in values], ""),
+            "remarks": (["; ".join(value.remarks) for value in values], ""),
+            "source": ([value.source for value in values], ""),
         }
     )
 
@@ -252,17 +242,7 @@ SURVEY = (
 
 @dataclass(frozen=True)
 class Reading:
-    """One reading of a formula.
-
-    Attributes
-    ----------
-    evaluate : callable
-        Compliance of a case; called only if there is no fault.
-    remarks : callable
-        Remarks on that value.
-    fault : callable
-        Why this reading cannot be evaluated for a case; empty if it can.
-    """
+    """One reading of a formula: its value of a case [SI], remarks, and why it has none ("" if it has)."""
 
     evaluate: Callable[[ThrowCase], float]
     remarks: Callable[[ThrowCase], list[Remark]] = lambda _: []
@@ -271,19 +251,10 @@ class Reading:
 
 @dataclass(frozen=True)
 class AxialFormula:
-    """A published formula for the axial compliance.
+    """A published formula for the axial compliance, its readings by name ("corrected", "printed", ...).
 
-    Attributes
-    ----------
-    name : str
-    short : str
-        Column heading in tables of all formulas.
-    authors : str
-        Author and publication.
-    readings : mapping of str to Reading
-        "corrected", "printed" and others by name.
-    printed_fault : str
-        Why the print cannot be evaluated for any throw, if it is not among the readings.
+    `short` heads columns; `printed_fault` is why the print cannot be evaluated, if it is not among the
+    readings.
     """
 
     name: str

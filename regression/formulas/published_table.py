@@ -44,18 +44,15 @@ class PublishedValue:
     Attributes
     ----------
     engine : str
-        Designation: cylinder bore / stroke [cm].
+        Designation: cylinder bore / stroke [cm]; from it bore and stroke [m].
     strokes : int
         4 or 2.
-    bore, stroke : float
-        From the designation [m].
     formula : str
-        Name of the formula as in `AXIAL_FORMULA_NAMES`, or "finite elements".
+        As in `AXIAL_FORMULA_NAMES`, or "finite elements".
     digits : str
         The digits of the print.
     exponent_factor : float or None
-        Factor of ten to apply to the print, a hypothesis; 1 where none seems
-        necessary, None where none can be found.
+        Power of ten to apply to the print, a hypothesis; 1 where none seems necessary, None if unknown.
     group : str
         "A" or "B": formulas whose values agree with one web thickness; empty for neither.
     doubt : str
@@ -91,17 +88,7 @@ class PublishedValue:
 
 
 def read_published_table(path: Path) -> tuple[PublishedValue, ...]:
-    """Read the survey's table.
-
-    Parameters
-    ----------
-    path : Path
-        The file ``axial_compliance_published.csv`` of the shipped tables.
-
-    Returns
-    -------
-    tuple of PublishedValue
-        In the order of the file and of the print.
+    """Read the survey's table, ``axial_compliance_published.csv``, in the order of the print.
 
     Raises
     ------

@@ -106,10 +106,7 @@ def _zimanenko(case: ThrowCase) -> float:
 
 
 def _zimanenko_with(case: ThrowCase, diameter: float) -> float:
-    """32 / (pi G) [(L_km + 0.6 h D_km/L_km)/D_km^4 + (0.8 L_shm + 0.2 B D/R)/D_shm^4 + web].
-
-    The web's share is R sqrt(R / D_shm) / (h B^3); D is the diameter whose index is in doubt.
-    """
+    """32 / (pi G) [(L_km + 0.6 h D_km/L_km)/D_km^4 + (0.8 L_shm + 0.2 B D/R)/D_shm^4 + web]."""
     throw = case.throw
     R, h, B = throw.crank_radius, throw.web_thickness, throw.web_width
     journal = throw.main_journal_length + (
@@ -194,8 +191,8 @@ def torsional_formulas(
     >>> round(torsional_formulas(throw)["Carter"].value * 1e8, 3)
     4.234
     """
-    own, used = throw_and_material(throw, material)
-    case = ThrowCase(own, 180.0, used.youngs_modulus, used.shear_modulus, {}, frozenset())
+    crank, used = throw_and_material(throw, material)
+    case = ThrowCase(crank, 180.0, used.youngs_modulus, used.shear_modulus, {}, frozenset())
     return {
         name: reading_value(reading, case, f"{source}; {_TEXTBOOK}", "rad/(N m)", "textbook")
         for name, (reading, source) in _FORMULAS.items()

@@ -17,12 +17,7 @@ from regression.formulas.arguments import fold_angle_deg
 
 
 def fold_angle(gamma_deg: ArrayLike) -> Any:
-    """Fold angles between neighbors to 0 ... 180 deg: 240 deg one way are 120 deg the other.
-
-    Raises
-    ------
-    InputError
-        If an angle is not a finite number.
+    """Fold angles between neighbors to 0 ... 180 deg; `InputError` if one is not a finite number.
 
     Examples
     --------
@@ -44,21 +39,10 @@ def fold_angle(gamma_deg: ArrayLike) -> Any:
 
 
 def between(gamma_deg: ArrayLike, in_line: Any, opposite: Any, ratio: Any) -> Any:
-    """Value at an angle from those at 0 and 180 deg.
+    """Value at an angle between neighboring cranks [deg] from those at 0 and 180 deg, floats or arrays.
 
-    Parameters
-    ----------
-    gamma_deg : float or array_like
-        Angle between neighboring cranks [deg], folded to 0 ... 180.
-    in_line, opposite : float or ndarray
-        Values at 0 and 180 deg, axial compliances or influence coefficients.
-    ratio : float or ndarray
-        rho, stiffness against tilting across the crank plane divided by that in it.
-
-    Raises
-    ------
-    InputError
-        If an angle is not a finite number, or rho not positive.
+    The ratio is rho, stiffness against tilting across the crank plane divided by that in it.
+    `InputError` if an angle is not a finite number, or rho not positive.
     """
     least = ratio if isinstance(ratio, float) else float(np.min(ratio))
     if not least > 0.0:
@@ -78,13 +62,7 @@ def between(gamma_deg: ArrayLike, in_line: Any, opposite: Any, ratio: Any) -> An
 
 
 def between_values(angle: Any, values: Sequence[Any]) -> Any:
-    """Apply the angle law to e_0, e_180 and rho; see `between`.
-
-    Raises
-    ------
-    InputError
-        As in `between`; if the shapes of angles and values do not fit each other.
-    """
+    """Apply the angle law to e_0, e_180 and rho, as `between`; `InputError` if the shapes do not fit, too."""
     try:
         return between(angle, *values)
     except InputError:

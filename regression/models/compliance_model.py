@@ -12,13 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.choices import check_not_given
-from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import BLUE, RED, new_axes
-from crankbase.drawing.legends import display_unit, write_title
+from crankbase.checks.choices import check_not_given, whole_number
+from crankbase.diagrams import BLUE, RED, display_unit, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid, table
-from fem.plots.over_angle import angle_axis
+from fem.plots import angle_axis
 from geometry.throw import CrankThrow
 from regression.models.angle import between_values, fold_angle
 from regression.models.extrapolation import OutsideRangeWarning
@@ -35,7 +33,7 @@ from regression.models.model_file import ModelContent
 from regression.models.response_model import ResponseModel
 from regression.models.response_query import ResponseValues
 from regression.plans.factors import rounded
-from regression.plots.equations import POINTS, factor_size, label_factor_axis, response_text
+from regression.plots import POINTS, factor_size, label_factor_axis, response_text
 from regression.response_kinds import ANGLE_LAWS, AXIAL, INFLUENCE, TORSIONAL
 
 if TYPE_CHECKING:
@@ -123,25 +121,17 @@ class ModelValues(ModelContent):
         self, name: str, gamma_deg: ArrayLike | None, strict: bool, dimensions: Mapping[str, Any]
     ) -> Value:
         """Evaluate, with warnings for the caller of the public method, two frames up."""
-        found: Value
-        if gamma_deg is None:
-            value = self._compiled.fast_lookup(name, dimensions)
-            if value is not None:
-                return value
-            answers = [self.answer(name, dimensions)]
-            found = answers[0].values
-        else:
-            parts = self.angle_law(name)
-            values: list[Any] | None = self._compiled.fast_lookups(parts, dimensions)
-            answers = [] if values else [self.answer(part, dimensions) for part in parts]
-            values = values or [answer.values for answer in answers]
-            found = between_values(fold_angle(gamma_deg), values)
+        parts = (name,) if gamma_deg is None else self.angle_law(name)
+        answers = [self.answer(part, dimensions) for part in parts]
+        value: Value = answers[0].values
+        if gamma_deg is not None:
+            value = between_values(fold_angle(gamma_deg), [answer.values for answer in answers])
         # Each dimension is told of once.
-        for one in {one.name: one for answer in answers for one in answer.outside}.values():
+        for finding in {part.name: part for answer in answers for part in answer.outside}.values():
             if strict:
-                raise InputError(one.error_sentence)
-            warnings.warn(one.remark, OutsideRangeWarning, stacklevel=3)
-        return found
+                raise InputError(finding.error_sentence)
+            warnings.warn(finding.remark, OutsideRangeWarning, stacklevel=3)
+        return value
 
     def answer(self, response: str, dimensions: Mapping[str, ArrayLike | str]) -> ResponseValues:
         """Values of a response with those outside its range, without warnings."""
@@ -173,24 +163,24 @@ def plot_section(
             f"over: given {over!r}; allowed are {', '.join((*family.ranges, ANGLE))}, because the model is "
             "evaluated over these."
         )
-    given = gamma_deg if factor == ANGLE else dimensions.get(factor)
-    check_not_given(factor, given, f"over={factor}", "the diagram sweeps it over its whole range")
+    swept = gamma_deg if factor == ANGLE else dimensions.get(factor)
+    check_not_given(factor, swept, f"over={factor}", "the diagram sweeps it over its whole range")
     low, high = (0.0, 180.0) if factor == ANGLE else family.ranges[factor]
     values = np.linspace(low, high, POINTS)
     asked = {key: v for key, v in middle(family).items() if key != factor} | dict(dimensions)
-    found: list[Lookup] = [
+    points: list[Lookup] = [
         lookup(response, **{**asked, ANGLE: gamma_deg, factor: value}) for value in values.tolist()
     ]
-    size = display_unit(found[0].unit)[1]
+    size = display_unit(points[0].unit)[1]
     axes = new_axes(axes)
     unit = family.unit(factor) if factor != ANGLE else "deg"
     x = values / (1.0 if factor == ANGLE else factor_size(unit, ()))
-    y = np.array([one.value for one in found]) / size
+    y = np.array([point.value for point in points]) / size
     axes.plot(x, y, color=BLUE, label="equation")
-    band = np.array([(one.lower, one.upper) for one in found], dtype=np.float64) / size
+    band = np.array([(point.lower, point.upper) for point in points], dtype=np.float64) / size
     if np.isfinite(band).all(axis=1).any():
         axes.fill_between(x, *band.T, color=BLUE, alpha=0.2, linewidth=0.0, label="error band")
-    outside = np.array([not one.inside for one in found])
+    outside = np.array([not point.inside for point in points])
     if outside.any():
         beyond = np.where(outside, y, np.nan)
         axes.plot(x, beyond, color=RED, linestyle="--", label="outside the range of the fit")
@@ -198,8 +188,8 @@ def plot_section(
         angle_axis(axes)
     else:
         label_factor_axis(axes, factor, unit, ())
-    axes.set_ylabel(response_text(found[0].symbol.partition("(")[0], found[0].unit))
-    write_title(axes, f"{response.replace('_', ' ')}, {found[0].support}".rstrip(", "))
+    axes.set_ylabel(response_text(points[0].symbol.partition("(")[0], points[0].unit))
+    write_title(axes, f"{response.replace('_', ' ')}, {points[0].support}".rstrip(", "))
     axes.legend(
         frameon=False, title=_others(family, asked, gamma_deg), title_fontsize=8, fontsize=8
     )
@@ -211,7 +201,7 @@ def response_table(responses: Mapping[str, ResponseModel]) -> Any:
     columns: dict[str, tuple[Any, str]] = {"response": (list(responses), "")}
     for names, unit in ((WORDS, ""), (ERRORS, "1"), (("equation",), "")):
         for name in names:
-            columns[name] = ([getattr(one, name) for one in responses.values()], unit)
+            columns[name] = ([getattr(response, name) for response in responses.values()], unit)
     return table(columns)
 
 
@@ -226,11 +216,11 @@ def response_grid(
 ) -> Any:
     """Return responses on a grid of factors as an xarray dataset; see `ComplianceModel.to_xarray`."""
     most = whole_number("points", points, 2, "a factor's range has two ends")
-    given: dict[str, Any] = dict(dimensions)
+    sizes: dict[str, Any] = dict(dimensions)
     if gamma_deg is not None:
-        given[ANGLE] = gamma_deg
-    sides = {name: np.asarray(value) for name, value in given.items() if np.ndim(value) == 1}
-    fixed = {name: value for name, value in given.items() if name not in sides}
+        sizes[ANGLE] = gamma_deg
+    sides = {name: np.asarray(value) for name, value in sizes.items() if np.ndim(value) == 1}
+    fixed = {name: value for name, value in sizes.items() if name not in sides}
     if not sides:
         sides = {
             name: np.array([rounded(value) for value in np.linspace(*ends, most).tolist()])
@@ -248,9 +238,9 @@ def response_grid(
     variables = {}
     for name in names or tuple(responses):
         values = np.broadcast_to(value(name, **asked), [len(v) for v in sides.values()])
-        one = responses[name]
-        words = f"{name.replace('_', ' ')}, {one.support}".rstrip(", ")
-        variables[name] = (tuple(sides), values, one.unit or "1", words)
+        response = responses[name]
+        words = f"{name.replace('_', ' ')}, {response.support}".rstrip(", ")
+        variables[name] = (tuple(sides), values, response.unit or "1", words)
     coordinates = {
         name: (values, "deg" if name == ANGLE else family.unit(name) or "1", name.replace("_", " "))
         for name, values in sides.items()
@@ -354,10 +344,10 @@ class ComplianceModel(ModelValues):
             As in `axial_compliance`; if the model lacks the response; for an array.
         """
         asked: dict[str, Any] = {**dimensions, "gamma_deg": gamma_deg}
-        for name, given in asked.items():
-            if not (given is None or isinstance(given, float | str)) and np.ndim(given):
+        for name, number in asked.items():
+            if not (number is None or isinstance(number, float | str)) and np.ndim(number):
                 raise InputError(
-                    f"{name}: given an array of shape {np.shape(given)}; allowed is one number, "
+                    f"{name}: given an array of shape {np.shape(number)}; allowed is one number, "
                     "because `lookup` is for one throw: `lookups` takes arrays."
                 )
         if gamma_deg is None:
@@ -400,27 +390,22 @@ class ComplianceModel(ModelValues):
         parts = (response,) if gamma_deg is None else self.angle_law(response)
         answers = {part: self._answered(part, dimensions, strict) for part in parts}
         compiled = self._compiled
-        found = [
+        answered = [
             make_lookups(self.responses[part], compiled.bands[part], answer, compiled.remarks)
             for part, answer in answers.items()
         ]
         if gamma_deg is None:
-            return found[0]
+            return answered[0]
         known = self.responses.get(response)
         return make_lookups_between_neighbors(
             fold_angle(gamma_deg),
-            found,
-            found[0].symbol if known is None else known.symbol,
+            answered,
+            answered[0].symbol if known is None else known.symbol,
             self._compiled.angle_law_remarks,
         )
 
     def _lookup(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> Lookup:
-        value = self._compiled.fast_lookup(name, dimensions)
-        if value is None:
-            answer = self._answered(name, dimensions, strict)
-        else:
-            answer = ResponseValues(value, (), True)
-        compiled = self._compiled
+        answer, compiled = self._answered(name, dimensions, strict), self._compiled
         return make_lookup(self.responses[name], compiled.bands[name], answer, compiled.remarks)
 
     def _answered(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> ResponseValues:
@@ -468,10 +453,6 @@ class ComplianceModel(ModelValues):
     def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
         """Return the dimensions and labels of a throw for queries to the model.
 
-        Parameters
-        ----------
-        throw : CrankThrow
-
         Raises
         ------
         InputError
@@ -486,7 +467,6 @@ class ComplianceModel(ModelValues):
 
         Parameters
         ----------
-        throw : CrankThrow
         gamma_deg, strict
             As in `axial_compliance`; the angle is for the responses that depend on it.
 
@@ -507,19 +487,19 @@ class ComplianceModel(ModelValues):
             For each response that cannot be evaluated while others can.
         """
         asked = self.dimensions_of(throw)
-        found: dict[str, Lookup] = {}
+        lookups: dict[str, Lookup] = {}
         refused: dict[str, InputError] = {}
         for name in self.responses:
             angle = gamma_deg if name in ANGLE_LAWS else None
             try:
-                found[name] = self.lookup(name, gamma_deg=angle, strict=strict, **asked)
+                lookups[name] = self.lookup(name, gamma_deg=angle, strict=strict, **asked)
             except InputError as error:
                 refused[name] = error
-        if not found:
+        if not lookups:
             raise next(iter(refused.values()))
         for name, reason in refused.items():
             warnings.warn(f"{name} is left out: {reason}", stacklevel=2)
-        return found
+        return lookups
 
     def plot(
         self,
@@ -543,10 +523,6 @@ class ComplianceModel(ModelValues):
         gamma_deg, **dimensions
             As in `lookup`. By default factors are in the middle of their range, choices at
             their first label.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -591,10 +567,6 @@ class ComplianceModel(ModelValues):
         **dimensions : float, str or (n,) array_like
             Arrays form the grid. By default factors are in the middle of their range,
             choices at their first label; these are in ``attrs`` of the dataset.
-
-        Returns
-        -------
-        xarray.Dataset
 
         Raises
         ------

@@ -33,16 +33,10 @@ _OPEN = 1e30
 
 @dataclass(frozen=True)
 class ErrorBand:
-    """The band of a response as factors of its value, and its origin.
+    """The band of a response as factors of its value, and its origin in one sentence.
 
-    Attributes
-    ----------
-    lower : float
-        Factor to the end nearer to zero.
-    upper : float or None
-        Factor to the other end; None if an error of 100 % leaves it open.
-    text : str
-        One sentence.
+    `lower` leads to the end nearer to zero, `upper` to the other; None if an error of 100 % leaves it
+    open.
     """
 
     lower: float
@@ -131,22 +125,9 @@ class OutsideRangeWarning(UserWarning):
 
 @dataclass(frozen=True)
 class OutOfRange:
-    """One column whose values are out of its range.
+    """One column or dimension whose values are out of its range [SI]: the farthest value, and how many are.
 
-    Attributes
-    ----------
-    name : str
-        Of the dimension or the ratio.
-    value : float
-        The farthest value [SI].
-    number : int
-        Number of values outside.
-    lowest, highest : float
-        The range.
-    unit : str
-        SI unit.
-    alone : bool
-        Whether this is a single number, not multiplied by arrays.
+    `alone`: whether this is a single number, not multiplied by arrays.
     """
 
     name: str
@@ -181,12 +162,7 @@ class OutOfRange:
         )
 
     def check_distance(self) -> None:
-        """Refuse a value so far outside that an equation is meaningless.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse a value so far outside that an equation is meaningless (`InputError`)."""
         large = self.value > FARTHEST * self.highest > 0.0
         small = 0.0 < FARTHEST * self.value < self.lowest
         if large or small or self.distance > FARTHEST:
@@ -216,22 +192,9 @@ def edges(lowest: float, highest: float) -> tuple[float, float]:
 def find_out_of_range(
     name: str, values: Any, lowest: float, highest: float, unit: str, size: Any = 1.0
 ) -> tuple[OutOfRange, Any] | None:
-    """Find the values outside a range.
+    """Find the values outside a range: the finding, and where they are; None if none is.
 
-    Parameters
-    ----------
-    name, lowest, highest, unit
-        As in `OutOfRange`.
-    values : float or ndarray
-    size : float or ndarray
-        Factor on the range: the size of the throw, for a length.
-
-    Returns
-    -------
-    finding : OutOfRange
-        With the farthest value, and the range at its size.
-    outside : bool or ndarray
-        Where the values are outside. The result is None if none is.
+    `size` is a factor on the range: the size of the throw, for a length.
     """
     low, high = edges(lowest, highest)
     at_study = values / size
@@ -243,7 +206,7 @@ def find_out_of_range(
         return None
     outside = (at_study < low) | (at_study > high)
     place = int(np.argmax(np.maximum(lowest - at_study, at_study - highest)))
-    value, scale = (float(np.broadcast_to(one, outside.shape)[place]) for one in (values, size))
+    value, scale = (float(np.broadcast_to(part, outside.shape)[place]) for part in (values, size))
     number = int(np.count_nonzero(outside))
     return OutOfRange(name, value, number, lowest * scale, highest * scale, unit), outside
 
@@ -254,29 +217,13 @@ Pairs = tuple[tuple[str, str], ...]
 def related(
     relations: Mapping[str, str], known: Mapping[str, Any], units: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Calculate the dimensions that follow from others.
+    """Calculate the dimensions [SI] that follow from others by relations, field to expression.
 
-    Parameters
-    ----------
-    relations : mapping
-        Field to its expression.
-    known : mapping
-        Name to a float or array [SI]; a field among them is not calculated.
-    units : mapping
-        Name to SI unit, of all names that the expressions may use.
-
-    Returns
-    -------
-    dict
-        Field to a float or array [SI]; without those whose expressions use unknown ones.
-
-    Raises
-    ------
-    InputError
-        If an expression has no value for the known dimensions.
+    A field among the known ones is not calculated, nor one whose expression uses unknown ones. `units`
+    has the SI unit of every name. `InputError` if an expression has no value for the known dimensions.
     """
     values = dict(known)
-    found: dict[str, Any] = {}
+    following: dict[str, Any] = {}
     for name, names, value in _compiled(tuple(relations.items()), tuple(units.items())):
         if name in known or not names <= values.keys():
             continue
@@ -287,19 +234,13 @@ def related(
                 f"{name}: given dimensions for which {relations[name]} has no value; allowed are "
                 "those for which it has one, because this model needs it."
             )
-        found[name] = values[name] = result if np.ndim(result) else float(result)
-    return found
+        following[name] = values[name] = result if np.ndim(result) else float(result)
+    return following
 
 
 @lru_cache(maxsize=100)
 def _compiled(relations: Pairs, units: Pairs) -> tuple[tuple[str, frozenset[str], Compiled], ...]:
-    """Compile relations in the order in which they can be calculated.
-
-    Raises
-    ------
-    InputError
-        If a text is not an expression, or is of another unit than its field.
-    """
+    """Compile relations in the order in which they can be calculated."""
     by_name = dict(units)
     expressions = {name: read_expression(text, name, by_name) for name, text in relations}
     for name, expression in expressions.items():
@@ -313,18 +254,9 @@ def _compiled(relations: Pairs, units: Pairs) -> tuple[tuple[str, frozenset[str]
 
 @dataclass(frozen=True)
 class BrokenConstraint:
-    """Designs that the study excluded by one of its constraints.
+    """Designs that the study excluded by a constraint: the violation by the first, and their number.
 
-    Attributes
-    ----------
-    name : str
-        The constraint.
-    reason : str
-        Violation by the first of them.
-    number : int
-        Their number.
-    alone : bool
-        As in `OutOfRange`.
+    `alone` as in `OutOfRange`.
     """
 
     name: str
@@ -358,14 +290,7 @@ Finding = OutOfRange | BrokenConstraint
 
 
 class StudyConstraint:
-    """A constraint of a study, ready for throws of its size.
-
-    Parameters
-    ----------
-    read : Constraint
-    units : mapping
-        SI unit of every name allowed in it.
-    """
+    """A constraint of a study, ready for throws of its size; `units` are SI units of all names."""
 
     def __init__(self, read: Constraint, units: Mapping[str, str]) -> None:
         self.read, self.units = read, units
@@ -379,29 +304,29 @@ class StudyConstraint:
         if np.all(held):
             return None
         place = int(np.argmin(held))
-        one = {
+        first = {
             name: np.broadcast_to(value, held.shape).reshape(-1)[place]
             for name, value in used.items()
         }
-        (reason,) = constraint_violations(self.read, one, self.units, 1)
+        (reason,) = constraint_violations(self.read, first, self.units, 1)
         broken = ~held
-        found = BrokenConstraint(
+        finding = BrokenConstraint(
             self.read.text, reason or "", int(np.count_nonzero(broken)), alone=held.ndim == 0
         )
-        return found, broken if held.ndim else True
+        return finding, broken if held.ndim else True
 
 
-def worst(found: Sequence[Finding]) -> list[Finding]:
+def worst(findings: Sequence[Finding]) -> list[Finding]:
     """Join findings of pieces of one array: one for each name, with the farthest value."""
     joined: dict[str, Finding] = {}
-    for one in found:
-        other = joined.get(one.name)
+    for finding in findings:
+        other = joined.get(finding.name)
         if other is None:
-            joined[one.name] = one
-        if other is None or one.alone:  # each piece finds the same number
+            joined[finding.name] = finding
+        if other is None or finding.alone:  # each piece finds the same number
             continue
         far = other
-        if isinstance(one, OutOfRange) and isinstance(other, OutOfRange):
-            far = one if one.distance > other.distance else other
-        joined[one.name] = replace(far, number=one.number + other.number)
+        if isinstance(finding, OutOfRange) and isinstance(other, OutOfRange):
+            far = finding if finding.distance > other.distance else other
+        joined[finding.name] = replace(far, number=finding.number + other.number)
     return list(joined.values())

@@ -11,8 +11,7 @@ from crankbase.checks.arrays import check_sizes, finite_array
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from fem.end_reactions import LARGEST_LOAD, EndReaction, Reactions
-from fem.throw_frames import END_LOADS, LOAD_UNITS
+from fem.end_reactions import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
 from geometry.throw import CrankThrow
 from regression.models.angle import between_ends, between_values
 from regression.models.extrapolation import ErrorBand
@@ -141,17 +140,7 @@ class Lookups:
 def make_lookup(
     response: ResponseModel, band: ErrorBand, answer: ResponseValues, remarks: Sequence[str] = ()
 ) -> Lookup:
-    """Make the lookup of one value, with remarks.
-
-    Parameters
-    ----------
-    response : ResponseModel
-    band : ErrorBand
-    answer : ResponseValues
-        Of plain numbers.
-    remarks : sequence of str
-        Remarks on every lookup.
-    """
+    """Make the lookup of one value, with remarks that are on every lookup."""
     value, inside = float(answer.values), not answer.outside
     lower, upper = band.around(value) if inside else (None, None)
     return Lookup(
@@ -159,7 +148,7 @@ def make_lookup(
         unit=response.unit,
         support=response.support,
         inside=inside,
-        remarks=(*(one.remark for one in answer.outside), *remarks),
+        remarks=(*(finding.remark for finding in answer.outside), *remarks),
         error=response.largest_heldout_error,
         equation=response.equation,
         lower=lower,
@@ -183,7 +172,7 @@ def make_lookups(
         lower=lower,
         upper=upper,
         inside=inside,
-        remarks=(*(one.remark for one in answer.outside), *remarks),
+        remarks=(*(finding.remark for finding in answer.outside), *remarks),
         unit=response.unit,
         support=response.support,
         symbol=response.symbol,
@@ -222,16 +211,8 @@ def make_lookup_between_neighbors(
 ) -> Lookup:
     """Make the lookup of a throw between neighbors: its band is that of the three numbers together.
 
-    Parameters
-    ----------
-    angle : float
-        Between neighboring cranks, 0 to 180 [deg].
-    parts : sequence of Lookup
-        The value in line, that at 180 deg, and rho.
-    symbol : str
-        Of the response.
-    remarks : sequence of str
-        Remarks on the angle law.
+    The angle between neighboring cranks is 0 to 180 [deg]; the parts are the values in line, at 180
+    deg, and rho.
     """
     *_, ratio = ends = [(part.lower, part.upper) for part in parts]
     inside = all(part.inside for part in parts)
@@ -255,8 +236,8 @@ def make_lookup_between_neighbors(
 
 
 def _law_band(parts: Sequence[Lookup | Lookups]) -> str:
-    told = "; ".join(f"{part.symbol}: {part.band}" for part in parts)
-    return f"angle law at the ends of the bands of its three numbers: {told}"
+    bands = "; ".join(f"{part.symbol}: {part.band}" for part in parts)
+    return f"angle law at the ends of the bands of its three numbers: {bands}"
 
 
 def _largest(errors: Iterable[float | None]) -> float | None:
@@ -290,7 +271,6 @@ class ReactionLookup(Reactions):
     band : Reactions
         Error of each component, from the bands of the equations together: 0 where
         equilibrium decides alone. Infinite without a valid band, as outside the range.
-    support : str
     inside : ndarray of bool
         Where everything is within the range of the fits.
     remarks : tuple of str
@@ -330,12 +310,7 @@ def look_reactions_up(
     strict: bool,
     dimensions: Mapping[str, ArrayLike | str],
 ) -> ReactionLookup:
-    """Find reactions for `ComplianceModel.reactions`, with a function that looks its responses up.
-
-    Raises
-    ------
-    InputError
-    """
+    """Find reactions for `ComplianceModel.reactions`, with a function that looks its responses up."""
     force = checked_force(pin_force)
     kind, gamma = checked_support(support)
     _check_throws(model, kind)
@@ -346,11 +321,11 @@ def look_reactions_up(
             f"there need {', '.join(NEEDED[kind])}: run and fit its study again, because this release has "
             "studies keep them."
         )
-    found = {name: lookups(name, strict=strict, **dimensions) for name in NEEDED[kind]}
-    inside = np.logical_and.reduce([one.inside for one in found.values()])
+    looked_up = {name: lookups(name, strict=strict, **dimensions) for name in NEEDED[kind]}
+    inside = np.logical_and.reduce([answer.inside for answer in looked_up.values()])
     _check_shapes(force, inside)
     lengths = throw_lengths(model.family, dimensions)
-    values: dict[str, Any] = {name: one.value for name, one in found.items()}
+    values: dict[str, Any] = {name: answer.value for name, answer in looked_up.items()}
 
     # One number for both ends, if they are alike.
     twins = {} if angle_law_remarks(model.family, model.throw) else RIGHT_MOMENTS
@@ -362,11 +337,11 @@ def look_reactions_up(
 
     middle = loads()
     band = np.zeros_like(middle)
-    for name, one in found.items():
+    for name, answer in looked_up.items():
         if name in twins.values():
             continue
-        open_ended = ~(np.isfinite(one.lower) & np.isfinite(one.upper))
-        ends = (np.where(open_ended, one.value, end) for end in (one.lower, one.upper))
+        open_ended = ~(np.isfinite(answer.lower) & np.isfinite(answer.upper))
+        ends = (np.where(open_ended, answer.value, end) for end in (answer.lower, answer.upper))
         band += np.maximum(*(np.abs(loads(name, end) - middle) for end in ends))
         band[np.broadcast_to(open_ended, band.shape[:-1])] = np.inf
     return ReactionLookup(
@@ -374,19 +349,15 @@ def look_reactions_up(
         band=Reactions(*both_ends(band)),
         support=support_words(kind, gamma),
         inside=np.broadcast_to(inside, middle.shape[:-1]),
-        remarks=tuple(dict.fromkeys(remark for one in found.values() for remark in one.remarks)),
+        remarks=tuple(
+            dict.fromkeys(remark for answer in looked_up.values() for remark in answer.remarks)
+        ),
     )
 
 
-def throw_lengths(family: Family, given: Mapping[str, ArrayLike | str]) -> ThrowLengths:
-    """Return the lengths of throws of a family, from given and fixed ones.
-
-    Raises
-    ------
-    InputError
-        If one is unknown.
-    """
-    checked = family.checked(given)
+def throw_lengths(family: Family, query: Mapping[str, ArrayLike | str]) -> ThrowLengths:
+    """Lengths of throws of a family, from given and fixed ones; `InputError` if one is unknown."""
+    checked = family.checked(query)
     known = family.completed(checked, family.size(checked))
     needed = ("crank_radius", "main_journal_length", "pin_length", "web_thickness")
     missing = [name for name in needed if name not in known]
@@ -410,14 +381,9 @@ def both_ends(loads: Array) -> tuple[EndReaction, EndReaction]:
     return left, right
 
 
-def checked_force(given: ArrayLike) -> Array:
-    """Return forces (..., 3) on a pin, across the shaft [N].
-
-    Raises
-    ------
-    InputError
-    """
-    force = finite_array("pin_force", given)
+def checked_force(pin_force: ArrayLike) -> Array:
+    """Forces (..., 3) on a pin, across the shaft [N]; `InputError` for others."""
+    force = finite_array("pin_force", pin_force)
     if force.shape[-1:] != (3,):
         raise InputError(
             f"pin_force: given an array of shape {force.shape}; allowed are x, y and z in the throw frame "
@@ -435,12 +401,7 @@ def checked_force(given: ArrayLike) -> Array:
 
 
 def checked_support(support: object) -> tuple[str, float | None]:
-    """Return the kind of a support, as named in `NEEDED`, and the angle between neighbors [deg].
-
-    Raises
-    ------
-    InputError
-    """
+    """Kind of a support, as in `NEEDED`, and the angle between neighbors [deg]; `InputError` for others."""
     if isinstance(support, str) and support in ("pinned", "guided"):
         return support, None
     left, right = (getattr(support, f"{side}_deg", None) for side in ("left", "right"))

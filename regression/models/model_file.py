@@ -3,7 +3,7 @@
 import hashlib
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from functools import cached_property
 from pathlib import Path
@@ -13,44 +13,25 @@ from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
-from crankbase.input_file import GivenFile, InputFile
+from crankbase.input_file import JSON, LARGEST_TABLE_FILE, GivenFile, InputFile
 from crankbase.model import InputModel
 from crankbase.outputs import write_text
-from crankbase.text_limits import LARGEST_TABLE_FILE
-from crankbase.wrong_files import JSON
-from regression.fits.terms import polynomial_terms
 from regression.models.extrapolation import StudyConstraint, error_band
 from regression.models.family import Family, angle_law_remarks
 from regression.models.response_model import IS, ResponseModel
 from regression.models.response_query import ResponseQuery, make_response_query
 from regression.plans.relations import read_constraint
-from regression.response_kinds import ANGLE_LAWS, TOO_SMALL, is_positive_response
+from regression.response_kinds import ANGLE_LAWS, is_positive_response
 from regression.throw_values import check_dimension
 
 FILE_FORMAT = "crankfem compliance model"
 FORMAT_VERSION = 4
-# Files of these versions are brought up to date when read.
-OLD_VERSIONS = (1, 2, 3)
 _MODEL_FILE = "a compliance model file as crankfem saves it"
 _WANTED = f"allowed is {_MODEL_FILE}"
 
 
 def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> None:
-    """Write a model's content; an existing model is replaced in one step.
-
-    Parameters
-    ----------
-    content : mapping
-        JSON content.
-    path : path-like
-
-    Raises
-    ------
-    InputError
-        If the path is that of a folder, or of a file that is not such a model.
-    OSError
-        If the file cannot be written.
-    """
+    """Write a model's content; a model there is replaced in one step. Errors as of `ModelContent.save`."""
     if Path(path).is_dir():
         raise InputError(
             f"{os.fspath(path)}: given a folder; allowed is a file to write, because a model is one file."
@@ -75,18 +56,7 @@ def is_model(path: Path) -> bool:
 
 
 def read_model(path: GivenFile) -> dict[str, Any]:
-    """Read the content that `write_model` wrote.
-
-    Parameters
-    ----------
-    path : path-like
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is not a compliance model, is of a newer format, or was changed or
-        truncated since it was written.
-    """
+    """Read the content that `write_model` wrote; errors as of `ModelContent.load`."""
     file = InputFile.of(path)
     shown = file.path
     text = file.text(LARGEST_TABLE_FILE, "a compliance model", _MODEL_FILE, JSON)
@@ -103,27 +73,16 @@ def read_model(path: GivenFile) -> dict[str, Any]:
     content = dict(record)
     del content["format"]
     version = content.pop("version", None)
-    if version not in (*OLD_VERSIONS, FORMAT_VERSION):
+    if version != FORMAT_VERSION:
         raise InputError(
-            f"{shown}: given format version {version!r}; allowed are 1 to {FORMAT_VERSION}, because this "
-            "release of crankfem reads no others."
+            f"{shown}: given format version {version!r}; allowed is {FORMAT_VERSION}, because this release "
+            "of crankfem reads no other: fit the model again."
         )
     if content.pop("checksum", None) != checksum(content):
         raise InputError(
             f"{shown}: given a file whose checksum does not fit its content; it was changed or "
             "damaged after it was written, so its numbers cannot be trusted: fit the model again."
         )
-    if version in OLD_VERSIONS[:2]:
-        content.setdefault("constraints", None)  # what the file does not tell is not known
-    if version in OLD_VERSIONS:
-        _mark_uncorrected(content)
-    if version == 1:
-        try:
-            return _upgraded_content(content)
-        except (AttributeError, KeyError, TypeError):
-            raise InputError(
-                f"{shown}: given a damaged compliance model; its content is not that of format 1."
-            ) from None
     return content
 
 
@@ -133,33 +92,7 @@ def checksum(content: Mapping[str, object]) -> str:
     return hashlib.sha256(spelled.encode()).hexdigest()
 
 
-def _mark_uncorrected(content: dict[str, Any]) -> None:
-    """Mark finite elements of content before version 4 as not corrected for discretization."""
-    responses = content.get("responses")
-    for name, response in responses.items() if isinstance(responses, dict) else ():
-        if isinstance(response, dict):
-            response["too_small"] = name.startswith(TOO_SMALL)
-
-
-def _upgraded_content(content: dict[str, Any]) -> dict[str, Any]:
-    """Upgrade content of version 1: add what followed from the form's name."""
-    fe_error = content.get("provenance", {}).get("largest_fe_error_estimate")
-    responses = {}
-    for name, response in content["responses"].items():
-        logarithmic = response["form"] == "log-quadratic"
-        columns = len(response["factors"])
-        degree = 1 if response["form"] == "linear" else 2
-        responses[name] = response | {
-            "logarithmic": logarithmic,
-            "log_factors": [logarithmic] * columns,
-            "terms": polynomial_terms(columns, degree),
-            # The estimate was that of the axial compliance.
-            "largest_fe_error": fe_error if name == "axial_compliance" else None,
-        }
-    return content | {"responses": responses}
-
-
-# Of models from files of an older release that lack them.
+# Of models that an earlier release read from files of older ones, and wrote again.
 UNKNOWN_CONSTRAINTS = (
     "The model's file does not hold the constraints of its study: it is unknown whether the study excluded "
     "such a design."
@@ -168,8 +101,6 @@ UNCORRECTED = (
     "The model was fitted to finite elements of an older release, not corrected for discretization: its "
     "compliances are too small, by up to the estimated error of these. Run and fit its study again."
 )
-# Short ways are kept for so many different sets of names.
-_MOST_WAYS = 1000
 
 
 class ModelContent(InputModel):
@@ -237,10 +168,7 @@ class ModelContent(InputModel):
     def angle_law(self, name: str) -> tuple[str, str, str]:
         """Names of the three responses (at 0 deg, at 180 deg, rho) of a response's angle law.
 
-        Raises
-        ------
-        InputError
-            If the response has no such law, or the model lacks one of the three.
+        `InputError` if the response has no such law, or the model lacks one of the three.
         """
         if name not in ANGLE_LAWS:
             raise InputError(
@@ -291,12 +219,12 @@ class ModelContent(InputModel):
         Parameters
         ----------
         path : path-like
-            The JSON file, of this release or the one before.
+            The JSON file.
 
         Raises
         ------
         InputError
-            If the file cannot be read, is not a compliance model, is of a newer format, or was
+            If the file cannot be read, is not a compliance model, is of another format, or was
             changed or truncated since it was written.
         """
         content = read_model(path)
@@ -309,29 +237,17 @@ class ModelContent(InputModel):
     def __getstate__(self) -> dict[Any, Any]:
         """Leave the compiled equations out of what goes to other processes."""
         state = super().__getstate__()
-        own = {name: value for name, value in state["__dict__"].items() if name != "_compiled"}
-        return state | {"__dict__": own}
+        kept = {name: value for name, value in state["__dict__"].items() if name != "_compiled"}
+        return state | {"__dict__": kept}
 
 
 class CompiledModel:
-    """Data that a model computes once for all its queries.
-
-    Attributes
-    ----------
-    family : Family
-    bands : dict of str to ErrorBand
-    constraints : tuple of StudyConstraint
-
-    Raises
-    ------
-    InputError
-        If a column is not one of the family's factors.
-    """
+    """Data that a model computes once for all its queries: family, error bands, constraints and queries."""
 
     def __init__(self, model: ModelContent) -> None:
         responses = model.responses
         self.family = Family(
-            **{one.name: getattr(model, one.name) for one in fields(Family)}
+            **{part.name: getattr(model, part.name) for part in fields(Family)}
             | {"ranges": model.ranges or _column_ranges(responses)}
         )
         self.bands = {name: error_band(response) for name, response in responses.items()}
@@ -351,7 +267,6 @@ class CompiledModel:
             )
             for name, response in responses.items()
         }
-        self._ways: dict[tuple[Any, ...], Callable[..., Any]] = {}
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -371,33 +286,6 @@ class CompiledModel:
                 f"{', '.join(self._queries)}, which this model holds."
             )
         return self._queries[name]
-
-    def fast_lookup(self, name: str, dimensions: Mapping[str, Any]) -> float | None:
-        """Look a value up by the fast evaluator; None if the full evaluation is needed."""
-        key = (name, *dimensions)
-        way = self._ways.get(key)
-        if way is None:
-            way = self._keep(key, self.query(name).fast_evaluator(tuple(dimensions)))
-        value: float | None = way(dimensions)
-        return value
-
-    def fast_lookups(
-        self, names: tuple[str, ...], dimensions: Mapping[str, Any]
-    ) -> list[float] | None:
-        """Look several values up, like `fast_lookup` for one."""
-        key = (names, *dimensions)
-        way = self._ways.get(key)
-        if way is None:
-            first, *others = map(self.query, names)
-            way = self._keep(key, first.fast_evaluator_with(others, tuple(dimensions)))
-        values: list[float] = way(dimensions)
-        return None if None in values else values
-
-    def _keep(self, key: tuple[Any, ...], way: Callable[..., Any]) -> Callable[..., Any]:
-        if len(self._ways) >= _MOST_WAYS:
-            self._ways.clear()
-        self._ways[key] = way
-        return way
 
 
 def _column_ranges(responses: Mapping[str, ResponseModel]) -> dict[str, tuple[float, float]]:

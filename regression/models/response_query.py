@@ -1,8 +1,6 @@
 """One response of a compliance model, ready for queries: names to columns, columns to a value.
 
-A query of plain numbers inside the range has a fast evaluator: the checks and the evaluation are then
-a few comparisons and multiplications. Everything else (arrays, values outside, errors) takes
-the full path, which gives the messages.
+Numbers and arrays take the same path; for plain numbers it needs no numpy.
 """
 
 import math
@@ -22,11 +20,10 @@ from regression.models.extrapolation import (
     FARTHEST,
     Finding,
     StudyConstraint,
-    edges,
     find_out_of_range,
     worst,
 )
-from regression.models.family import Family, Given
+from regression.models.family import Family, Given, smallest_and_largest
 from regression.models.response_model import IS, ResponseModel
 from regression.response_kinds import is_positive_response, response_scale
 
@@ -41,13 +38,8 @@ ColumnValues = Any
 class CompiledEquation:
     """An equation as two functions of its columns, which are not coded and not logged.
 
-    Attributes
-    ----------
-    scalar : callable
-        Sequence of k floats to a float; `OverflowError` or `ValueError` if it has no value.
-    array : callable
-        Sequence of k floats or arrays of one shape to an array (or a float); infinite or NaN
-        where it has no value.
+    `scalar` takes k floats, and raises `OverflowError` or `ValueError` if there is no value; `array` k
+    floats or arrays of one shape, and gives infinity or NaN there.
     """
 
     scalar: Callable[[Sequence[float]], float]
@@ -55,17 +47,7 @@ class CompiledEquation:
 
 
 def compile_equation(fitted: FittedForm) -> CompiledEquation:
-    """Compile a fitted form.
-
-    Parameters
-    ----------
-    fitted : FittedForm
-
-    Returns
-    -------
-    CompiledEquation
-        Equal to `fitted.predict` within rounding.
-    """
+    """Compile a fitted form: equal to `fitted.predict` within rounding."""
     codings = tuple(zip(fitted.log_factors, fitted.center, fitted.half_range, strict=True))
     polynomial = _horner_tree(dict(zip(fitted.terms, fitted.coefficients, strict=True)))
     if not fitted.logarithmic:
@@ -134,18 +116,7 @@ def pieces(
 ) -> Iterator[tuple[int, dict[str, ColumnValues]]]:
     """Cut columns that are broadcast to one shape into pieces of `PIECE` places.
 
-    Parameters
-    ----------
-    columns : mapping
-        Name to a float, or to an array that can be broadcast to `shape`.
-    shape : tuple of int
-
-    Yields
-    ------
-    start : int
-        Place of the piece in C order.
-    piece : dict
-        Name to a float or a one-dimensional array.
+    Yields the place of the piece in C order, and name to a float or a one-dimensional array.
     """
     flat: dict[str, ColumnValues] = {}
     for name, column in columns.items():
@@ -168,8 +139,6 @@ AGREES = 1e-5
 Reader = Callable[[Mapping[str, Given]], Any]
 # The throw's size among the known dimensions; no name has a space.
 _SIZE = "its size"
-# The plain numbers; a subclass of float counts too, but goes the long way.
-_PLAIN = (float, int, np.float64)
 
 
 @dataclass(frozen=True)
@@ -195,16 +164,7 @@ class Ratio:
 
 @dataclass(frozen=True)
 class ResponseValues:
-    """Values of a response, and the parts of the query outside the study.
-
-    Attributes
-    ----------
-    values : float or ndarray
-    outside : tuple
-        Values outside a range or violated constraints.
-    inside : bool or ndarray
-        Where everything is inside.
-    """
+    """Values of a response, the findings outside the study, and where everything is inside it."""
 
     values: Any
     outside: tuple[Finding, ...]
@@ -217,15 +177,10 @@ class ResponseQuery:
 
     Attributes
     ----------
-    name : str
-        Of the response.
-    family : Family
-    columns : tuple of Column
     ratios : tuple of Ratio
         Ratios that must agree with the study; empty for an equation in the factors themselves.
     needed : tuple of str
         Required names.
-    equation : CompiledEquation
     scale : callable or None
         Factor on the equation's value, from the dimensions.
     constraints : tuple of StudyConstraint
@@ -246,108 +201,8 @@ class ResponseQuery:
         """Lower limit of the response: 0 by nature, or none."""
         return 0.0 if is_positive_response(self.name) else -math.inf
 
-    def fast_evaluator(self, names: Sequence[str]) -> Callable[[Mapping[str, Given]], float | None]:
-        """Make the fast evaluator for queries with exactly these names.
-
-        Returns
-        -------
-        callable
-            Dimensions to the value, or None if the full path is needed.
-        """
-        read, value_of = self._fast_reader(names), self._fast_value
-
-        def answer(dimensions: Mapping[str, Given]) -> float | None:
-            found = read(dimensions)
-            return None if found is None else value_of(*found)
-
-        return answer
-
-    def shares_columns(self, other: "ResponseQuery") -> bool:
-        """Whether the fast evaluator's columns and checks for another response are those of this one."""
-        return self.scale is other.scale is None and self._ranges == other._ranges
-
-    def fast_evaluator_with(
-        self, others: Sequence["ResponseQuery"], names: Sequence[str]
-    ) -> Callable[[Mapping[str, Given]], list[float | None]]:
-        """Make a fast evaluator of several responses, whose columns are read once if they share them."""
-        queries = (self, *others)
-        if not all(self.shares_columns(other) for other in others):
-            alone = [query.fast_evaluator(names) for query in queries]
-            return lambda dimensions: [evaluate(dimensions) for evaluate in alone]
-        read, values = self._fast_reader(names), [query._fast_value for query in queries]
-
-        def answers(dimensions: Mapping[str, Given]) -> list[float | None]:
-            found = read(dimensions)
-            return [None] if found is None else [value_of(*found) for value_of in values]
-
-        return answers
-
-    def _fast_value(self, columns: Sequence[Any], dimensions: Mapping[str, Given]) -> float | None:
-        try:
-            found: float = self.equation.scalar(columns)
-            if self.scale is not None:
-                found *= self.scale(dimensions)
-        except ArithmeticError:
-            return None
-        return found if self.lower_limit < found < math.inf else None
-
-    def _fast_reader(
-        self, names: Sequence[str]
-    ) -> Callable[[Mapping[str, Given]], tuple[list[Any], Mapping[str, Given]] | None]:
-        """Make the function that checks plain numbers and reads columns and dimensions from them."""
-        family, given = self.family, set(names)
-        complete = set(self.needed) <= given | family.fixed.keys() | family.labels.keys()
-        if self.scale is not None:
-            whole = bool(family.ranges) and family.ranges.keys() <= given
-            complete &= whole and not family.relations
-        if not complete or not given <= {*family.factors, *family.fixed}:
-            return _needs_full_evaluation
-        numbers = tuple(name for name in names if name not in family.categories)
-        labels = tuple((n, family.categories[n]) for n in names if n in family.categories)
-        limits: list[tuple[Reader, float, float]] = [
-            (itemgetter(name), *edges(low, high)) for name, (low, high, _) in self._ranges.items()
-        ]
-        fixed = [(name, family.fixed[name]) for name in names if name in family.fixed]
-        limits += [(itemgetter(name), *edges(value, value)) for name, value in fixed]
-        limits += [
-            (ratio.read, *_agreeing(ratio.value))
-            for ratio in self.ratios
-            if not set(ratio.names) <= family.fixed.keys()
-        ]
-        checks, readers = tuple(limits), tuple(column.read for column in self.columns)
-        tests = tuple(constraint.holds for constraint in self.constraints)
-        scaled = self.scale is not None
-        rest = {} if set(self.needed) <= given else {**family.fixed, **family.labels}
-
-        def read_all(
-            dimensions: Mapping[str, Given],
-        ) -> tuple[list[Any], Mapping[str, Given]] | None:
-            for name in numbers:
-                given = dimensions[name]
-                if given.__class__ not in _PLAIN or (scaled and not given > 0.0):
-                    return None
-            for name, allowed in labels:
-                if dimensions[name].__class__ is not str or dimensions[name] not in allowed:
-                    return None
-            if rest:
-                dimensions = {**rest, **dimensions}
-            for read, low, high in checks:
-                if not low <= read(dimensions) <= high:
-                    return None
-            for test in tests:
-                if not test(dimensions):
-                    return None
-            return [read(dimensions) for read in readers], dimensions
-
-        return read_all
-
-    def evaluate(self, given: Mapping[str, Given]) -> ResponseValues:
-        """Evaluate any query, or report its error.
-
-        Parameters
-        ----------
-        given : mapping
-            Dimensions and labels, numbers or arrays that can be broadcast together.
+    def evaluate(self, query: Mapping[str, Given]) -> ResponseValues:
+        """Evaluate any query of dimensions and labels, numbers or arrays that can be broadcast together.
 
         Raises
         ------
@@ -355,30 +210,35 @@ class ResponseQuery:
             If something is missing, unknown or unusable, a fixed dimension or ratio differs from
             the study, or the equation has no finite or a physically impossible value.
         """
-        used, shape, size = self._used(given)
-        found: list[Finding] = []
+        known, shape = self._used(query)
+        findings: list[Finding] = []
         values: Any
         if shape == ():
-            values, inside = self._piece({**used, _SIZE: size}, self.equation.scalar, found)
+            least, inside = self._piece(known, self.equation.scalar, findings)
+            values, finite = least, math.isfinite(least)
         else:
             values, inside = np.empty(shape), np.ones(shape, dtype=bool)
             flat, flat_inside = values.reshape(-1), inside.reshape(-1)
-            for start, piece in pieces({**used, _SIZE: size}, shape):
-                place = slice(start, start + PIECE)
-                flat[place], flat_inside[place] = self._piece(piece, self.equation.array, found)
-        outside = tuple(worst(found))
-        for one in outside:
-            one.check_distance()
-        if not np.all(np.isfinite(values)):
-            beyond = "far outside the range of the fit" if found else "small or large"
+            with np.errstate(all="ignore"):
+                for start, piece in pieces(known, shape):
+                    place = slice(start, start + PIECE)
+                    flat[place], flat_inside[place] = self._piece(
+                        piece, self.equation.array, findings
+                    )
+            least, finite = float(np.min(values)), bool(np.isfinite(values).all())
+        outside = tuple(worst(findings))
+        for finding in outside:
+            finding.check_distance()
+        if not finite:
+            beyond = "far outside the range of the fit" if findings else "small or large"
             raise InputError(
                 f"dimensions: given ones so {beyond} that its equation has no finite value; allowed are "
                 "those near the range, because beyond it the equation is meaningless."
             )
-        if not np.min(values) > self.lower_limit:
+        if not least > self.lower_limit:
             raise InputError(
-                f"{self.name}: given {float(np.min(values)):g}; allowed is a number above zero, as every "
-                "throw has it: an equation that gives another one does not hold for these dimensions."
+                f"{self.name}: given {least:g}; allowed is a number above zero, as every throw has it: an "
+                "equation that gives another one does not hold for these dimensions."
             )
         return ResponseValues(values, outside, inside)
 
@@ -391,10 +251,10 @@ class ResponseQuery:
         family = self.family
         return {name: (*ends, family.unit(name)) for name, ends in family.ranges.items()}
 
-    def _used(self, given: Mapping[str, Given]) -> tuple[dict[str, Given], tuple[int, ...], Given]:
-        """Check and complete the query; also return its shape and the size."""
+    def _used(self, query: Mapping[str, Given]) -> tuple[dict[str, Given], tuple[int, ...]]:
+        """Check and complete the query, with the throw's size; also return its shape."""
         family = self.family
-        checked = family.checked(given)
+        checked = family.checked(query)
         shape = _common_shape(checked)
         size: Any = 1.0
         if self.scale is None:
@@ -410,29 +270,28 @@ class ResponseQuery:
             raise InputError(
                 f"{missing[0]}: missing; the model needs its factors {', '.join(family.factors)}."
             )
-        used = dict.fromkeys((*self.needed, *checked))
-        return {name: known[name] for name in used}, shape, size
+        used = {name: known[name] for name in dict.fromkeys((*self.needed, *checked))}
+        return used | {_SIZE: size}, shape
 
     def _piece(
         self,
         known: Mapping[str, Given],
         evaluate: Callable[[Sequence[Any]], Any],
-        found: list[Finding],
+        findings: list[Finding],
     ) -> tuple[Any, Any]:
         """Evaluate one piece (or one point), and collect values outside, and where all are inside."""
         for ratio in self.ratios:
             _check_ratio(ratio, ratio.read(known))
         columns = [column.read(known) for column in self.columns]
         inside: Any = True
-        for one in self._outside(known, columns):
-            found.append(one[0])
-            inside = inside & np.logical_not(one[1])
+        for finding, where in self._outside(known, columns):
+            findings.append(finding)
+            inside = inside & np.logical_not(where)
         try:
-            with np.errstate(all="ignore"):
-                value = evaluate(columns)
-                return (value if self.scale is None else value * self.scale(known)), inside
+            value = evaluate(columns)
+            return (value if self.scale is None else value * self.scale(known)), inside
         except (ArithmeticError, ValueError):
-            return np.nan, inside  # told of by the caller
+            return math.nan, inside  # told of by the caller
 
     def _outside(
         self, known: Mapping[str, Given], columns: Sequence[Given]
@@ -446,31 +305,24 @@ class ResponseQuery:
             ]
         else:  # factors that are not given: the equation's own columns are what is known
             asked = [
-                (one.name, values, one.lowest, one.highest, one.unit, 1.0)
-                for one, values in zip(self.columns, columns, strict=True)
+                (column.name, values, column.lowest, column.highest, column.unit, 1.0)
+                for column, values in zip(self.columns, columns, strict=True)
             ]
         for values in asked:
-            found = find_out_of_range(*values)
-            if found is not None:
-                yield found
+            if (beyond := find_out_of_range(*values)) is not None:
+                yield beyond
         for constraint in self.constraints:
-            broken = constraint.find_broken(_at_study_size(constraint, known, size))
-            if broken is not None:
+            at_study_size = {
+                name: known[name] / size if constraint.units[name] == "m" else known[name]
+                for name in constraint.read.names
+            }
+            if (broken := constraint.find_broken(at_study_size)) is not None:
                 yield broken
-
-
-def _at_study_size(
-    constraint: StudyConstraint, known: Mapping[str, Given], size: Given
-) -> dict[str, Given]:
-    return {
-        name: known[name] / size if constraint.units[name] == "m" else known[name]
-        for name in constraint.read.names
-    }
 
 
 def _check_size(size: Given) -> None:
     """Refuse a throw so much larger or smaller than the study's that its unit must be wrong."""
-    least, most = float(np.min(size)), float(np.max(size))
+    least, most = smallest_and_largest(size)
     if least * FARTHEST < 1.0 or most > FARTHEST:
         hint = " (mm given in place of m?)" if most > FARTHEST else ""
         raise InputError(
@@ -480,29 +332,22 @@ def _check_size(size: Given) -> None:
         )
 
 
-def _needs_full_evaluation(_: Mapping[str, Given]) -> None:
-    """Return nothing: the full evaluation is needed."""
-
-
-def _agreeing(value: float) -> tuple[float, float]:
-    margin = AGREES * max(1.0, abs(value))
-    return value - margin, value + margin
-
-
 def _check_ratio(ratio: Ratio, values: Any) -> None:
-    low, high = _agreeing(ratio.value)
-    if np.all((low <= values) & (values <= high)):
+    margin, (least, most) = AGREES * max(1.0, abs(ratio.value)), smallest_and_largest(values)
+    if ratio.value - margin <= least and most <= ratio.value + margin:
         return
     differences = np.atleast_1d(np.abs(values - ratio.value))
-    given = float(np.atleast_1d(values)[int(np.argmax(differences))])
-    share = f", {100.0 * (given / ratio.value - 1.0):+.3g} %" if ratio.value else ""
+    worst_ratio = float(np.atleast_1d(values)[int(np.argmax(differences))])
+    share = f", {100.0 * (worst_ratio / ratio.value - 1.0):+.3g} %" if ratio.value else ""
     raise InputError(
-        f"{ratio.name}: given {given:.6g}{share}; allowed is {ratio.value:.6g}, because this ratio did "
+        f"{ratio.name}: given {worst_ratio:.6g}{share}; allowed is {ratio.value:.6g}, because this ratio did "
         "not vary in the study, so the equation does not contain its effect."
     )
 
 
 def _common_shape(values: Mapping[str, Any]) -> tuple[int, ...]:
+    if all(value.__class__ in (float, str) for value in values.values()):
+        return ()
     try:
         return np.broadcast_shapes(*(np.shape(value) for value in values.values()))
     except ValueError:
@@ -523,23 +368,9 @@ def make_response_query(
 ) -> ResponseQuery:
     """Prepare a response for queries.
 
-    Parameters
-    ----------
-    name : str
-        Name of the response; determines whether its values are positive.
-    response : ResponseModel
-    family : Family
-    material : mapping
-        Of the study; an equation in dimensionless groups needs its constants.
-    constant_groups : mapping
-        Groups that did not vary in the study, besides those that follow from its fixed dimensions.
-    constraints : tuple of StudyConstraint
-        Of the study.
-
-    Raises
-    ------
-    InputError
-        If a column is not one of the family's, or the material's constants are missing.
+    An equation in dimensionless groups needs the constants of the study's material; `constant_groups`
+    did not vary in the study, besides those that follow from its fixed dimensions. `InputError` if a
+    column is not one of the family's, or the constants are missing.
     """
     readers = [_column_source(name, response.basis, family) for name in response.factors]
     columns = tuple(
@@ -549,7 +380,7 @@ def make_response_query(
         )
     )
     needed = dict.fromkeys(name for _, names, _ in readers for name in names)
-    needed |= dict.fromkeys(name for one in constraints for name in one.read.names)
+    needed |= dict.fromkeys(name for constraint in constraints for name in constraint.read.names)
     equation = compile_equation(response.fitted)
     if response.basis == "factors":
         return ResponseQuery(name, family, columns, (), tuple(needed), equation, None, constraints)
@@ -589,14 +420,14 @@ def _ratios(
     """Ratios that must agree with the study so that a throw of another size is of its family."""
     fixed = family.fixed
     groups = [group for group in GROUPS.values() if set(group.dimensions) <= fixed.keys()]
-    found = {
+    fixed_ratios = {
         group.name: Ratio(group.name, group.dimensions, group.value, group.value(fixed))
         for group in groups
     }
     for name, value in constant_groups.items():
         group = group_named(name)
         groups.append(group)
-        found.setdefault(name, Ratio(name, group.dimensions, group.value, value))
+        fixed_ratios.setdefault(name, Ratio(name, group.dimensions, group.value, value))
     names = [name for group in groups for name in group.dimensions]
     covered = {name for name in names if fixed.get(name)}
     reference = (
@@ -610,15 +441,15 @@ def _ratios(
         if name in covered or name == reference or name in names:
             continue
         if family.unit(name) != "m" or reference is None:
-            found[name] = Ratio(name, (name,), itemgetter(name), value)
+            fixed_ratios[name] = Ratio(name, (name,), itemgetter(name), value)
         else:
             below = fixed[reference]
             read = _ratio_reader(name, reference)
             shown = "D_shm" if reference == "pin_diameter" else reference
             ratio = Ratio(f"{name}/{shown}", (name, reference), read, value / below)
-            found[ratio.name] = ratio
+            fixed_ratios[ratio.name] = ratio
             names += [name, reference]
-    return tuple(found.values()), tuple(dict.fromkeys((*names, *fixed)))
+    return tuple(fixed_ratios.values()), tuple(dict.fromkeys((*names, *fixed)))
 
 
 def _ratio_reader(above: str, below: str) -> Reader:

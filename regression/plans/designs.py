@@ -21,26 +21,10 @@ Coded = NDArray[np.float64]
 
 
 def corner_fraction(factors: int, resolution: int) -> Coded:
-    """Return a regular fraction of the corners of a cube, of at least a resolution.
+    """Regular fraction (n, factors) of the corners of a cube, -1 and 1, of at least a resolution of 3 to 8.
 
-    The smallest found by `pydoe.fracfact_by_res`; all corners if no fraction is sufficient.
-
-    Parameters
-    ----------
-    factors : int
-        2 or more.
-    resolution : int
-        3 to 8: no product of fewer columns is constant.
-
-    Returns
-    -------
-    (n, factors) ndarray
-        Of -1 and 1.
-
-    Raises
-    ------
-    InputError
-        If no such design is found.
+    No product of fewer columns than the resolution is constant. The smallest found by
+    `pydoe.fracfact_by_res`; all corners if no fraction is sufficient; `InputError` if none is found.
     """
     from pydoe import ff2n, fracfact_by_res
 
@@ -56,19 +40,11 @@ def corner_fraction(factors: int, resolution: int) -> Coded:
 
 
 def corners_by_generators(generators: str, factors: int) -> Coded:
-    """Return the fraction that generators such as "a b c abc" describe.
+    """Fraction that generators such as "a b c abc" describe.
 
-    Parameters
-    ----------
-    generators : str
-        One word for each factor: single letters a, b, c ... vary freely, longer words are their
-        products, with - in front for the opposite sign.
-    factors : int
-
-    Raises
-    ------
-    InputError
-        If they are not generators, or for another number of factors.
+    One word for each factor: single letters a, b, c ... vary freely, longer words are their products,
+    with - in front for the opposite sign. `InputError` if they are others, or for another number of
+    factors.
     """
     from pydoe import fracfact
 
@@ -76,28 +52,20 @@ def corners_by_generators(generators: str, factors: int) -> Coded:
     try:
         if len(words) != factors:
             raise ValueError(f"{len(words)} words for {factors} factors of two levels")
-        found = np.asarray(fracfact(" ".join(words)), dtype=np.float64)
+        corners = np.asarray(fracfact(" ".join(words)), dtype=np.float64)
     except (ValueError, IndexError) as error:
         raise InputError(
             f"study.generators: given {generators!r}; allowed is one word for each factor, like "
             f'"a b c abc" ({str(error).rstrip(".")}).'
         ) from None
-    return found
+    return corners
 
 
 def resolution_of(design: Coded) -> int | None:
-    """Return the length of the shortest product of columns that is constant, or None.
+    """Length of the shortest product of columns (n, k) of -1 and 1 that is constant.
 
-    Parameters
-    ----------
-    design : (n, k) ndarray
-        Of -1 and 1.
-
-    Returns
-    -------
-    int or None
-        The resolution; None for all corners, where nothing is confounded, or if the search up to
-        `LARGEST_SEARCH` products finds none.
+    None for all corners, where nothing is confounded, or if the search up to `LARGEST_SEARCH` products
+    finds none.
     """
     columns, everything = _as_bits(design)
     if len(np.unique(design, axis=0)) == 2 ** design.shape[1]:
@@ -117,19 +85,9 @@ def resolution_of(design: Coded) -> int | None:
 
 
 def aliased_effects(design: Coded, names: tuple[str, ...]) -> tuple[str, ...]:
-    """List aliased effects: main effects and two-factor interactions confounded in a fraction.
+    """List main effects and two-factor interactions confounded in a fraction (n, k) of -1 and 1.
 
-    Parameters
-    ----------
-    design : (n, k) ndarray
-        Of -1 and 1.
-    names : tuple of str
-        Of the factors.
-
-    Returns
-    -------
-    tuple of str
-        Groups such as ``"web_width = pin_length x web_thickness"``; groups of one effect are left out.
+    In groups such as ``"web_width = pin_length x web_thickness"``; groups of one effect are left out.
     """
     columns, everything = _as_bits(design)
     groups: dict[int, list[str]] = {}
@@ -209,29 +167,13 @@ MOST_FACTORS = 30
 
 
 def central_composite(factors: int, face: str, resolution: int | None) -> NDArray[np.float64]:
-    """Return corners, stars and the center, all inside the box.
+    """Corners, stars and the center of a box, (n, factors) within -1 to 1.
 
-    Parameters
-    ----------
-    factors : int
-        2 or more.
-    face : str
-        "faced": corners and the middles of the faces, three levels. "inscribed": stars in the middles
-        of the faces and corners moved in to 1 / alpha, rotatable with alpha = (number of corners)^(1/4),
-        five levels. "circumscribed" has its stars outside the corners; scaled down until they are in
-        the box, it is the inscribed design.
-    resolution : int, optional
-        Of the fraction of the corners; all corners if None.
-
-    Returns
-    -------
-    (n, factors) ndarray
-        Within -1 to 1; the center once, because finite elements repeat exactly.
-
-    Raises
-    ------
-    InputError
-        If there are too few factors.
+    The center stands once, because finite elements repeat exactly. "faced": corners and the middles of
+    the faces, three levels. "inscribed": stars in the middles of the faces and corners moved in to 1 /
+    alpha, rotatable with alpha = (number of corners)^(1/4), five levels. "circumscribed" has its stars
+    outside the corners; scaled down until they are in the box, it is the inscribed design. `resolution`
+    is that of the fraction of the corners, None for all. `InputError` if there are too few factors.
     """
     from pydoe import ff2n, star
 
@@ -252,22 +194,9 @@ def central_composite(factors: int, face: str, resolution: int | None) -> NDArra
 
 
 def box_behnken(factors: int) -> NDArray[np.float64]:
-    """Return the middles of the edges in each plane of two factors, and the center once.
+    """Middles of the edges in each plane of two factors, and the center: (2 k (k - 1) + 1, k).
 
-    Parameters
-    ----------
-    factors : int
-        3 or more.
-
-    Returns
-    -------
-    (2 k (k - 1) + 1, k) ndarray
-        Of -1, 0 and 1.
-
-    Raises
-    ------
-    InputError
-        If there are too few factors.
+    `InputError` if there are fewer than 3 factors.
     """
     from pydoe import bbdesign
 
@@ -287,16 +216,9 @@ Table = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A table of runs, before anything is excluded.
+    """A table of runs (n, k), one a row [SI], labels as their indices, before anything is excluded.
 
-    Attributes
-    ----------
-    runs : (n, k) ndarray
-        One run a row [SI], labels as their indices; read-only.
-    statement : str
-        Its description, in a few words.
-    remarks : tuple of str
-        Remarks for the user, one sentence each.
+    The statement describes it in a few words; remarks are for the user, one sentence each.
     """
 
     runs: Table
@@ -310,19 +232,7 @@ class Design:
 
 
 def fixed_design(factors: Sequence[Factor], choice: DesignChoice) -> Design:
-    """Return the runs of a design that is not random.
-
-    Parameters
-    ----------
-    factors : sequence of Factor
-    choice : DesignChoice
-        Of a kind that is not `SPACE_FILLING`.
-
-    Raises
-    ------
-    InputError
-        If the factors do not fit the design.
-    """
+    """Runs of a design that is not random; `InputError` if the factors do not fit it."""
     makers: dict[str, Callable[[Sequence[Factor], DesignChoice], Design]] = {
         "full factorial": _full_factorial,
         "fractional factorial": _fractional_factorial,
@@ -347,15 +257,7 @@ def fixed_design(factors: Sequence[Factor], choice: DesignChoice) -> Design:
 def full_factorial(levels: Mapping[str, Sequence[float]]) -> Design:
     """Run every combination of the given levels, the last factor varying fastest.
 
-    Parameters
-    ----------
-    levels : mapping
-        Factor name to its levels.
-
-    Raises
-    ------
-    InputError
-        If the design would be larger than `LARGEST_DESIGN`.
+    `InputError` if the design would be larger than `LARGEST_DESIGN`.
 
     Examples
     --------
@@ -373,20 +275,9 @@ def full_factorial(levels: Mapping[str, Sequence[float]]) -> Design:
 def space_filling_points(
     factors: Sequence[Factor], kind: str, runs: int, seed: Sequence[int]
 ) -> Table:
-    """Draw the points of a space-filling design in the unit cube; `values_at` maps them to factors.
+    """Draw the points (n, k) of a space-filling design in the unit cube; `values_at` maps them to factors.
 
-    Parameters
-    ----------
-    factors : sequence of Factor
-        Choices are equally frequent, as long as no point is left out.
-    kind : str
-        Of `SPACE_FILLING`.
-    runs : int
-    seed : sequence of int
-
-    Returns
-    -------
-    (n, k) ndarray
+    Choices are equally frequent, as long as no point is left out.
     """
     draw = latin_hypercube_points if kind == "latin hypercube" else sobol_points
     return draw(runs, [len(factor.labels) for factor in factors], seed)
@@ -407,12 +298,7 @@ def space_filling_statement(kind: str, runs: int, seed: int) -> tuple[str, tuple
 
 
 def check_ranges(factors: Sequence[Factor], kind: str) -> None:
-    """Refuse levels between the ends for a design that has values of its own.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse levels between the ends for a design that has values of its own (`InputError`)."""
     for factor in factors:
         if not factor.categorical and not _ends_only(factor):
             raise InputError(
@@ -481,15 +367,15 @@ def _fractional_factorial(factors: Sequence[Factor], choice: DesignChoice) -> De
         coded = corners_by_generators(choice.generators, number)
     else:
         coded = corner_fraction(number, choice.resolution or 4)
-    found = resolution_of(coded)
-    if found is not None and found < 3:
+    shortest = resolution_of(coded)
+    if shortest is not None and shortest < 3:
         raise InputError(
             f"study.generators: given {choice.generators!r}; allowed are generators in which no two "
             "factors vary together."
         )
     left_out = number - round(math.log2(len(coded)))
     power = f"2^({number}-{left_out})" if left_out else f"2^{number}"
-    quality = f"resolution {ROMAN.get(found, str(found))}" if found else "all corners"
+    quality = f"resolution {ROMAN.get(shortest, str(shortest))}" if shortest else "all corners"
     runs = _crossed(factors, two_level, 0.5 + 0.5 * coded)
     groups = aliased_effects(coded, tuple(factor.name for factor in two_level))
     remarks = (f"Confounded effects: {'; '.join(groups)}.",) if groups else ()
@@ -542,11 +428,7 @@ def _crossed(
     places: Table,
     levels: Sequence[tuple[float, float, float]] | None = None,
 ) -> Table:
-    """Repeat a design of some factors for every combination of the others' labels.
-
-    `places` are 0 to 1 in each range, of labels 0 and 1; if `levels` are given, 0, 0.5 and 1 mean
-    these.
-    """
+    """Repeat a design of some factors for every combination of the others' labels."""
     columns: dict[str, Table] = {}
     for number, (factor, place) in enumerate(zip(varied, places.T, strict=True)):
         if factor.categorical:

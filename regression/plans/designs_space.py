@@ -40,26 +40,11 @@ def hypercube_trials(count: int) -> int:
 def latin_hypercube_points(
     count: int, choices: Sequence[int], seed: Sequence[int], tries: int | None = None
 ) -> Points:
-    """Draw a Latin hypercube: each column divided into `count` strata, one point in each.
+    """Draw a Latin hypercube (n, k) within [0, 1): each column in n strata, one point in each.
 
-    Of `tries` hypercubes of `scipy.stats.qmc` the one is used whose nearest two points are farthest
-    apart (maximin).
-
-    Parameters
-    ----------
-    count : int
-        Number of points n.
-    choices : sequence of int
-        For each of the k columns, the number of its choices; 0 for a continuous one.
-    seed : sequence of int
-        Entropy of the random numbers.
-    tries : int, optional
-        `hypercube_trials` so many points by default.
-
-    Returns
-    -------
-    (n, k) ndarray
-        Within [0, 1).
+    Of `tries` hypercubes of `scipy.stats.qmc` (`hypercube_trials` by default) the one is used whose
+    nearest two points are farthest apart (maximin). `choices` has the number of choices of each column,
+    0 for a continuous one.
     """
     from scipy.stats import qmc
 
@@ -77,16 +62,9 @@ def latin_hypercube_points(
 
 
 def with_points_at_ends(points: Points, choices: Sequence[int]) -> Points:
-    """Move every second point to the ends of those ranges in whose outer quarters it is.
+    """Move every second point (n, k) to the ends of those ranges in whose outer quarters it is; choices stay.
 
     There polynomials have their largest errors, and a space-filling design has no points.
-
-    Parameters
-    ----------
-    points : (n, k) ndarray
-        In the unit cube.
-    choices : sequence of int
-        As of `latin_hypercube_points`; choices stay.
     """
     moved = points.copy()
     outer = points[1::2]
@@ -96,18 +74,7 @@ def with_points_at_ends(points: Points, choices: Sequence[int]) -> Points:
 
 
 def sobol_points(count: int, choices: Sequence[int], seed: Sequence[int]) -> Points:
-    """Draw the first points of a scrambled Sobol sequence.
-
-    Parameters
-    ----------
-    count, choices, seed
-        As of `latin_hypercube_points`. The first points do not depend on how many are drawn.
-
-    Returns
-    -------
-    (n, k) ndarray
-        Within [0, 1).
-    """
+    """First points (n, k) of a scrambled Sobol sequence; arguments as of `latin_hypercube_points`."""
     from scipy.stats import qmc
 
     sampler = qmc.Sobol(len(choices), rng=np.random.default_rng(list(seed)))
@@ -135,19 +102,7 @@ def smallest_distance(points: Points) -> float:
 
 
 def well_spaced_subset(points: Points, count: int) -> NDArray[np.int64]:
-    """Choose `count` of the points, far apart, by repeatedly dropping one of the nearest two.
-
-    Parameters
-    ----------
-    points : (n, k) ndarray
-    count : int
-        1 to n.
-
-    Returns
-    -------
-    (count,) ndarray
-        Indices of those that stay, ascending.
-    """
+    """Indices, ascending, of `count` points (n, k) far apart: the nearest ones are dropped one by one."""
     number = len(points)
     if number > LARGEST_THINNED:
         return np.arange(count)
@@ -175,34 +130,18 @@ def draw_feasible_points(
     *,
     in_order: bool,
 ) -> tuple[Points, NDArray[np.bool_], NDArray[np.bool_]] | None:
-    """Draw points until `count` of them are feasible.
+    """Draw points (n, k) until `count` of them are possible; None if so few are that the search is abandoned.
 
-    Parameters
-    ----------
-    draw : callable
-        Draws a given number of points.
-    possible : callable
-        Returns which of (n, k) points can be used.
-    count : int
-    in_order : bool
-        Use the first possible ones (a sequence), not those farthest apart.
-
-    Returns
-    -------
-    points : (n, k) ndarray
-        All points drawn.
-    taken : (n,) ndarray of bool
-        The `count` points that are used.
-    impossible : (n,) ndarray of bool
-    or None, if so few are possible that the search is abandoned.
+    Returns all points drawn, which of them are used, and which are impossible. With `in_order` the
+    first possible ones are used (a sequence), not those farthest apart.
     """
     number = count
     most = max(SEARCHED_AT_LEAST, min(SEARCHED, SEARCHED_EACH * count))
     while True:
         points = draw(number)
         usable = possible(points)
-        found = int(np.count_nonzero(usable))
-        if found >= count:
+        feasible = int(np.count_nonzero(usable))
+        if feasible >= count:
             taken = np.zeros(number, dtype=bool)
             indices = np.flatnonzero(usable)
             chosen = np.arange(count) if in_order else well_spaced_subset(points[indices], count)
@@ -210,7 +149,7 @@ def draw_feasible_points(
             return points, taken, ~usable
         if number >= most:
             return None
-        share = max(found, 0.5) / number
+        share = max(feasible, 0.5) / number
         number = min(most, max(number + 1, math.ceil(1.1 * count / share)))
 
 
@@ -232,10 +171,8 @@ class DesignQuality:
     random_discrepancy : float
         Its mean for the same number of random points: ((5/4)^k - (13/12)^k) / n.
     correlation : float or None
-        Largest absolute correlation of two factors, choices of two labels among them; None without two
-        that vary.
-    correlated : tuple of str
-        The two factors; empty where none are.
+        Largest absolute correlation of two factors, `correlated`, choices of two labels among them;
+        None without two that vary.
     """
 
     distance: float | None
@@ -246,14 +183,7 @@ class DesignQuality:
 
 
 def design_quality(factors: Sequence[Factor], values: NDArray[np.float64]) -> DesignQuality:
-    """Assess runs by distance, discrepancy and correlation.
-
-    Parameters
-    ----------
-    factors : sequence of Factor
-    values : (n, k) ndarray
-        Of the runs [SI]; of a choice the label's index.
-    """
+    """Assess runs (n, k) [SI], of a choice the label's index, by distance, discrepancy and correlation."""
     from scipy.stats import qmc
 
     lowest = np.array([factor.lowest for factor in factors])

@@ -7,8 +7,7 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
-from crankbase.checks.choices import check_choice, did_you_mean
-from crankbase.checks.scalars import is_number, is_whole_within
+from crankbase.checks.choices import check_choice, did_you_mean, is_number, is_whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import format_quantity
@@ -55,9 +54,9 @@ class Factor:
 
     def __post_init__(self) -> None:
         name = f"study.factors.{self.name}"
-        given = (self.lowest, self.highest, *(self.levels or ()))
-        if not all(is_number(value) for value in given):
-            raise InputError(f"{name}: given {quoted(given)}; allowed are finite numbers.")
+        numbers = (self.lowest, self.highest, *(self.levels or ()))
+        if not all(is_number(value) for value in numbers):
+            raise InputError(f"{name}: given {quoted(numbers)}; allowed are finite numbers.")
         if self.labels and (
             len(set(self.labels)) != len(self.labels)
             or self.levels != tuple(map(float, range(len(self.labels))))
@@ -115,23 +114,12 @@ class Factor:
     def spread(
         cls, name: str, unit: str, lowest: float, highest: float, levels: int, spacing: str
     ) -> "Factor":
-        """Make a factor with levels spread over a range, both ends among them.
+        """Make a factor with 2 or more levels spread over a range, both ends among them.
 
-        Parameters
-        ----------
-        name, unit, lowest, highest
-            As of the factor.
-        levels : int
-            How many, 2 or more.
-        spacing : str
-            "even"; "log" (even in the logarithm); "chebyshev" (the extremes of a Chebyshev
-            polynomial, denser at the ends, which keeps the error of a polynomial even over the
-            range); "log chebyshev" (those in the logarithm).
-
-        Raises
-        ------
-        InputError
-            If a spacing is unknown, or is logarithmic over a range that reaches zero.
+        Spacing "even"; "log" (even in the logarithm); "chebyshev" (the extremes of a Chebyshev
+        polynomial, denser at the ends, which keeps the error of a polynomial even over the range); "log
+        chebyshev" (those in the logarithm). `InputError` if it is unknown, or is logarithmic over a
+        range that reaches zero.
         """
         field = f"study.factors.{name}"
         check_choice(f"{field}.spacing", spacing, SPACINGS, "these are the ways to spread levels")
@@ -223,28 +211,23 @@ def _choices(annotation: Any) -> tuple[str, ...]:
     """Labels of a Literal, also within an optional one."""
     if get_origin(annotation) is Literal:
         return get_args(annotation)
-    return next((found for item in get_args(annotation) if (found := _choices(item))), ())
+    return next((labels for item in get_args(annotation) if (labels := _choices(item))), ())
 
 
 def field_value(record: Mapping[str, Any], path: str) -> Any:
     """Return the value at a path of a throw's record, None where the part is missing."""
-    found: Any = record
+    part: Any = record
     for step in path.split("."):
-        if found is None:
+        if part is None:
             return None
-        found = found[int(step)] if isinstance(found, list) else found.get(step)
-    return found
+        part = part[int(step)] if isinstance(part, list) else part.get(step)
+    return part
 
 
 def changed_record(record: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a copy of a throw's record with other values at some paths.
+    """Copy of a throw's record (JSON content) with other values at some paths.
 
-    Parameters
-    ----------
-    record : mapping
-        As ``throw.model_dump(mode="json")`` gives it.
-    changes : mapping
-        Path to value; parts that the record lacks are made.
+    Parts that it lacks are made.
     """
     changed: dict[str, Any] = _copied(record)
     for path, value in changes.items():
@@ -279,5 +262,5 @@ def unknown_field(path: str, fields: Mapping[str, ThrowField], throw: CrankThrow
             break
         if not any(name.startswith(f"{part}.") for name in fields):
             return f"the throw has no {part} to vary; give it in [throw]"
-    own = [name for name in fields if "." not in name or getattr(throw, name.split(".")[0])]
-    return f"{did_you_mean(path, fields)}allowed are {', '.join(own)}"
+    offered = [name for name in fields if "." not in name or getattr(throw, name.split(".")[0])]
+    return f"{did_you_mean(path, fields)}allowed are {', '.join(offered)}"

@@ -61,18 +61,8 @@ class Variant:
 class Variants:
     """The throws that follow from a study's factors, relations, constraints and base throw.
 
-    Attributes
-    ----------
-    record : mapping
-        Of the base throw.
-    factors : tuple of Factor
-    fields : mapping
-        Path to the fields that can vary.
-    units : mapping
-        SI units of all quantities allowed in expressions.
-    relations : mapping
-        Path to expression, in the order of calculation.
-    constraints : tuple of Constraint
+    `units` has the SI unit of all quantities allowed in expressions; relations are in the order of
+    calculation.
     """
 
     record: Mapping[str, Any]
@@ -90,13 +80,7 @@ class Variants:
         relations: Mapping[str, str],
         constraints: tuple[str, ...],
     ) -> "Variants":
-        """Check that all names are known and all units fit.
-
-        Raises
-        ------
-        InputError
-            If they do not; the message names the factor, the relation or the constraint.
-        """
+        """Check names and units; `InputError` names the factor, relation or constraint that is wrong."""
         fields, record = throw_fields(throw), throw.model_dump(mode="json")
         names = [factor.name for factor in factors]
         for name in names:
@@ -105,9 +89,9 @@ class Variants:
         for path in relations:
             _check_target(path, fields, throw, names)
         units = {
-            path: found.unit
-            for path, found in fields.items()
-            if not found.choices and (field_value(record, path) is not None or path in relations)
+            path: entry.unit
+            for path, entry in fields.items()
+            if not entry.choices and (field_value(record, path) is not None or path in relations)
         } | {factor.name: factor.unit for factor in factors if not factor.categorical}
         read = {
             path: read_expression(text, f"study.relations.{path}", units)
@@ -126,21 +110,15 @@ class Variants:
         return cls(record, factors, fields, units, ordered, limits)
 
     def at(self, values: NDArray[np.float64]) -> tuple[Variant, ...]:
-        """Make the throws of factor values.
-
-        Parameters
-        ----------
-        values : (n, k) array
-            [SI]; of a choice the label's index.
-        """
+        """Make the throws of factor values (n, k) [SI]; of a choice the label's index."""
         count = len(values)
         reasons: list[str | None] = [None] * count
         known = self._quantities(values)
         for path, expression in self.relations.items():
-            found = np.broadcast_to(
+            results = np.broadcast_to(
                 evaluate_expression(expression, known, self.units, self.units[path]), (count,)
             )
-            known[path] = np.array([rounded(value) for value in found.tolist()])
+            known[path] = np.array([rounded(value) for value in results.tolist()])
             for place in np.flatnonzero(~np.isfinite(known[path])).tolist():
                 reasons[place] = reasons[place] or (
                     f"the relation {path} = {expression.text!r} has no finite value"
@@ -172,7 +150,10 @@ class Variants:
             if not factor.categorical
         }
         used = used_names(
-            (*self.relations.values(), *(side for one in self.constraints for side in one.sides))
+            (
+                *self.relations.values(),
+                *(side for constraint in self.constraints for side in constraint.sides),
+            )
         )
         base = {
             path: np.array(float(field_value(self.record, path)))
@@ -224,16 +205,16 @@ def _check_target(
 def _check_factor(
     factor: Factor, fields: Mapping[str, ThrowField], throw: CrankThrow, used: set[str]
 ) -> None:
-    name, found = f"study.factors.{factor.name}", fields.get(factor.name)
-    if found is not None:
-        unfit = next((label for label in factor.labels if label not in found.choices), None)
-        if unfit is not None or bool(factor.labels) != bool(found.choices):
-            given = unfit or factor.range_text
-            allowed = ", ".join(found.choices) or f"a range or levels in {found.unit or 'no unit'}"
-            raise InputError(f"{name}: given {given}; allowed is {allowed}.")
-        if factor.unit != found.unit:
+    name, entry = f"study.factors.{factor.name}", fields.get(factor.name)
+    if entry is not None:
+        unfit = next((label for label in factor.labels if label not in entry.choices), None)
+        if unfit is not None or bool(factor.labels) != bool(entry.choices):
+            chosen = unfit or factor.range_text
+            allowed = ", ".join(entry.choices) or f"a range or levels in {entry.unit or 'no unit'}"
+            raise InputError(f"{name}: given {chosen}; allowed is {allowed}.")
+        if factor.unit != entry.unit:
             raise InputError(
-                f"{name}: given in {factor.unit or 'no unit'}; allowed is {found.unit or 'no unit'}."
+                f"{name}: given in {factor.unit or 'no unit'}; allowed is {entry.unit or 'no unit'}."
             )
         return
     if factor.name not in used or factor.labels or factor.unit:
@@ -274,7 +255,6 @@ class StudyPlan:
         constraints and the seed, not on the design, so different designs have the same ones.
     seed : int
         Seed of all random draws.
-    material : Material
     accuracy : float
         Relative accuracy of each design's axial compliance, 0.001 to 0.1.
     stresses : bool
@@ -348,13 +328,13 @@ class StudyPlan:
             throw=CrankThrow(**record["throw"]),
             factors=tuple(
                 Factor(
-                    **given
+                    **factor
                     | {
-                        "levels": None if given["levels"] is None else tuple(given["levels"]),
-                        "labels": tuple(given["labels"]),
+                        "levels": None if factor["levels"] is None else tuple(factor["levels"]),
+                        "labels": tuple(factor["labels"]),
                     }
                 )
-                for given in record["factors"]
+                for factor in record["factors"]
             ),
             design=DesignChoice(
                 **design | {"rows": None if rows is None else tuple(map(tuple, rows))}
@@ -378,20 +358,11 @@ class StudyPlan:
 
 @dataclass(frozen=True)
 class PlannedDesign:
-    """One design of a study.
+    """One design of a study, `RUN` (fitted) or `HELD_OUT` (for assessment).
 
-    Attributes
-    ----------
-    role : str
-        `RUN` (fitted) or `HELD_OUT` (for assessment).
-    values : tuple of float
-        Of the factors [SI]; of a choice the label's index.
-    inputs : dict
-        Its complete inputs, as JSON content: throw, material, accuracy, stresses.
-    key : str
-        Hash of the inputs and the model version.
-    added : bool
-        Whether it was added to the plan later.
+    `values` of the factors are in SI units, of a choice the label's index; `inputs` its complete inputs
+    as JSON content, `key` the hash of these and the model version. `added`: whether it was added to the
+    plan later.
     """
 
     role: str
@@ -412,19 +383,7 @@ class ExcludedDesign:
 
 @dataclass(frozen=True)
 class PlannedStudy:
-    """The designs of a study.
-
-    Attributes
-    ----------
-    plan : StudyPlan
-    designs : tuple of PlannedDesign
-        The runs, then the held-out ones.
-    excluded : tuple of ExcludedDesign
-    statement : str
-        Description of the design, such as "fractional factorial 2^(4-1), resolution IV, 8 runs".
-    remarks : tuple of str
-        Remarks for the user, one sentence each.
-    """
+    """The designs of a study: the runs, then the held-out ones; the statement describes the design."""
 
     plan: StudyPlan
     designs: tuple[PlannedDesign, ...]
@@ -436,13 +395,9 @@ class PlannedStudy:
 def plan_designs(plan: StudyPlan) -> PlannedStudy:
     """List the designs of a study: the runs, then the held-out ones.
 
-    Designs that violate a constraint or cannot be built are excluded. Of Latin
-    hypercubes and Sobol sequences more points are drawn until the wanted number remains.
-
-    Raises
-    ------
-    InputError
-        If nothing, or too little, of the design can be built; the message states the first reason.
+    Designs that violate a constraint or cannot be built are excluded. Of Latin hypercubes and Sobol
+    sequences more points are drawn until the wanted number remains. `InputError` with the first reason
+    if too little can be built.
     """
     variants = plan.variants()
     if plan.design.kind in SPACE_FILLING:
@@ -504,15 +459,15 @@ def _draw_feasible_designs(
         made = variants.at(values_at(plan.factors, points))
         return np.array([variant.throw is not None for variant in made])
 
-    found = draw_feasible_points(draw, possible, count, in_order=kind == "sobol")
-    if found is None:
+    drawn = draw_feasible_points(draw, possible, count, in_order=kind == "sobol")
+    if drawn is None:
         first = next(variant.reason for variant in made if variant.throw is None)
         raise InputError(
             f"study.factors: fewer than {count} of the points drawn for the designs ({role}) can be "
             f"used; reason for the first excluded design: {first.rstrip('.')}."
         )
     # A design that can be built but was not taken belongs to neither.
-    points, taken, impossible = found
+    points, taken, impossible = drawn
     kept = np.flatnonzero(taken | impossible)
     values = values_at(plan.factors, points)[kept]
     designs, excluded = _split(plan, role, values, [made[place] for place in kept])
@@ -522,18 +477,7 @@ def _draw_feasible_designs(
 def planned_design(
     plan: StudyPlan, role: str, values: tuple[float, ...], throw: dict[str, Any]
 ) -> PlannedDesign:
-    """Make a design of a study.
-
-    Parameters
-    ----------
-    plan : StudyPlan
-    role : str
-        `RUN` or `HELD_OUT`.
-    values : tuple of float
-        Of the factors [SI].
-    throw : dict
-        The throw of the study with these values, as JSON content.
-    """
+    """Make a design of a study from factor values [SI] and the throw with these, as JSON content."""
     inputs = {"throw": throw, **plan.settings}
     return PlannedDesign(
         role, values, inputs, content_key(inputs | {"model_version": MODEL_VERSION})

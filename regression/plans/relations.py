@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.choices import did_you_mean
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import did_you_mean, is_number
 from crankbase.errors import InputError, quoted
-from crankbase.text_limits import LARGEST_POWER, LONGEST_EXPRESSION
+from crankbase.input_file import LARGEST_POWER, LONGEST_EXPRESSION
 from crankbase.units.quantity import format_quantity, unit_registry
 
 TOKEN = re.compile(
@@ -34,18 +33,9 @@ Units = Mapping[str, str]
 
 @dataclass(frozen=True)
 class Expression:
-    """A checked expression.
+    """A checked expression: its field in messages, its text, the names of the study that it uses.
 
-    Attributes
-    ----------
-    field : str
-        Its name in messages.
-    text : str
-        As given.
-    names : tuple of str
-        Quantities of the study that it uses.
-    prepared : str
-        The text for pint, the names replaced by placeholders.
+    `prepared` is the text for pint, the names replaced by placeholders.
     """
 
     field: str
@@ -57,19 +47,10 @@ class Expression:
 def read_expression(text: object, field: str, units: Units) -> Expression:
     """Check the grammar of an expression and its names.
 
-    Parameters
-    ----------
-    text : str
-        Numbers, quantities such as ``410 mm``, names, ``+ - * / ** ^`` and brackets.
-    field : str
-        Its name in messages.
-    units : mapping
-        Allowed names, with their SI units.
+    Numbers, quantities such as ``410 mm``, ``+ - * / ** ^``, brackets.
 
-    Raises
-    ------
-    InputError
-        If it is not such a text or contains an unknown name.
+    `units` has the allowed names, with their SI units. `InputError` for another text or an unknown
+    name.
     """
     if is_number(text):
         text = quoted(text)
@@ -115,12 +96,7 @@ def read_expression(text: object, field: str, units: Units) -> Expression:
 
 
 def check_length(text: str, field: str) -> None:
-    """Refuse a text that is too long for an expression.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a text that is too long for an expression (`InputError`)."""
     if len(text) > LONGEST_EXPRESSION:
         raise InputError(
             f"{field}: given {text!r}, of {len(text)} characters; allowed are {LONGEST_EXPRESSION}, because "
@@ -129,12 +105,7 @@ def check_length(text: str, field: str) -> None:
 
 
 def _check_powers(tokens: list[tuple[str, str]], text: str, field: str) -> None:
-    """Refuse powers of powers, powers of units that are not numbers, and exponents that are too large.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse powers of powers, powers of units that are not numbers, and exponents that are too large."""
     powers = 1.0
     for place, (kind, token) in enumerate(tokens):
         if kind != "sign" or token not in POWERS:
@@ -160,15 +131,15 @@ def _check_powers(tokens: list[tuple[str, str]], text: str, field: str) -> None:
 def _tokens(text: str, field: str) -> list[tuple[str, str]]:
     tokens, place = [], 0
     while place < len(text):
-        found = TOKEN.match(text, place)
-        if found is None:
+        token = TOKEN.match(text, place)
+        if token is None:
             raise InputError(
                 f"{field}: given {text!r}, with {text[place]!r} in it; allowed are numbers with a "
                 "decimal point, units, names, + - * / ** and brackets."
             )
-        if found.lastgroup != "space":
-            tokens.append((str(found.lastgroup), found[0]))
-        place = found.end()
+        if token.lastgroup != "space":
+            tokens.append((str(token.lastgroup), token[0]))
+        place = token.end()
     return tokens
 
 
@@ -208,36 +179,18 @@ def _unknown_name(token: str, text: str, field: str, units: Units) -> InputError
 def evaluate_expression(
     expression: Expression, values: Values, units: Units, unit: str
 ) -> NDArray[np.float64]:
-    """Evaluate an expression.
+    """Evaluate an expression at values () or (n,) [SI]; not finite where it has no value.
 
-    Parameters
-    ----------
-    expression : Expression
-    values : mapping
-        Name to () or (n,) values [SI].
-    units : mapping
-        Name to SI unit.
-    unit : str
-        SI unit of the result; "" for a pure number.
-
-    Returns
-    -------
-    ndarray
-        () or (n,) [SI]; not finite where the expression has no value.
-
-    Raises
-    ------
-    InputError
-        If the result is not of that unit.
+    `unit` is the SI unit of the result, "" for a pure number; `InputError` if it is of another one.
     """
-    found = calculated(expression, values, units)
+    quantity = calculated(expression, values, units)
     wanted = unit_registry().Quantity(1.0, unit)
-    if not same_kind(found, wanted):
+    if not same_kind(quantity, wanted):
         raise InputError(
-            f"{expression.field}: given {expression.text!r}, which is {kind_of(found)}; allowed is "
+            f"{expression.field}: given {expression.text!r}, which is {kind_of(quantity)}; allowed is "
             f"{kind_of(wanted)}."
         )
-    return np.asarray(found.to(unit).magnitude, dtype=np.float64)
+    return np.asarray(quantity.to(unit).magnitude, dtype=np.float64)
 
 
 def calculated(expression: Expression, values: Values, units: Units) -> Any:
@@ -251,9 +204,11 @@ def calculated(expression: Expression, values: Values, units: Units) -> Any:
     }
     try:
         with np.errstate(all="ignore"):
-            found = registry.Quantity(registry.parse_expression(expression.prepared, **quantities))
-        if not np.iscomplexobj(found.magnitude):
-            return found
+            quantity = registry.Quantity(
+                registry.parse_expression(expression.prepared, **quantities)
+            )
+        if not np.iscomplexobj(quantity.magnitude):
+            return quantity
         reason = "it takes a root of a negative number"
     except ZeroDivisionError:
         reason = "it divides by zero"
@@ -293,13 +248,7 @@ def shown_unit(quantity: Any) -> str:
 
 
 def evaluation_order(relations: Mapping[str, Expression]) -> tuple[str, ...]:
-    """Order the relations so that each uses only preceding ones.
-
-    Raises
-    ------
-    InputError
-        If they are circular.
-    """
+    """Order the relations so that each uses only preceding ones; `InputError` if they are circular."""
     graph = {
         name: sorted(set(expression.names) & set(relations))
         for name, expression in sorted(relations.items())
@@ -349,13 +298,7 @@ class Constraint:
 
 
 def read_constraint(text: object, field: str, units: Units) -> Constraint:
-    """Check the grammar of a constraint and that its sides are of one kind.
-
-    Raises
-    ------
-    InputError
-        If it is not a comparison by <, <=, > or >=, or compares quantities of different kinds.
-    """
+    """Check the grammar of a constraint (<, <=, >, >=), and that its sides are of one kind (`InputError`)."""
     if isinstance(text, str):
         check_length(text, field)
     pieces = COMPARISON.split(text) if isinstance(text, str) else []
@@ -385,8 +328,8 @@ def constraint_violations(
 
     Sides that differ by less than one part in 1e9 count as equal.
     """
-    unit, found = _sides(constraint, values, units)
-    sides = np.array([np.broadcast_to(side, (count,)) for side in found], dtype=float)
+    unit, both = _sides(constraint, values, units)
+    sides = np.array([np.broadcast_to(side, (count,)) for side in both], dtype=float)
     reasons: list[str | None] = [None] * count
     for sign, left, right in zip(constraint.signs, sides[:-1], sides[1:], strict=True):
         kept = holds(sign, left, right)
@@ -414,9 +357,9 @@ def constraint_excess(constraint: Constraint, values: Values, units: Units) -> N
 
 def _sides(constraint: Constraint, values: Values, units: Units) -> tuple[str, list[Any]]:
     """Return the unit in which to compare, and the sides in it."""
-    found = [calculated(side, values, units) for side in constraint.sides]
-    unit = shown_unit(found[0])
-    return unit, [side.to(unit).magnitude for side in found]
+    sides = [calculated(side, values, units) for side in constraint.sides]
+    unit = shown_unit(sides[0])
+    return unit, [side.to(unit).magnitude for side in sides]
 
 
 def holds(sign: str, left: Any, right: Any) -> NDArray[np.bool_]:
@@ -436,18 +379,9 @@ Compiled = Callable[[Known], Any]
 
 
 def compile_expression(expression: Expression) -> Compiled:
-    """Compile a checked expression.
+    """Compile a checked expression: floats or arrays [SI] by name to the value [SI]; not finite if undefined.
 
-    Parameters
-    ----------
-    expression : Expression
-        From `read_expression`, its units checked.
-
-    Returns
-    -------
-    callable
-        Floats or arrays [SI] by name to the value [SI]; not finite if undefined. For arrays
-        numpy's warnings are the caller's.
+    For arrays numpy's warnings are the caller's.
     """
     from pint.pint_eval import build_eval_tree, tokenizer
 
@@ -468,10 +402,10 @@ def compile_expression(expression: Expression) -> Compiled:
 
     def value(known: Known) -> Any:
         try:
-            found = evaluate(known)
+            result = evaluate(known)
         except ArithmeticError:
             return math.nan
-        return math.nan if isinstance(found, complex) else found
+        return math.nan if isinstance(result, complex) else result
 
     return value
 
@@ -481,9 +415,9 @@ def compile_constraint(constraint: Constraint) -> Compiled:
     sides = [compile_expression(side) for side in constraint.sides]
 
     def test(known: Known) -> Any:
-        found = [side(known) for side in sides]
+        both = [side(known) for side in sides]
         kept: Any = True
-        for sign, left, right in zip(constraint.signs, found, found[1:], strict=False):
+        for sign, left, right in zip(constraint.signs, both, both[1:], strict=False):
             kept = kept & _compared(sign, left, right)
         return kept
 

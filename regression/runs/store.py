@@ -185,16 +185,10 @@ class ResultStore:
             )
 
     def record(self, outcome: Outcome, model_version: int | None = None) -> None:
-        """Store the outcome of one design; on disk on return.
+        """Store the outcome of one design and the version of the model behind it; on disk on return.
 
-        It replaces an earlier one, but a failure or loss never replaces a result: another
-        program that uses the same store may have finished the design meanwhile.
-
-        Parameters
-        ----------
-        outcome : Outcome
-        model_version : int, optional
-            Version of the model behind it.
+        It replaces an earlier one, but a failure or loss never replaces a result: another program that
+        uses the same store may have finished the design meanwhile.
         """
         row = design_values(outcome, model_version)
         columns = (*RECORDED, CHECKSUM)
@@ -377,12 +371,7 @@ IN_USE, BYTES = 0, 2**60
 
 
 class Claims:
-    """Claims of this program on the designs of a store, until they are released or the program ends.
-
-    Parameters
-    ----------
-    store : Path
-    """
+    """Claims of this program on the designs of a store, until they are released or the program ends."""
 
     def __init__(self, store: Path) -> None:
         self._path = Path(f"{store}-claims")

@@ -23,17 +23,10 @@ from regression.runs.study import is_list_sound, registered_designs
 
 @dataclass(frozen=True)
 class StudyCheck:
-    """One study of a store.
+    """One study of a store, by its key, with the damage of its plan or list of designs ("" if none).
 
-    Attributes
-    ----------
-    study : str
-        Its key.
-    damaged : str
-        Damage of its plan or its list of designs; empty if none.
-    designs, missing : int or None
-        Number of its designs, and of those without a result; None if the plan is damaged, or of another
-        version of the finite element model.
+    `designs` counts its designs, `missing` those without a result; None if the plan is damaged, or of
+    another version of the finite element model.
     """
 
     study: str
@@ -48,7 +41,6 @@ class StoreCheck:
 
     Attributes
     ----------
-    path : Path
     file : str
         Why the file is unreliable; empty if SQLite finds it sound.
     status : dict
@@ -57,7 +49,6 @@ class StoreCheck:
         Design, or position of an imported row, to the fault of its row.
     without_checksums : bool
         Whether the store is of a release whose rows have no checksums.
-    studies : tuple of StudyCheck
     """
 
     path: Path
@@ -80,12 +71,6 @@ class StoreCheck:
 
 def check_store(path: str | Path) -> StoreCheck:
     """Check a result store: SQLite's integrity check, every row's checksum, every study's plan.
-
-    Nothing is changed.
-
-    Parameters
-    ----------
-    path : path
 
     Raises
     ------

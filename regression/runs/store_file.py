@@ -9,7 +9,7 @@ from pathlib import Path
 import psutil
 
 from crankbase.errors import InputError
-from crankbase.wrong_files import not_a_file
+from crankbase.input_file import not_a_file
 from fem.responses import RESPONSES
 from regression.runs.store_rows import (
     CHECKSUM,

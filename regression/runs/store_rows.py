@@ -11,7 +11,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from regression.records import ExtraRow, Outcome
 
 # What is recorded of a design, and of a row from elsewhere beside the study that it was imported into.

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.calls import GIGABYTE, Limits
-from crankbase.checks.scalars import is_whole_within
+from crankbase.checks.choices import is_whole_within
 from crankbase.errors import InputError
+from crankbase.input_file import not_a_file
 from crankbase.memory import check_memory, free_memory
-from crankbase.wrong_files import not_a_file
-from fem.accuracy import predicted_unknowns
-from fem.memory import solving_memory
-from geometry.mesh_checks import MESHING_MEMORY
+from fem.analysis import predicted_unknowns, solving_memory
+from geometry.mesh import MESHING_MEMORY
 from geometry.mesher import expected_unknowns
 from geometry.throw import CrankThrow
 from regression.plans.plan import (
@@ -59,12 +58,7 @@ def worker_memory(designs: Sequence[Mapping[str, Any]]) -> float:
 
 
 def check_study_memory(designs: Sequence[Mapping[str, Any]], workers: int) -> None:
-    """Refuse workers that would need more memory together than is free.
-
-    Raises
-    ------
-    NotEnoughMemoryError
-    """
+    """Refuse workers that would need more memory together than is free (`NotEnoughMemoryError`)."""
     if not designs:
         return
     working = min(workers, len(designs))
@@ -80,12 +74,7 @@ def check_study_memory(designs: Sequence[Mapping[str, Any]], workers: int) -> No
 def add_runs(plan: StudyPlan, store: str | Path, values: NDArray[np.float64]) -> None:
     """Add runs to those of a study in the store; the next run computes them.
 
-    Parameters
-    ----------
-    plan : StudyPlan
-    store : path
-    values : (n, k) ndarray
-        Of the factors [SI]; of a choice the label's index. Throws can be built of them.
+    `values` (n, k) are of the factors [SI], of a choice the label's index; throws can be built of them.
     """
     listed = [_as_listed(plan, design) for design in _added(plan, values)]
     with ResultStore(store) as results:
@@ -112,9 +101,9 @@ def _added(plan: StudyPlan, values: NDArray[np.float64]) -> list[PlannedDesign]:
 def with_added(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
     """Return a plan's designs, and behind them those that were added in the store."""
     rows = [
-        found
+        settings
         for shown in results.added_designs(plan.key)
-        if (found := _values(plan, shown)) is not None
+        if (settings := _values(plan, shown)) is not None
     ]
     added = _added(plan, np.array(rows).reshape(-1, len(plan.factors)))
     return replace(plan.planned, designs=(*plan.planned.designs, *added))
@@ -142,8 +131,8 @@ def _as_listed(
 
 def register_designs(results: ResultStore, plan: StudyPlan, planned: PlannedStudy) -> None:
     """Record the designs of a study."""
-    own = [_as_listed(plan, design) for design in planned.designs if not design.added]
-    results.register_study(plan.key, plan.as_record(), own)
+    listed = [_as_listed(plan, design) for design in planned.designs if not design.added]
+    results.register_study(plan.key, plan.as_record(), listed)
 
 
 def is_design(plan: StudyPlan, key: str, shown: Mapping[str, Any]) -> bool:
@@ -205,12 +194,7 @@ CORRECTED_SINCE = 5
 
 
 def check_workers(workers: int) -> None:
-    """Refuse an impossible number of worker processes.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an impossible number of worker processes (`InputError`)."""
     if not is_whole_within(workers, 1, 256):
         raise InputError(
             f"workers: given {workers!r}; allowed is 1 to 256 processes, as a whole number."
@@ -232,7 +216,6 @@ def run_plan(
 
     Parameters
     ----------
-    plan : StudyPlan
     store : path
         SQLite file. Finished designs are not computed again; each new one is on disk as
         soon as it arrives, so an interrupted study continues where it stopped.
@@ -265,9 +248,9 @@ def run_plan(
         from regression.runs.cluster import check_address
 
         check_address(dask)
-    own = plan.planned  # a study that cannot be planned leaves no store behind
+    drawn = plan.planned  # a study that cannot be planned leaves no store behind
     with ResultStore(store) as results, Claims(results.path) as claims:
-        register_designs(results, plan, own)
+        register_designs(results, plan, drawn)
         planned = with_added(results, plan)
         unique = {design.key: design.inputs for design in planned.designs}
         known = {k: found for k, found in results.outcomes(unique).items() if not found.lost}
@@ -360,11 +343,7 @@ def current_plans(store: str | Path) -> tuple[StudyPlan, ...]:
 def read_study(store: str | Path, study: str | None = None) -> StudyTable:
     """Read a study's results from its store without computing anything.
 
-    Parameters
-    ----------
-    store : path
-    study : str, optional
-        Its key or the first characters of it; required only if the store has several studies.
+    The study's key, or the first characters of it, is required only if the store has several.
 
     Raises
     ------
@@ -401,11 +380,11 @@ def _study_choice_text(
     results: ResultStore, study: str | None, plans: Mapping[str, Mapping[str, Any]]
 ) -> InputError:
     """List the studies of a store, so that one of them can be named."""
-    given = "none named" if study is None else f"given {study!r}"
+    chosen = "none named" if study is None else f"given {study!r}"
     usable = {k: p for k, p in plans.items() if p.get("model_version") == MODEL_VERSION}
     if not usable:
         return InputError(
-            f"study: {given}; {results.path} holds no study yet; allowed is a store in which one was run."
+            f"study: {chosen}; {results.path} holds no study yet; allowed is a store in which one was run."
         )
     digits = next(n for n in range(6, 25) if len({key[:n] for key in usable}) == len(usable))
     listed = "; ".join(
@@ -414,7 +393,7 @@ def _study_choice_text(
     )
     number = "1 study" if len(usable) == 1 else f"{len(usable)} studies"
     return InputError(
-        f"study: {given}; {results.path} holds {number}: {listed}; name one of them by the first "
+        f"study: {chosen}; {results.path} holds {number}: {listed}; name one of them by the first "
         "characters of its key."
     )
 
@@ -458,23 +437,12 @@ class ImportSummary:
 def import_results(
     plan: StudyPlan, store: str | Path, file: str | Path, *, alone: bool = False
 ) -> ImportSummary:
-    """Import earlier results or measured values into a study.
+    """Import earlier results or measured values into the store of a study.
 
-    Parameters
-    ----------
-    plan : StudyPlan
-    store : path
-        The study's store.
-    file : path
-        A CSV table, or the store of another study. Designs of that store that are exactly the
-        study's own count as computed; its other designs, and the rows of a table, are kept as separate
-        rows that never replace a result of the study.
-    alone : bool
-        Whether the study will not compute its designs; see `read_rows`.
-
-    Returns
-    -------
-    ImportSummary
+    The file is a CSV table, or the store of another study. Designs of that store that are exactly the
+    study's own count as computed; its other designs, and the rows of a table, are kept as separate rows
+    that never replace a result of the study. `alone`: whether the study will not compute its designs;
+    see `read_rows`.
 
     Raises
     ------
@@ -487,22 +455,22 @@ def import_results(
     if not path.is_file():
         raise InputError(f"import: given {str(path)!r}; there is no such file.")
     planned = known_designs(store, plan)
-    found, damaged = StoreResults((), (), 0), ""
+    imported, damaged = StoreResults((), (), 0), ""
     if is_database(path):
         with ResultStore(path, readonly=True) as other:
-            found = read_store(other, plan, {design.key for design in planned.designs})
+            imported = read_store(other, plan, {design.key for design in planned.designs})
             damaged = damaged_rows_warning(other.damaged, path) if other.damaged else ""
     else:
-        found = replace(found, rows=read_rows(path, plan, alone=alone))
+        imported = replace(imported, rows=read_rows(path, plan, alone=alone))
     with ResultStore(store) as results:
         register_designs(results, plan, planned)
-        known = results.outcomes(one.key for one in found.finished)
-        new = [one for one in found.finished if one.key not in known or known[one.key].lost]
+        known = results.outcomes(one.key for one in imported.finished)
+        new = [one for one in imported.finished if one.key not in known or known[one.key].lost]
         for outcome in new:
             results.record(outcome, MODEL_VERSION)
-        coinciding = _coinciding(results, planned, found.rows, alone)
-        added = results.add_extra_rows(plan.key, found.rows)
-        return ImportSummary(len(new), added, found.left_out, coinciding, damaged)
+        coinciding = _coinciding(results, planned, imported.rows, alone)
+        added = results.add_extra_rows(plan.key, imported.rows)
+        return ImportSummary(len(new), added, imported.left_out, coinciding, damaged)
 
 
 def _coinciding(
@@ -510,12 +478,12 @@ def _coinciding(
 ) -> int:
     """Count the computed rows at which the study has, or without `alone` will have, its own result."""
     outcomes = results.outcomes(design.key for design in planned.designs)
-    status = {key: found.status for key, found in outcomes.items()}
+    status = {key: outcome.status for key, outcome in outcomes.items()}
     others = {"failed", "lost", None} if alone else {"failed"}
-    own = np.array([d.values for d in planned.designs if status.get(d.key) not in others])
-    own = own.reshape(-1, len(planned.plan.factors))
+    points = np.array([d.values for d in planned.designs if status.get(d.key) not in others])
+    points = points.reshape(-1, len(planned.plan.factors))
     return sum(
-        bool(np.isclose(own, row.values, rtol=SAME, atol=0.0).all(axis=1).any())
+        bool(np.isclose(points, row.values, rtol=SAME, atol=0.0).all(axis=1).any())
         for row in rows
         if row.role != MEASURED and row.values is not None
     )

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import display_unit, legend_inside, write_title
+from crankbase.diagrams import display_unit, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.model import field_extra
 from crankbase.summaries import summarized
@@ -17,7 +16,7 @@ from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedDesign, StudyPlan
-from regression.plots.equations import draw_runs, factor_size, label_factor_axis, response_text
+from regression.plots import draw_runs, factor_size, label_factor_axis, response_text
 from regression.records import HELD_OUT, MEASURED, ExtraRow, Outcome
 from regression.throw_values import same_dimension
 
@@ -46,8 +45,6 @@ class StudyRow:
         Numbers [SI] and text values of the throw's own fields.
     responses, errors : mapping
         By response name: SI value, estimated relative error.
-    seconds : float
-    unknowns : int or None
     reason : str
         Why there is no result.
     source : str
@@ -74,7 +71,6 @@ class StudyTable:
 
     Attributes
     ----------
-    plan : StudyPlan
     values : (n, k) array
         Factor values [SI] of the designs that have a result, imported ones included; for a choice the
         index of its label.
@@ -137,10 +133,6 @@ class StudyTable:
         factor : str, optional
             The first by default.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError
@@ -189,14 +181,14 @@ class StudyTable:
         return table(columns | {"seconds": (self.seconds, "s")})
 
 
-def _one_of(argument: str, given: str | None, names: list[str]) -> str:
+def _one_of(argument: str, chosen: str | None, names: list[str]) -> str:
     """Return the given name, or the first one."""
-    if not names or (given is not None and given not in names):
+    if not names or (chosen is not None and chosen not in names):
         raise InputError(
-            f"{argument}: given {given!r}; allowed are {', '.join(names) or 'none'}, because the study "
+            f"{argument}: given {chosen!r}; allowed are {', '.join(names) or 'none'}, because the study "
             "has these."
         )
-    return names[0] if given is None else given
+    return names[0] if chosen is None else chosen
 
 
 def _cells(factor: Factor, values: Array) -> tuple[Any, str]:
@@ -207,13 +199,7 @@ def _cells(factor: Factor, values: Array) -> tuple[Any, str]:
 
 
 def throw_dimensions(throw: Mapping[str, Any]) -> dict[str, float]:
-    """Return the numbers among a throw's own fields, by name; missing fields are left out.
-
-    Parameters
-    ----------
-    throw : mapping
-        Fields of a `CrankThrow` as JSON content.
-    """
+    """Numbers among a throw's own fields (JSON content), by name; missing fields are left out."""
     return {
         name: float(throw[name])
         for name, info in CrankThrow.model_fields.items()
@@ -237,28 +223,17 @@ def study_table(
     computed: int = 0,
     damaged: Mapping[str, str] | None = None,
 ) -> StudyTable:
-    """Combine a study's designs and the rows imported into it.
+    """Combine a study's designs with their outcomes by key, and the rows imported into it.
 
-    Parameters
-    ----------
-    plan : StudyPlan
-    designs : sequence of PlannedDesign
-    outcomes : mapping
-        Outcomes by design key.
-    extra : iterable of ExtraRow
-        A computed row at the same values as a design with a result is left out: the study's own
-        result has priority. So is one at the same values as an earlier row: the fit must not be assessed
-        by data used in it.
-    excluded : sequence of ExcludedDesign
-    computed : int
-        Designs computed now.
-    damaged : mapping, optional
-        Faults of skipped rows of the store, by design key or position.
+    An extra row at the same values as a design with a result is left out: the study's own result has
+    priority. So is one at the same values as an earlier row: the fit must not be assessed by data used
+    in it. `computed` designs are of now; `damaged` has the faults of skipped rows of the store, by
+    design key or position.
     """
     damaged = dict(damaged or {})
     extra = tuple(extra)
-    own = [_own_row(design, outcomes.get(design.key), damaged) for design in designs]
-    taken = [row.values for row in own if row.status == DONE]
+    computed_rows = [_own_row(design, outcomes.get(design.key), damaged) for design in designs]
+    taken = [row.values for row in computed_rows if row.status == DONE]
     imported = []
     for row in extra:
         if row.role != MEASURED:
@@ -266,7 +241,7 @@ def study_table(
                 continue
             taken.append(row.values)
         imported.append(StudyRow(status=DONE, **vars(row)))
-    rows = (*own, *imported)
+    rows = (*computed_rows, *imported)
     good = [row for row in rows if row.status == DONE and row.role != MEASURED]
     return StudyTable(
         plan=plan,
@@ -279,7 +254,9 @@ def study_table(
         dimensions=_columns([row.dimensions for row in good]),
         outlines=_words([row.outlines for row in good]),
         seconds=np.array([row.seconds for row in good], dtype=float),
-        failures=tuple((row.role, row.values or (), row.reason) for row in own if row.reason),
+        failures=tuple(
+            (row.role, row.values or (), row.reason) for row in computed_rows if row.reason
+        ),
         excluded=tuple(excluded),
         computed=computed,
         added=sum(design.added for design in designs),
@@ -311,11 +288,11 @@ def _own_row(
     )
 
 
-def _equal(one: tuple[float, ...] | None, other: tuple[float, ...] | None) -> bool:
+def _equal(first: tuple[float, ...] | None, other: tuple[float, ...] | None) -> bool:
     return (
-        one is not None
+        first is not None
         and other is not None
-        and all(same_dimension(a, b) for a, b in zip(one, other, strict=True))
+        and all(same_dimension(a, b) for a, b in zip(first, other, strict=True))
     )
 
 

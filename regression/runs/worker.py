@@ -18,17 +18,7 @@ PARDISO_MACHINE = (-2, -9, -10, -11)
 
 
 def evaluate_design(inputs: dict[str, Any]) -> ThrowResponses:
-    """Compute the responses of one design.
-
-    Parameters
-    ----------
-    inputs : dict
-        ``throw`` and ``material`` as field: SI value, ``accuracy``, ``stresses``.
-
-    Returns
-    -------
-    ThrowResponses
-    """
+    """Compute the responses of a design: fields of throw and material [SI], accuracy, stresses."""
     return evaluate_throw(
         CrankThrow(**inputs["throw"]),
         Material(**inputs["material"]),
@@ -69,11 +59,11 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
     start = time.perf_counter()
     made: dict[str, Any]
     try:
-        found = evaluate_design(request["inputs"])
+        evaluated = evaluate_design(request["inputs"])
         made = {
-            "responses": _numbers_only(found.values),
-            "errors": _numbers_only(found.errors, "the error of "),
-            "unknowns": found.unknowns,
+            "responses": _numbers_only(evaluated.values),
+            "errors": _numbers_only(evaluated.errors, "the error of "),
+            "unknowns": evaluated.unknowns,
         }
     except Exception as error:  # the design fails, with its reason; the worker goes on
         kind = "lost" if _of_the_machine(error) else "reason"

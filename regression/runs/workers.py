@@ -22,7 +22,7 @@ from crankbase.calls import (
     ProcessLostError,
     answered,
 )
-from crankbase.checks.scalars import is_number
+from crankbase.checks.choices import is_number
 from crankbase.errors import InputError
 from crankbase.processes import start_child
 from regression.records import Outcome
@@ -72,27 +72,16 @@ SMALLEST_MEMORY = 0.5 * GIGABYTE
 def design_limits(
     accuracy: float, time_limit: float | None = None, memory_limit: float | None = None
 ) -> Limits:
-    """Make the limits of a study's designs.
+    """Limits [s], [byte] of a study's designs; a finer mesh has a longer default.
 
-    Parameters
-    ----------
-    accuracy : float
-        Of the study: a finer mesh has a longer limit.
-    time_limit : float, optional
-        Seconds.
-    memory_limit : float, optional
-        Bytes.
-
-    Raises
-    ------
-    InputError
+    `InputError` if impossible.
     """
-    for name, given, kind in (
+    for name, limit, kind in (
         ("time_limit", time_limit, "seconds, like 300"),
         ("memory_limit", memory_limit, "bytes, like 4e9"),
     ):
-        if given is not None and not is_number(given):
-            raise InputError(f"{name}: given {given!r}; allowed is a finite number of {kind}.")
+        if limit is not None and not is_number(limit):
+            raise InputError(f"{name}: given {limit!r}; allowed is a finite number of {kind}.")
     if time_limit is not None and time_limit <= 0.0:
         raise InputError(
             f"time_limit: given {time_limit:g} s; allowed is a positive time, because every "
@@ -109,13 +98,7 @@ def design_limits(
 
 
 class SupervisedProcess(CallProcess):
-    """A worker process that computes one design after another, until it is lost or ended.
-
-    Parameters
-    ----------
-    messages : SimpleQueue, optional
-        As for `CallProcess`.
-    """
+    """A worker process that computes one design after another, until it is lost or ended."""
 
     def __init__(self, messages: Messages | None = None) -> None:
         super().__init__(spawn_worker(), "the worker process", messages)
@@ -140,7 +123,7 @@ def spawn_worker(folder: Path | None = None) -> subprocess.Popen[bytes]:
     """Start a worker process in a folder; with one thread, so that no result depends on the machine."""
     return start_child(
         "crankbase.calls",
-        "geometry.built_solid:keep_solids",
+        "geometry.mesh:keep_solids",
         environment=ONE_THREAD | KEPT_MEMORY,
         cwd=folder,
         stdin=subprocess.PIPE,
@@ -158,14 +141,7 @@ TRIES = 2
 
 
 class WorkQueue:
-    """Designs to compute, handed out one by one.
-
-    Parameters
-    ----------
-    designs : iterable of (key, inputs)
-    claim : callable, optional
-        Called with a key before its design is assigned; by default every design is.
-    """
+    """Designs (key, inputs) to compute, handed out one by one, if `claim` of their key permits."""
 
     def __init__(
         self, designs: Iterable[tuple[str, Mapping[str, Any]]], claim: Claim | None = None
@@ -212,8 +188,8 @@ class WorkQueue:
             key, responses=None, reason=reason, seconds=seconds, lost=True, worker=worker
         )
 
-    def _outcome(self, key: str, **found: Any) -> Outcome:
-        return Outcome(key=key, inputs=self._inputs[key], attempts=self._tries[key], **found)
+    def _outcome(self, key: str, **results: Any) -> Outcome:
+        return Outcome(key=key, inputs=self._inputs[key], attempts=self._tries[key], **results)
 
 
 def run_designs(
@@ -223,26 +199,12 @@ def run_designs(
     limits: Limits | None = None,
     claim: Claim | None = None,
 ) -> None:
-    """Compute designs in worker processes.
+    """Compute designs (key, inputs) in worker processes; each outcome is given to `on_outcome` as it arrives.
 
-    Parameters
-    ----------
-    designs : iterable of (key, inputs)
-        Designs to compute.
-    on_outcome : callable
-        Called in this process with each outcome as it arrives.
-    workers : int
-        Number of processes.
-    limits : Limits, optional
-        Limits of one design.
-    claim : callable, optional
-        As for `WorkQueue`: designs of other programs are waited for.
-
-    Notes
-    -----
     A design whose worker dies, hangs or uses too much memory is tried once more in a fresh process,
-    then recorded as lost, for a later run to try again. On an exception here (Ctrl-C included) all
-    workers are ended; results that arrived are kept, since Ctrl-C is delayed while one is stored.
+    then recorded as lost, for a later run to try again. Designs that `claim` leaves to other programs
+    are waited for. On an exception here (Ctrl-C included) all workers are ended; results that arrived
+    are kept, since Ctrl-C is delayed while one is stored.
     """
     limits = limits or Limits(TIME_LIMIT)
     work = WorkQueue(designs, claim)

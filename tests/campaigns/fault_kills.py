@@ -17,7 +17,7 @@ from fault_tools import Bench, Ended, Finding, await_end, kill, lost_rows, rows,
 from study_tools import THROW, environment
 
 from crankbase.errors import MeshError
-from geometry.isolated import IsolatedProcess
+from geometry.gmsh_session import IsolatedProcess
 from geometry.mesher import mesh_isolated
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -50,10 +50,11 @@ WHOLE_RUNS = ["6chn25-34", "yamz-5340", "8chn13-14", "8chn26-26"]
 COUPLED = ["6chn25-34", "vw-tdi"]
 # What differs from run to run: clocks, sizes of files, versions, folders.
 PASSING = re.compile(
-    r"(seconds|elapsed|duration|started|finished|created|written|version|date|host|folder|path|memory|processes)"
+    r"(seconds|elapsed|duration|started|finished|created|written|version|date|host|folder|path|memory|processes|sha256)"
 )
 PASSING_TEXT = re.compile(
     r"\d+(\.\d+)? ?(s|ms|min|MB|KiB|MiB)\b|\d{4}-\d\d-\d\d[T ]?[\d:.+Z]*|/[\w./-]+|\d+\.\d+\.\d+\w*"
+    r"|\d{1,2} [A-Z][a-z]+ \d{4}, \d\d:\d\d UTC"
 )
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?(?![\w])")
 
@@ -140,7 +141,7 @@ def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
         for place, part in enumerate(value):
             yield from leaves(part, f"{key}[{place}]")
     else:
-        yield key, value
+        yield key, PASSING_TEXT.sub("", value) if isinstance(value, str) else value
 
 
 def text_leaves(text: str) -> Iterator[tuple[str, Any]]:

@@ -14,10 +14,8 @@ from random_throws import random_throw
 from study_tools import environment, said
 
 from crankfem.files.engine.engine_file import load_engine
-from fem.accuracy import predicted_unknowns
-from fem.analysis import analyze_throw
+from fem.analysis import analyze_throw, predicted_unknowns, solving_memory
 from fem.fillet_stress import fillet_stresses
-from fem.memory import solving_memory
 from geometry.mesher import Throw
 
 ALLOWED = 0.30

@@ -19,13 +19,13 @@ from unittest import mock
 from hypothesis import strategies as st
 
 import crankbase.processes
-import crankfem.service.server
-import geometry.isolated
+import crankfem.service.app
+import geometry.gmsh_session
 from crankbase.errors import MeshError, with_short_quotes
 from crankfem.cli import app as cli
 from crankfem.service import tasks
 from crankfem.service.app import make_app
-from crankfem.service.bounds import Bounds, Settings
+from crankfem.service.guard import Bounds, Settings
 from strategies.files import NUMBERS, ROOT, UNITS, WORDS, changed_json, json_texts, texts_of
 from strategies.outcomes import (
     ACCEPTED,
@@ -57,9 +57,9 @@ def nothing_started() -> Iterator[None]:
         return getattr(tasks, name)(*arguments) if module == tasks.__name__ else _no_process()
 
     with contextlib.ExitStack() as put:
-        put.enter_context(mock.patch.object(geometry.isolated.IsolatedProcess, "call", call))
+        put.enter_context(mock.patch.object(geometry.gmsh_session.IsolatedProcess, "call", call))
         put.enter_context(mock.patch.object(crankbase.processes.subprocess, "Popen", _no_process))
-        put.enter_context(mock.patch.object(crankfem.service.server, "serve"))
+        put.enter_context(mock.patch.object(crankfem.service.app, "serve"))
         yield
 
 

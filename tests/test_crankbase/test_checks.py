@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.checks.choices import allowed_names, did_you_mean
-from crankbase.checks.scalars import (
+from crankbase.checks.choices import (
+    allowed_names,
+    did_you_mean,
     is_number,
     is_whole,
     is_whole_within,
@@ -183,20 +184,6 @@ def test_derived_dimensions(dimensions):
     throw = CrankThrow(**dimensions)
     assert throw.length == close(0.395, rel=1e-14)
     assert throw.overlap == close(0.030, rel=1e-12)
-
-
-def test_a_changed_throw_is_checked_like_a_new_one(dimensions):
-    throw = CrankThrow(**dimensions)
-    wider = throw.changed(web_width=0.310, counterweight={"outer_radius": 0.3, "angle": 1.9})
-    assert (wider.web_width, wider.counterweight.angle) == (0.310, 1.9)
-    assert wider.changed(web_width=0.300, counterweight=None) == throw
-    assert throw.changed() == throw
-    assert "throw.pin_diameter" in sentence(lambda: throw.changed(pin_diameter=0.5))
-    assert "did you mean web_width?" in sentence(lambda: throw.changed(web_widht=0.3))
-    assert "did you mean web_width?" in sentence(
-        lambda: throw.model_copy(update={"web_widht": 0.3})
-    )
-    assert throw.model_copy() == throw
 
 
 def test_a_changed_record_keeps_what_was_given_alone(dimensions):

@@ -96,57 +96,6 @@ def clock(monkeypatch):
     return made
 
 
-def test_laps_of_one_name_add_up_in_the_order_first_met(clock):
-    watch = Stopwatch()
-    for name, seconds in (("mesh", 2), ("solve", 3), ("mesh", 4)):
-        with watch.lap(name):
-            clock.work(seconds)
-    clock.work(10)
-    assert watch.seconds == {"mesh": 6.0, "solve": 3.0}
-    assert list(watch.seconds) == ["mesh", "solve"]
-
-
-def test_a_lap_leaves_out_what_is_named_inside(clock):
-    watch = Stopwatch()
-    with watch.lap("outer"):
-        clock.work(1)
-        with watch.lap("inner"):
-            clock.work(2)
-            with watch.lap("innermost"):
-                clock.work(4)
-        clock.work(8)
-        watch.add({"elsewhere": 3.0})
-    assert watch.seconds == {"outer": 6.0, "inner": 2.0, "innermost": 4.0, "elsewhere": 3.0}
-    assert next(iter(watch.seconds)) == "outer"
-
-
-def test_a_lap_that_fails_is_timed(clock):
-    watch = Stopwatch()
-
-    def fail():
-        with watch.lap("outer"):
-            clock.work(1)
-            with watch.lap("inner"):
-                clock.work(2)
-                raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        fail()
-    assert watch.seconds == {"outer": 1.0, "inner": 2.0}
-    with watch.lap("outer"):
-        clock.work(4)
-    assert watch.seconds == {"outer": 5.0, "inner": 2.0}
-
-
-def test_times_taken_elsewhere(clock):
-    watch = Stopwatch()
-    watch.add({"mesh": 1.5})
-    watch.add({"mesh": 1.0, "geometry": 0.5})
-    with watch.lap("mesh"):
-        clock.work(2)
-    assert watch.seconds == {"mesh": 4.5, "geometry": 0.5}
-
-
 def test_two_watches_are_apart(clock):
     one, other = Stopwatch(), Stopwatch()
     with one.lap("mesh"), other.lap("mesh"):

@@ -1,7 +1,6 @@
 """Quantities with units, angles, and numbers with separators."""
 
 import math
-import re
 from decimal import Decimal
 
 import numpy as np
@@ -11,7 +10,7 @@ from hypothesis import strategies as st
 
 import crankfem as cf
 from comparing import close
-from crankbase.checks.angles import checked_degrees, radians_of, refuse_crank_radians
+from crankbase.checks.arrays import checked_degrees, refuse_crank_radians
 from crankbase.errors import InputError
 from crankbase.units import quantity
 from crankbase.units.quantity import (
@@ -19,30 +18,9 @@ from crankbase.units.quantity import (
     TURNING,
     format_quantity,
     parse_quantity,
+    readings,
     unit_registry,
 )
-from crankbase.units.separators import readings
-
-
-@pytest.mark.parametrize(
-    ("text", "unit", "expected"),
-    [
-        ("170 mm", "m", 0.170),
-        ("170mm", "m", 0.170),
-        ("0.17 m", "m", 0.170),
-        ("1.7e-1 m", "m", 0.170),
-        ("-5 mm", "m", -0.005),
-        ("210 GPa", "Pa", 2.1e11),
-        ("120 deg", "rad", 2.0 * math.pi / 3.0),
-        ("7850 kg/m^3", "kg/m^3", 7850.0),
-        ("7.85 g/cm3", "kg/m^3", 7850.0),
-        ("1.2e5 N/m", "N/m", 1.2e5),
-        ("5 MN m/rad", "N m/rad", 5e6),
-        ("3 t", "kg", 3000.0),
-    ],
-)
-def test_units(text, unit, expected):
-    assert parse_quantity(text, unit, "field") == close(expected, rel=1e-14)
 
 
 def test_the_same_length_in_any_unit_is_the_same_number():
@@ -97,40 +75,6 @@ def test_bare_number_as_text_is_refused_with_what_to_write():
 
 
 @pytest.mark.parametrize(
-    ("given", "unit", "written"),
-    [
-        ("6000", "rad/s", "6000 1/min"),
-        (6000, "rad/s", "6000 1/min"),
-        # "1e-9 m/N" is a way to show, but no unit to be written.
-        (3e-9, "m/N", "3e-09 m/N"),
-        ("4e-8", "rad/(N m)", "4e-8 rad/(N m)"),
-    ],
-)
-def test_the_unit_to_be_written_is_one_that_is_read(given, unit, written):
-    with pytest.raises(InputError, match=re.escape(f'like "{written}".')):
-        parse_quantity(given, unit, "field")
-    assert parse_quantity(written, unit, "field") > 0.0
-
-
-@pytest.mark.parametrize(
-    ("text", "unit", "kind"),
-    [
-        ("170 kg", "m", "length"),
-        ("10 mm mm", "m", "length"),
-        ("20 degC", "m", "length"),
-        ("5 mm", "Pa", "pressure or modulus"),
-        ("5 mm", "rad", "angle"),
-        ("5 mm", "rad/s", "speed of rotation"),
-    ],
-)
-def test_wrong_kind(text, unit, kind):
-    with pytest.raises(InputError) as caught:
-        parse_quantity(text, unit, "field")
-    assert text in str(caught.value)
-    assert f"no {kind}" in str(caught.value)
-
-
-@pytest.mark.parametrize(
     "text",
     [
         "",
@@ -173,24 +117,6 @@ def test_pure_numbers_take_no_unit():
     for wrong in ("0.3", True, None, math.nan, math.inf):
         with pytest.raises(InputError, match=r"^field: given "):
             parse_quantity(wrong, "", "field")
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "shown"),
-    [
-        (0.170, "m", "170 mm"),
-        (0.0, "m", "0 mm"),
-        (2.1e11, "Pa", "210000 MPa"),
-        (math.pi / 2.0, "rad", "90 deg"),
-        (500.0 * math.pi / 30.0, "rad/s", "500 1/min"),
-        (1.281e-9, "m/N", "1.281e-9 m/N"),
-        (3.96e-8, "rad/(N m)", "39.6e-9 rad/(N m)"),
-        (0.3, "", "0.3"),
-        (3.0, "kg", "3 kg"),
-    ],
-)
-def test_show_quantity(value, unit, shown):
-    assert format_quantity(value, unit) == shown
 
 
 @given(st.floats(1e-3, 10.0))
@@ -322,23 +248,6 @@ def test_even_radians_over_a_turn_are_refused(length, count, closed):
         angles = begin + np.linspace(0.0, length, count, endpoint=closed)
         with pytest.raises(InputError, match=r"^angles_deg: .* radians; allowed are degrees"):
             checked_degrees("angles_deg", angles)
-
-
-@pytest.mark.parametrize(
-    "angles",
-    [
-        np.arange(0.0, 720.0, 1.0),
-        np.linspace(0.0, 12.5, 26),
-        np.linspace(0.0, 12.6, 127),
-        np.linspace(-6.0, 6.0, 121),
-        np.arange(0.0, 6.3, 0.1),
-        np.zeros(9),
-        [0.0, TURN],
-        [],
-    ],
-)
-def test_degrees_are_not_taken_for_radians(angles):
-    assert radians_of("angles_deg", angles) == close(np.radians(angles), abs=1e-15)
 
 
 # How a number is written: separator of thousands and decimal mark.

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.files.chain.chain_file import load_chain
-from crankfem.files.chain.chain_text import read_chain_text, write_chain_text
+from crankfem.files.chain.chain_file import load_chain, read_chain_text, write_chain_text
 from crankfem.files.reading.data_files import shipped_names
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.shaft_line import ShaftCone, shaft_cylinder, shaft_flange

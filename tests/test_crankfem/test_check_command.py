@@ -32,15 +32,14 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.engine_file import SECTIONS, load_engine
-from crankfem.files.engine.engine_template import FIRING_ORDERS, engine_template
+from crankfem.files.engine.file_kinds import FIRING_ORDERS, engine_template
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.engine.throw_file import load_throw_file
 from crankfem.files.engine.usual_sizes import SHARP
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_file import read_toml
-from crankfem.files.reading.toml_places import line_of, place_of
-from crankfem.jobs.run_inputs import read_inputs
+from crankfem.jobs.run_computation import read_inputs
 from strategies.engine_changes import WHOLE, changed_engines
 
 ENGINES = Path(__file__).resolve().parents[2] / "data" / "engines"
@@ -499,17 +498,6 @@ def test_other_files_are_named(tmp_path, content, said):
         (tmp_path / name).write_bytes(content)
         with pytest.raises(InputError, match=said):
             read_toml(tmp_path / name)
-
-
-def test_the_line_of_a_field_is_found():
-    text = '[a]\nx = "1"\n[[a.parts]]\nx = 2\n[[a.parts]]\nx = 3\n[a.inner]\nlist = [1, 2]\n'
-    found = {field: line_of(text, field) for field in ("a.x", "a.parts[1].x", "a.inner.list[1]")}
-    assert found == {"a.x": 2, "a.parts[1].x": 6, "a.inner.list[1]": 8}
-    assert line_of(text, "a.y") is None
-    assert place_of(text, "a.y") == "section [a], line 1"
-    assert place_of(text, "a.parts[1].y") == "section [a.parts[1]], line 5"
-    assert place_of(text, "b.y") is None
-    assert line_of(text, "The file") is None
 
 
 QUICK = tuple(path for path in WHOLE if path.stem in ("6chn18-22", "6chn18-22-set", "cat-3116"))

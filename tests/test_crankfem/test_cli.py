@@ -2,7 +2,6 @@ import json
 import math
 import re
 import shlex
-import sqlite3
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,14 +14,13 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError, SolveError
 from crankfem.cli import app as cli
-from crankfem.cli.angle_and_speed import parse_gamma
+from crankfem.cli.arguments import parse_gamma
 from crankfem.cli.commands import completion
 from crankfem.cli.console import RunProgress
 from crankfem.files.engine.engine_file import SECTIONS
-from crankfem.files.reading.data_files import input_path, shipped_names
+from crankfem.files.reading.data_files import shipped_names
 from crankfem.jobs.exit_codes import MEANINGS
 from fem.shaft import shaft_unknowns, solve_shaft
-from regression.models.compliance_model import ComplianceModel
 
 ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
 COMMANDS = sorted(typer.main.get_command(cli.app).commands)
@@ -136,8 +134,12 @@ def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     decision = {"status": status, "sentence": "give this"}
     judged = {"sentence": "The verdict.", "decision": decision}
     monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: None)
-    tables = ("vibration_tables.print_run", "run_tables.print_verdict")
-    for name in ("analyses.vibration.records.run_record", *(f"cli.tables.{one}" for one in tables)):
+    tables = "cli.tables.vibration_tables"
+    for name in (
+        "analyses.vibration.records.run_record",
+        f"{tables}.print_run",
+        f"{tables}.print_verdict",
+    ):
         made = {"assessment": judged}
         monkeypatch.setattr(f"crankfem.{name}", lambda *_, made=made, **__: made)
     answer = call("vibration", "6chn25-34", "--strict", option)
@@ -261,16 +263,6 @@ def test_a_missing_package_is_named_with_its_extra(call, monkeypatch, package, a
 # ------------------------------------------------------------------------------------- new, check
 
 
-@pytest.mark.parametrize("name", ["6chn25-34", "yamz-5340", "yamz-5340.toml"])
-def test_new_copies_a_shipped_engine(call, tmp_path, name):
-    answer = call("new", "mine.toml", "--from", name)
-    assert answer.code == 0
-    assert "crankfem run mine.toml" in answer.out
-    copied = (tmp_path / "mine.toml").read_bytes()
-    assert copied == input_path(name).read_bytes()
-    assert call("check", "mine.toml").code == 0
-
-
 def test_new_overwrites_nothing(call, tmp_path):
     (tmp_path / "mine.toml").write_text("precious", encoding="utf-8")
     answer = call("new", "mine.toml")
@@ -293,55 +285,6 @@ def test_new_into_a_folder_that_is_not_there(call):
     assert answer.code == 2
     assert answer.err.startswith("Error: ")
     assert "nowhere" in answer.err
-
-
-def test_check_lists_the_inputs(call):
-    answer = call("check", "6chn25-34")
-    assert answer.code == 0
-    assert answer.err == ""
-    assert re.search(
-        r"valid engine file; \d+ of \d+ values are assumed", " ".join(answer.out.split())
-    )
-
-
-@pytest.mark.parametrize("name", ["6chn25-34", "yamz-5340"])
-def test_check_as_json(call, name):
-    answer = call("check", name, "--json")
-    assert (answer.code, answer.err) == (0, "")
-    content = answer.json()
-    assert content["valid"] is True
-    inputs = {record["field"]: record for record in content["inputs"]}
-    assert {"given", "meaning", "symbol", "source", "assumed"} <= set(inputs["throw.pin_length"])
-    assert inputs["throw.crank_radius"]["assumed"] is False
-    assert inputs["throw.fillet_radius"]["assumed"] is True
-
-
-def test_check_of_a_throw_alone(call):
-    answer = call("check", "2ch85-110")
-    assert (answer.code, answer.err) == (0, "")
-    words = " ".join(answer.out.split())
-    assert "valid throw file" in words
-    assert "Throw with 2 pins: length" in words
-    content = call("check", "2ch85-110", "--json").json()
-    assert content["kind"] == "throw"
-    assert content["shape"]["solved_part"] == "half"
-    fields = [record["field"] for record in content["inputs"]]
-    assert "throw.further_pins[0].angle" in fields
-    assert "throw.pin_bore" not in fields
-
-
-def test_check_of_a_mechanism(call):
-    answer = call("check", "buick-3800")
-    assert (answer.code, answer.err) == (0, "")
-    words = " ".join(answer.out.split())
-    assert "valid mechanism file" in words
-    assert "use it with: mechanism, harmonics" in words
-    content = call("check", "buick-3800", "--json").json()
-    assert (content["kind"], content["engine"]) == ("mechanism", "Buick 3800")
-    fields = {record["field"]: record for record in content["inputs"]}
-    assert fields["engine.bank_angles"]["assumed"] is False
-    assert "throw.counterweight.outer_radius" in fields
-    assert "rod.center_offset" not in fields
 
 
 def test_a_throw_alone_is_no_engine(call):
@@ -428,46 +371,7 @@ def test_exports_that_cannot_be(call, case):
     assert words in " ".join(answer.err.split())
 
 
-@pytest.mark.slow
-def test_check_as_json_in_a_process_of_its_own(spawn):
-    answer = spawn("check", "6chn25-34", "--json")
-    assert (answer.code, answer.err) == (0, "")
-    assert answer.json()["engine"] == "6ChN 25/34"
-
-
 # -------------------------------------------------------------------------------------- harmonics
-
-
-def test_harmonics_of_the_shipped_table(call):
-    record = call("harmonics", "yamz5340_torque_one_throw.csv", "--json").json()
-    assert (record["strokes"], record["orders"][:3]) == (4, [0.5, 1.0, 1.5])
-    assert record["amplitude"][0] == close(279.68, abs=0.006)
-    assert record["phase_deg"][0] % 360.0 == close(230.16, abs=0.006)
-    columns = (np.array(record[name]) for name in ("cosine", "sine", "amplitude", "phase_deg"))
-    cosine, sine, amplitude, phase = columns
-    assert np.hypot(cosine, sine) == close(amplitude)
-    assert amplitude * np.sin(np.deg2rad(phase)) == close(cosine, abs=1e-9)
-    assert amplitude * np.cos(np.deg2rad(phase)) == close(sine, abs=1e-9)
-
-
-def test_harmonics_as_a_table(call):
-    answer = call("harmonics", "yamz5340_torque_one_throw.csv", "--orders", "1")
-    assert answer.code == 0
-    assert "279.68" in answer.out
-    assert "a_k [deg]" in answer.out
-    rows = [line for line in answer.out.splitlines() if line.startswith("│")]
-    assert len(rows) == 2
-
-
-def test_a_table_of_ones_own_comes_before_the_shipped_one(call, tmp_path):
-    lines = ["cycle_angle_deg,torque_Nm"]
-    lines += [f"{10 * k},{100.0 + 30.0 * np.sin(2.0 * np.pi * k / 36.0)}" for k in range(36)]
-    own = tmp_path / "yamz5340_torque_one_throw.csv"
-    own.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    record = call("harmonics", own.name, "--json").json()
-    assert record["mean"] == close(100.0)
-    assert record["amplitude"][0] == close(30.0)
-    assert record["amplitude"][1:] == close([0.0] * (len(record["orders"]) - 1), abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -489,38 +393,6 @@ def test_harmonics_refuses(call, tmp_path, arguments, fragment):
 
 
 # ----------------------------------------------------------------------------------------- lookup
-
-
-def test_lookup(call, model_file):
-    answer = call("lookup", model_file, "web_width=300mm", "web_thickness=68 mm")
-    assert answer.code == 0
-    assert "axial compliance: 1e-9 m/N (pinned)" in answer.out
-    assert "torsional compliance: 40e-9 rad/(N m) (pinned)" in answer.out
-    assert answer.out.count("inside the range") == 2
-
-
-def test_lookup_as_json(call, model_file):
-    content = call("lookup", model_file, "web_width=0.28m", "web_thickness=50mm", "--json").json()
-    loaded = ComplianceModel.load(model_file)
-    for name, unit in (("axial_compliance", "m/N"), ("torsional_compliance", "rad/(N m)")):
-        expected = getattr(loaded, name)(web_width=0.280, web_thickness=0.050)
-        assert content[name]["value"] == close(expected, rel=1e-14)
-        assert (content[name]["unit"], content[name]["support"]) == (unit, "pinned")
-        assert content[name]["inside"] is True
-        assert content[name]["remarks"] == []
-        assert content[name]["largest_held_out_error"] < 1e-9
-
-
-def test_lookup_outside_the_range_is_said(call, model_file):
-    pairs = ("web_width=340mm", "web_thickness=68mm")
-    answer = call("lookup", model_file, *pairs)
-    assert answer.code == 0
-    assert answer.out.count("OUTSIDE the range") == 2
-    assert "web_width: given 340 mm; the range of the fit is 270 mm to 330 mm" in answer.out
-    content = call("lookup", model_file, *pairs, "--json").json()["axial_compliance"]
-    assert content["inside"] is False
-    assert len(content["remarks"]) == 1
-    assert content["value"] == close(0.6e-9)
 
 
 @pytest.mark.parametrize(
@@ -549,15 +421,6 @@ def test_lookup_refuses(call, model_file, pairs, fragment):
     assert (answer.code, answer.out) == (2, "")
     assert answer.err.startswith(f"Error: {fragment}")
     assert answer.err.count("\n") == 1
-
-
-@pytest.mark.parametrize("content", [None, "", "[]", "{}", "no json", '{"format": "other"}'])
-def test_lookup_refuses_other_files(call, tmp_path, content):
-    if content is not None:
-        (tmp_path / "other.json").write_text(content, encoding="utf-8")
-    answer = call("lookup", "other.json", "web_width=300mm")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith("Error: other.json: ")
 
 
 # ------------------------------------------------------------------------------- throw, formulas
@@ -648,14 +511,6 @@ def test_throw_refuses_an_accuracy(call, accuracy):
     assert "0.001 to 0.1" in answer.err
 
 
-def test_formulas_without_finite_elements(call):
-    content = call("formulas", "6chn25-34", "--gamma", "120", "--no-fe", "--json").json()
-    assert content["gamma_deg"] == 120.0
-    assert {record["name"] for record in content["axial"]} >= {"Anderson", "Dorey", "Skorchev"}
-    assert all(record["value"] > 0.0 for record in content["torsional"])
-    assert "fe" not in content
-
-
 @pytest.mark.parametrize(
     ("arguments", "fragment"),
     [
@@ -672,42 +527,11 @@ def test_formulas_refuses(call, arguments, fragment):
 # -------------------------------------------------------------------------------- fit, doe, report
 
 
-def test_fit_refuses_what_is_no_store(call, tmp_path):
-    (tmp_path / "text.sqlite").write_text("no database " * 100, encoding="utf-8")
-    for given, fragment in (("nowhere.sqlite", "there is no such file"), ("text.sqlite", "store")):
-        answer = call("fit", given)
-        assert (answer.code, answer.out) == (2, "")
-        assert answer.err.startswith(f"Error: store: given '{given}'")
-        assert fragment in answer.err
-        assert not (tmp_path / "model.json").exists()
-
-
-def test_fit_leaves_the_database_of_another_program_alone(call, tmp_path):
-    with sqlite3.connect(tmp_path / "notes.sqlite") as connection:
-        connection.execute("CREATE TABLE notes (text TEXT)")
-    connection.close()
-    before = (tmp_path / "notes.sqlite").read_bytes()
-    answer = call("fit", "notes.sqlite")
-    assert (answer.code, answer.out) == (2, "")
-    assert (tmp_path / "notes.sqlite").read_bytes() == before
-
-
 @pytest.mark.parametrize("workers", ["0", "-1", "1000"])
 def test_doe_refuses_numbers_of_workers(call, tmp_path, workers):
     answer = call("doe", "6chn25-34", "--workers", workers)
     assert answer.code == 2
     assert f"workers: given {workers}; allowed is 1 to 256" in answer.err
-
-
-@pytest.mark.parametrize("content", [None, "", "[]", "null", "{}", '{"pictures": {}}', '{"a": 1}'])
-def test_report_refuses_what_is_no_run(call, tmp_path, content):
-    (tmp_path / "results").mkdir()
-    if content is not None:
-        (tmp_path / "results" / "results.json").write_text(content, encoding="utf-8")
-    answer = call("report", "results")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith("Error: results")
-    assert not (tmp_path / "results" / "report.html").exists()
 
 
 def test_an_interrupt_ends_with_a_word_and_130(call, monkeypatch):

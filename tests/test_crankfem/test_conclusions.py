@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 from comparing import close
-from crankbase.tables.output_units import parse_output_units
+from crankbase.tables.table import parse_output_units
 from crankfem.analyses.vibration.assessment import Assessment, engine_decision
 from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict
 from crankfem.analyses.vibration.misfiring import FiringCheck, Reached
@@ -25,11 +25,9 @@ from crankfem.analyses.vibration.tables import (
 )
 from crankfem.cli import console
 from crankfem.cli.commands.run import _print
-from crankfem.cli.tables.run_tables import print_verdict
-from crankfem.cli.tables.vibration_tables import print_assessment, print_judgment
+from crankfem.cli.tables.vibration_tables import print_assessment, print_judgment, print_verdict
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.report.conclusions import conclusions, failed_checks, headline, verdict_line
-from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.summary import engine_facts, summary, uncertain_sentence, worst_of_each
 from crankfem.report.text_filters import loaded_most
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
@@ -382,16 +380,6 @@ def test_a_node_on_a_branch_is_told_by_its_branch():
     }
     (row,) = mode_table(record).texts()
     assert row[-1] == "2.25, 0.40 of the way from end to ring"
-
-
-def test_the_schematic_names_what_the_chain_has(results):
-    text = str(engine_schematic(results))
-    assert text.startswith("<svg ")
-    assert text.count(">flywheel<") == text.count(">free end<") == 1
-    # Six pistons, the disc of the free end and that of the flywheel.
-    assert text.count("<rect ") == 8
-    assert [f">{number}<" in text for number in range(1, 7)] == 6 * [True]
-    assert ">1, 6<" in text
 
 
 def test_a_damper_ring_stands_before_the_free_end_and_later_nodes_close_up():
@@ -771,19 +759,6 @@ def record():
         "decision": {"status": "acceptable", "sentence": ""},
         "beside": [],
     }
-
-
-def test_each_limit_stands_once_above_its_places(record, capsys):
-    print_assessment(record)
-    lines = capsys.readouterr().out.splitlines()
-    heads = [line.partition(",")[0].strip() for line in lines if ", at the" in line]
-    assert heads == [name.capitalize() for name in (LIMIT_STRESS, TWIST)]
-    rows = [[cell.strip() for cell in line.split("│")[1:-1]] for line in lines if "│" in line]
-    assert rows == [
-        ["cylinder 4 - cylinder 5", "498.0", "10 MPa", "20 MPa", "50"],
-        ["cylinder 1 - cylinder 2", "498.0", "2 MPa", "20 MPa", "50"],
-        ["free end", "498.0", "unbounded", "0.0573 deg", "unbounded"],
-    ]
 
 
 def test_speeds_above_the_running_range_are_explained(record, capsys):

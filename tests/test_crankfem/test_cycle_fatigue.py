@@ -8,23 +8,22 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.strength import cycle_fatigue, shaft_loads
+from crankfem.analyses.strength import cycle_fatigue
+from crankfem.analyses.strength import cycle_loads as loads_module
 from crankfem.analyses.strength.cycle_fatigue import (
     EngineFatigue,
     FatiguePlace,
-    fatigue_or_reason,
     fatigue_record,
     fatigue_table,
 )
-from crankfem.analyses.strength.cycle_loads import ShaftUnderForces, cycle_loads
-from crankfem.analyses.strength.shaft_loads import judged_speeds
+from crankfem.analyses.strength.cycle_loads import ShaftUnderForces, cycle_loads, judged_speeds
 from crankfem.analyses.vibration.misfiring import Superposition
 from crankfem.files.engine.mechanism_file import mechanism_of
 from dynamics.response.order_excitation import at_angles
 from dynamics.strength.fatigue import critical_plane, findley_factor, findley_limit
 from fem import fillet_stress
+from fem.fields import stress_fields
 from fem.shaft import assemble_shaft, shaft_unknowns
-from fem.stress_fields import stress_fields
 from stand_ins import COARSE_STRESSES
 
 STEEL = {"tensile_strength": 8e8, "manufacture": "continuous grain flow", "piston": "trunk"}
@@ -132,7 +131,7 @@ def test_unbounded_vibration_is_refused(vibration):
                 yield case, endless
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(shaft_loads, "Superposition", Endless)
+        patched.setattr(loads_module, "Superposition", Endless)
         with pytest.raises(InputError, match=r"damping: given none for .* vibration that is unb"):
             list(cycle_loads(vibration, mechanism_of(vibration.engine_file), speed, [()]))
 
@@ -259,15 +258,3 @@ def test_sentences_of_misfiring_and_of_places_without_a_factor():
     said = EngineFatigue((weak, place), 0.1566, ()).sentence
     assert "is 0.50 at" in said
     assert "; 1 of 2 locations are below 1; UR M53 has Q = 0.90 for that location." in said
-
-
-@pytest.mark.slow
-def test_an_engine_without_fillets_has_a_reason(vibration):
-    bare = vibration.engine_file.changed(
-        throw={"fillet_radius": 0.0, "main_journal_fillet_radius": 0.0}
-    )
-    own = replace(vibration, engine_file=bare)
-    strength = cf.strength.engine_strength(own)
-    fatigue, reason = fatigue_or_reason(own, strength, {}, None)
-    assert fatigue is None
-    assert reason.startswith("fillet_radius: given 0")

@@ -16,16 +16,15 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.study import design_export, studies
-from crankfem.analyses.study.response_fits import fit_study, surface
+from crankfem.analyses.study import studies
+from crankfem.analyses.study.response_fits import fit_study
 from crankfem.analyses.study.studies import run_grown, worst_designs
-from crankfem.cli.console import progress_text
 from fem.responses import RESPONSES
 from geometry.shapes import element_volumes
 from plans import FILLETED, plan_of_levels, table_of_function
 from puppets import PRELUDE, puppet
 from regression.models.compliance_model import ComplianceModel
-from regression.plans.designs import DesignChoice, values_at
+from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
 from regression.records import StudyStoppedError
@@ -106,17 +105,6 @@ def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
     record = call("doe", study, "--plan", "--json").json()
     assert [design["role"] for design in record["designs"]] == ["run"] * 9 + ["held out"] * 3
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
-
-
-def test_doe_tells_how_the_runs_lie(call, study):
-    answer = call("doe", study, "--plan")
-    # Of 3 x 3 levels the nearest are half a range apart.
-    assert "Runs in the unit cube: nearest runs 0.5 apart, discrepancy 0.0" in answer.out
-    assert "No two factors are correlated." in answer.out
-    quality = call("doe", study, "--plan", "--json").json()["quality"]
-    assert quality["distance"] == close(0.5)
-    assert (quality["correlation"], quality["correlated"]) == (0.0, [])
-    assert 0.0 < quality["discrepancy"] < 0.1
 
 
 @pytest.mark.slow
@@ -264,15 +252,6 @@ def test_doe_refuses_options(call, study, tmp_path, options, message):
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
-def test_doe_says_which_table_cannot_be_read(call, study, tmp_path):
-    (tmp_path / "bad.csv").write_text(
-        "web_width [mm],axial_compliance_pinned [nm/N]\n301,about 1\n", encoding="utf-8"
-    )
-    answer = call("doe", study, "--import", "bad.csv")
-    assert answer.code == 2
-    assert "bad.csv, line 2, column axial_compliance_pinned [nm/N]: given 'about 1'" in answer.err
-
-
 def test_limits_are_quantities(call, study, monkeypatch):
     given = {}
     monkeypatch.setattr("regression.runs.cluster.silence_dask_log", lambda: None)
@@ -374,20 +353,6 @@ def finished(store):
         connection.close()
 
 
-@pytest.mark.parametrize(
-    ("given", "text"),
-    [
-        ((0, 5.0, 10), ""),
-        ((10, 60.0, 190), "10 designs/min, 19 min left"),
-        ((1, 2.0, 3), "30 designs/min, 6 s left"),
-        ((200, 1234.0, 0), "9.72 designs/min"),
-        ((10, 3600.0, 40), "0.167 designs/min, 4.0 h left"),
-    ],
-)
-def test_pace(given, text):
-    assert progress_text(*given) == text
-
-
 def test_the_store_of_the_command_is_plain_sql(call, study, tmp_path):
     call("doe", study)
     connection = sqlite3.connect(tmp_path / "runs.sqlite")
@@ -416,25 +381,6 @@ def test_fit_prints_and_saves_a_model(store, call, tmp_path):
     assert model.axial_compliance(web_width=0.31, web_thickness=0.06) == close(
         1e-9 * (0.2 + 0.3 / 0.31 * (0.05 / 0.06) ** 1.5), rel=5e-3
     )
-
-
-def test_fit_takes_a_form_and_shows_a_response(store, call, tmp_path):
-    answer = call("fit", store, "--form", "linear", "--response", "mass")
-    assert answer.code == 0, answer.err
-    text = " ".join(answer.out.split())
-    assert "Mass m: largest (mean) errors" in text
-    assert "linear: m = (" in text
-    assert ComplianceModel.load(tmp_path / "model.json").responses["mass"].form == "linear"
-
-
-def test_fit_takes_a_form_by_its_twin(store, call, tmp_path):
-    """The compliance is made so that interactions lose their product, and the mass keeps it."""
-    answer = call("fit", store, "--form", "interactions")
-    assert answer.code == 0, answer.err
-    assert "linear: e_n = " in " ".join(answer.out.split())
-    model = ComplianceModel.load(tmp_path / "model.json")
-    assert model.responses["axial_compliance"].form == "linear"
-    assert model.responses["mass"].form == "interactions"
 
 
 @pytest.mark.slow
@@ -504,33 +450,6 @@ def plan_of(kind, seed=1, **others):
         for name, ends in BOX.items()
     )
     return StudyPlan(GROWTH_THROW, factors, DesignChoice(kind, **given), seed=seed, **others)
-
-
-def largest_error(table):
-    """Of the chosen equation, at 2000 points that no study has."""
-    x = values_at(table.plan.factors, np.random.default_rng(99).random((2000, 3)))
-    found = fit_study(table)["axial_compliance"]
-    return np.max(np.abs(surface(table.plan, found, found.chosen)(x) / compliance(x) - 1.0))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", DESIGNS)
-def test_runs_where_the_equation_is_worst_help_more_than_as_many_random_ones(monkeypatch, kind):
-    monkeypatch.setattr(studies, "PLACES", 300)
-    before, grown, by_chance = [], [], []
-    for seed in range(1, 4):
-        plan = plan_of(kind, seed)
-        table = table_of_function(plan, compliance)
-        before.append(largest_error(table))
-        grown.append(
-            largest_error(
-                table_of_function(plan, compliance, worst_designs(table, fit_study(table), 10))
-            )
-        )
-        random = values_at(plan.factors, np.random.default_rng(seed).random((10, 3)))
-        by_chance.append(largest_error(table_of_function(plan, compliance, random)))
-    assert np.median(grown) < 0.9 * np.median(by_chance)
-    assert np.median(grown) < 0.9 * np.median(before)
 
 
 def test_added_runs_keep_constraints_and_relations_and_are_new(monkeypatch):
@@ -715,11 +634,11 @@ def export_quick(monkeypatch):
     def write(design, file):
         made.append(file.name)
         if design.inputs["throw"]["pin_length"] == 0.158:
-            raise design_export.MeshError("mesh: no way of meshing succeeded.")
-        with design_export.atomic_file(file, "solid") as part:
+            raise studies.MeshError("mesh: no way of meshing succeeded.")
+        with studies.atomic_file(file, "solid") as part:
             part.write_text("solid", encoding="utf-8")
 
-    monkeypatch.setattr(design_export, "_write", write)
+    monkeypatch.setattr(studies, "_write", write)
     return made
 
 

@@ -196,23 +196,6 @@ def test_texts_stand_clear_of_each_other_and_on_the_sheet(name):
     assert outside == []
 
 
-@pytest.mark.parametrize("name", DRAWN)
-def test_both_views_have_the_scale_that_is_written(name):
-    figure = drawing_of(name)
-    views = figure.axes[:2]
-    for view in views:
-        view.apply_aspect()
-    steps = [view.transData.transform([(0.0, 0.0), (0.1, 0.1)]) for view in views]
-    pixels = [step[1] - step[0] for step in steps]
-    np.testing.assert_allclose(pixels, pixels[0][0], rtol=1e-6)
-    np.testing.assert_allclose(steps[0][0][1], steps[1][0][1], atol=1e-6)  # the shaft's height
-
-    block = next(text for text in texts_of(figure) if "scale" in text)
-    paper, real = (float(part) for part in block.split("scale ")[1].split(" : "))
-    inches = pixels[0][0] / figure.dpi
-    assert inches * 0.0254 == close(0.1 * paper / real, rel=1e-6)
-
-
 @pytest.mark.parametrize("name", ["plain", "bores, weights, slopes", "two pins, different"])
 @pytest.mark.parametrize("kind", ["png", "svg"])
 def test_files(name, kind):

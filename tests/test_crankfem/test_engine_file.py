@@ -9,7 +9,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.checks.arrays import finite_array, positive_number
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.choices import whole_number
 from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.file_check import refuse_what_cannot_run
@@ -20,7 +20,7 @@ from crankfem.files.engine.engine_file import SECTIONS, load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.engine.throw_file import load_crankshaft, load_study, load_throw
 from crankfem.files.reading import toml_file
-from crankfem.files.reading.data_files import input_path, shipped_names
+from crankfem.files.reading.data_files import input_path
 from dynamics.indices import values_at_nodes
 from dynamics.turning.speed_over_angle import checked_inertia
 from fem.material import STEEL
@@ -30,20 +30,6 @@ from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula
 from regression.law.throw_law import axial_law
 from regression.plans.factors import Factor
-
-SIX_LEVELS = '["60 mm", "68 mm", "76 mm"]'
-
-
-@pytest.mark.parametrize("name", ["6chn25-34", "yamz-5340"])
-def test_shipped_engines_are_valid(name):
-    assert name in shipped_names("engine")
-    engine = load_engine(name)
-    assert len(engine.engine.crank_angles) == engine.engine.cylinders
-    assert any(one.assumed for one in engine.records)
-    assert all(record.source for record in engine.records)
-    assert engine.study is not None
-    assert math.prod(len(factor.levels) for factor in engine.study.factors) == 27
-    assert engine.study.held_out == 8
 
 
 def test_values_are_read_in_si_units():
@@ -55,16 +41,6 @@ def test_values_are_read_in_si_units():
     assert math.degrees(engine.engine.crank_angles[1]) == close(120.0)
     firing = [round(math.degrees(angle)) for angle in engine.engine.firing_angles]
     assert firing == [0, 480, 240, 600, 120, 360]
-
-
-def test_sources_and_assumptions_are_kept_with_the_values():
-    engine = load_engine("6chn25-34")
-    records = {record.field: record for record in engine.records}
-    radius, fillet = records["throw.crank_radius"], records["throw.fillet_radius"]
-    assert (radius.given, radius.assumed) == ("170 mm", False)
-    assert radius.source == "[yamanin2021], figure 3; half the stroke"
-    assert (fillet.given, fillet.assumed) == ("12 mm", True)
-    assert "yamanin2021" in engine.sources
 
 
 def test_names_of_sources_are_found_as_words_only(tmp_path, six_cylinders, edit):
@@ -93,14 +69,6 @@ def test_spellings_of_one_length(tmp_path, six_cylinders, edit, spelling):
     text = edit(six_cylinders, {"throw.crank_radius": f'"{spelling}"'})
     (tmp_path / "spelled.toml").write_text(text, encoding="utf-8")
     assert load_engine(tmp_path / "spelled.toml").throw.crank_radius == close(0.170)
-
-
-@pytest.mark.parametrize("spelling", ["500 1/min", "500 rpm", "8.333333333333334 Hz", "3000 deg/s"])
-def test_spellings_of_one_speed(tmp_path, six_cylinders, edit, spelling):
-    text = edit(six_cylinders, {"engine.rated_speed": f'"{spelling}"'})
-    (tmp_path / "spelled.toml").write_text(text, encoding="utf-8")
-    read = load_engine(tmp_path / "spelled.toml").engine.rated_speed
-    assert read == close(500.0 * math.pi / 30.0)
 
 
 def test_a_file_with_a_byte_order_mark_is_read(tmp_path, six_cylinders):
@@ -149,202 +117,108 @@ def test_the_crankshaft_of_an_engine_and_of_a_throw_file(tmp_path):
 
 
 # What is changed in the shipped file, and what the refusal must say.
-REFUSED = {
-    "bare number": (
-        {"throw.pin_length": "139"},
-        ["throw.pin_length", "given 139", "bare number", '"139 mm"', "0.3 mm to 2000 mm"],
-    ),
-    "text without unit": (
-        {"throw.pin_length": '"139"'},
-        ["throw.pin_length", "'139'", '"139 mm"', "0.3 mm to 2000 mm"],
-    ),
-    "bare number in a table": (
+REFUSED = [
+    ({"throw.pin_length": "139"}, ["given 139", "bare number", '"139 mm"', "0.3 mm to 2000 mm"]),
+    ({"throw.pin_length": '"139"'}, ["'139'", '"139 mm"', "0.3 mm to 2000 mm"]),
+    (
         {"rod.mass": '{ value = 56, assumed = "usual" }'},
-        ["rod.mass", "given 56", "bare number", '"56 kg"', "1e-06 kg to 20000 kg"],
+        ["given 56", "bare number", '"56 kg"', "1e-06 kg to 20000 kg"],
     ),
-    "bare number in a list": (
+    (
         {"engine.crank_angles": '[0, "120 deg", "240 deg", "240 deg", "120 deg", "0 deg"]'},
         ["engine.crank_angles[0]", "given 0", "bare number", '"0 deg"'],
     ),
-    "unit of another kind": (
-        {"throw.pin_length": '"139 kg"'},
-        ["throw.pin_length", "'139 kg'", "no length", "0.3 mm to 2000 mm"],
-    ),
-    "unknown unit": ({"throw.pin_length": '"139 foo"'}, ["throw.pin_length", "'139 foo'", "mm"]),
-    "decimal comma": (
-        {"throw.fillet_radius": '"1,2 mm"'},
-        ["throw.fillet_radius", "'1,2 mm'", "mm"],
-    ),
-    "a gap in the number": (
-        {"throw.pin_length": '"1 39 mm"'},
-        ["throw.pin_length", "'1 39 mm'", "mm"],
-    ),
-    "unit alone": ({"throw.fillet_radius": '"cm"'}, ["throw.fillet_radius", "'cm'", "mm"]),
-    "not a number": ({"throw.pin_length": '"nan mm"'}, ["throw.pin_length", "'nan mm'"]),
-    "infinite": ({"throw.pin_length": '"1e999 mm"'}, ["throw.pin_length", "'1e999 mm'"]),
-    "yes or no": ({"throw.pin_length": "true"}, ["throw.pin_length", "True", "unit"]),
-    "fillet beside a short main journal": (
+    ({"throw.pin_length": '"139 kg"'}, ["'139 kg'", "no length", "0.3 mm to 2000 mm"]),
+    ({"throw.pin_length": '"139 foo"'}, ["'139 foo'", "mm"]),
+    ({"throw.fillet_radius": '"1,2 mm"'}, ["'1,2 mm'", "mm"]),
+    ({"throw.pin_length": '"1 39 mm"'}, ["'1 39 mm'", "mm"]),
+    ({"throw.fillet_radius": '"cm"'}, ["'cm'", "mm"]),
+    ({"throw.pin_length": '"nan mm"'}, ["'nan mm'"]),
+    ({"throw.pin_length": '"1e999 mm"'}, ["'1e999 mm'"]),
+    ({"throw.pin_length": "true"}, ["True", "unit"]),
+    (
         {"throw.main_journal_length": '"60 mm"', "throw.fillet_radius": '"30 mm"'},
-        ["throw.fillet_radius", "30 mm", "2.2 mm to 27 mm", "main journal of 60 mm is too short"],
+        ["30 mm", "2.2 mm to 27 mm", "main journal of 60 mm is too short"],
     ),
-    "fillet beside a short pin": (
+    (
         {"throw.pin_length": '"50 mm"', "throw.fillet_radius": '"25 mm"'},
-        ["throw.fillet_radius", "25 mm", "2.2 mm to 22.5 mm", "crankpin of 50 mm is too short"],
+        ["25 mm", "2.2 mm to 22.5 mm", "crankpin of 50 mm is too short"],
     ),
-    "fillet on a narrow web": (
-        {"throw.fillet_radius": '"33 mm"'},
-        ["throw.fillet_radius", "33 mm", "32.5 mm", "web of 285 mm is too narrow"],
-    ),
-    "fillet too small to matter": (
-        {"throw.fillet_radius": '"0.5 mm"'},
-        ["throw.fillet_radius", "0.5 mm", "2.2 mm to 32.5 mm", "sharp corner"],
-    ),
-    "pin outside the web": (
-        {"throw.pin_diameter": '"300 mm"'},
-        ["throw.pin_diameter", "300 mm", "285 mm", "outside the web"],
-    ),
-    "main journal outside the web": (
-        {"throw.main_journal_diameter": '"290 mm"'},
-        ["throw.main_journal_diameter", "290 mm", "285 mm", "outside the web"],
-    ),
-    "negative size": (
-        {"throw.web_thickness": '"-68 mm"'},
-        ["throw.web_thickness", "-68 mm", "0.2 mm to 1500 mm", "web thickness"],
-    ),
-    "zero size": ({"throw.web_thickness": '"0 mm"'}, ["throw.web_thickness", "0 mm", "2 mm"]),
-    "huge size": (
-        {"throw.web_width": '"285 m"'},
-        ["throw.web_width", "285 m", "did you mean 285 mm?", "4000 mm"],
-    ),
-    "web as thin as a sheet": (
-        {"throw.web_thickness": '"3 mm"'},
-        ["throw.web_thickness", "3 mm", "8.8 mm"],
-    ),
-    "missing field": (
-        {"throw.pin_length": None},
-        ["throw.pin_length", "missing", "crankpin length", "0.3 mm to 2000 mm"],
-    ),
-    "unknown field": (
-        {"throw.pin_lenght": '"139 mm"'},
-        ["throw.pin_lenght", "unknown field", "did you mean pin_length?"],
-    ),
-    "missing section": ({"[rod]": None}, ["[rod]", "missing"]),
-    "poisson's ratio": (
-        {"material.poisson_ratio": "0.6"},
-        ["material.poisson_ratio", "0.6", "0 to 0.49"],
-    ),
-    "number as text": (
-        {"material.poisson_ratio": '"0.3"'},
-        ["material.poisson_ratio", "'0.3'", "write it without quotes"],
-    ),
-    "no cylinder": ({"engine.cylinders": "0"}, ["engine.cylinders", "given 0", "1 to 24"]),
-    "three strokes": ({"engine.strokes": "3"}, ["engine.strokes", "given 3", "2 and 4"]),
-    "a cylinder twice in the firing order": (
-        {"engine.firing_order": "[1, 5, 3, 6, 2, 2]"},
-        ["engine.firing_order", "[1, 5, 3, 6, 2, 2]", "from 1 to 6 once"],
-    ),
-    "firing order against the cranks": (
-        {"engine.firing_order": "[1, 2, 3, 4, 5, 6]"},
-        ["engine.firing_order", "[1, 2, 3, 4, 5, 6]", "crank is at the top"],
-    ),
-    "cranks for another engine": (
-        {"engine.crank_angles": '["0 deg", "120 deg", "240 deg"]'},
-        ["engine.crank_angles", "given 3 angles", "6 cylinders"],
-    ),
-    "speed range upside down": (
-        {"engine.lowest_speed": '"600 1/min"'},
-        ["engine.lowest_speed", "600 1/min", "515 1/min"],
-    ),
-    "stroke not twice the crank radius": (
-        {"throw.crank_radius": '"160 mm"'},
-        ["throw.crank_radius", "160 mm", "170 mm", "stroke"],
-    ),
-    "rod too short": (
-        {"rod.length": '"200 mm"'},
-        ["rod.length", "200 mm", "255 mm", "crank radii"],
-    ),
-    "rod that turns as a whole": (
-        {"rod.rotating_mass": '"56 kg"'},
-        ["rod.rotating_mass", "56 kg", "less than"],
-    ),
-    "thrust bearing beyond the shaft": (
+    ({"throw.fillet_radius": '"33 mm"'}, ["33 mm", "32.5 mm", "web of 285 mm is too narrow"]),
+    ({"throw.fillet_radius": '"0.5 mm"'}, ["0.5 mm", "2.2 mm to 32.5 mm", "sharp corner"]),
+    ({"throw.pin_diameter": '"300 mm"'}, ["300 mm", "285 mm", "outside the web"]),
+    ({"throw.main_journal_diameter": '"290 mm"'}, ["290 mm", "285 mm", "outside the web"]),
+    ({"throw.web_thickness": '"-68 mm"'}, ["-68 mm", "0.2 mm to 1500 mm", "web thickness"]),
+    ({"throw.web_thickness": '"0 mm"'}, ["0 mm", "2 mm"]),
+    ({"throw.web_width": '"285 m"'}, ["285 m", "did you mean 285 mm?", "4000 mm"]),
+    ({"throw.web_thickness": '"3 mm"'}, ["3 mm", "8.8 mm"]),
+    ({"throw.pin_length": None}, ["missing", "crankpin length", "0.3 mm to 2000 mm"]),
+    ({"throw.pin_lenght": '"139 mm"'}, ["unknown field", "did you mean pin_length?"]),
+    ({"[rod]": None}, ["missing"]),
+    ({"material.poisson_ratio": "0.6"}, ["0.6", "0 to 0.49"]),
+    ({"material.poisson_ratio": '"0.3"'}, ["'0.3'", "write it without quotes"]),
+    ({"engine.cylinders": "0"}, ["given 0", "1 to 24"]),
+    ({"engine.strokes": "3"}, ["given 3", "2 and 4"]),
+    ({"engine.firing_order": "[1, 5, 3, 6, 2, 2]"}, ["[1, 5, 3, 6, 2, 2]", "from 1 to 6 once"]),
+    ({"engine.firing_order": "[1, 2, 3, 4, 5, 6]"}, ["[1, 2, 3, 4, 5, 6]", "crank is at the top"]),
+    ({"engine.crank_angles": '["0 deg", "120 deg", "240 deg"]'}, ["given 3 angles", "6 cylinders"]),
+    ({"engine.lowest_speed": '"600 1/min"'}, ["600 1/min", "515 1/min"]),
+    ({"throw.crank_radius": '"160 mm"'}, ["160 mm", "170 mm", "stroke"]),
+    ({"rod.length": '"200 mm"'}, ["200 mm", "255 mm", "crank radii"]),
+    ({"rod.rotating_mass": '"56 kg"'}, ["56 kg", "less than"]),
+    (
         {"thrust_bearing.main_bearing": "8"},
-        ["thrust_bearing.main_bearing", "given 8", "allowed is 1 (at the free end) to 7 (at the"],
+        ["given 8", "allowed is 1 (at the free end) to 7 (at the"],
     ),
-    "thrust bearing as it was counted before": (
+    (
         {"thrust_bearing.main_bearing": None, "thrust_bearing.bearing": "6"},
         ["thrust_bearing.bearing: given 6; ", "write main_bearing = 7 in its place"],
     ),
-    "source and assumed": (
+    (
         {"rod.mass": '{ value = "56 kg", source = "drawing", assumed = "usual" }'},
-        ["rod.mass", "either source or assumed"],
+        ["either source or assumed"],
     ),
-    "something else beside a value": (
-        {"rod.mass": '{ value = "56 kg", note = "heavy" }'},
-        ["rod.mass", "either source or assumed"],
-    ),
-    "torque table that is nowhere": (
+    ({"rod.mass": '{ value = "56 kg", note = "heavy" }'}, ["either source or assumed"]),
+    (
         {"torque.table": '"nowhere.csv"'},
-        ["torque.table", "'nowhere.csv'", "neither in the folder of", "nor a shipped table"],
+        ["'nowhere.csv'", "neither in the folder of", "nor a shipped table"],
     ),
-    "unknown source of compliances": (
-        {"vibration.axial_source": '"guess"'},
-        ["vibration.axial_source", "'guess'", "fe, ", "regression", "Anderson"],
-    ),
-    "unknown source of torsional compliances": (
-        {"vibration.torsional_source": '"Anderson"'},
-        ["vibration.torsional_source", "'Anderson'", "fe, ", "regression", "Carter"],
-    ),
-    "regression without a study": (
+    ({"vibration.axial_source": '"guess"'}, ["'guess'", "fe, ", "regression", "Anderson"]),
+    ({"vibration.torsional_source": '"Anderson"'}, ["'Anderson'", "fe, ", "regression", "Carter"]),
+    (
         {"[study]": None, "[study.factors]": None, "vibration.axial_source": '"regression"'},
         ["vibration.axial_source", "'regression'", "study"],
     ),
-    "highest order below the lowest": (
+    (
         {
             "engine.strokes": "2",
             "engine.firing_order": "[1, 2, 3, 6, 5, 4]",
             "engine.crank_angles": '["0 deg", "60 deg", "120 deg", "300 deg", "240 deg", "180 deg"]',
             "vibration.highest_order": "0.5",
         },
-        ["vibration.highest_order", "0.5", "allowed are multiples of 1"],
+        ["0.5", "allowed are multiples of 1"],
     ),
-    "one level": (
-        {"study.factors.web_width": '["270 mm"]'},
-        ["study.factors.web_width", "1 level", "two or more"],
-    ),
-    "a level twice": (
-        {"study.factors.web_width": '["270 mm", "270 mm", "300 mm"]'},
-        ["web_width", "once"],
-    ),
-    "bare number as level": (
+    ({"study.factors.web_width": '["270 mm"]'}, ["1 level", "two or more"]),
+    ({"study.factors.web_width": '["270 mm", "270 mm", "300 mm"]'}, ["web_width", "once"]),
+    (
         {"study.factors.web_width": '[270, "300 mm"]'},
         ["study.factors.web_width[0]", "given 270", "bare number", '"270 mm"'],
     ),
-    "levels that are no list": (
-        {"study.factors.web_width": '"270 mm"'},
-        ["study.factors.web_width", "'270 mm'", "list of levels"],
-    ),
-    "unknown factor": (
-        {"study.factors.web_with": '["270 mm", "300 mm"]'},
-        ["study.factors.web_with", "unknown", "web_width"],
-    ),
-    "no factor": ({"[study.factors]": None}, ["study.factors", "at least one"]),
-    "nothing held out": ({"study.held_out": "0"}, ["study.held_out", "given 0", "1 to 1000"]),
-    "half a design held out": ({"study.held_out": "1.5"}, ["study.held_out", "given 1.5"]),
-    "negative seed": ({"study.seed": "-1"}, ["study.seed", "given -1", "0 to"]),
-    "accuracy too loose": ({"study.accuracy": "0.5"}, ["study.accuracy", "0.5", "0.001 to 0.1"]),
-    "accuracy not a number": ({"study.accuracy": "nan"}, ["study.accuracy", "nan"]),
-    "unknown field of the study": ({"study.run": "5"}, ["study.run", "unknown field"]),
-    "runs of a design that counts them itself": (
-        {"study.runs": "5"},
-        ["study.runs", "given 5", "full factorial"],
-    ),
-}
+    ({"study.factors.web_width": '"270 mm"'}, ["'270 mm'", "list of levels"]),
+    ({"study.factors.web_with": '["270 mm", "300 mm"]'}, ["unknown", "web_width"]),
+    ({"[study.factors]": None}, ["at least one"]),
+    ({"study.held_out": "0"}, ["given 0", "1 to 1000"]),
+    ({"study.held_out": "1.5"}, ["given 1.5"]),
+    ({"study.seed": "-1"}, ["given -1", "0 to"]),
+    ({"study.accuracy": "0.5"}, ["0.5", "0.001 to 0.1"]),
+    ({"study.accuracy": "nan"}, ["nan"]),
+    ({"study.run": "5"}, ["unknown field"]),
+    ({"study.runs": "5"}, ["given 5", "full factorial"]),
+]
 
 
-@pytest.mark.parametrize("case", REFUSED)
-def test_refusals_are_one_clear_sentence(case, tmp_path, six_cylinders, edit, call):
-    changes, fragments = REFUSED[case]
+@pytest.mark.parametrize(("changes", "fragments"), REFUSED)
+def test_refusals_are_one_clear_sentence(changes, fragments, tmp_path, six_cylinders, edit, call):
     if any(key.startswith("torque.") for key in changes):
         six_cylinders += "\n[torque]\n"
     path = tmp_path / "wrong.toml"
@@ -352,8 +226,8 @@ def test_refusals_are_one_clear_sentence(case, tmp_path, six_cylinders, edit, ca
     with pytest.raises(InputError) as caught:
         load_engine(path)
     message = str(caught.value)
-    for fragment in fragments:
-        assert fragment in message
+    assert any(field.strip("[]") in message for field in changes)
+    assert all(fragment in message for fragment in fragments)
     assert "\n" not in message
     assert message.endswith(".")
 
@@ -576,15 +450,6 @@ def test_a_choice_that_is_not_made_is_shown_as_not_given():
 @pytest.fixture(scope="module")
 def engine():
     return load_engine("6chn25-34")
-
-
-def test_an_unchanged_engine_has_the_files_mechanism(engine):
-    read, made = load_mechanism("6chn25-34"), mechanism_of(engine)
-    assert made.layout == read.layout
-    assert made.remarks == read.remarks
-    assert (made.throws, made.throw_angles_deg) == (read.throws, read.throw_angles_deg)
-    assert made.attached_inertia == read.attached_inertia
-    assert made.pressure[0].pressure.tolist() == read.pressure[0].pressure.tolist()
 
 
 @pytest.mark.parametrize(

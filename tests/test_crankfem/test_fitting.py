@@ -9,6 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.study.fit_plots import plot_fits
 from crankfem.analyses.study.fit_records import (
     comparisons,
     compliance_model,
@@ -16,7 +17,6 @@ from crankfem.analyses.study.fit_records import (
     warnings_of,
 )
 from crankfem.analyses.study.nominal_throw import nominal_points, sensitivities
-from crankfem.analyses.study.plots.fit_plots import plot_fits
 from crankfem.analyses.study.response_fits import (
     dimensions_at,
     fit_study,
@@ -24,7 +24,7 @@ from crankfem.analyses.study.response_fits import (
     response_name,
     surface,
 )
-from crankfem.cli.tables.fit_tables import print_comparisons, print_fits
+from crankfem.cli.tables.study_tables import print_comparisons, print_fits
 from geometry.throw import CrankThrow
 from plans import plan_of_levels, table_of_function
 from regression.plans.designs import DesignChoice
@@ -125,25 +125,6 @@ def family():
     return puppet_table(StudyPlan(THROW, RATIOS, choice, relations=RELATIONS))
 
 
-def test_every_response_gets_an_equation(fits):
-    assert list(fits) == [
-        "axial_compliance",
-        "axial_compliance_in_line",
-        "torsional_compliance",
-        "mass",
-    ]
-    axial = fits["axial_compliance"]
-    assert (axial.column, axial.symbol, axial.unit) == ("axial_compliance_pinned", "e_n", "m/N")
-    assert axial.support == "pinned"
-    assert fits["mass"].support == ""
-    assert axial.chosen.form == "log-cubic"
-    assert axial.chosen.largest_heldout_error < 0.01
-    assert axial.fe_error == close(0.0092)
-    assert 0.0 < axial.fe_scatter < 1e-4
-    # B h is a term of the quadratic form, and that is the mass.
-    assert fits["mass"].chosen.largest_heldout_error < 1e-9
-
-
 def test_forms_of_the_same_terms_stand_once(fits):
     told = [text for found in fits.values() for text in found.skipped]
     assert any("has the same terms as" in text for text in told)
@@ -214,19 +195,6 @@ def test_response_names():
     assert response_name("fillet_stress_factor") == ("fillet_stress_factor", "")
 
 
-def test_equations_between_the_designs(table, fits):
-    """The surface is the fit: at the designs it gives what the fit gives, on groups too."""
-    for form in ("log-cubic", "group quadratic", "linear"):
-        found = fits["axial_compliance"]
-        fit = found.fit_named(form)
-        values = surface(table.plan, found, fit)(table.values)
-        assert values == close(predicted(table, found, fit), rel=1e-12)
-    with pytest.raises(
-        InputError, match=r"form: given 'cubic'; allowed are linear, .*, interactions, the forms"
-    ):
-        fits["axial_compliance"].fit_named("cubic")
-
-
 def test_groups_and_logarithms_of_lengths_are_the_same_in_one_size(fits):
     found = fits["axial_compliance"]
     one, other = found.fit_named("log-cubic"), found.fit_named("group cubic")
@@ -260,30 +228,6 @@ def test_groups_are_not_offered_where_a_part_keeps_its_size():
     found = fit_study(puppet_table(plan))["axial_compliance"]
     assert all(fit.basis == "factors" for fit in found.fits)
     assert any("the part does not grow with the throw" in text for text in found.skipped)
-
-
-def test_categories(outlines):
-    found = fit_study(outlines)["axial_compliance"]
-    assert "web_outline=rectangle" in found.chosen.factors
-    assert found.chosen.largest_heldout_error < 0.01
-    assert "[web_outline = rectangle]" in found.equation(found.chosen)
-    # The fillet may be 0: no logarithm of it.
-    assert "ln(r" not in found.equation(found.chosen)
-
-
-def test_sensitivities(table, fits):
-    known = sensitivities(table, fits["axial_compliance"])
-    assert known.nominal == {"web_width": 0.285, "web_thickness": 0.068, "pin_length": 0.139}
-    record = THROW.model_dump(mode="json")
-    for name, found in known.elasticity.items():
-        up, down = (
-            puppet(record | {name: record[name] * (1 + step)})["axial_compliance_pinned"]
-            for step in (1e-5, -1e-5)
-        )
-        # Equation and puppet differ by less than 1 %, their slopes by a little more.
-        assert found == close(math.log(up / down) / 2e-5, abs=0.05)
-    assert max(known.sobol.first) > 0.9
-    assert sum(known.sobol.first) <= 1.0
 
 
 def test_sensitivities_under_a_constraint(capsys):
@@ -330,20 +274,6 @@ def test_model_gives_what_the_chosen_equation_gives(table, fits):
     assert linear.responses["mass"].form == "linear"
 
 
-def test_the_range_of_a_model_is_that_of_the_study(outlines):
-    """Runs of a space-filling design stay a little inside; the model knows its factors' ends."""
-    found = fit_study(outlines)["axial_compliance"]
-    fit = found.fit_named("linear")
-    assert fit.lowest[0] > 0.04
-    assert fit.highest[0] < 0.09
-    response = compliance_model(outlines, {"axial_compliance": found}, "linear").responses[
-        "axial_compliance"
-    ]
-    assert response.factors == ("web_thickness", "fillet_radius", "web_outline=rectangle")
-    assert response.lowest == (0.04, 0.0, 0.0)
-    assert response.highest == (0.09, 0.012, 1.0)
-
-
 # What a dimension may be spelled out as although it is so anyway, and its base with a range.
 SPELLED_OUT = [
     ("pin_fillet_radius", 0.012, "fillet_radius", (0.008, 0.022)),
@@ -367,18 +297,6 @@ def test_a_fixed_dimension_does_not_follow_its_base(name, value, base, ends):
     assert model.of_throw(CrankThrow(**throw.model_dump() | other)).keys() == model.responses.keys()
     with pytest.raises(InputError, match=f"^{name}: given"):
         model.of_throw(CrankThrow(**THROW.model_dump() | other))
-
-
-def test_groups_know_a_dimension_that_is_spelled_out():
-    throw = CrankThrow(**THROW.model_dump() | {"pin_fillet_radius": 0.012})
-    table = puppet_table(plan_of_levels(throw, LEVELS, held_out=5))
-    model = compliance_model(table, fit_study(table), "group quadratic")
-    # Whether it is spelled out or follows, the throw is the same.
-    values = [model.of_throw(one)["mass"].value for one in (throw, THROW)]
-    assert values[0] == values[1]
-    base = THROW.model_dump(mode="json")
-    point = {name: base[name] for name in LEVELS}
-    assert model.value("mass", **point) == close(values[0], rel=1e-12)
 
 
 def test_models_of_ratios_and_categories(family, outlines):
@@ -424,25 +342,6 @@ def test_warnings(fits):
     assert any(text.startswith("Variance inflation above 10 of ln(web_thickness)") for text in told)
 
 
-def test_tables(table, fits, capsys):
-    record = study_record(table, fits)
-    print_fits(record["fits"])
-    text = " ".join(capsys.readouterr().out.split())
-    for part in (
-        "log-cubic *",
-        "Chosen by its errors: log-cubic",
-        "slightly optimistic",
-        "ln(e_n / (1e-9 m/N)) = ",
-        "Left out, because the runs do not determine them",
-        "not random error",
-        "Sensitivity of the axial compliance",
-        "68 mm",
-    ):
-        assert part in text
-    print_fits(record["fits"], "mass", "power law")
-    assert "power law: m = " in " ".join(capsys.readouterr().out.split())
-
-
 def test_measured_values_are_compared(tmp_path, capsys):
     plan = plan_of_levels(THROW, LEVELS, held_out=5)
     path = tmp_path / "measured.csv"
@@ -464,20 +363,6 @@ def test_measured_values_are_compared(tmp_path, capsys):
     assert "Not compared: B" in text
     print_comparisons([])
     assert capsys.readouterr().out == ""
-
-
-def test_measured_throws_of_a_family_are_compared(tmp_path, family):
-    """Ratios are no dimensions of a throw: what is measured has lengths, at any factor values."""
-    path = tmp_path / "measured.csv"
-    path.write_text(
-        "crank_radius [mm],overlap_ratio,slimness,width_ratio,mass [kg]\n120,0.2,2.5,1.7,40\n"
-    )
-    table = puppet_table(family.plan, read_rows(path, family.plan))
-    fits = fit_study(table)
-    values = np.array([[0.120, 0.2, 2.5, 1.7]])
-    expected = float(surface(table.plan, fits["mass"], fits["mass"].chosen)(values)[0])
-    found = comparisons(table, compliance_model(table, fits))
-    assert found[0]["calculated"] == close(expected, rel=1e-9)
 
 
 def test_measured_throws_have_the_part_of_their_line(tmp_path):

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.drawing.curves import draw_curves
-from crankbase.drawing.diagram_style import figure
+from crankbase.diagrams import draw_curves, figure
 from crankfem.analyses.throw import formula_records
 from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
 from crankfem.analyses.throw.formula_records import EngineSpread, Ratio, fe_axial, formula_spreads
@@ -29,16 +28,6 @@ coarse = functools.partial(analyze_throw, accuracy=0.1)
 @pytest.fixture(scope="module")
 def analysis():
     return coarse(*load_throw("6chn25-34"))
-
-
-def test_remarks_stand_below_the_table_once(call):
-    answer = call("formulas", "6chn25-34", "--no-fe")
-    assert answer.code == 0
-    row = next(line for line in answer.out.splitlines() if "Gorbunov" in line)
-    assert [cell.strip() for cell in row.strip("│").split("│")][1:] == ["2.976", "yes", "4, 5"]
-    assert answer.out.count("the formula's shear term is negative there") == 1
-    assert "  5. The angle factor k_phi = 0.8 (1 - cos gamma)" in answer.out
-    assert "ratio to FE" not in answer.out
 
 
 def test_printed_says_what_is_left_out(call):
@@ -61,35 +50,6 @@ def test_other_readings(call):
         content = call("formulas", "6chn25-34", "--no-fe", "--variant", variant, "--json").json()
         assert [record["name"] for record in content["axial"]] == [name]
         assert content["left_out"] == []
-
-
-def test_constants(call):
-    arguments = ("formulas", "6chn25-34", "--no-fe", "--json")
-    plain = call(*arguments).json()["axial"]
-    given = call(*arguments, "--constant", "k_n=0.5", "--constant", "C=2").json()["axial"]
-    for before, after in zip(plain, given, strict=True):
-        if before["name"] == "Guglielmotti-Macchiotta":
-            assert after["value"] == close(2.0 * before["value"], rel=1e-12)
-        elif before["name"] == "Stoyanov":
-            assert after["value"] < before["value"]
-            assert after["valid"] > before["valid"]
-        else:
-            assert after == before
-
-
-def test_the_title_tells_the_angle_and_the_constants(call):
-    arguments = ("formulas", "6chn25-34", "--no-fe", "--gamma", "240")
-    assert call(*arguments).out.splitlines()[0].strip() == (
-        "Axial compliance, gamma = 240 deg (counts as 120)"
-    )
-    given = (*arguments, "--constant", "k_n=0.3", "--constant", "C=2")
-    out = call(*given).out
-    assert out.splitlines()[0].strip().endswith("gamma = 240 deg (counts as 120), k_n = 0.3, C = 2")
-    # No remark is written in the syntax of Python.
-    assert "unless the constant k_or is given." in out
-    assert "the constant k_gorbunov = 0.5 matches the frame." in out
-    assert "constants=" not in out
-    assert call(*given, "--json").json()["constants"] == {"k_n": 0.3, "C": 2.0}
 
 
 @pytest.mark.parametrize(
@@ -117,24 +77,6 @@ def test_refuses(call, arguments, fragment):
     answer = call("formulas", *arguments)
     assert (answer.code, answer.out) == (2, "")
     assert fragment in answer.err
-
-
-def test_published_table(call):
-    answer = call("formulas", "--published")
-    assert answer.code == 0
-    lines = answer.out.splitlines()
-    row = next(line for line in lines if line.startswith("ChN 26/26"))
-    assert row.split()[2:] == [
-        "1.394", "0.2108*", "0.4390*", "1.445", "0.6538*", "1.656", "0.45358?", "0.4951*", "1.006",
-    ]  # fmt: skip
-    assert max(map(len, lines[:12])) <= 80
-    assert "ChN 26/26, Gorbunov: 21.0847, read as 0.210847" in answer.out
-    assert "3.3220e-9 m/N, is probably 3.3220e-10 m/N" in answer.out
-    content = call("formulas", "--published", "--json").json()
-    assert len(content["values"]) == 91
-    fe = next(v for v in content["values"] if v["formula"] == "finite elements")
-    assert (fe["printed"], fe["exponent_factor"]) == (close(3.322e-9), 0.1)
-    assert "3.3220e-10" in content["finite_elements_doubt"]
 
 
 def test_all_engines_in_one_table(call, monkeypatch, analysis):

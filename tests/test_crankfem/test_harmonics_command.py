@@ -1,7 +1,6 @@
 """The commands `harmonics`, `two-mass` and `hinge`."""
 
 import csv
-import re
 
 import numpy as np
 import pytest
@@ -9,13 +8,12 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.tables.table_units import table_unit
+from crankbase.tables.table import table_unit
 from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.mechanism.plots import picture_torque_table, table_files
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
 from dynamics.chains.chain import Chain
-from dynamics.hinge.profile import GasSpring
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import element_loads
 from dynamics.response.order_excitation import OrderExcitation
@@ -40,18 +38,6 @@ def test_engine_record(call):
     engine = cf.load_mechanism("6chn25-34")
     torque = cf.engine_torque(engine.layout, engine.rated_speed, engine.pressure)
     assert record["mean"] == close(torque.mean, rel=1e-12)
-
-
-def test_engine_as_tables(call):
-    answer = call("harmonics", "8chn26-26", "--orders", "2.5", "--cylinder", "5")
-    assert answer.code == 0
-    assert "No order is major; the strongest: 2." in answer.out
-    assert "throw 1 (cyl." in answer.out
-    assert re.search(
-        r"Cylinder 5: tangential force T on the crankpin, phases from\s+its", answer.out
-    )
-    assert "-0.00" not in answer.out
-    assert "Cylinders with hinged rods differ" in answer.out
 
 
 def test_large_torques_are_told_in_one_unit_a_table(call):
@@ -82,26 +68,6 @@ def test_unit_and_digits_of_a_table(values, name, text):
     unit = table_unit(values, "N m")
     assert unit.with_unit(values[0]) == f"{text} {name}"
     assert table_unit([], "N").name == "N"
-
-
-def test_speed(call):
-    rated = call("harmonics", "6chn25-34", "--json").json()
-    slow = call("harmonics", "6chn25-34", "--json", "--speed", "100 1/min").json()
-    assert slow["speed_rpm"] == close(100.0)
-    # The work of the gas is the same, the masses' part of a harmonic is not.
-    assert slow["mean"] == close(rated["mean"], rel=1e-9)
-    assert slow["harmonics"]["amplitude"][5] != close(rated["harmonics"]["amplitude"][5], rel=1e-3)
-
-
-def test_harmonics_of_a_cylinders_forces(call):
-    record = call("harmonics", "8chn26-26", "--cylinder", "5", "--orders", "4", "--json").json()
-    found = record["cylinder"]
-    assert found["number"] == 5
-    assert found["firing_angle_deg"] == close(record["firing_angles_deg"][4])
-    assert found["tangential"]["inertia"]["mean"] == close(0.0, abs=1e-6)
-    both = found["tangential"]["gas and inertia"]["mean"]
-    # Crank radius 0.13 m: eight such means are the engine's, but that hinged rods differ.
-    assert 8 * 0.13 * both == close(record["mean"], rel=0.05)
 
 
 def test_tables_and_pictures_are_written(call, tmp_path):
@@ -288,14 +254,6 @@ def test_a_table_beside_the_user_comes_before_the_shipped_one(call, tmp_path):
     assert found["amplitude"][found["orders"].index(1.0)] == close(20.0)
 
 
-@pytest.mark.parametrize("table", ["nothing.csv", f"folder/{TABLE}"])
-def test_a_table_that_is_not_there_is_refused(call, table):
-    answer = call("harmonics", table)
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith(f"Error: {table}: ")
-    assert answer.err.count("\n") == 1
-
-
 SECTION = """
 [two_mass_check]
 shaft_diameter = "70 mm"
@@ -387,18 +345,6 @@ def changed(tmp_path, edit):
         return path
 
     return make
-
-
-def test_the_shipped_file():
-    found = load_hinge(SHIPPED)
-    assert found.engine.crank_ratio == close(0.5 / 1.55, rel=1e-15)
-    assert found.engine.sliding_mass == 460.0
-    assert found.spring == GasSpring(0.031, 1.0, 5e6, 1.25, 0.0)
-    np.testing.assert_allclose(np.array(found.speeds) * 30.0 / np.pi, [89.0, 129.0, 142.0])
-    # Every value says where it comes from.
-    silent = [record.field for record in found.records if record.source == found.path.name]
-    assert silent == ["engine.name"]
-    assert {"zotov2024"} == set(found.sources)
 
 
 @pytest.mark.parametrize(
@@ -504,24 +450,3 @@ def test_flywheels_at_another_speed():
     (other,) = run.others
     assert other.flywheel_with_hinge == close(2277.0, abs=0.5)
     assert other.flywheel == close(33514.0, abs=0.5)
-
-
-@pytest.mark.slow
-def test_tables_and_options(call, changed):
-    answer = call("hinge", SHIPPED, "--speed", "142 1/min", "--kinematics", "printed")
-    assert answer.code == 0, answer.err
-    assert "(printed" in answer.out
-    assert "At 142 1/min with the pressure unchanged" in answer.out
-    assert "At 129 1/min" not in answer.out
-    # Root mean square, and the largest beside it; which is which is told.
-    assert re.search(r"│ +\d+\.?\d*, at most \d+\.?\d* +│", answer.out)
-    assert "first by root mean squares, then by largest values" in answer.out
-    weak = call(
-        "hinge", changed({"comparison.pressures": '["0.2 MPa"]', "hinge.pressure": '"3 MPa"'})
-    )
-    assert weak.code == 0, weak.err
-    assert "not feasible" in weak.out
-    assert "the compression z must stay below the height H" in weak.out
-    none = call("hinge", changed({"hinge.pressure": '"0.2 MPa"'}))
-    assert none.code == 2
-    assert "pressure: given 0.2 MPa" in none.err

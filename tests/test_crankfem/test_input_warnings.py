@@ -12,7 +12,11 @@ from crankbase.errors import InputError
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.files.engine import usual_sizes
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.firing_evenness import FiringEvenness, firing_evenness, firing_sentence
+from crankfem.files.engine.mechanism_cylinders import (
+    FiringEvenness,
+    firing_evenness,
+    firing_sentence,
+)
 from crankfem.files.engine.mechanism_file import load_any, mechanism_of
 from crankfem.files.engine.throw_file import ThrowFile
 from crankfem.files.engine.usual_sizes import UsualRange, throw_warnings
@@ -127,16 +131,6 @@ def test_a_slip_is_warned_of_and_not_refused(tmp_path, six_cylinders, edit, fiel
     assert len(told) == 1
     assert said in told[0]
     assert told[0].endswith(("(range of the shipped engines)", "law's training throws)"))
-
-
-def test_check_prints_and_counts_warnings(call, tmp_path, six_cylinders, edit):
-    changes = {field: SLIPS[field][0] for field in ("piston.mass", "rod.length")}
-    (tmp_path / "mine.toml").write_text(edit(six_cylinders, changes), encoding="utf-8")
-    answer = call("check", "mine.toml")
-    assert answer.code == 0
-    assert "values are assumed; 2 warnings." in " ".join(answer.out.split())
-    assert "\nWarning: rod.length: given 7200 mm, which is 42.4 times the crank" in answer.out
-    assert "\nWarning: piston.mass: given 300 kg, which is 18 kg/dm^3 of" in answer.out
 
 
 def test_the_throw_must_fit_the_bore():

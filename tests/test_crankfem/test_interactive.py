@@ -17,21 +17,31 @@ import pytest
 from matplotlib.figure import Figure
 
 from comparing import close
-from crankbase.drawing.curves import ON_PAPER, draw_curves
+from crankbase.diagrams import ON_PAPER, draw_curves
 from crankbase.errors import InputError
 from crankfem.analyses.study.response_fits import fit_study, predicted
 from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
+from crankfem.report.figures import STUDY
 from crankfem.report.interactive import vibration as vibration_plots
-from crankfem.report.interactive.campbell import campbell, mode_shapes, shaft_modes
-from crankfem.report.interactive.curves import UNSEEN, figure_of, visible_points
 from crankfem.report.interactive.mechanism import MECHANISM, developed_load, polar_load
 from crankfem.report.interactive.plot import write_figure
 from crankfem.report.interactive.study import parity, response_over_factors
-from crankfem.report.interactive.style import design_texts, plain_layout, rounded
-from crankfem.report.interactive.throw_view import DRAWN_DISPLACEMENT, MOST_STRESSED, throw_view
-from crankfem.report.interactive.triangles import TriangleSurface, decimate_triangles, polylines
-from crankfem.report.interactive.vibration import VIBRATION, amplitudes_over_speed, axial_split
-from crankfem.report.plots import ANGLES, STUDY
+from crankfem.report.interactive.style import UNSEEN, design_texts, figure_of, plain_layout, rounded
+from crankfem.report.interactive.throw_view import (
+    DRAWN_DISPLACEMENT,
+    TriangleSurface,
+    decimate_triangles,
+    polylines,
+    throw_view,
+)
+from crankfem.report.interactive.vibration import (
+    VIBRATION,
+    amplitudes_over_speed,
+    axial_split,
+    campbell,
+    mode_shapes,
+    shaft_modes,
+)
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.loads import LoadDiagram
 from dynamics.plots.quantities import quantity_display
@@ -92,23 +102,6 @@ def test_numbers_keep_five_digits():
     assert rounded(values) == [float(f"{value:.5g}") for value in values]
     found = rounded([1234567.0, 0.0123456789, 2.0, -0.0, math.inf, -math.inf, math.nan])
     assert json.dumps(found) == "[1234600, 0.012346, 2, 0, null, null, null]"
-
-
-def test_thinned_curves_look_the_same():
-    x = np.linspace(0.0, 10.0, 2001)
-    y = 1.0 / ((x - 4.0) ** 2 + 0.01)
-    y[700:703] = np.nan
-    kept = visible_points(x, y, 0.05, 0.5)
-    assert kept.size < 200
-    assert np.isnan(y[kept]).sum() == 1
-    assert {0, 699, 703, 2000} <= set(kept.tolist())
-    for part in (slice(0, 700), slice(703, 2001)):
-        own = kept[(kept >= part.start) & (kept < part.stop)]
-        # Of the interpolation itself only round-off is added.
-        assert np.abs(np.interp(x[part], x[own], y[own]) - y[part]).max() <= 0.05 * (1 + 1e-9)
-        # Steps are halved until they are short enough.
-        assert np.diff(x[own]).max() <= 0.5 * (1 + 1e-9)
-    assert visible_points(x, x, 0.0).tolist() == [0, 2000]
 
 
 def test_what_json_does_not_know_is_refused(tmp_path):
@@ -404,18 +397,6 @@ def known_record():
     }
 
 
-def test_formulas_over_the_angle(tmp_path, strict):
-    record = known_record()
-    made = written(ANGLES, tmp_path, record)
-    assert [path.name for path in made] == ["formulas.json"]
-    formulas = read(made[0], strict)
-    assert units_told(formulas)
-    ours, fe, *bounds = formulas["data"]
-    assert floats(fe["y"]) == close(1e9 * np.array(record["angle_law"]["fe"]), rel=FIVE_DIGITS)
-    assert ours["y"] == [None, *[2] * 6]
-    assert [{*bound["y"]} for bound in bounds] == [{0.3}, {1.3}]
-
-
 # ------------------------------------------------------------------------------------- mechanism
 
 
@@ -445,15 +426,6 @@ def test_polar_load(load, frame):
     assert spans[0] == close(spans[1])
     assert "shaft angle" in curve["hovertemplate"]
     assert "kN" in curve["hovertemplate"]
-
-
-def test_developed_load(load):
-    traces, layout = figure_of(developed_load(load), "x")
-    assert layout["yaxis"]["title"]["text"] == "force [kN]"
-    assert max(traces[0]["y"]) == close(1e-3 * load.maximum, rel=FIVE_DIGITS)
-    assert traces[1]["y"][0] == close(1e-3 * load.mean, rel=FIVE_DIGITS)
-    assert traces[2]["x"] == [close(load.maximum_angle_deg, rel=FIVE_DIGITS)]
-    assert traces[0]["x"][-1] == 720
 
 
 def test_forces_of_a_mechanism(load, tmp_path, strict):
@@ -694,18 +666,6 @@ def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch):
         assert on_fillets == [close(1e-3 * largest)]
         # The surface shows its corner nodes: the largest of all may be a middle one.
         assert 0.8 * largest * 1e-3 < max(values)
-
-
-@pytest.mark.slow
-def test_throw_without_stresses_and_with_many_triangles(analysis, tmp_path, strict, monkeypatch):
-    module = "crankfem.report.interactive.throw_view"
-    monkeypatch.setattr(f"{module}.MOST_TRIANGLES", 2000)
-    monkeypatch.setattr(f"{module}.MOST_EDGES", 100)
-    figure = strict(throw_view(tmp_path, analysis).read_text(encoding="utf-8"))
-    assert [trace["name"] for trace in figure["data"]] == ["solid", "sharp edges", "deformed"]
-    assert 500 < len(figure["data"][0]["i"]) <= 2000 < MOST_STRESSED
-    (menu,) = figure["layout"]["updatemenus"]
-    assert len(menu["buttons"]) == 2
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ import pytest
 import typer
 
 from crankbase.errors import InputError
-from crankbase.wrong_files import not_a_file
+from crankbase.input_file import not_a_file
 from crankfem.cli.app import app
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.engine_file import load_engine

@@ -9,7 +9,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-import crankfem.analyses.study.frequency_limits
+import crankfem.analyses.study.nominal_throw
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import engine_torsional_chain
@@ -21,27 +21,19 @@ from crankfem.analyses.shaft.sources import (
     source_spread,
     torsional_sources,
 )
-from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
-from crankfem.analyses.throw.law_record import (
-    LAW_BANDS,
-    law_answers,
-    law_lookups,
-    law_record,
-    law_sentence,
-)
-from crankfem.cli.commands import optimum as optimum_command
-from crankfem.cli.commands.lookup import lookup
-from crankfem.cli.commands.optimum import optimum
-from crankfem.cli.law_arguments import law_throw
+from crankfem.analyses.study.nominal_throw import EngineFrequencies, frequency_limit
+from crankfem.analyses.throw.law_record import law_answers, law_record, law_sentence
+from crankfem.cli.arguments import law_throw
+from crankfem.cli.commands import lookup as optimum_command
+from crankfem.cli.commands.lookup import lookup, optimum
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path
-from crankfem.jobs.run_inputs import read_inputs
+from crankfem.jobs.run_computation import read_inputs
 from dynamics.chains.engine_chains import axial_chain
 from fem.analysis import analyze_throw
 from fem.angle_law import AngleLaw
 from fem.material import STEEL
-from fem.supports import Neighbors
 from fitted_models import known_model
 from geometry.throw import CrankThrow
 from regression import optimum as optimum_module
@@ -49,7 +41,7 @@ from regression.fits.fits import fit_form
 from regression.law.throw_law import axial_law, torsional_law
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
-from regression.response_kinds import GUIDED_MOMENTS, NEEDED, ThrowLengths, end_reactions
+from regression.response_kinds import GUIDED_MOMENTS
 
 ENGINE = "6chn25-34"
 THROW = load_throw(input_path(ENGINE))[0]
@@ -156,17 +148,6 @@ def test_json_has_all(run, path):
     }
 
 
-def test_the_throw_of_an_engine_file(run, path):
-    model = ComplianceModel.load(path)
-    expected = model.of_throw(THROW)["axial_compliance"].value
-    found = json.loads(run("lookup", path, "--throw", ENGINE, "--json"))
-    assert found["axial_compliance"]["value"] == expected
-    changed = json.loads(run("lookup", path, "web_width=280mm", "--throw", ENGINE, "--json"))
-    assert changed["axial_compliance"]["value"] == close(
-        model.axial_compliance(web_width=0.28, web_thickness=THROW.web_thickness), rel=1e-14
-    )
-
-
 def test_another_engines_throw_is_refused(run, path):
     with pytest.raises(InputError, match=r": given .*; allowed is "):
         run("lookup", path, "--throw", "yamz-5340")
@@ -182,17 +163,6 @@ def test_gamma(run, path):
     assert "between neighbors at 90 deg" in run("lookup", path, *PAIRS, "--gamma", "-90")
     with pytest.raises(InputError, match="--gamma: given nan; allowed is a finite angle"):
         run("lookup", path, *PAIRS, "--gamma", "nan")
-
-
-def test_what_depends_on_gamma_stands_first(run, path):
-    model = ComplianceModel.load(path)
-    responses = dict(reversed(model.responses.items()))
-    ComplianceModel(**(model.model_dump() | {"responses": responses})).save(path)
-    lines = run("lookup", path, *PAIRS, "--gamma", "120").splitlines()
-    assert lines[0].startswith("axial compliance: ")
-    assert lines[1] == "Independent of --gamma:"
-    assert lines[2].startswith("mass: ")
-    assert len(lines) == len(SIZES) + 3
 
 
 def test_bands_tell_what_is_not_known(run, path):
@@ -358,20 +328,6 @@ def test_reactions_outside_the_range(run, reaction_path):
         run("lookup", reaction_path, *outside, "--strict")
 
 
-@pytest.mark.parametrize(
-    ("force", "match"),
-    [
-        ("0, -100 kN, 5 kN", "pin_force: given 5000 N along the shaft"),
-        ("100", "--pin-force: given '100', a bare number"),
-        ("1, 2 kN", "--pin-force: given '1, 2 kN'; allowed is one radial force"),
-        ("1e40 kN", "--pin-force: given '1e40 kN'; allowed is one radial"),
-    ],
-)
-def test_pin_forces_that_are_refused(run, reaction_path, force, match):
-    with pytest.raises(InputError, match=match):
-        run("lookup", reaction_path, *PAIRS, "--pin-force", force)
-
-
 def test_a_model_without_reactions_says_so(run, path):
     with pytest.raises(
         InputError, match="support: given pinned, but the model has no axial_reaction"
@@ -456,7 +412,7 @@ def test_the_first_torsional_frequency_is_no_couplings():
 @pytest.mark.slow
 def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):
     monkeypatch.setattr(
-        crankfem.analyses.study.frequency_limits, "engine_frequencies", lambda _: frequencies
+        crankfem.analyses.study.nominal_throw, "engine_frequencies", lambda _: frequencies
     )
     model = ComplianceModel.load(path)
     needed = frequencies.torsional(3.9e-8)
@@ -756,25 +712,6 @@ def test_the_sentence_tells_value_and_band_or_the_ratio_outside():
     assert "crank_radius" in refused["reason"] or "plain" in refused["reason"]
 
 
-def test_looked_up_reactions_are_those_of_the_few_numbers_too():
-    """The law's superelement beside what makes reactions of a model's equations."""
-    found = law_lookups(LAW_THROW, STEEL)
-    value = {name: one.value for name, one in found.answers.items()}
-    lengths = ThrowLengths(LAW_THROW.length, LAW_THROW.length / 2.0, LAW_THROW.crank_radius)
-    force = np.array([2e4, -1e5, 0.0])
-    own = {NEEDED["pinned"][0]: value["influence_coefficient"] / value["axial_compliance"]}
-    loads = end_reactions(own, lengths, force)
-    by_law = found.reactions(force, "pinned")
-    assert by_law.left.force == close(loads[:3], abs=1e-6)
-    assert by_law.left.moment == close(loads[3:6], abs=1e-6)
-    for support in ("pinned", "guided", Neighbors(120.0, 120.0)):
-        answer = found.reactions(force, support)
-        # Of the axial reaction the band is never 0, and narrow.
-        band = answer.band.left.force[2] / abs(answer.left.force[2])
-        assert 1e-4 < band < 0.05, support
-        assert answer.left.force + answer.right.force == close(-force, abs=1e-7)
-
-
 @pytest.mark.parametrize(
     ("pairs", "match"),
     [
@@ -794,20 +731,6 @@ def test_a_throw_of_pairs_or_of_an_engine_that_they_change():
     assert law_throw(LAW_PAIRS) == (LAW_THROW, STEEL)
     throw, material = load_throw(ENGINE)
     assert law_throw(["web_width=310mm"], ENGINE) == (throw.changed(web_width=0.310), material)
-
-
-def test_lookup_law(call):
-    out = call(
-        "lookup", "law", *LAW_PAIRS, "--gamma", "120 deg", "--pin-force", "0, -100 kN, 0"
-    ).out
-    assert LAW_BANDS in out
-    assert "Axial reaction neighbors 120 deg: within" in out
-    found = call("lookup", "law", *LAW_PAIRS, "--json").json()
-    assert (
-        found["axial_compliance"]["value"]
-        == law_answers(LAW_THROW, STEEL)["axial_compliance"]["value"]
-    )
-    assert "refused" not in found
 
 
 def test_check_and_formulas_tell_the_law(call):

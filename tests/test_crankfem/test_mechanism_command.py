@@ -1,7 +1,6 @@
 """The command `mechanism`: balance, tables, files, pictures, and what it refuses."""
 
 import csv
-import json
 import math
 import shutil
 from dataclasses import replace
@@ -10,16 +9,15 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.drawing.diagram_style import figure
+from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankbase.tables.table import merged_rows
-from crankfem.analyses.mechanism import balance_records
 from crankfem.analyses.mechanism.balance_records import (
     balance_contents,
     mechanism_balance_record,
     throw_mass_table,
 )
-from crankfem.analyses.mechanism.mechanism_records import acceleration_record, mechanism_record
+from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.mechanism.plots import (
     plot_accelerations,
@@ -29,22 +27,18 @@ from crankfem.analyses.mechanism.plots import (
 )
 from crankfem.analyses.mechanism.rod_models import (
     compare_rod_models,
-    model_difference_sentence,
-    model_difference_table,
 )
-from crankfem.cli import console
-from crankfem.cli.tables import mechanism_tables
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.outputs import check_outputs
 from crankfem.report.interactive.mechanism import MECHANISM
-from dynamics.balance.balance import balance, hinged_rod_effects
+from dynamics.balance.balance import balance
 from dynamics.balance.moving_masses import balancing_masses
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.loads import LoadDiagram
 from dynamics.engine.rods import ConnectingRod
-from dynamics.plots.load_diagrams import on_paper, square_round
+from dynamics.plots.load_diagrams import on_paper
 from geometry.crankshaft import throw_masses
 
 
@@ -81,16 +75,6 @@ def test_the_mean_load_balances_over_the_bearings(v8):
 def test_models_differ_as_their_masses_do(v8):
     compared = {row.model: row for row in compare_rod_models(v8)}
     assert 0.02 < compared["three-mass"].crankpin < compared["two-mass"].crankpin < 0.05
-
-
-def test_the_balance_is_that_of_the_exact_bodies_about_the_middle(v8):
-    positions = v8.mechanism.bearing_positions
-    assert v8.balance.about == close(0.5 * positions[-1])
-    assert v8.balance.model == "rigid"
-    classical = run_mechanism(v8.mechanism, model="two-mass")
-    assert classical.balance.model == "two-mass"
-    # The rods' centers lie 9 mm beside their axes.
-    assert classical.balance.of(1).moment.major != close(v8.balance.of(1).moment.major, rel=1e-5)
 
 
 def test_the_balance_says_what_is_in_it(v8):
@@ -204,31 +188,6 @@ def test_two_models_of_the_rods(call, tmp_path):
     assert 100.0 * float(row["difference_of_same_angle"]) == close(-5.51, abs=5e-3)
 
 
-def test_two_models_that_are_the_same(call):
-    content = call(
-        "mechanism", "8chn26-26", "--model", "rigid", "--model", "two-mass", "--json"
-    ).json()
-    record = content["model_difference"]
-    assert model_difference_table(record) is None
-    assert "the same, to round-off, as two-mass and as rigid" in model_difference_sentence(record)
-    # Without an inertia given, the rods are two masses.
-    assert [row["at_center"] for row in content["rod_masses"][0]["models"]] == [
-        75.0,
-        0.0,
-        None,
-        None,
-    ]
-
-
-def test_json(call):
-    content = call("mechanism", "6chn25-34", "--json", "--speed", "300 1/min").json()
-    assert content["speed_rpm"] == close(300.0)
-    assert content["balance"]["orders"][0]["force_balanced"] is True
-    assert content["pictures"] == []
-    # Not in the file: the default is told.
-    assert "gas.compression_ratio" in {entry["field"] for entry in content["assumed"]}
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -317,46 +276,6 @@ def vee():
     return EngineLayout(0.13, cylinders, [1, 2, 3, 4])
 
 
-def test_records_are_json_and_hold_the_numbers():
-    found = balance(vee(), SPEED)
-    record = json.loads(json.dumps(balance_records.balance_record(found), allow_nan=False))
-    first, second = record["orders"][:2]
-    assert (first["force_balanced"], first["moment_balanced"]) == (True, False)
-    assert (second["force_balanced"], second["moment_balanced"]) == (False, True)
-    assert second["force"]["major"] == found.of(2).force.major
-    assert second["force"]["angle_deg"] == found.of(2).force.angle_deg
-    parts = [second["parts"][name]["force"] for name in ("reciprocating", "rotating", "lateral")]
-    for place in (0, 1):
-        total = sum(part["forward"][place] for part in parts)
-        assert total == close(second["force"]["forward"][place], abs=1e-9)
-    assert len(record["masses"]) == 4
-    cases = json.loads(
-        json.dumps(
-            balance_records.hinged_rods_record(hinged_rod_effects(vee(), SPEED, cylinders=[1, 2]))
-        )
-    )
-    assert cases[1]["side_by_side"]["change"] == {"major": 0.0, "minor": 0.0, "turn_deg": 0.0}
-    assert cases[1]["kinematics"]["change"]["major"] < -0.1
-
-
-def test_tables(capsys, monkeypatch):
-    monkeypatch.setattr(console.output, "width", 120)
-    mechanism_tables.print_balance(balance_records.balance_record(balance(vee(), SPEED)))
-    forces, moments = capsys.readouterr().out.split("Inertia moments")
-    second = 1e-3 * balance(vee(), SPEED).of(2).force.major
-    assert [line.split()[3] for line in forces.splitlines() if "│ 1 " in line] == ["balanced"]
-    assert f"{second:.4g}" in forces
-    assert "about z = 0.2 m" in moments
-    assert moments.count("balanced") == 3  # the second and fourth order, and the note
-    effects = hinged_rod_effects(vee(), SPEED, cylinders=[1, 2])
-    pistons = acceleration_record(vee(), SPEED, (1, 2))
-    mechanism_tables.print_hinged_rods(balance_records.hinged_rods_record(effects), pistons)
-    shown = capsys.readouterr().out
-    assert "less cylinder 2, at the same alpha: -52.8" in shown
-    assert "hinged: movement alone" in shown
-    assert "-12.2 %" in shown
-
-
 @pytest.mark.slow
 def test_pictures(tmp_path):
     engine = vee()
@@ -434,16 +353,6 @@ def test_a_pressure_table_is_an_input_too(call, tmp_path, edit):
         assert table.read_bytes() == before
 
 
-def test_outputs_that_can_be(tmp_path):
-    new = tmp_path / "new.csv"
-    assert check_outputs(None, None) is None
-    assert check_outputs(new, str(tmp_path / "a" / "b"), tmp_path / "in.toml") == tmp_path / "a/b"
-    assert list((tmp_path / "a" / "b").iterdir()) == []
-    # An older result may be replaced.
-    new.touch()
-    check_outputs(new, None, tmp_path / "in.toml")
-
-
 def test_a_folder_that_takes_no_files(monkeypatch, tmp_path):
     def full(**_):
         raise OSError(28, "No space left on device")
@@ -485,28 +394,6 @@ def test_the_crank_stands_upright_and_turns_clockwise(diagram):
     columns = diagram.columns()
     at_rest = 1e-3 * (-columns["force_x_N"] + 1j * columns["force_y_N"])
     np.testing.assert_allclose(on_paper(diagram, "engine"), at_rest, rtol=1e-12)
-
-
-def test_the_square_holds_curves_and_origin():
-    low, high = square_round([np.array([2.0 + 1.0j, 6.0 + 3.0j])])
-    assert high[0] - low[0] == close(high[1] - low[1])
-    assert low[0] < 0.0
-    assert low[1] < 0.0
-    assert high[0] > 6.0
-    assert high[1] > 3.0
-
-
-@pytest.mark.slow
-def test_pictures_are_the_same_each_time_and_differ_by_frame(diagram, tmp_path):
-    made = []
-    for name, frame in (("a", "crank"), ("b", "crank"), ("c", "engine")):
-        path = tmp_path / f"{name}.svg"
-        plot_polar_loads(path, [diagram, diagram], labels=["one", "two"], frame=frame, title="x")
-        made.append(path.read_bytes())
-    assert made[0] == made[1]
-    assert made[0] != made[2]
-    diagram.plot().figure.savefig(tmp_path / "d.svg")
-    assert (tmp_path / "d.svg").read_text(encoding="utf-8").startswith("<?xml")
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 import math
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,10 +23,11 @@ from crankfem.files.engine.mechanism_file import (
     MechanismFile,
     load_any,
     load_mechanism,
+    pressures_at,
     with_throws,
 )
-from crankfem.files.engine.mechanism_load import pressures_at
 from crankfem.files.reading.data_files import InputFiles, input_path
+from crankfem.files.sections.cylinder_pressures import LoadSection
 from crankfem.files.sections.excitation_sections import (
     GasMap,
     Misfire,
@@ -37,14 +37,13 @@ from crankfem.files.sections.excitation_sections import (
     motored_for_misfire,
 )
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
-from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout
 from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.cylinders import cylinder_forces
-from dynamics.gas.pressure import ATMOSPHERE, read_pressure_table
+from dynamics.gas.pressure import read_pressure_table
 from geometry.crankshaft import throw_masses
 from geometry.mass import MassProperties, unbalance
 
@@ -89,15 +88,6 @@ def test_engines_in_line_turn_as_their_firing_order_says(name, sense):
         [cycle_radians(layout.strokes) / len(firing)] * (len(firing) - 1)
     )
     assert any("rod.inertia is not given" in remark for remark in mechanism.remarks)
-
-
-def test_gas_reaches_what_the_file_asks_for():
-    mechanism = load_mechanism("yamz-5340")
-    assert mechanism.pressure[0].peak_pressure == close(13e6 + ATMOSPHERE, rel=1e-9)
-    assert len(mechanism.pressure) == 4
-    assert any("combustion_start" in remark for remark in mechanism.pressure[0].remarks)
-    assumed = [remark for remark in mechanism.pressure[0].remarks if "intake_pressure" in remark]
-    assert len(assumed) == 1
 
 
 def written(tmp_path, changes, name="6chn25-34"):
@@ -241,17 +231,6 @@ def test_an_engine_in_line_without_flywheel_is_a_mechanism(tmp_path):
         load_engine(path)
 
 
-def test_what_a_file_describes():
-    assert isinstance(load_any("8chn26-26"), MechanismFile)
-    assert type(load_any("6chn25-34")).__name__ == "EngineFile"
-    assert type(load_any("8chn14-14")).__name__ == "ThrowFile"
-    with pytest.raises(
-        InputError, match=r"the sections \[engine\], \[rod\], \[piston\] are missing"
-    ):
-        load_mechanism("8chn14-14")
-    assert load_mechanism(Path("6chn25-34")).name == "6ChN 25/34"
-
-
 @pytest.mark.parametrize("name", ["8chn13-14", "6chn25-34"])  # senses +1 and -1
 def test_throws_stand_with_their_unbalance_at_their_angles(name):
     mechanism = load_mechanism(name)
@@ -325,33 +304,6 @@ def test_the_sense_in_which_a_file_counts_angles_makes_no_difference(tmp_path, n
     ]
     assert np.radians(two.layout.firing_deg) == close(np.radians(one.layout.firing_deg))
     assert np.abs(forces[0].crankpin - forces[1].crankpin).max() < 1e-9 * 1e6
-
-
-def test_all_cylinders_breathe_from_one_receiver():
-    mechanism = load_mechanism("8chn26-26")
-    assumed = {
-        remark
-        for pressure in mechanism.pressure
-        for remark in pressure.remarks
-        if "intake_p" in remark
-    }
-    assert len(assumed) == 1
-    # The hinged rods' pistons move otherwise: their pressure is their own.
-    first, hinged = mechanism.pressure[0], mechanism.pressure[4]
-    assert first is mechanism.pressure[3]
-    assert hinged is mechanism.pressure[7]
-    assert np.abs(first.pressure / hinged.pressure - 1.0).max() > 1e-4
-
-
-def test_a_shipped_torque_table_by_name(tmp_path):
-    shipped = cf.load_torque_table("yamz5340_torque_one_throw.csv")
-    assert shipped.torque.size == 36
-    path = tmp_path / "own.csv"
-    path.write_text("crank_angle_deg,torque_Nm\n0,1\n180,2\n360,3\n540,4\n", encoding="utf-8")
-    assert cf.load_torque_table(path).torque.tolist() == [1.0, 2.0, 3.0, 4.0]
-    for missing in ("none.csv", tmp_path / "yamz5340_torque_one_throw.csv"):
-        with pytest.raises(InputError, match="cannot be read"):
-            cf.load_torque_table(missing)
 
 
 RATED = 2000.0 * math.pi / 30.0

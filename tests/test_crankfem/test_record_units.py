@@ -9,13 +9,12 @@ import pytest
 import typer
 
 from crankbase.errors import SolveError
-from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
+from crankbase.tables.table import SI, OutputUnit, OutputUnits
 from crankbase.units.units import POWER_OF_TEN, UNITS
 from crankfem.analyses.record import json_text, plain, units_of, with_units
 from crankfem.analyses.vibration.records import run_record
 from crankfem.cli.app import app
-from crankfem.cli.tables.chain_tables import chain_record
-from crankfem.cli.tables.vibration_tables import print_run
+from crankfem.cli.tables.vibration_tables import chain_record, print_run
 from crankfem.files.chain.chain_file import load_chain
 from fem.responses import RESPONSES
 from json_units import numbers_with_units

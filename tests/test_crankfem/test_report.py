@@ -27,8 +27,7 @@ from crankfem.report.figures import load_figures, script_text
 from crankfem.report.summary import summary
 from crankfem.report.text_filters import check_value_text
 from crankfem.report.writing import render_report, script, write_report
-from fem.angle_law import SYMMETRIC
-from fem.solution_checks import asymmetry, rigid_body_residual
+from fem.solver import asymmetry, rigid_body_residual
 from regression.models.compliance_model import ComplianceModel
 
 STORED = Path(__file__).with_name("report_results.json")
@@ -166,23 +165,6 @@ def test_no_word_of_the_program_stands_where_an_engineer_reads(results, page, ca
     assert not re.search(r"\bfe\b", sources)
 
 
-def test_the_first_screen_says_what_matters(results, page):
-    first = page(results).section("verdict")
-    assert first.startswith("Not acceptable")
-    for shown in (
-        "24.5 MPa at 498 1/min",
-        "115 % of the permitted 21.2 MPa",
-        "406 to 466 1/min cannot be barred",
-        "27 of 37 inputs are assumed",
-        "1.29e-9 m/N",
-        "too small by about 0.96 %",
-        "76.8 Hz",
-        "87.0 Hz",
-        "whole crankshaft in its bearings: 81.1 Hz",
-    ):
-        assert shown in first
-
-
 def test_without_gas_pressure_critical_speeds_stand_in_for_resonances(results, page):
     found = page(without_gas(results))
     first = found.section("verdict")
@@ -232,15 +214,6 @@ def test_the_verdict_has_its_color_and_headline(results, status, said, shown):
     assert (found["status"], found["headline"]) == (shown, said + left)
     results["vibration"]["assessment"]["limits"][0]["name"] = "axial amplitude"
     assert summary(results)["headline"] == said
-
-
-def test_an_undecided_verdict_says_first_what_decides(results):
-    said = "acceptable with a tensile strength of 507 MPa, not with 506 MPa: give limits.tensile_strength"
-    results["vibration"]["assessment"]["decision"] = {"status": "undecided", "sentence": said}
-    found = summary(results)
-    assert (found["status"], found["headline"]) == ("barred", "Undecided")
-    assert found["sentences"][0].startswith(f"A{said[1:]}.")
-    assert found["sentences"][1].startswith("With the values used: torsional stress")
 
 
 def test_unbounded_vibration_is_called_so(results):
@@ -355,28 +328,6 @@ def test_scripts_hold_nothing_that_a_page_cannot():
     assert str(script_text('{"a": "<!--"}\n')) == '{"a": "\\u003c!--"}'
 
 
-def test_words_go_with_their_number(results, page):
-    table = results["repeat"]["files"][0] | {"name": "tables/gas.csv"}
-    before = page(results).section("repeat")
-    assert "2 processors" in before
-    assert "With crankfem 0.1.0 installed, save the input below as 6chn25-34.toml, then:" in before
-    results["about"]["processors"] = 1
-    results["repeat"]["files"].append(table)
-    after = page(results).section("repeat")
-    assert "1 processor." in after
-    assert "6chn25-34.toml, each table under its name beside it, then:" in after
-    assert "tables/gas.csv" in after
-
-
-def test_the_input_can_be_had_from_the_report(results, page):
-    repeat = page(results).section("repeat")
-    file = results["repeat"]["files"][0]
-    assert file["sha256"] in repeat
-    assert 'name = "6ChN 25/34"' in repeat
-    assert "crankfem run 6chn25-34.toml" in repeat
-    assert results["about"]["packages"]["gmsh"] in repeat
-
-
 def test_what_a_run_was_made_with(tmp_path):
     about = provenance_record()
     assert re.match(r"\d+\.\d+", about["version"])
@@ -417,15 +368,6 @@ def test_further_files_are_named_as_the_engine_file_names_them(tmp_path):
 def test_commands_can_be_given_to_a_shell(name, command):
     assert run_command(name) == command
     assert shlex.split(command)[-1].removeprefix("./") == name
-
-
-def test_stresses_stand_with_their_element(results, page):
-    forced = results["vibration"]["forced"]["torsional"]
-    forced["stress"] = [forced["stress"][2], forced["stress"][0]]
-    response = page(results).section("response")
-    assert "free end - cylinder 1 2.48 575 2.90 2.16 " in response
-    assert "cylinder 1 - cylinder 2 25.9 575 41.8 cylinder 2" in response
-    assert "cylinder 2 - cylinder 3 32.6 575 58.4 28.5 " in response
 
 
 def test_critical_speeds_stand_in_one_table(results, page):
@@ -480,154 +422,147 @@ def test_numbers_are_written_for_reading(written, expected):
 
 # Texts by section: every number that a report shows, read beside the value in the file, which is in SI
 # units. A factor of a unit or a digit that is wrong shows.
-AS_STORED = [
-    ("verdict", "24.5 MPa at 498 1/min, 115 % of the permitted 21.2 MPa"),
-    ("verdict", "en 1.29e-9 m/N"),
-    # A record of a release that did not correct its answers.
-    ("verdict", "too small by about 0.96 %"),
-    ("verdict", "First axial frequency 76.8 Hz uncertainty range of the chain 76.5 to 76.8 Hz"),
-    ("verdict", "crankshaft in its bearings: 81.1 Hz"),
-    ("verdict", "cylinder 4 - cylinder 5, 498 1/min 24.5 MPa 21.2 MPa 115 %"),
-    ("inputs", "Crank radius R 170 mm Main journal diameter 220 mm Crankpin diameter 180 mm"),
-    (
-        "inputs",
+AS_STORED = {
+    "verdict": [
+        "Not acceptable",
+        "406 to 466 1/min cannot be barred",
+        "24.5 MPa at 498 1/min, 115 % of the permitted 21.2 MPa",
+        "en 1.29e-9 m/N",
+        "too small by about 0.96 %",
+        "First axial frequency 76.8 Hz uncertainty range of the chain 76.5 to 76.8 Hz",
+        "crankshaft in its bearings: 81.1 Hz",
+        "cylinder 4 - cylinder 5, 498 1/min 24.5 MPa 21.2 MPa 115 %",
+    ],
+    "inputs": [
+        "Crank radius R 170 mm Main journal diameter 220 mm Crankpin diameter 180 mm",
         "Web width B 285 mm Web thickness h 68 mm Fillet radius 12 mm Rated speed 500 1/min",
-    ),
-    ("inputs", "Young's modulus 210 GPa Density 7850 kg/m³"),
-    ("inputs", "27 of 37 values are assumed"),
-    ("throw", "pinned 1.29 41.3 0.616 0.478 guided"),
-    ("throw", "guided 0.258 25.7 0.0662 0.257"),
-    ("throw", "0.96 % (requested: 1 %), not corrected: the true compliance is larger"),
-    ("throw", "rigid, 15 597 unknowns."),
-    ("throw", "axial 0.76, 0.63, 0.36, 0.36, 0.63, 0.76; torsional 0.91, 0.78, 0.91"),
-    ("throw", "Mass of the throw 189 kg Center of mass, towards the pin 79.3 mm"),
-    ("throw", "about the shaft 4.40 kg m² Static unbalance of the throw 15.0 kg m Crankshaft"),
-    ("throw", "without rods: mass 1131 kg Crankshaft: moment of inertia 26.4 kg m²"),
-    ("reactions", "Z = 417 kN towards the shaft axis, the gas force at peak pressure;"),
-    ("reactions", "P = c Z / en = 199 kN"),
-    ("reactions", "pinned left 0.000 209 199 0.000 0.000 0.000 pinned right 0.000 209 -199"),
-    ("reactions", "guided left 0.000 209 107 -11.4 0.000 0.000"),
-    ("fillets", "at most 2.7 % (requested: 10 %): sufficient"),
-    ("fillets", "left journal -0.913 0.807 0.774 1.18 0.0 117 66.4 pin, left web"),
-    ("fillets", "left journal 1.35 1.84 0.478 2.83 77.0 87.5 66.2 pin, left web"),
-    (
-        "formulas",
+        "Young's modulus 210 GPa Density 7850 kg/m³",
+        "27 of 37 values are assumed",
+    ],
+    "throw": [
+        "pinned 1.29 41.3 0.616 0.478 guided",
+        "guided 0.258 25.7 0.0662 0.257",
+        "0.96 % (requested: 1 %), not corrected: the true compliance is larger",
+        "rigid, 15 597 unknowns.",
+        "axial 0.76, 0.63, 0.36, 0.36, 0.63, 0.76; torsional 0.91, 0.78, 0.91",
+        "Mass of the throw 189 kg Center of mass, towards the pin 79.3 mm",
+        "about the shaft 4.40 kg m² Static unbalance of the throw 15.0 kg m Crankshaft",
+        "without rods: mass 1131 kg Crankshaft: moment of inertia 26.4 kg m²",
+    ],
+    "reactions": [
+        "Z = 417 kN towards the shaft axis, the gas force at peak pressure;",
+        "P = c Z / en = 199 kN",
+        "pinned left 0.000 209 199 0.000 0.000 0.000 pinned right 0.000 209 -199",
+        "guided left 0.000 209 107 -11.4 0.000 0.000",
+    ],
+    "fillets": [
+        "at most 2.7 % (requested: 10 %): sufficient",
+        "left journal -0.913 0.807 0.774 1.18 0.0 117 66.4 pin, left web",
+        "left journal 1.35 1.84 0.478 2.83 77.0 87.5 66.2 pin, left web",
+    ],
+    "formulas": [
         "give 0.588 to 2.31 times the axial compliance by finite elements and 0.994 to 1.14 times",
-    ),
-    (
-        "formulas",
         "finite elements 1.29 1.00 0.750 76.8 finite elements, pinned throughout 1.29 1.00",
-    ),
-    (
-        "formulas",
         "regression of the study 1 1.28 1.00 0.747 76.8 Guglielmotti-Macchiotta 2 0.758 0.59",
-    ),
-    (
-        "formulas",
         "finite elements 41.3 1.00 35.7 87.0 finite elements, pinned throughout 41.3 1.00",
-    ),
-    ("formulas", "its largest error at held-out designs is 1.5 %"),
-    ("formulas", "e0 = 0.258e-9 m/N, e180 = 1.29e-9 m/N and ρ = 2.73,"),
-    ("study", "27 designs (full factorial) were fitted; 8 further designs"),
-    ("study", "Largest estimated error of the finite elements: 1.8 %."),
-    ("study", "web width 270 mm, 300 mm, 330 mm web thickness 38 mm, 68 mm, 98 mm"),
-    ("study", "6 coefficients; largest error at held-out designs 1.5 %."),
-    ("study", "web width -0.22 0.002 0.002 web thickness -1.08 0.994 0.994"),
-    (
-        "study",
+        "its largest error at held-out designs is 1.5 %",
+        "e0 = 0.258e-9 m/N, e180 = 1.29e-9 m/N and ρ = 2.73,",
+    ],
+    "study": [
+        "27 designs (full factorial) were fitted; 8 further designs",
+        "Largest estimated error of the finite elements: 1.8 %.",
+        "web width 270 mm, 300 mm, 330 mm web thickness 38 mm, 68 mm, 98 mm",
+        "6 coefficients; largest error at held-out designs 1.5 %.",
+        "web width -0.22 0.002 0.002 web thickness -1.08 0.994 0.994",
         "linear 4 0.90099 0.88807 0.86827 28.2 27.5 14 log-quadratic (chosen) 6 0.99996 0.99995",
-    ),
-    ("study", "0.99994 0.7 1.52 0.732"),
-    ("study", "axial compliance m/N log-quadratic 6 1.5 1.8 torsional compliance"),
-    ("loads", "Speed 500 1/min Indicated power 570 kW Mean torque 10.9 kN m"),
-    ("loads", "-2.09 to 26.5 kN m"),
-    ("loads", "Peak pressure, absolute 8.60 MPa Peak pressure, after top 14.0 deg"),
-    ("loads", "Indicated mean pressure 1.37 MPa"),
-    ("loads", "[MPa] 1 43.2 168 14.5 1.45 5.66 2 56.1 201 495 1.89 6.78 3 "),
-    ("loads", "mean 57.2 kN, largest 375 kN, largest specific pressure 15.0 MPa."),
-    ("balance", "1131 kg, 2460 mm long; balanced statically and dynamically."),
-    ("campbell", "on a rigid shaft: 3, 6, 9, 12. Orders up to 12 are considered"),
-    (
-        "campbell",
+        "0.99994 0.7 1.52 0.732",
+        "axial compliance m/N log-quadratic 6 1.5 1.8 torsional compliance",
+    ],
+    "loads": [
+        "Speed 500 1/min Indicated power 570 kW Mean torque 10.9 kN m",
+        "-2.09 to 26.5 kN m",
+        "Peak pressure, absolute 8.60 MPa Peak pressure, after top 14.0 deg",
+        "Indicated mean pressure 1.37 MPa",
+        "[MPa] 1 43.2 168 14.5 1.45 5.66 2 56.1 201 495 1.89 6.78 3 ",
+        "mean 57.2 kN, largest 375 kN, largest specific pressure 15.0 MPa.",
+    ],
+    "balance": ["1131 kg, 2460 mm long; balanced statically and dynamically."],
+    "campbell": [
+        "on a rigid shaft: 3, 6, 9, 12. Orders up to 12 are considered",
         "speed [1/min] lowest highest undamped order mode phase sum amplitude damping [%] margin [%] kind",
-    ),
-    ("campbell", "axial 384 383 384 384 12 1 1.00 116 µm 1.25 inside major"),
-    ("campbell", "axial 512 510 512 512 9 1 1.00 341 µm 1.25 inside major"),
-    ("campbell", "torsional 435 431 435 435 12 1 1.00 1.42 mrad 1.25 inside major"),
-    (
-        "response",
-        "load [kN] at [1/min] plain sum [kN] main bearing 1 - main bearing 2 85.7 575 138 main bearing 2",
-    ),
-    (
-        "response",
-        "main bearing 3 - main bearing 4 214 575 315 main bearing 4 - main bearing 5 208 509 323",
-    ),
-    (
-        "response",
-        "stress [MPa] free end - cylinder 1 2.48 575 2.90 2.16 cylinder 1 - cylinder 2 25.9 575",
-    ),
-    ("response", "difference [%] 0.5 25.3 39.3 39 1 25.7 18.8 74"),
-    (
-        "limits",
-        "limit where at [1/min] reached permitted used [%] torsional stress of crankshaft cylinder",
-    ),
-    ("limits", "cylinder 4 - cylinder 5 498 24.5 MPa 21.2 MPa 115 torsional"),
-    ("limits", "free end - cylinder 1 575 2.16 MPa 53.1 MPa 4.07 Limit"),
-    (
-        "campbell",
+        "axial 384 383 384 384 12 1 1.00 116 µm 1.25 inside major",
+        "axial 512 510 512 512 9 1 1.00 341 µm 1.25 inside major",
+        "torsional 435 431 435 435 12 1 1.00 1.42 mrad 1.25 inside major",
         "+0 to +1.9 % of the value used. First natural frequency of the crankshaft 76.5 to 76.8 Hz by the ",
-    ),
-    ("campbell", "axial 542 540 542 - 8.5 1 - - - 4.9 minor, outside"),
-    ("modes", "1 to 6 main bearing 1 to main bearing 6, 7 main bearing 7, flywheel"),
-    (
-        "modes",
+        "axial 542 540 542 - 8.5 1 - - - 4.9 minor, outside",
+    ],
+    "response": [
+        "load [kN] at [1/min] plain sum [kN] main bearing 1 - main bearing 2 85.7 575 138 main bearing 2",
+        "main bearing 3 - main bearing 4 214 575 315 main bearing 4 - main bearing 5 208 509 323",
+        "stress [MPa] free end - cylinder 1 2.48 575 2.90 2.16 cylinder 1 - cylinder 2 25.9 575",
+        "difference [%] 0.5 25.3 39.3 39 1 25.7 18.8 74",
+    ],
+    "limits": [
+        "limit where at [1/min] reached permitted used [%] torsional stress of crankshaft cylinder",
+        "cylinder 4 - cylinder 5 498 24.5 MPa 21.2 MPa 115 torsional",
+        "free end - cylinder 1 575 2.16 MPa 53.1 MPa 4.07 Limit",
+    ],
+    "modes": [
+        "1 to 6 main bearing 1 to main bearing 6, 7 main bearing 7, flywheel",
         "mode frequency [Hz] [1/min] nodes at 1 76.8 4606 none 2 162 9712 5.58 3 335 20095 2.79, 6.82",
-    ),
-    ("modes", "rigid body 0.00 0 moves as one 1 87.0 5218 6.60 2 250 14975 2.33, 6.95"),
-    ("modes", "finite elements 0.750 76.8, 162, 335 1.00 superelements"),
-    ("whole", "at most 17 % of the frequency of the lowest bending mode"),
-    ("whole", "up to its square, 2.9 %, as far as"),
-    ("whole", "433 µm by the chain, 411 µm by the whole"),
-    ("whole", "6.42 mrad by the chain, 5.80 mrad by the whole"),
-    ("whole", "rotation about the shaft axis 0.00 torsional 100 % mode 1 50.1 bending 86 %"),
-    ("checks", "10 of 12 judged checks hold."),
-    ("checks", "Error of the axial compliance 0.96 % at most 1 % yes Estimated"),
-    ("checks", "Symmetry of the stiffness 4e-15 at most 1e-8 yes"),
-    ("checks", "Elements mended 5 elements not bounded not judged"),
-    ("checks", "axial chain compared with the whole crankshaft -5.4 % by its criteria no First"),
-    ("repeat", "Made 21 November 2026, 22:26 UTC Time taken 1 min 9 s Equation solver pardiso"),
-    ("repeat", "Analyzing the throw 5.5 s Calculating stresses at the fillets 32 s"),
-]
+        "rigid body 0.00 0 moves as one 1 87.0 5218 6.60 2 250 14975 2.33, 6.95",
+        "finite elements 0.750 76.8, 162, 335 1.00 superelements",
+    ],
+    "whole": [
+        "at most 17 % of the frequency of the lowest bending mode",
+        "up to its square, 2.9 %, as far as",
+        "433 µm by the chain, 411 µm by the whole",
+        "6.42 mrad by the chain, 5.80 mrad by the whole",
+        "rotation about the shaft axis 0.00 torsional 100 % mode 1 50.1 bending 86 %",
+    ],
+    "checks": [
+        "10 of 12 judged checks hold.",
+        "Error of the axial compliance 0.96 % at most 1 % yes Estimated",
+        "Symmetry of the stiffness 4e-15 at most 1e-8 yes",
+        "Elements mended 5 elements not bounded not judged",
+        "axial chain compared with the whole crankshaft -5.4 % by its criteria no First",
+    ],
+    "repeat": [
+        "Made 21 November 2026, 22:26 UTC Time taken 1 min 9 s Equation solver pardiso",
+        "Analyzing the throw 5.5 s Calculating stresses at the fillets 32 s",
+    ],
+}
 
-CHANGED = [
-    ("balance", "static unbalance 15.0 kg m, dynamic unbalance about its middle 3.25 kg m²."),
-    ("balance", "across (x) [kN] 1 44.1 0.00 9.43 with shaft 0.00 0.00 2 balanced 4 balanced"),
-    ("balance", "about x [kN m] 1 balanced 2 2.07 0.00 90.0 line 0.00 0.00 4 balanced"),
-    ("torque", "720 samples over one cycle resolve orders up to 12. Mean torque 123.46 N m."),
-    ("torque", "0.5 -214 180 280 -130 1 10.0 0.00 10.0 90.0"),
-    (
-        "torque",
+CHANGED = {
+    "balance": [
+        "static unbalance 15.0 kg m, dynamic unbalance about its middle 3.25 kg m².",
+        "across (x) [kN] 1 44.1 0.00 9.43 with shaft 0.00 0.00 2 balanced 4 balanced",
+        "about x [kN m] 1 balanced 2 2.07 0.00 90.0 line 0.00 0.00 4 balanced",
+    ],
+    "torque": [
+        "720 samples over one cycle resolve orders up to 12. Mean torque 123.46 N m.",
+        "0.5 -214 180 280 -130 1 10.0 0.00 10.0 90.0",
         "stiffness 942.9 kN m/rad, natural frequency 3261.5 rad/s = 31145 1/min; order 14 is",
-    ),
-    ("torque", "resonant at 2224.7 1/min. Outside."),
-    ("loads", "Peak pressure, after top 14.0 deg Indicated mean pressure 1.37 MPa"),
-    ("throw", "Mass of the throw 15600 kg"),
-    ("reactions", "Z = 100 kN towards the shaft axis (a round value"),
-    (
-        "throw",
+        "resonant at 2224.7 1/min. Outside.",
+    ],
+    "loads": ["Peak pressure, after top 14.0 deg Indicated mean pressure 1.37 MPa"],
+    "throw": [
+        "Mass of the throw 15600 kg",
         "0.96 % (requested: 1 %, not met), after a correction by 1.7 %: of 100 random throws tested",
-    ),
-    ("verdict", "within 0.96 % of the exact solution, as 95 of 100 test throws"),
-    ("fillets", "at most 27 % (requested: 10 %, not met): sufficient"),
-    ("verdict", "2450 MPa at 498 1/min, 11545 % of the permitted 21.2 MPa"),
-    (
-        "verdict",
+    ],
+    "reactions": ["Z = 100 kN towards the shaft axis (a round value"],
+    "verdict": [
+        "within 0.96 % of the exact solution, as 95 of 100 test throws",
+        "2450 MPa at 498 1/min, 11545 % of the permitted 21.2 MPa",
         "torsional stress of crankshaftcylinder 4 - cylinder 5, 498 1/min 2450 MPa 21.2 MPa 11545 %",
-    ),
-    ("campbell", "of 200 random choices of the uncertain values, 90 % give 341 µm to 512 µm."),
-    ("campbell", "axial 384 383 384 384 12 1 1.00 unbounded 1.25 inside major"),
-    ("checks", "7 of 11 judged checks hold."),
-]
+    ],
+    "fillets": ["at most 27 % (requested: 10 %, not met): sufficient"],
+    "campbell": [
+        "of 200 random choices of the uncertain values, 90 % give 341 µm to 512 µm.",
+        "axial 384 383 384 384 12 1 1.00 unbounded 1.25 inside major",
+    ],
+    "checks": ["7 of 11 judged checks hold."],
+}
 
 
 def changed(results):
@@ -686,42 +621,13 @@ def sections(worse):
     return Page(text)
 
 
-@pytest.mark.parametrize(("section", "text"), AS_STORED)
-def test_numbers_of_the_stored_run(section, text):
-    assert text in sections(False).section(section)
-
-
-@pytest.mark.parametrize(("section", "text"), CHANGED)
-def test_numbers_of_a_run_that_is_worse(section, text):
-    assert text in sections(True).section(section)
-
-
-def test_bars_are_as_long_as_limits_are_used():
-    shown = [own["style"] for own, _ in sections(False).all("i") if "style" in own]
-    assert shown == ["width: 100.0%"]
-    results = json.loads(STORED.read_text(encoding="utf-8"))
-    del results["vibration"]["assessment"]["checks"][1:]
-    results["vibration"]["assessment"]["checks"][0]["used"] = 0.4217
-    (own,) = [own for own, _ in Page(render_report(results, Path("nowhere"))[0]).all("i")]
-    assert own["style"] == "width: 42.2%"
-
-
-def test_long_tables_are_cut_after_twelve_rows(results, page):
-    forced = results["vibration"]["forced"]["axial"]
-    results["vibration"]["axial"]["criticals"] = []
-    results["vibration"]["assessment"]["uncertainty"]["axial"]["critical"] = []
-    one, force = forced["resonances"][0], forced["axial_forces"][0]
-    forced["resonances"] = [
-        one | {"severity": 1.0 - 0.01 * place, "speed_rpm": 300.0 + place, "order": 20.0 + place}
-        for place in range(13)
-    ]
-    forced["axial_forces"] = [force | {"order": 0.5 * place} for place in range(40, 53)]
-    response = page(results).section("response")
-    assert " 25.5 25.3 39.3" in response
-    assert " 26 25.3 39.3" not in response
-    shown = page(results).section("campbell")
-    assert "axial 311 " in shown
-    assert "axial 312 " not in shown
+@pytest.mark.parametrize(
+    ("worse", "section"), [(False, key) for key in AS_STORED] + [(True, key) for key in CHANGED]
+)
+def test_numbers_of_a_run(worse, section):
+    shown = sections(worse).section(section)
+    for text in (CHANGED if worse else AS_STORED)[section]:
+        assert text in shown
 
 
 def test_speeds_at_which_cylinders_act_together_are_marked(results, page):
@@ -834,34 +740,6 @@ def test_forces_and_moments_must_balance():
     assert unbalanced_share(ends, places, load, middle) == close(0.1)
 
 
-def test_all_checks_of_a_run(checks_stored):
-    found = checks_of(checks_stored)
-    assert len(found) == len(checks_stored["checks"])
-    for name in ("Rigid-body motions of the stiffness", "Equilibrium of the reactions"):
-        assert found[name]["figure"] < ROUND_OFF
-        assert found[name]["met"] is True
-    assert (
-        found["Error of the axial compliance"]["figure"] == checks_stored["throw"]["error_estimate"]
-    )
-    reciprocity = checks_stored["throw"]["reciprocity"]
-    assert found["Symmetry of the stiffness"]["figure"] == reciprocity["asymmetry"]
-    assert found["Axial reaction by reciprocity"]["figure"] == reciprocity["axial_reaction"]
-    # With the reasons beside the constants.
-    allowed = {name: own["allowed"] for name, own in found.items() if own["shown_unit"] == "1"}
-    assert allowed.pop("Opposite neighbors compared with pinned ends") == SYMMETRIC
-    assert allowed.pop("Energy of the crank mechanism") == 1e-10
-    assert {allowed.pop(f"Power of the {kind} vibration") for kind in ("axial", "torsional")} == {
-        1e-6
-    }
-    assert set(allowed.values()) == {1e-8}
-    assert found["Elements mended"]["met"] is None
-    assert found["The axial chain compared with the whole crankshaft"]["figure"] == close(
-        76.7632 / 81.1461 - 1.0, abs=1e-5
-    )
-    assert found["The axial chain compared with the whole crankshaft"]["met"] is False
-    json.dumps(list(found.values()), allow_nan=False)
-
-
 def test_what_a_run_does_not_hold_is_not_checked(checks_stored):
     results = copy.deepcopy(checks_stored)
     results |= {"study": None, "mechanism": None, "fillets": None}
@@ -918,17 +796,6 @@ def test_a_check_that_fails_says_so(checks_stored, path, value, name):
     assert all(own["met"] is not False for own in checks_of(results).values())
     change(results, path, value)
     assert [own for own, check in checks_of(results).items() if check["met"] is False] == [name]
-
-
-def test_a_figure_may_be_negative_but_not_large(checks_stored):
-    results = copy.deepcopy(checks_stored)
-    results["formulas"]["fe"]["axial"] *= 1.0 - 0.5 * SYMMETRIC
-    results["mechanism"]["energy_error"] = -0.5e-10
-    found = checks_of(results)
-    angle = found["Opposite neighbors compared with pinned ends"]
-    assert angle["figure"] == close(-0.5 * SYMMETRIC, rel=1e-6)
-    assert angle["met"] is True
-    assert found["Energy of the crank mechanism"]["met"] is True
 
 
 @pytest.mark.parametrize(("unbounded", "error"), [([True, False], 0.25), ([True, True], None)])

@@ -13,15 +13,17 @@ from pathlib import Path
 import pytest
 
 import crankfem as cf
-from crankbase.drawing.diagram_style import figure
+from crankbase.diagrams import figure
 from crankbase.errors import InputError, MissingLibraryError, RenderError, SolveError
 from crankbase.outputs import LISTED, atomic_file, recording_run_files, replacing_files, write_text
 from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.throw.pictures import offscreen, stress_picture
 from crankfem.analyses.throw.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import data_folder, input_path
+from crankfem.jobs.run_computation import read_inputs
+from crankfem.jobs.run_drawing import Pictures, Renderings
 from crankfem.jobs.run_files import (
     MODEL,
     REPORT,
@@ -33,8 +35,6 @@ from crankfem.jobs.run_files import (
     results_text,
     write_results,
 )
-from crankfem.jobs.run_inputs import read_inputs
-from crankfem.jobs.run_pictures import Pictures, Renderings
 from crankfem.report.interactive.plot import Plot, Plots
 from crankfem.report.writing import write_report_text
 from regression.models.compliance_model import ComplianceModel
@@ -86,16 +86,6 @@ def test_what_the_user_has_changed_is_not_taken_away(finished, name):
     (finished / name).write_text("changed", encoding="utf-8")
     replace_last_run(finished, {"engine": "new"})
     assert files_of(finished) == sorted(["mine.png", RESULTS, STORE, Path(name).name])
-
-
-@pytest.mark.parametrize("content", ["no JSON", "[]", '{"pictures": 3}', "\xff"])
-def test_results_of_somebody_elses_stay(finished, content):
-    (finished / RESULTS).write_text(content, encoding="latin-1")
-    before = files_of(finished)
-    with pytest.raises(InputError, match=r"results\.json: is not replaced, because it was changed"):
-        replace_last_run(finished, {"engine": "new"})
-    assert (finished / RESULTS).read_text(encoding="latin-1") == content
-    assert files_of(finished) == before
 
 
 def test_pictures_that_somebody_elses_results_name_stay(tmp_path):
@@ -683,32 +673,11 @@ def test_another_store_is_no_model_either(store, call, tmp_path):
     assert (tmp_path / "other.sqlite").read_bytes() == store.read_bytes()
 
 
-def test_a_model_needs_no_list(store, call, tmp_path):
-    assert call("fit", store.name).code == 0
-    assert not (tmp_path / LISTED).exists()
-    assert call("fit", store.name).code == 0
-    text = (tmp_path / "model.json").read_text(encoding="utf-8")
-    (tmp_path / "model.json").write_text(text.replace("e_n", "e_m"), encoding="utf-8")
-    assert call("fit", store.name).code == 2
-
-
 def test_two_outputs_are_two_files(call, tmp_path):
     answer = call("draw", "6chn25-34", "--output", "a.png", "--picture", "./a.png")
     assert (answer.code, answer.out) == (2, "")
     assert "--picture: given a.png, which --output writes too" in answer.err
     assert list(tmp_path.iterdir()) == []
-
-
-def test_new_replaces_a_file_only_if_forced(call, tmp_path):
-    assert call("new", "mine.toml").code == 0
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.toml"]
-    answer = call("new", "mine.toml", "--from", "6chn25-34")
-    assert answer.code == 2
-    assert "--force" in answer.err
-    assert call("new", "mine.toml", "--from", "6chn25-34", "--force").code == 0
-    assert (tmp_path / "mine.toml").read_bytes() == SIX.read_bytes()
-    (tmp_path / "link.toml").symlink_to(tmp_path / "nowhere")
-    assert call("new", "link.toml").code == 2
 
 
 def test_python_writes_by_the_same_rules(model_file, tmp_path):

@@ -14,10 +14,10 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.strength import engine_strength
-from crankfem.analyses.strength.engine_strength import shown_factor
-from crankfem.analyses.strength.shaft_loads import shaft_loads
-from crankfem.analyses.strength.strength_records import (
+from crankfem.analyses.strength.cycle_loads import shaft_loads
+from crankfem.analyses.strength.engine_strength import (
     factor_table,
+    shown_factor,
     strength_record,
     strength_table,
     torque_table,

@@ -13,14 +13,12 @@ from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankfem.analyses.study.studies import run_study, study_key
 from crankfem.cli import console
-from crankfem.cli.tables.design_tables import plan_record, print_plan
+from crankfem.cli.tables.study_tables import plan_record, print_plan
 from crankfem.files.reading.toml_file import read_toml
-from crankfem.files.sections.study_section import StudySection
-from crankfem.files.study.design_file import read_design
-from crankfem.files.study.study_file import study_plan
+from crankfem.files.study_file import StudySection, read_design, study_plan
 from fem.material import STEEL
 from geometry.throw import CrankThrow
-from plans import FILLETED, plan_of_levels
+from plans import FILLETED
 from regression.plans.designs import DesignChoice, DesignKind
 from regression.plans.factors import Factor
 from regression.plans.plan import plan_designs
@@ -51,20 +49,6 @@ def study(head="", factors=WIDTH, tail=""):
 
 def test_a_file_without_a_study(read):
     assert read("[throw]\n") is None
-
-
-def test_a_file_of_levels_is_a_full_factorial(read):
-    """The form of files from before designs had names."""
-    text = study(
-        "held_out = 8\nseed = 3\naccuracy = 0.02", f'{WIDTH}\npin_length = ["12 cm", "0.158 m"]'
-    )
-    assert read(text) == plan_of_levels(
-        THROW,
-        {"web_width": (0.27, 0.30, 0.33), "pin_length": (0.12, 0.158)},
-        held_out=8,
-        seed=3,
-        accuracy=0.02,
-    )
 
 
 def test_the_key_of_a_files_study(read, tmp_path):
@@ -137,32 +121,6 @@ pin_fillet_radius = "0.07 * pin_diameter"
     throw = plan_designs(plan).designs[0].inputs["throw"]
     assert throw["counterweight"]["thickness"] == 0.0612
     assert throw["pin_fillet_radius"] == 0.0126
-
-
-@pytest.mark.parametrize(
-    ("head", "design"),
-    [
-        ('design = "full factorial"', DesignChoice()),
-        ('design = "Box-Behnken"', DesignChoice("box-behnken")),
-        ('design = "latin hypercube"\nruns = 12', DesignChoice("latin hypercube", runs=12)),
-        ('design = "sobol"\nruns = 8', DesignChoice("sobol", runs=8)),
-        (
-            'design = "fractional factorial"\nresolution = "III"',
-            DesignChoice("fractional factorial", resolution=3),
-        ),
-        (
-            'design = "fractional factorial"\ngenerators = "a b ab"',
-            DesignChoice("fractional factorial", generators="a b ab"),
-        ),
-        (
-            'design = "central composite"\nface = "inscribed"',
-            DesignChoice("central composite", face="inscribed"),
-        ),
-    ],
-)
-def test_designs(read, head, design):
-    factors = f'{RANGE}\nweb_width = ["270 mm", "330 mm"]\npin_length = ["120 mm", "158 mm"]'
-    assert read(study(head, factors)).design == design
 
 
 def test_stresses_and_constraints(read):
@@ -336,15 +294,6 @@ def test_factors_of_the_study_give_order_and_ranges(read_rows):
     assert plan.names == ("web_thickness", "web_width")
     assert plan.design.rows == ((0.05, 0.27), (0.06, 0.33))
     assert plan.factors[0].highest == 0.098
-
-
-def test_ratios_in_a_file(read, tmp_path):
-    (tmp_path / "runs.csv").write_text("ratio\n1.5\n1.7\n", encoding="utf-8")
-    plan = read(
-        '[study]\ndesign = "file"\nfile = "runs.csv"\n'
-        '[study.relations]\nweb_width = "ratio * pin_diameter"\n'
-    )
-    assert plan.factors == (Factor("ratio", "", 1.5, 1.7),)
 
 
 @pytest.mark.parametrize(

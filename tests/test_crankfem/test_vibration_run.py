@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.drawing.diagram_style import figure
+from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
@@ -20,18 +20,16 @@ from crankfem.analyses.vibration.records import (
     forced_columns,
     forced_record,
     run_record,
-    run_up_record,
 )
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.analyses.vibration.run_up import parse_duration, run_up
-from crankfem.cli.column_file import write_columns
+from crankfem.analyses.vibration.run_up import parse_duration
+from crankfem.cli.arguments import write_columns
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.assessment.wording import shown_range
 from dynamics.chains.chain import Chain
-from dynamics.excitation.chain_excitation import axial_excitation
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
@@ -203,19 +201,6 @@ def test_forced_vibration_of_an_engine(run):
 
 
 @pytest.mark.slow
-def test_what_is_asked_for_most_has_a_short_name(run, coarse):
-    assert run.torsional_chain is run.forced_torsional.engine_chain.chain
-    assert run.axial_chain is run.axial.chosen.chain.chain
-    checks = run.assessment.verdict.checks
-    assert run.worst_check.used == max(check.used for check in checks)
-    silent = engine_vibration(run.engine_file.changed(gas=None, ranges=None), analysis=coarse)
-    assert silent.worst_check is None
-    thicker = run.engine_file.changed(throw={"web_thickness": 0.070})
-    with pytest.raises(InputError, match="analysis: given that of another throw"):
-        engine_vibration(thicker, analysis=coarse)
-
-
-@pytest.mark.slow
 def test_worst_use_does_not_depend_on_what_else_is_calculated(run):
     """Another grid of speeds, as with the whole crankshaft; refined to 2e-6 of the use either way."""
     engine = run.engine_file
@@ -278,31 +263,6 @@ def test_resonances_are_listed_at_all_speeds_judged(run):
     axes = run.assessment.plot()
     assert axes.get_xlim()[1] == close(end * 30.0 / math.pi)
     assert "highest running speed" in [line.get_label() for line in axes.lines]
-
-
-@pytest.mark.slow
-def test_exciting_forces_do_not_depend_on_the_chains_compliances(coarse, run):
-    engine = run.engine_file
-    settings = engine.vibration.model_copy(update={"axial_source": "fe pinned"})
-    pinned = engine_vibration(replace(engine, vibration=settings), analysis=coarse)
-    assert pinned.axial.chosen.source == "fe pinned"
-    own, other = (one.forced_axial.response.excitation.forces[:, 0] for one in (run, pinned))
-    # Of the two, radial forces and torsion, neither is negligible; round-off.
-    assert own == close(other, rel=1e-9, abs=1e-9 * np.abs(own).max())
-
-
-@pytest.mark.slow
-def test_torsion_excites_axial_vibration(run):
-    """Without the tangential forces' torques the axial amplitude of order 9 is far smaller."""
-    axial = run.forced_axial
-    (worst,) = (one for one in axial.resonances if one.order == 9.0)
-    assert worst.severity == 1.0
-    chosen, pins = run.axial.chosen, run.engine_file.pins
-    influence = run.shaft.influence * (chosen.compliances / run.shaft.axial)[:, None]
-    by_radial = axial_excitation(axial.forces, chosen.chain, chosen.compliances, influence, pins)
-    alone = forced_response(damped_engine_chain(run.engine_file, chosen.chain), by_radial)
-    near = np.argmin(np.abs(alone.speeds - worst.speed))
-    assert worst.amplitude > 2.0 * alone.amplitude[17, near, 0]
 
 
 @pytest.mark.slow
@@ -590,17 +550,6 @@ def test_vibration_command_of_a_chain(call, tmp_path):
     assert call("vibration", tmp_path / "line.txt").code == 2
 
 
-@pytest.mark.slow
-def test_a_slow_run_up_comes_near_the_steady_amplitudes(run):
-    found = run_up(run, 60.0)
-    assert found.motion.complete
-    # The run-up passes resonances, where it stays below the steady amplitudes; slowly enough by little.
-    assert np.all(found.largest < found.steady * 1.001)
-    assert np.all(found.largest > 0.9 * found.steady)
-    record = run_up_record(found)
-    assert json.loads(json.dumps(record, allow_nan=False))["to_rpm"] == close(515.0)
-
-
 @pytest.mark.parametrize("text", ["20", "20 mm", "0 s", "1 h"])
 def test_wrong_durations_are_refused(text):
     with pytest.raises(InputError, match=r"^--run-up: given"):
@@ -643,18 +592,3 @@ def test_diagrams_are_made_and_the_same_each_time(tmp_path):
         assert made[0] == made[1]
         assert b"nan" not in made[0].lower().replace(b"nance", b"")
     assert (tmp_path / "damped_a_s.svg").read_bytes() != (tmp_path / "endless_a_s.svg").read_bytes()
-
-
-@pytest.mark.parametrize(
-    ("place", "quantity", "words"),
-    [
-        ("crank", "twist", "place: given 'crank'"),
-        (2, "twist", "place: given 2; allowed are the whole numbers 0 to 1"),
-        (0, "noise", "quantity: given 'noise'; allowed are twist"),
-    ],
-)
-def test_refused(tmp_path, place, quantity, words):
-    with pytest.raises(InputError, match=words):
-        response().nodes.plot(None, place, quantity=quantity)
-    with pytest.raises(InputError, match="path: given"):
-        plot_response_campbell(tmp_path / "x.png", [10.0], [1.0], (1.0, 2.0), [])

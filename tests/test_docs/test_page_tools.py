@@ -102,27 +102,6 @@ def test_shown_and_printed(page_tools, shown, printed, same):
     assert (page_tools[2](shown, printed) is None) is same
 
 
-def test_python_blocks_share_names_and_text_shows_what_they_print(run_page, tmp_path):
-    page = tmp_path / "page.md"
-    good = '```python\nx = 2\n```\n\n```python\nprint(f"{x / 3:.3f} m")\n```\n\n```text\n0.667 m\n```\n'
-    page.write_text(good, encoding="utf-8")
-    assert run_page(page) == 2
-    page.write_text(good.replace("0.667", "0.670"), encoding="utf-8")
-    with pytest.raises(AssertionError, match=re.escape("page.md, line 9 shows")):
-        run_page(page)
-
-
-def test_files_are_written_and_commands_have_their_codes(run_page, tmp_path):
-    page = tmp_path / "page.md"
-    good = '```toml title="bad.toml"\n[throw]\n```\n\n```sh\ncrankfem check bad.toml  # exit code 2\n```\n'
-    page.write_text(good, encoding="utf-8")
-    assert run_page(page) == 2
-    assert (tmp_path / "bad.toml").read_text(encoding="utf-8") == "[throw]\n"
-    page.write_text(good.replace("# exit code 2", ""), encoding="utf-8")
-    with pytest.raises(AssertionError, match="ended with 2"):
-        run_page(page)
-
-
 ROOT = Path(__file__).resolve().parents[2]
 VALIDATION = ROOT / "tests" / "validation"
 FILES = sorted(path.stem for path in VALIDATION.glob("test_*.py"))
@@ -266,17 +245,6 @@ def test_numbers_as_they_are_shown(build, row, texts):
     keys = ("found", "reference", "deviation", "allowed", "kind", "unit")
     shown = build.shown(dict(zip(keys, row, strict=True)))
     assert tuple(text.replace(build.NO_BREAK, " ") for text in shown) == texts
-
-
-def test_docstrings_become_markdown(build, monkeypatch):
-    said = "One. Two.\n\nSource: a_b * c\nand `d_e`.\n\n- one\n  more\n- two\n\nTable:\n    1  2"
-    monkeypatch.setattr(build, "docstring", lambda _: said)
-    assert list(build.prose("any")) == [
-        r"**Source:** a\_b \* c and `d_e`.",
-        "- one more\n- two",
-        "Table:",
-        "```text\n1  2\n```",
-    ]
 
 
 @pytest.mark.parametrize(

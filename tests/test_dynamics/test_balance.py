@@ -13,27 +13,18 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.balance.balance import balance, hinged_rod_effects, hodograph_change
 from dynamics.balance.moving_masses import (
-    FOLD,
     Hodograph,
     balancing_masses,
-    hodograph_sum,
     moving_masses,
     order_vectors,
 )
-from dynamics.critical import major_orders, vector_sums
+from dynamics.critical import major_orders
 from dynamics.cycle import order_step
 from dynamics.engine.firing import firing_order_of_angles
-from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
-from dynamics.engine.motions import (
-    acceleration_orders,
-    cylinder_motion,
-    piston_acceleration,
-    turn_spectrum,
-)
+from dynamics.engine.motions import acceleration_orders, cylinder_motion, piston_acceleration
 from dynamics.engine.rods import ConnectingRod
-from dynamics.engine.slider_crank import SliderCrank
-from dynamics.torque.star import leading_stars, same_stars, star_diagram
+from dynamics.torque.star import leading_stars, star_diagram
 from dynamics.torque.torque import engine_torque
 from references import even_firing_angles
 
@@ -136,111 +127,6 @@ def test_forces_are_minus_mass_times_acceleration():
     )
 
 
-def test_forces_arrive_at_bearings_and_walls():
-    engine = replace(engine_with_everything(), rotating=())
-    angles = 2.0 * np.pi * np.arange(64) / 64
-    found = balance(engine, SPEED, range(1, 32))
-    forces = mechanism_forces(engine, SPEED, shaft_angles_deg=np.degrees(angles))
-    turns = np.exp(
-        1j * np.array([[math.radians(cylinder.bank_angle_deg)] for cylinder in engine.cylinders])
-    )
-    on_engine = np.sum(forces.crankpin - 1j * forces.side * turns, axis=0)
-    np.testing.assert_allclose(
-        summed_orders(found, angles, "force"),
-        on_engine - on_engine.mean(),
-        rtol=0,
-        atol=ROUND_OFF * found.rows[0].force_scale,
-    )
-
-
-def test_two_masses_are_exact_where_nothing_lies_beside_the_rods():
-    engine = in_line([0.0, 2.0, 4.0])
-    rigid, two = balance(engine, SPEED), balance(engine, SPEED, model="two-mass")
-    assert [row.total for row in rigid.rows] == [row.total for row in two.rows]
-    beside = engine_with_everything()
-    rigid, two = balance(beside, SPEED), balance(beside, SPEED, model="two-mass")
-    for ours, plain in zip(rigid.rows, two.rows, strict=True):
-        assert ours.reciprocating == plain.reciprocating
-        assert plain.lateral.force.major == 0.0
-        assert ours.force.forward == close(
-            plain.force.forward + ours.lateral.force.forward, abs=ROUND_OFF * ours.force_scale
-        )
-    # sin(beta) has a first order only when there is no offset; its part is S lambda w^2.
-    leaning = in_line([0.0], MAIN)
-    static = moving_masses(leaning)[0].lateral
-    assert static == close(30.0 * 0.012)
-    first = balance(leaning, SPEED).of(1).lateral.force
-    assert first.major == close(static * 0.25 * SPEED**2, rel=1e-13)
-
-
-def test_masses_are_shared_out_without_loss():
-    engine = engine_with_everything()
-    main, hinged = moving_masses(engine)[:2]
-    assert main.reciprocating + main.rotating + hinged.reciprocating == close(
-        20.0 + 30.0 + 18.0 + 12.0, rel=1e-15
-    )
-    assert hinged.rotating == 0.0
-    at_pin = 12.0 * (1 - 0.11 / 0.30)
-    assert main.lateral == close(30.0 * 0.012 + at_pin * 0.1 * math.sin(0.75))
-
-
-def test_scales_of_what_counts_as_round_off():
-    """All moving masses times R w^2, and that times the farthest cylinder's distance, or R."""
-    engine = in_line([0.0, 2.0, 4.0])
-    scale = 3 * 50.0 * 0.1 * SPEED**2
-    for about, reach in ((None, 0.25), (0.1, 0.4), (-1.0, 1.5)):
-        row = balance(engine, SPEED, about=about).rows[0]
-        assert row.force_scale == close(scale, rel=1e-14)
-        assert row.moment_scale == close(scale * reach, rel=1e-14)
-    alone = balance(in_line([0.0]), SPEED).rows[0]
-    assert alone.moment_scale == close(alone.force_scale * 0.1, rel=1e-14)
-
-
-def test_moments_about_another_point():
-    engine = engine_with_everything()
-    here, there = balance(engine, SPEED, about=0.0), balance(engine, SPEED, about=2.0)
-    for near, far in zip(here.rows, there.rows, strict=True):
-        assert near.force == far.force
-        assert far.moment.forward == close(
-            near.moment.forward - 2j * near.force.forward, abs=ROUND_OFF * near.force_scale
-        )
-
-
-@pytest.mark.parametrize("ratio", [0.2, 0.9, 0.999])
-def test_orders_are_free_of_aliasing(ratio):
-    engine = one_cylinder(ratio)
-    found = acceleration_orders(engine, 1, SPEED)
-    angles = np.linspace(0.1, 6.0, 50)
-    drive = SliderCrank(0.1, 0.1 / ratio)
-    whole = -(SPEED**2) * drive.piston(angle_deg=np.degrees(angles)).second.real
-    largest = np.max(
-        np.abs(piston_acceleration(engine, 1, SPEED, angles_deg=np.degrees(np.linspace(0, 7, 500))))
-    )
-    np.testing.assert_array_equal(
-        piston_acceleration(engine, 1, SPEED, angles_deg=np.degrees(angles)), whole
-    )
-    # The series meets the function between the samples, too, which folded orders would forbid; near
-    # a dead mechanism cos(beta) comes down to 0.04, which makes round-off of 2e-14.
-    np.testing.assert_allclose(
-        found.at(crank_angle_deg=np.degrees(angles)), whole, rtol=0, atol=1e-13 * largest
-    )
-
-
-def test_samples_grow_with_the_orders():
-    # Poisson's kernel has the orders q^|k| exactly.
-    share = 0.95
-
-    def kernel(angles):
-        return (1 - share**2) / (1 - 2 * share * np.cos(angles) + share**2)
-
-    found = turn_spectrum(kernel, 40)
-    assert found.shape == (2048,)
-    for order in (0, 1, -3, 40):
-        # Where the kernel is largest, its divisor is 0.0025 as a difference of numbers of 1.9.
-        assert complex(found[order]) == close(share ** abs(order), abs=1e-13)
-    assert turn_spectrum(np.cos, 100).shape[-1] > 2 * 100
-
-
 def test_counterweights():
     # A V of 90 deg: all of the first order turns with the shaft and can be canceled.
     cylinders = [
@@ -270,26 +156,6 @@ def test_counterweights():
     assert left.force.sense == 0
     # A hinged rod has no counterweight of its own.
     assert len(balancing_masses(engine_with_everything())) == 2
-
-
-def test_effects_of_hinged_rods_are_those_of_whole_engines():
-    engine = replace(engine_with_everything(), rotating=())
-    found = hinged_rod_effects(engine, SPEED, (1, 2))
-    plain = balance(engine, SPEED, (1, 2))
-    cylinders = [
-        replace(cylinder, rod=MAIN, piston_mass=20.0, pin_offset=0.01, slave_pin=None)
-        for cylinder in engine.cylinders
-    ]
-    beside = replace(engine, cylinders=cylinders)
-    # The main cylinders carry a share of the hinged rods, which the copies lack: compare by mass.
-    ratio = moving_masses(engine)[0].reciprocating / moving_masses(beside)[0].reciprocating
-    for effect, row, other in zip(found, plain.rows, balance(beside, SPEED).rows[:2], strict=True):
-        ours, reference = row.reciprocating.force, other.reciprocating.force.times(ratio)
-        for made, wanted in ((effect.hinged, ours), (effect.side_by_side, reference)):
-            assert made.forward == close(wanted.forward, abs=ROUND_OFF * row.force_scale)
-            assert made.backward == close(wanted.backward, abs=ROUND_OFF * row.force_scale)
-    section = hinged_rod_effects(engine, SPEED, (2,), [3, 4])[0]
-    assert section.hinged.major != close(found[1].hinged.major, rel=1e-3)
 
 
 def test_change_of_a_hodograph():
@@ -335,31 +201,6 @@ def test_cylinders_of_a_bank_in_one_place_have_no_balance():
 
 
 FOUR = np.degrees(even_firing_angles((1, 3, 4, 2)))
-SIX = np.degrees(even_firing_angles((1, 5, 3, 6, 2, 4)))
-
-
-def test_stars_of_the_in_line_six():
-    stars = star_diagram(firing_angles_deg=SIX, orders=6.0)
-    assert [star.order for star in stars if star.kind == "major"] == [3.0, 6.0]
-    assert {star.kind for star in stars} == {"major", "balanced"}
-    groups = [[star.order for star in group] for group in same_stars(stars)]
-    assert groups == [[0.5, 2.5, 3.5, 5.5], [1.0, 2.0, 4.0, 5.0], [1.5, 4.5], [3.0, 6.0]]
-    # Order 1: three directions 120 deg apart, cylinders 1 and 6, 2 and 5, 3 and 4 together.
-    first = np.radians(stars[1].directions_deg)
-    assert np.degrees(first) == close([0.0, 120.0, 240.0, 240.0, 120.0, 0.0])
-    assert [star.order for star in leading_stars(stars)] == [3.0, 6.0]
-
-
-def test_resultants_are_the_vector_sums():
-    orders = np.arange(0.5, 8.5, 0.5)
-    angles = [0.0, 1.0, 2.5, 4.0, 4.2]
-    shape = [1.0, 0.6, 0.1, -0.4, -0.8]
-    for weights in (None, shape):
-        stars = star_diagram(
-            firing_angles_deg=np.degrees(angles), orders=orders, mode_shape=weights
-        )
-        sums = vector_sums(orders, angles, weights)
-        assert [star.resultant for star in stars] == close(sums)
 
 
 @given(st.permutations(range(1, 7)), st.sampled_from((2, 4)))
@@ -451,15 +292,6 @@ def test_stars_with_each_cylinders_own_harmonics_sum_to_the_engines():
     assert len({round(float(weight), 6) for weight in stars[0].weights}) == 4
 
 
-def test_an_engine_gives_its_own_orders_and_firing_angles():
-    engine = hinged_vee()
-    stars = star_diagram(engine, 2.0)
-    assert [star.order for star in stars] == [0.5, 1.0, 1.5, 2.0]
-    assert np.radians(stars[1].directions_deg) == close(
-        np.mod(np.radians(engine.firing_deg), 2.0 * np.pi)
-    )
-
-
 def test_balanced_orders_have_no_direction():
     assert (
         math.radians(star_diagram(firing_angles_deg=FOUR, orders=[1.0])[0].resultant_direction_deg)
@@ -506,17 +338,6 @@ def test_strokes_that_do_not_fit_are_refused(engine, orders, strokes, message):
         star_diagram(**engine, orders=orders, strokes=strokes)
 
 
-def test_strokes_may_be_said():
-    assert [star.order for star in star_diagram(hinged_vee(), 1.0, strokes=4)] == [0.5, 1.0]
-    assert [star.order for star in star_diagram(firing_angles_deg=FOUR, orders=2.0, strokes=2)] == [
-        1.0,
-        2.0,
-    ]
-    assert [
-        star.order for star in star_diagram(firing_angles_deg=FOUR, orders=[1.5], strokes=4)
-    ] == [1.5]
-
-
 def test_arrays_that_do_not_fit_are_refused():
     with pytest.raises(InputError, match=r"mode_shape: given an array of shape .*because"):
         star_diagram(firing_angles_deg=FOUR, orders=4.0, mode_shape=[1.0, 2.0])
@@ -532,28 +353,6 @@ def test_no_order_leads_where_all_are_balanced():
 
 parts = st.builds(cmath.rect, st.floats(0.1, 10.0), st.floats(-math.pi, math.pi, exclude_min=True))
 hodographs = st.builds(Hodograph, st.integers(1, 6), parts, parts)
-
-
-@given(hodographs)
-@settings(max_examples=30)
-def test_axes_bound_the_vector_and_are_reached(shape):
-    around = np.abs(shape.at(shaft_angle_deg=np.linspace(0.0, 360.0, 100)))
-    assert np.all(around <= shape.major * (1 + 1e-14))
-    assert np.all(around >= shape.minor - 1e-14 * shape.major)
-    if shape.angle_deg is None:
-        assert shape.minor == close(shape.major, rel=2e-12)
-        return
-    # A nearly round ellipse shows the direction of its axis only to round-off over its flatness.
-    blur = 1e-14 * shape.major / (shape.major - shape.minor)
-    assert 0.0 <= math.radians(shape.largest_at_deg) < math.pi / shape.order + blur
-    assert -90.0 < shape.angle_deg <= 90.0
-    at_largest = complex(shape.at(shaft_angle_deg=shape.largest_at_deg))
-    assert abs(at_largest) == close(shape.major, rel=1e-14)
-    across = (at_largest * cmath.exp(-1j * math.radians(shape.angle_deg))).imag
-    # An axis within FOLD of the horizontal is told as horizontal.
-    assert abs(across) <= (1e-14 + 10 * blur + FOLD) * shape.major
-    at_least = complex(shape.at(shaft_angle_deg=shape.largest_at_deg + 90.0 / shape.order))
-    assert abs(at_least) == close(shape.minor, abs=(1e-14 + blur) * shape.major)
 
 
 @given(hodographs, st.floats(-4.0, 4.0))
@@ -605,26 +404,6 @@ def test_shapes_without_two_axes():
 def test_hodographs_refused(given, message):
     with pytest.raises(InputError, match=message):
         Hodograph(*given)
-
-
-def test_sum_and_turning():
-    one, other = Hodograph(2, 1 + 2j, 3.0), Hodograph(2, 1j, 4j)
-    angles = np.array([0.0, 0.4, 2.0])
-    np.testing.assert_allclose(
-        hodograph_sum(2, [one, other.times(2j)]).at(shaft_angle_deg=np.degrees(angles)),
-        one.at(shaft_angle_deg=np.degrees(angles))
-        + 2j * other.at(shaft_angle_deg=np.degrees(angles)),
-        rtol=1e-14,
-    )
-
-
-def test_orders_of_samples():
-    angles = 2.0 * np.pi * np.arange(16) / 16
-    shapes = [Hodograph(k, complex(k, 1.0), complex(-1.0, k)) for k in (1, 3, 7)]
-    vectors = 5.0 + sum(shape.at(shaft_angle_deg=np.degrees(angles)) for shape in shapes)
-    for found, shape in zip(order_vectors(vectors, [1, 3, 7]), shapes, strict=True):
-        assert found.forward == close(shape.forward, rel=1e-14)
-        assert found.backward == close(shape.backward, rel=1e-14)
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.linalg import eigh
 
 from comparing import close
 from crankbase.errors import InputError
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
@@ -18,6 +21,7 @@ from dynamics.crankshaft.chain_comparison import (
     ResponseMatch,
     chain_verdict,
     followed_modes,
+    match_modes,
     matching_modes,
     matching_response,
 )
@@ -25,10 +29,11 @@ from dynamics.crankshaft.coupled_response import (
     coupled_response,
     pins_of_cylinders,
     shaft_criticals,
-    shaft_excitation,
 )
 from dynamics.crankshaft.shaft_modes import crankshaft_modes, crankshaft_system, rotation_ratio
 from dynamics.crankshaft.surroundings import (
+    RZ,
+    UZ,
     AxialSupport,
     EndBody,
     MainBearings,
@@ -38,6 +43,7 @@ from dynamics.crankshaft.surroundings import (
     rotation,
 )
 from dynamics.response.forced import forced_response
+from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
 
 E, NU, RHO = 210e9, 0.3, 7850.0
@@ -152,48 +158,12 @@ def test_free_shaft_has_six_rigid_motions_by_name():
     assert found[:4] == close([4 * inertia, 4 * mass, 4 * mass, 4 * mass])
 
 
-@pytest.mark.parametrize(
-    ("around", "names"),
-    [
-        (
-            ShaftSurroundings(bearings=MainBearings(1e9)),
-            ("rotation about the shaft axis", "axial translation"),
-        ),
-        (AROUND, ("rotation about the shaft axis", "rotation of the ring alone")),
-        (
-            ShaftSurroundings(
-                bearings=MainBearings([0.0, 0.0, 1e9, 0.0, 0.0]),
-                axial_supports=(AxialSupport(0, math.inf),),
-            ),
-            ("rotation about the shaft axis", "tilt about x", "tilt about y"),
-        ),
-    ],
-)
-def test_rigid_motions_in_bearings(around, names):
-    shaft = shaft_of(CRANKS, around)
-    modes = crankshaft_modes(shaft)
-    assert modes.names[: modes.rigid] == names
-    assert np.abs(shaft.stiffness @ shaft.rigid).max() < 1e-12 * np.abs(shaft.stiffness).max()
-    assert modes.angular_frequencies[modes.rigid] > 10.0
-
-
 def test_elastic_modes_are_those_of_the_matrices(surrounded):
     """The same by a general solver, which sees rigid motions as small numbers."""
     modes = crankshaft_modes(surrounded)
     squares = eigh(surrounded.stiffness, surrounded.mass, eigvals_only=True)
     # Round-off of the highest frequency is what the general solver leaves.
     assert modes.angular_frequencies**2 == close(squares, abs=1e-11 * squares[-1])
-
-
-def test_shares_do_not_depend_on_the_frame(surrounded):
-    modes = crankshaft_modes(surrounded)
-    turned = crankshaft_modes(shaft_of([angle + 37.0 for angle in CRANKS], AROUND))
-    apart = np.diff(modes.frequencies[modes.rigid : 12]).min()
-    assert apart > 1.0  # no two of them alike, so that each mode is one
-    assert turned.frequencies == close(modes.frequencies, rel=1e-9)
-    assert turned.shares[:, :12] == close(modes.shares[:, :12], abs=1e-6)
-    assert modes.shares.min() >= 0.0
-    assert modes.shares.sum(axis=0) == close(np.ones(len(modes.frequencies)))
 
 
 def test_a_straight_shaft_has_pure_modes():
@@ -259,18 +229,6 @@ def test_static_answers_are_exact_however_many_modes_are_left_out(highest):
     whole = shaft.expand @ exact
     # Rounding of the least squares solution, whose matrix has a condition of 1e7.
     assert answer == close(whole, abs=1e-7 * np.abs(whole).max())
-
-
-def test_a_tangential_force_turns_the_shaft_and_a_radial_one_does_not():
-    shaft = shaft_of(CRANKS)
-    about = shaft.rigid[:, 0]
-    moved = shaft.pins.reshape(4, 3, -1) @ about
-    assert moved == close(np.tile([RADIUS, 0.0, 0.0], (4, 1)), abs=1e-12)
-    against = shaft_of(CRANKS, turning_sense=-1).pins.reshape(4, 3, -1) @ about
-    assert against[:, 0] == close(np.full(4, -RADIUS))
-    # Towards the axis: +x of the shaft for a crank at 90 degrees (which lies at -x).
-    along_x = shaft.pins.reshape(4, 3, -1) @ shaft.rigid[:, 2]
-    assert along_x[:, 1] == close([0.0, 1.0, -1.0, 0.0], abs=1e-12)
 
 
 def test_masses_at_pins_add_what_rods_add(surrounded):
@@ -390,16 +348,6 @@ def chains():
     return axial, torsional
 
 
-def test_axial_chain_is_the_straight_shaft():
-    shaft, (axial, _) = straight(), chains()
-    matches = matching_modes(shaft, axial, 1e4)
-    assert len(matches) == 4
-    for match in matches:
-        assert match.difference == close(0.0, abs=1e-9)
-        assert (match.share, match.likeness) == close((1.0, 1.0), abs=1e-9)
-    assert chain_verdict(matches).suffices
-
-
 def test_coupling_makes_chains_insufficient():
     axial, _ = chains()
     matches = matching_modes(straight(0.3), axial, 1e4)
@@ -450,32 +398,6 @@ def test_no_mode_of_the_shaft_stands_for_two_of_the_chain():
     matches = matching_modes(straight(0.9), chains()[0], 1e4)
     taken = [match.shaft_mode for match in matches if match.shaft_mode is not None]
     assert len(taken) == len(set(taken)) > 1
-
-
-def test_tangential_forces_move_the_free_end_only_where_torsion_is_coupled(forces):
-    """The torque of a straight shaft stays in torsion; with a coupled spring it shows at the end."""
-    plain = coupled_response(straight(), forces)
-    split = plain.split("main bearing 1 uz")
-    # Nothing but rounding: the pin of a straight shaft has no way to push along it.
-    assert split.both_sum.max() < 1e-15
-    coupled = coupled_response(straight(0.3), forces).split("main bearing 1 uz")
-    assert coupled.tangential_sum.min() > 1e-8
-    assert np.all(coupled.both <= coupled.tangential + coupled.radial + 1e-18)
-
-
-def test_both_kinds_of_force_together_are_their_sum(forces):
-    shaft = straight(0.3)
-    answer = coupled_response(shaft, forces, modal_damping=0.02)
-    whole = forced_response(
-        shaft.system.with_modal_damping(0.02), shaft_excitation(shaft, forces), method="direct"
-    )
-    row = shaft.point("pin 2 tangential")
-    # Modal against direct: what is allowed of the modal answer's residual, times the peak's magnifier.
-    largest = np.abs(whole.motion[:, :, row]).max()
-    assert (
-        np.abs(answer.motion("pin 2 tangential") - whole.motion[:, :, row]).max() < 1e-8 * largest
-    )
-    assert not answer.unbounded.any()
 
 
 @pytest.mark.slow
@@ -620,3 +542,172 @@ def test_torque_at_the_last_bearing_is_what_turns_the_flywheel(forces):
         assert torque[:, :, 2] - torque[:, :, 1] == close(
             -(pins + turning + rod), abs=1e-6 * largest
         )
+
+
+LINE_RADIUS, LINE_LENGTH, THROWS = 0.17, 0.4, 4
+LINE_TWIST, LINE_INERTIA, ALONG, LINE_MASS = 2e7, 8.0, 3e9, 120.0
+# Stiff across the shaft, so that torsion is alone; a section without any inertia has no motion.
+STIFF, LINE_LEFT = 1e11, 1e-7
+FLYWHEEL, FREE_END = 60.0, 3.0
+# Error of an eigenvalue [rad^2/s^2]: round-off of the largest, that of the sections almost without inertia.
+ROUND_OFF = 4.0 * np.finfo(float).eps * LINE_TWIST / (LINE_LEFT * LINE_INERTIA)
+
+
+def twisting_throw(angle_deg):
+    """Two springs 2 k with the inertia at the pin between: a spring k of the ends, 4 k of the pin's shape."""
+    relative = np.zeros((6, 13))
+    for first, arm in ((0, LINE_LENGTH / 2.0), (6, -LINE_LENGTH / 2.0)):
+        side = np.eye(6)
+        side[0, 4], side[1, 3] = arm, -arm
+        relative[:, first : first + 6] = side if first else -side
+    springs = np.diag([STIFF, STIFF, ALONG, STIFF, STIFF, LINE_TWIST])
+    stiffness = relative.T @ springs @ relative
+    body = [LINE_MASS / 2.0] * 3 + [3.0, 3.0, LINE_LEFT * LINE_INERTIA]
+    mass = np.diag([*body, *body, 0.0])
+    stiffness[12, 12] = 4.0 * LINE_TWIST
+    turning = np.zeros(13)
+    turning[[RZ, RZ + 6, 12]] = 0.5, 0.5, 1.0
+    mass += LINE_INERTIA * np.outer(turning, turning)
+    pin = np.zeros((6, 13))
+    pin[RZ] = turning
+    pin[0] = -LINE_RADIUS * turning
+    pin[2, [UZ, UZ + 6]] = 0.5
+    return ShaftThrow(
+        stiffness,
+        mass,
+        pin.T[None],
+        [[0.0, LINE_RADIUS, LINE_LENGTH / 2.0]],
+        LINE_LENGTH,
+        crank_angle_deg=angle_deg,
+    )
+
+
+def whole(line, *, kind="torsional", **around):
+    surroundings = ShaftSurroundings(
+        bearings=MainBearings(STIFF),
+        axial_supports=(AxialSupport(THROWS, 5e8),),
+        flywheel=EndBody(400.0, FLYWHEEL),
+        free_end=EndBody(10.0, FREE_END),
+        **{f"{kind}_line": line},
+        **around,
+    )
+    throws = [twisting_throw(angle) for angle in (0.0, 180.0, 180.0, 0.0)]
+    return assemble_crankshaft(throws, surroundings)
+
+
+def chain(line):
+    return torsional_chain(
+        [1.0 / LINE_TWIST] * THROWS, [LINE_INERTIA] * THROWS, FLYWHEEL, FREE_END, shaft_line=line
+    )
+
+
+def of_kind(shaft, kind):
+    """Natural frequencies of the modes of one kind [Hz], rigid ones included."""
+    modes = crankshaft_modes(shaft)
+    return modes.frequencies[modes.shares[("axial", "torsional").index(kind)] > 0.999]
+
+
+size = st.floats(0.2, 5.0)
+
+
+@st.composite
+def lines(draw):
+    """Lines with a branch through a gear, couplings, dashpots, and sometimes a spring to ground."""
+    ratio = draw(st.sampled_from([-2.5, -1.0, 0.4, 1.0, 3.0]))
+    return Chain(
+        [draw(size) for _ in range(6)],
+        [1e6 * draw(size) for _ in range(4)],
+        connections=[(0, 1), (1, 2), (3, 4), (4, 5)],
+        ground={5: 1e5} if draw(st.booleans()) else None,
+        damping=[0.0, 200.0 * draw(size), 0.0, 100.0],
+        loss_factor=[0.05 * draw(size), 0.0, 0.02, 0.0],
+        ground_damping={2: 50.0},
+        distributed_inertia=[0.0, 0.3, 0.0, 0.0],
+        dashpots=[Dashpot(2, 5, 30.0)] if draw(st.booleans()) else (),
+        gears=[Gear(draw(st.sampled_from([0, 1])), 3, ratio)],
+        names=["flange", "coupling", "propeller", "pinion", "shaft", "pump"],
+    )
+
+
+@given(lines())
+@settings(max_examples=15)
+def test_frequencies_are_those_of_the_chain_with_its_line(line):
+    shaft, own = whole(line), chain(line)
+    modes = own.chain.modes()
+    low = modes.frequencies < 2000.0
+    found = of_kind(shaft, "torsional")
+    eigenvalues = (2.0 * np.pi * modes.frequencies[low]) ** 2
+    assert (2.0 * np.pi * found[: low.sum()]) ** 2 == close(eigenvalues, rel=2e-6, abs=ROUND_OFF)
+    assert (
+        np.abs(shaft.stiffness @ shaft.rigid).max(initial=0.0)
+        < 1e-9 * np.abs(shaft.stiffness).max()
+    )
+    # Each mode is found again, with its share of strain in the crankshaft.
+    wanted = np.flatnonzero(low)[modes.rigid :].tolist()
+    shaft_modes = crankshaft_modes(shaft)
+    near = 1e-6 + 0.5 * ROUND_OFF / eigenvalues[modes.rigid]
+    for match in match_modes(shaft, shaft_modes, own, wanted):
+        assert (match.difference, match.likeness) == (close(0.0, abs=near), close(1.0, abs=1e-5))
+
+
+@given(lines())
+@settings(max_examples=10)
+def test_forces_on_pins_and_propeller_make_the_motion_of_the_chain(line):
+    crankshaft, own = crankshaft_system(whole(line), 3000.0), chain(line)
+    rng = np.random.default_rng(5)
+    orders, speeds = np.array([0.5, 1.0, 3.0]), np.linspace(30.0, 200.0, 15)
+    tangential = 1e4 * (rng.standard_normal((3, 15, THROWS)) + 0.5j)
+    forces = SimpleNamespace(
+        orders=orders,
+        speeds=speeds,
+        tangential=tangential,
+        radial=0.0 * tangential,
+        throws=tuple(range(THROWS)),
+    )
+    torque = 2e3 * np.ones((1, 15, len(crankshaft.names)), dtype=complex)
+    torque *= np.array(crankshaft.names) == "propeller rz"
+    pushed = OrderExcitation(np.array([4.0]), speeds, torque)
+    answer = coupled_response(crankshaft, forces, modal_damping=0.0, further=pushed)
+    assert answer.orders.tolist() == [0.5, 1.0, 3.0, 4.0]
+    for part in answer.parts:
+        checked_power_balance(part)
+    torques = np.zeros((4, 15, len(own.nodes)), dtype=complex)
+    torques[:3, :, list(own.throw_nodes)] = LINE_RADIUS * tangential
+    torques[3, :, own.nodes.index("propeller")] = 2e3
+    known = forced_response(own.chain, OrderExcitation(answer.orders, speeds, torques))
+    for node, point in {
+        "free end": "main bearing 1 rz",
+        "flywheel": f"main bearing {THROWS + 1} rz",
+        "pump": "pump rz",
+        "propeller": "propeller rz",
+    }.items():
+        expected = known.motion[:, :, own.nodes.index(node)]
+        # The few ten-millionths of inertia at the sections, times the largest magnifier.
+        assert np.abs(answer.motion(point) - expected).max() < 1e-4 * np.abs(expected).max()
+
+
+def test_a_geared_line_reduces_like_that_of_a_chain():
+    """What turns r times as fast counts with r^2 of its inertia and stiffness."""
+    ratio = -3.0
+    geared = Chain(
+        [5.0, 2.0, 4.0],
+        [3e6],
+        connections=[(1, 2)],
+        gears=[Gear(0, 1, ratio)],
+        names=["wheel", "pinion", "pump"],
+    )
+    plain = Chain([5.0 + 2.0 * ratio**2, 4.0 * ratio**2], [3e6 * ratio**2], names=["wheel", "pump"])
+    found, reduced = of_kind(whole(geared), "torsional"), of_kind(whole(plain), "torsional")
+    assert found[:10] == close(reduced[:10], 1e-8)
+
+
+def test_what_holds_the_line_holds_the_shaft_and_dashpots_alone_do_not():
+    held = Chain([5.0, 2.0], [3e6], ground={1: 1e5})
+    assert whole(held).rigid_names == ()
+    assert whole(held, ring=TorsionalRing(2.0, 0.0, 80.0)).rigid_names == (
+        "rotation of the ring alone",
+    )
+    loose = Chain(
+        [5.0, 2.0, 1.0], [3e6], connections=[(1, 2)], dashpots=[Dashpot(0, 1, 9.0)], names="abc"
+    )
+    assert whole(loose).rigid_names == ("rotation about the shaft axis", "rotation of b, c alone")

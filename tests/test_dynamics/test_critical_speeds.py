@@ -4,11 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.signal import peak_prominences
 
-import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.tables.frames import table_of
@@ -27,43 +24,10 @@ from dynamics.response.resonance import refined_speeds
 from references import even_firing_angles
 
 
-def test_engine_orders():
-    assert engine_orders(4, 2.2).tolist() == [0.5, 1.0, 1.5, 2.0]
-    assert engine_orders(2, 3.0).tolist() == [1.0, 2.0, 3.0]
-    with pytest.raises(InputError, match=r"highest: given 0\.4; allowed is 0\.5 or more"):
-        engine_orders(4, 0.4)
-
-
-def test_critical_speeds_stand_in_ascending_order_and_within_range():
-    found = critical_speeds([0.0, 100.0, 240.0], [2.0, 4.0, 5.0], (100.0, 400.0))
-    expected = [(1, 5.0), (1, 4.0), (2, 5.0), (1, 2.0), (2, 4.0)]
-    assert [(item.mode, item.order) for item in found] == expected
-    assert [item.speed for item in found] == sorted(item.speed for item in found)
-    for item in found:
-        assert item.order * item.speed == close(2.0 * math.pi * item.frequency)
-        assert item.speed_rpm == close(60.0 * item.frequency / item.order)
-
-
 def test_ends_of_the_range_belong_to_it():
     speed = 2.0 * math.pi * 100.0 / 4.0
     assert len(critical_speeds([100.0], [4.0], (speed, 2.0 * speed))) == 1
     assert len(critical_speeds([100.0], [4.0], (0.5 * speed, speed))) == 1
-
-
-@pytest.mark.parametrize(
-    ("speed_range", "message"),
-    [
-        ((300.0, 100.0), r"speed_range: given \(300, 100\) rad/s"),
-        ((100.0, 100.0), "speed_range: given"),
-        ((0.0, 100.0), r"speed_range\[0\]: given 0 rad/s"),
-        ((-5.0, 100.0), r"speed_range\[0\]: given -5 rad/s"),
-        ((5.0, float("inf")), r"speed_range\[1\]: given inf"),
-        ((1.0, 2.0, 3.0), "speed_range: given"),
-    ],
-)
-def test_unusable_ranges_are_refused(speed_range, message):
-    with pytest.raises(InputError, match=message):
-        critical_speeds([10.0], [1.0], speed_range)
 
 
 def test_unusable_frequencies_and_orders_are_refused():
@@ -97,35 +61,11 @@ def test_weights_bring_out_a_minor_order():
     assert found == close([math.hypot(0.5, 1.0)])
 
 
-@given(
-    st.lists(st.floats(0.0, 12.0), min_size=1, max_size=8),
-    st.floats(-7.0, 7.0),
-    st.sampled_from((0.5, 1.0, 3.0)),
-)
-def test_sum_does_not_depend_on_where_the_cycle_starts(angles, shift, order):
-    moved = vector_sums([order], np.array(angles) + shift)
-    assert moved == close(vector_sums([order], angles), abs=1e-12)
-
-
 def test_unusable_vector_sums_are_refused():
     with pytest.raises(InputError, match="weights: given 1 values for 2 firing angles"):
         vector_sums([1.0], [0.0, 1.0], [1.0])
     with pytest.raises(InputError, match="firing_angles: given no values"):
         vector_sums([1.0], [])
-
-
-@pytest.mark.parametrize(
-    ("strokes", "drives", "orders", "clear"),
-    [
-        (4, "propeller", (3.0, 6.0), (80.0, 110.0)),
-        (4, "generator", (3.0, 6.0), (90.0, 110.0)),
-        (2, "propeller", (6.0,), (80.0, 110.0)),
-    ],
-)
-def test_orders_and_speeds_of_six_in_line(strokes, drives, orders, clear):
-    own = major_criticals((), 100.0, cylinders=6, strokes=strokes, drives=drives)
-    assert (own.orders, own.clear) == (orders, close(clear))
-    assert own.passed
 
 
 @pytest.mark.parametrize(
@@ -157,21 +97,6 @@ def response(chain, orders=(1.0, 2.0), node=0, speeds=SPEEDS):
     return forced_response(chain, OrderExcitation(orders, speeds, forces))
 
 
-def test_modes_of_one_mass():
-    """s = -d w + i w sqrt(1 - d^2)."""
-    modes = complex_modes(damped(MAIN, modal_damping=0.1))
-    assert modes.eigenvalues == close([-10.0 + 100.0j * np.sqrt(0.99)], rel=1e-12)
-    assert modes.frequencies == close([100.0 * np.sqrt(0.99) / (2.0 * np.pi)])
-    assert modes.damping_ratios == close([0.1])
-    assert modes.sources == ({"modal damping": 1.0},)
-    assert (modes.numbers.tolist(), modes.locked) == ([1], None)
-    assert modes.largest_magnifiers == close([0.5 / (0.1 * np.sqrt(0.99))])
-    assert modes.magnifiers(np.array([100.0])) == close(np.array([[5.0]]))
-    frame = modes.to_pandas()
-    assert frame["undamped"].tolist() == close([100.0 / (2.0 * np.pi)])
-    assert frame["damped_by"].tolist() == ["modal damping"]
-
-
 def test_a_mode_that_creeps_is_none():
     modes = complex_modes(damped(MAIN, modal_damping=1.5))
     assert modes.eigenvalues.size == 0
@@ -182,25 +107,6 @@ def test_a_mode_that_creeps_is_none():
     ]
     assert np.isnan(found[0].mode_frequency)
     assert found[0].sentence.startswith("Order 1, mode 1: no peak (954.9 1/min undamped).")
-
-
-@pytest.mark.parametrize("ratio", [0.001, 0.05, 0.3, 0.6])
-def test_the_peak_of_one_mass(ratio):
-    """w_n sqrt(1 - 2 d^2) and 1 / (2 d sqrt(1 - d^2)), without a maximum from d = 0.707 on."""
-    speeds = np.linspace(20.0, 200.0, 40)
-    run = response(damped(MAIN, modal_damping=ratio), speeds=speeds)
-    (one, two) = damped_criticals(run, node=0)
-    peak = 100.0 * np.sqrt(1.0 - 2.0 * ratio**2)
-    assert two.speed == close(0.5 * peak, rel=1e-6)
-    assert two.amplitude == close(1e-3 * 0.5 / (ratio * np.sqrt(1.0 - ratio**2)), rel=1e-9)
-    assert two.undamped_speed == close(50.0)
-    assert (two.mode, two.place, two.in_band) == (1, "main", True)
-    assert two.mode_share == close(1.0, rel=1e-9)
-    assert two.damping_ratio == close(ratio)
-    assert two.frequency == close(two.speed / np.pi)
-    assert max(one.severity, two.severity) == 1.0
-    assert not two.unbounded
-    assert one.speed == close(peak, rel=1e-6)
 
 
 def test_at_speeds_that_hold_all_that_are_looked_at():
@@ -216,16 +122,6 @@ def test_no_peak_with_much_damping():
     assert "has_peak no" in repr(found[0])
     assert "nan" not in repr(found[0])
     assert found[0].damping_ratio == close(0.75)
-
-
-def test_without_damping():
-    found = damped_criticals(response(ROW), node=0)
-    assert {one.amplitude for one in found} == {float("inf")}
-    for one in found:
-        assert one.speed == close(one.undamped_speed, rel=1e-9)
-        assert one.mode_share == one.severity == 1.0
-        assert one.unbounded
-    assert complex_modes(ROW).sources == ({}, {})
 
 
 @pytest.mark.parametrize("damping", [1e-3, 30.0, 1e6])
@@ -338,11 +234,6 @@ def test_refused(options, words):
 def test_refused_at_one_speed():
     with pytest.raises(InputError, match="given one at one speed"):
         damped_criticals(response(damped(ROW), speeds=np.array([50.0])))
-
-
-def test_public_names():
-    assert cf.response.complex_modes is complex_modes
-    assert cf.response.damped_criticals is damped_criticals
 
 
 # One inertia on a spring to ground would have no element: two, the second a hundred times as large.

@@ -61,23 +61,6 @@ def test_axial_chain_without_bearing_and_flywheel_is_free():
     assert modes.angular_frequencies[1] == close(np.sqrt(1e9 * (1 / 50 + 1 / 50)))
 
 
-def test_torsional_chain_without_additions():
-    built = torsional_chain([2e-7, 4e-7], [0.5, 0.6], 10.0)
-    assert built.kind == "torsional"
-    assert built.nodes == ("cylinder 1", "cylinder 2", "flywheel")
-    assert built.chain.inertia.tolist() == [0.5, 0.6, 10.0]
-    assert 1.0 / built.chain.stiffness == close([3e-7, 2e-7])
-    assert not built.chain.ground.any()
-
-
-def test_torsional_chain_with_free_end_and_driven_machine():
-    driven = DrivenMachine(inertia=30.0, coupling_stiffness=1e5)
-    built = torsional_chain([2e-7, 4e-7], [0.5, 0.6], 10.0, free_end_inertia=0.1, driven=driven)
-    assert built.nodes == ("free end", "cylinder 1", "cylinder 2", "flywheel", "driven machine")
-    assert built.chain.inertia.tolist() == [0.1, 0.5, 0.6, 10.0, 30.0]
-    assert 1.0 / built.chain.stiffness == close([1e-7, 3e-7, 2e-7, 1e-5])
-
-
 def test_whole_compliance_of_the_shaft_is_kept():
     compliances = [2e-7, 4e-7, 3e-7]
     chain = torsional_chain(compliances, [1.0, 1.0, 1.0], 5.0, free_end_inertia=1.0).chain
@@ -86,25 +69,6 @@ def test_whole_compliance_of_the_shaft_is_kept():
 
 def test_throw_inertia():
     assert throw_inertia(1.5, 4.0, 6.0, 0.1) == close(1.5 + 0.04 + 0.03)
-
-
-def test_half_the_reciprocating_mass_is_the_mean_over_a_revolution():
-    # Exact slider-crank velocity per radian; the next term of the mean is lambda^2 / 8.
-    radius, ratio, mass = 0.07, 0.3, 2.0
-    angle = np.arange(720) * np.pi / 360.0
-    swing = np.sqrt(1.0 - (ratio * np.sin(angle)) ** 2)
-    velocity = radius * (np.sin(angle) + ratio * np.sin(angle) * np.cos(angle) / swing)
-    mean = np.mean(mass * velocity**2)
-    assert throw_inertia(1.0, 0.0, mass, radius) - 1.0 == close(mean, rel=0.3 * ratio**2)
-
-
-def test_throws_and_sections_are_known_by_their_nodes():
-    torsional = torsional_chain([1.0, 1.0], [1.0, 1.0], 2.0, free_end_inertia=0.5)
-    assert torsional.throw_nodes == (1, 2)
-    assert (torsional.sections, torsional.throws) == ((), 2)
-    axial = axial_chain([1.0, 1.0], [1.0, 1.0], 2.0, 0, 0.0)
-    assert axial.sections == (0, 1, 2)
-    assert (axial.throw_nodes, axial.throws) == ((), 2)
 
 
 def test_throws_of_several_cylinders_are_called_throws():
@@ -411,17 +375,6 @@ def test_undamped_mode_is_unbounded_within_a_billionth_of_its_frequency(away, un
     assert found.unbounded[0, 0] == unbounded
 
 
-@pytest.mark.parametrize("mode", [1, 2])
-def test_either_of_two_modes_of_one_frequency_may_be_unbounded(mode):
-    # Three equal arms on a hub; a force in the shape of one mode does no work on the other.
-    chain = Chain([1.0, 1.0, 1.0, 5.0], [1e4] * 3, connections=[(3, 0), (3, 1), (3, 2)])
-    system = chain_system(chain)
-    forces = (system.mass @ system.shapes[:, mode])[np.newaxis, np.newaxis]
-    speed = chain.modes().angular_frequencies[mode]
-    found = forced_response(chain, OrderExcitation([1.0], [speed], forces))
-    assert found.unbounded[0, 0]
-
-
 def test_rigid_motion_of_unknowns_behind_a_gear():
     chain = Chain(
         [1.0, 2.0, 3.0, 4.0], [5e3, 7e3], connections=[(0, 2), (1, 3)], gears=[Gear(0, 1, 3.0)]
@@ -431,31 +384,6 @@ def test_rigid_motion_of_unknowns_behind_a_gear():
     resisted = np.abs(system.stiffness @ system.rigid)
     assert np.max(resisted) < 1e-12 * np.abs(system.stiffness).max()
     assert np.allclose(system.expand @ system.rigid / system.rigid[0], [[1.0], [3.0], [1.0], [3.0]])
-
-
-@pytest.mark.parametrize(
-    "chain",
-    [
-        Chain(
-            [1.0, 2.0, 3.0],
-            [5e3],
-            connections=[(0, 1)],
-            dashpots=[Dashpot(1, 2, 4.0)],
-            distributed_inertia=[0.3],
-        ),
-        Chain(
-            [1.0, 2.0, 3.0, 1.0],
-            [5e3, 1.0],
-            connections=[(0, 1), (2, 3)],
-            dashpots=[Dashpot(1, 2, 4.0)],
-        ),
-    ],
-)
-def test_shapes_with_two_rigid_motions_are_orthonormal(chain):
-    system = chain_system(chain)
-    product = system.shapes.T @ system.mass @ system.shapes
-    # Some ten operations each, of a few 1e-16.
-    assert np.allclose(product, np.eye(len(product)), atol=1e-12)
 
 
 def test_elastic_motion_has_no_momentum():

@@ -58,18 +58,6 @@ def test_firing_angles_in_line(cranks, order, strokes, wanted):
     assert firing_order_of_angles(np.radians(engine.firing_deg), strokes, order[0]) == order
 
 
-def test_firing_angles_of_a_vee_engine():
-    """V8 with a cross-plane shaft, banks at -45 and 45 deg: even 90 deg steps by hand."""
-    cranks, banks = (0, 270, 90, 180), (-45, 45)
-    cylinders = [cylinder(crank, bank) for bank in banks for crank in cranks]
-    tops = [one.top_shaft_angle_deg % 360 for one in cylinders]
-    assert tops == close([315, 45, 225, 135, 45, 135, 315, 225])
-    order = (1, 5, 4, 8, 7, 2, 6, 3)
-    engine = EngineLayout(0.07, cylinders, order)
-    steps = np.diff([degrees(np.radians(engine.firing_deg))[number - 1] for number in order])
-    np.testing.assert_allclose(steps, 90.0, rtol=1e-12)
-
-
 @settings(max_examples=20, deadline=None)
 @given(st.permutations(range(1, 6)), st.floats(0.0, 6.0))
 def test_firing_angles_of_even_cranks_follow_the_order(order, start):
@@ -103,18 +91,6 @@ def test_tops_that_differ_by_round_off_are_a_turn_apart(apart):
 FIRED_1342 = np.radians([0.0, 540.0, 180.0, 360.0])
 
 
-@pytest.mark.parametrize("order", [(1, 3, 4, 2), (4, 2, 1, 3)])
-@pytest.mark.parametrize("later", [0.0, 100.0 * math.pi])
-def test_firing_angles_agree_with_the_order_in_any_cycle(order, later):
-    """100 pi are 25 cycles; the order of a cycle may begin with any cylinder."""
-    angles = FIRED_1342 + np.array([later, 0.0, 0.0, -later])
-    engine = EngineLayout(
-        0.07, in_line(0, 180, 180, 0), order, firing_angles_deg=np.degrees(angles)
-    )
-    assert engine.firing_order == order
-    assert np.radians(engine.firing_deg) == close(angles)
-
-
 @pytest.mark.parametrize("order", [(1, 2, 3, 4), (1, 2, 4, 3), (1, 4, 3, 2)])
 @pytest.mark.parametrize("later", [0.0, 100.0 * math.pi])
 def test_an_order_against_the_firing_angles_is_refused(order, later):
@@ -122,22 +98,6 @@ def test_an_order_against_the_firing_angles_is_refused(order, later):
     words = rf"given \[{order[0]}, .*; allowed is \[1, 3, 4, 2\], because the firing angles"
     with pytest.raises(InputError, match=words):
         EngineLayout(0.07, in_line(0, 180, 180, 0), order, firing_angles_deg=np.degrees(angles))
-
-
-@pytest.mark.parametrize(
-    "order", [(1, 2, 3, 4), (2, 1, 4, 3), (2, 1, 3, 4), (3, 4, 1, 2), (2, 3, 4, 1)]
-)
-def test_cylinders_that_fire_together_stand_in_any_order(order):
-    """1 and 2 at the top, 3 and 4 half a turn later, each pair equal but for round-off."""
-    angles = np.radians([0.0, 720.0 - 1e-9, 180.0, 180.0 + 1e-9])
-    engine = EngineLayout(
-        0.07, in_line(0, 0, 180, 180), order, firing_angles_deg=np.degrees(angles)
-    )
-    assert engine.firing_order == order
-    with pytest.raises(InputError, match=r"firing_order: given \[1, 3, 2, 4\]"):
-        EngineLayout(
-            0.07, in_line(0, 0, 180, 180), [1, 3, 2, 4], firing_angles_deg=np.degrees(angles)
-        )
 
 
 def test_all_may_fire_together():
@@ -214,24 +174,6 @@ def test_one_cylinder_of_an_engine_moves_as_a_slider_crank():
     assert highest - lowest == close(drive.stroke, abs=1e-14)
     travel = drive.travel(angle_deg=np.degrees(angles + math.radians(75.0))).place.real
     np.testing.assert_allclose(highest - motion.piston.place.real, travel, rtol=0.0, atol=1e-14)
-
-
-def test_the_slave_pin_turns_with_the_main_rod():
-    """Equal banks and a pin straight out on the rod's axis: the foot is a point of the main rod."""
-    hinged = cylinder(
-        slave_pin=SlavePin(1, 0.06, angle_deg=math.degrees(0.3)),
-        rod=ConnectingRod(0.2, 3.0, 0.07, 0.03),
-    )
-    engine = EngineLayout(0.07, [cylinder(), hinged], [1, 2])
-    angles = np.linspace(0.0, 6.0, 9)
-    place = 0.06 * np.exp(0.3j)
-    wanted = SliderCrank(0.07, 0.265).rod_point(
-        place.real, place.imag, angle_deg=np.degrees(angles)
-    )
-    foot = cylinder_motion(engine, 2, shaft_angles_deg=np.degrees(angles)).foot
-    np.testing.assert_allclose(foot.place, wanted.place, rtol=0.0, atol=1e-15)
-    np.testing.assert_allclose(foot.second, wanted.second, rtol=0.0, atol=1e-15)
-    assert engine.main_of(2) == 1
 
 
 def hinged_to(main, crank=0.0, **pin):

@@ -1,7 +1,6 @@
 """Torque of an engine, its harmonics, and the two-mass check."""
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -11,14 +10,11 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.critical import solid_shaft_stiffness, two_mass_check, two_mass_frequency
-from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
-from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.rods import ConnectingRod
 from dynamics.harmonics import harmonics, read_torque_table
 from dynamics.torque.torque import engine_torque, pin_force_harmonics
-from references import finite_sums
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 SLAVE_ROD = ConnectingRod(0.18, 1.2, 0.07, 0.008)
@@ -83,43 +79,6 @@ def hinged_vee():
 ENGINES = pytest.mark.parametrize("engine", [in_line_two_stroke(), hinged_vee()])
 
 
-@ENGINES
-def test_mean_torque_does_the_indicated_work(engine):
-    found = engine_torque(engine, SPEED, SmoothPressure(engine.strokes))
-    work = found.indicated_work
-    assert np.all(np.abs(work) > 10.0)
-    assert found.mean * cycle_radians(engine.strokes) == close(work.sum(), rel=1e-12)
-    assert abs(found.energy_error) < 1e-13
-    # A torque a thousandth too large shows by its share of the work exchanged.
-    step = cycle_radians(engine.strokes) / found.shaft_angles_deg.size
-    share = 1e-3 * work.sum() / (np.abs(found.gas).sum() * step)
-    wrong = replace(found, gas=1.001 * found.gas)
-    assert wrong.energy_error == close(share / 1.001, rel=1e-9)
-    # Without gas nothing is exchanged, and what is left in N m is round-off of some 1e3 N m.
-    assert engine_torque(engine, SPEED).energy_error == close(0.0, abs=1e-9)
-    assert found.power == close(work.sum() * SPEED / cycle_radians(engine.strokes), rel=1e-12)
-    assert found.inertia.mean(axis=1) == close(np.zeros(len(work)), abs=1e-9)
-
-
-@ENGINES
-def test_indicated_work_is_the_area_of_the_pressure_over_volume_loop(engine):
-    """The polygon of 20000 corners, from pressure and piston place alone."""
-    pressure = SmoothPressure(engine.strokes)
-    found = engine_torque(engine, SPEED, pressure)
-    angles = np.linspace(0.0, cycle_radians(engine.strokes), 20001)
-    for number, cylinder in enumerate(engine.cylinders, start=1):
-        force = (
-            pressure.at(angle_deg=np.degrees(angles - np.radians(engine.firing_deg)[number - 1]))
-            - 101325.0
-        ) * cylinder.area
-        place = cylinder_motion(
-            engine, number, shaft_angles_deg=np.degrees(angles)
-        ).piston.place.real
-        work = -np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(place))
-        # A polygon misses the share step^2 / 6 of the loop, 7e-8 with 4 pi / 20000.
-        assert found.indicated_work[number - 1] == close(work, rel=2e-7)
-
-
 def test_torque_is_that_of_all_forces_at_once():
     engine = hinged_vee()
     pressure = SmoothPressure(4)
@@ -149,20 +108,6 @@ def test_nonuniformity():
     found = engine_torque(engine, SPEED, SmoothPressure(2))
     assert found.nonuniformity == close(np.ptp(found.total) / found.mean)
     assert engine_torque(engine, SPEED).nonuniformity is None
-
-
-@pytest.mark.parametrize("samples", [720, 721])
-@ENGINES
-def test_transform_and_finite_sums_agree_on_an_engines_torque(engine, samples):
-    found = engine_torque(engine, SPEED, SmoothPressure(engine.strokes), samples=samples)
-    mean, cosine, sine = finite_sums(found.total)
-    fast = found.harmonics()
-    # Round-off of sums of 720 terms.
-    small = 1e-13 * np.max(np.abs(found.total))
-    assert fast.mean == close(mean, abs=small)
-    assert fast.cosine == close(cosine, abs=small)
-    assert fast.sine == close(sine, abs=small)
-    assert fast.samples == samples
 
 
 def test_harmonics_of_throws_add_up_to_the_engines():
@@ -220,14 +165,6 @@ def test_like_cylinders_have_like_harmonics_from_their_own_firing_tops():
         assert one.radial.phase[:6] == close(other.radial.phase[:6], abs=1e-9)
 
 
-def test_torque_harmonics_are_crank_radius_times_tangential_force():
-    engine = hinged_vee()
-    torque = engine_torque(engine, SPEED, SmoothPressure(4), samples=240)
-    force = pin_force_harmonics(engine, SPEED, SmoothPressure(4), samples=240)[1]
-    found = torque.cylinder_harmonics(2).up_to(24.0)
-    assert found.amplitude == close(0.07 * force.tangential.amplitude, abs=1e-9)
-
-
 def test_throws_may_be_told():
     engine = in_line_two_stroke()
     assert engine_torque(engine, SPEED, samples=12).throws == ((1,), (2,), (3,))
@@ -239,28 +176,6 @@ def test_throws_may_be_told():
             engine_torque(engine, SPEED, samples=12, throws=wrong)
     with pytest.raises(InputError, match=r"throws: .*without a gap"):
         engine_torque(engine, SPEED, samples=12, throws=[0, 2, 2])
-
-
-def test_rods_side_by_side_share_a_throw_but_not_with_the_next():
-    """A V12 whose throws 1 and 6 lie in one direction: rods of throw 1 stand 40 mm apart."""
-    throws = np.radians([0.0, 120.0, 240.0, 240.0, 120.0, 0.0]).tolist()
-    cylinders = [
-        EngineCylinder(
-            0.1,
-            1.0,
-            ROD,
-            crank_angle_deg=math.degrees(crank),
-            bank_angle_deg=math.degrees(bank),
-            position=0.13 * place + shift,
-        )
-        for bank, shift in ((-math.pi / 6, 0.0), (math.pi / 6, 0.04))
-        for place, crank in enumerate(throws)
-    ]
-    tops = [math.radians(cylinder.top_shaft_angle_deg) for cylinder in cylinders]
-    order = [int(place) + 1 for place in np.argsort(np.mod(np.round(tops, 9), 4.0 * math.pi))]
-    engine = EngineLayout(0.05, cylinders, order, firing_angles_deg=np.degrees(tops))
-    found = engine_torque(engine, SPEED, samples=12)
-    assert found.throws == ((1, 7), (2, 8), (3, 9), (4, 10), (5, 11), (6, 12))
 
 
 @pytest.mark.parametrize(
@@ -295,24 +210,6 @@ def test_orders_beyond_the_samples_are_refused():
         found.index_of(13)
 
 
-def test_pin_force_harmonics_end_with_the_highest_order():
-    engine = in_line_two_stroke()
-    whole = pin_force_harmonics(engine, SPEED, SmoothPressure(2), samples=96, highest_order=48)[1]
-    cut = pin_force_harmonics(engine, SPEED, SmoothPressure(2), samples=96, highest_order=3.5)[1]
-    for name in ("tangential_gas", "tangential_inertia", "tangential", "radial"):
-        assert getattr(cut, name).orders.tolist() == [1.0, 2.0, 3.0]
-        assert np.array_equal(getattr(cut, name).cosine, getattr(whole, name).cosine[:3])
-    assert whole.radial_gas.orders.size == 48
-
-
-def test_samples_resolve_the_default_orders():
-    """Twice as many samples change no amplitude up to order 24 of a pressure of few harmonics."""
-    engine = hinged_vee()
-    fine = engine_torque(engine, SPEED, SmoothPressure(4), samples=2880).harmonics()
-    usual = engine_torque(engine, SPEED, SmoothPressure(4)).harmonics()
-    assert usual.amplitude[:48] == close(fine.amplitude[:48], abs=1e-9)
-
-
 @pytest.fixture
 def written(tmp_path):
     def write(text):
@@ -325,16 +222,6 @@ def written(tmp_path):
 
 CRANK = "# An engine\n# Source: a book\n\ncrank_angle_deg,torque_Nm\n"
 CYCLE = "cycle_angle_deg,torque_Nm\n"
-
-
-def test_crank_angles_show_the_strokes(written):
-    four = read_torque_table(written(CRANK + "0,1\n180,2\n360,3\n540,4\n"))
-    assert four.strokes == 4
-    assert four.source == "An engine\nSource: a book"
-    assert four.crank_angle_deg.tolist() == [0.0, 180.0, 360.0, 540.0]
-    assert four.torque.tolist() == [1.0, 2.0, 3.0, 4.0]
-    two = read_torque_table(written(CRANK + "0,1\n90,2\n180,3\n270,4\n"))
-    assert two.strokes == 2
 
 
 def test_closing_sample_is_dropped(written):

@@ -8,10 +8,8 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
-from dynamics.cycle import cycle_radians
-from dynamics.engine.forces import gas_forces, mechanism_forces, rod_models
+from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
-from dynamics.engine.motions import reduced_inertia
 from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.axial_forces import compare_axial_forces
 from dynamics.excitation.chain_excitation import (
@@ -32,7 +30,6 @@ from dynamics.gas.gas_cycle import gas_cycle
 from dynamics.gas.pressure import gas_pressure
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.torque.torque import engine_torque, pin_force_harmonics
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 RADIUS = 0.07
@@ -181,8 +178,7 @@ def test_what_does_not_fit_is_refused():
     with pytest.raises(InputError, match="given 2 for a chain of 4 sections"):
         axial_excitation(
             forces_at_speeds(
-                cylinder_harmonics(chains_engine(), 2.0, Waves(), throws=[0, 0, 1, 1, 0, 0]),
-                SPEEDS,
+                cylinder_harmonics(chains_engine(), 2.0, Waves(), throws=[0, 0, 1, 1, 0, 0]), SPEEDS
             ),
             AXIAL,
             E_THROWS[:2],
@@ -273,54 +269,6 @@ def test_orders_add_up_to_the_forces_of_the_mechanism(engine, model):
         largest = np.max(np.abs(forces.crankpin))
         assert tangential == close(forces.tangential.T, abs=1e-11 * largest)
         assert radial == close(forces.radial.T, abs=1e-11 * largest)
-
-
-@ENGINES
-def test_power_is_indicated_and_the_sum_of_all_cylinders_is_the_engines(engine):
-    pressure = SmoothPressure(engine.strokes)
-    found = cylinder_forces(engine, CYLINDER_SPEEDS, 12.0, pressure)
-    torque = engine_torque(engine, CYLINDER_SPEEDS[1], pressure)
-    work = torque.indicated_work.sum()
-    # The mean is the hundredth part of what the torque swings by: 1e-13 of that is round-off.
-    assert found.power == close(work / cycle_radians(engine.strokes) * CYLINDER_SPEEDS, rel=1e-11)
-    whole = torque.harmonics().up_to(12.0)
-    phasors = whole.cosine - 1j * whole.sine
-    assert found.torque[:, 1].sum(axis=1) == close(phasors, abs=1e-12 * np.abs(found.torque).max())
-    own = pin_force_harmonics(engine, CYLINDER_SPEEDS[2], pressure, highest_order=12.0)[1]
-    at_shaft = (own.radial.cosine - 1j * own.radial.sine) * np.exp(
-        -1j * found.orders * math.radians(own.firing_angle_deg)
-    )
-    assert found.radial[:, 2, 1] == close(at_shaft, abs=1e-12 * np.abs(at_shaft).max())
-
-
-def test_inertia_goes_with_the_square_of_the_speed_and_can_be_left_out():
-    engine = vee(True)
-    both, gas = (
-        cylinder_forces(engine, CYLINDER_SPEEDS, 6.0, SmoothPressure(4), inertia=own)
-        for own in (True, False)
-    )
-    masses = cylinder_forces(engine, CYLINDER_SPEEDS, 6.0)
-    assert both.tangential - gas.tangential == close(masses.tangential, abs=1e-9)
-    assert np.array_equal(gas.radial[:, 0], gas.radial[:, 2])
-    # The ratio of squares is exact but for the last digit, and half orders have none at all.
-    assert masses.radial[:, 2] == close(16.0 * masses.radial[:, 0], rel=1e-15)
-    assert np.all(masses.tangential[::2] == 0.0)
-    assert np.abs(masses.tangential[1::2]).min() > 0.0
-
-
-@ENGINES
-def test_inertia_torque_is_half_the_slope_of_the_inertia_at_the_crank(engine):
-    """The mean of that inertia is in the chain, its slope excites: nothing counts twice."""
-    angles = CYLINDER_RANDOM.uniform(0.0, 20.0, 30)
-    _, slope = reduced_inertia(
-        engine, rod_models(engine, "rigid"), shaft_angles_deg=np.degrees(angles)
-    )
-    tangential, _ = cylinder_forces(engine, CYLINDER_SPEEDS, 36.0).at_angle(
-        1, shaft_angle_deg=np.degrees(angles)
-    )
-    torque = engine.crank_radius * tangential.sum(axis=1)
-    wanted = -0.5 * slope * CYLINDER_SPEEDS[1] ** 2
-    assert torque == close(wanted, abs=1e-10 * np.abs(wanted).max())
 
 
 def test_a_failing_cylinder_follows_the_pressure_without_combustion():

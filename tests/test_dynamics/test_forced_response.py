@@ -102,17 +102,6 @@ def test_loads_and_stress():
     np.testing.assert_allclose(found.elastic.values.sum(axis=2), 0.0, atol=1e-20)
 
 
-def test_excitation_over_the_cycle():
-    forces = np.zeros((2, 3, 2), dtype=complex)
-    forces[0, :, 0], forces[1, :, 1] = 2.0j, 3.0
-    own = excitation(forces)
-    angle = np.array([0.0, 0.3, 2.0])
-    expected = np.column_stack((-2.0 * np.sin(angle), 3.0 * np.cos(2.0 * angle)))
-    np.testing.assert_allclose(
-        own.at_angle(1, shaft_angle_deg=np.degrees(angle)), expected, atol=1e-15
-    )
-
-
 def test_forces_of_inertia_are_exact_between_speeds():
     forces = (SPEEDS**2)[np.newaxis, :, np.newaxis] * np.array([2.0, 1.0j]) * np.ones((2, 1, 1))
     between = excitation(forces + 5.0).at_speeds([50.0, 77.0, 149.0])
@@ -239,38 +228,6 @@ def test_any_chain(seed):
         - excitation.forces
     ) @ chain.expansion()
     assert np.max(np.abs(left)) < 1e-10 * np.max(np.abs(loads.elements.values))
-
-
-@settings(max_examples=10, deadline=None)
-@given(st.integers(0, 10_000))
-def test_reciprocity(seed):
-    """A force on one node moves another as much as one there moves the first."""
-    chain = any_chain(seed)
-    system = chain_system(chain)
-    frequency = np.random.default_rng(seed).uniform(10.0, 500.0)
-    one_each = np.eye(6, dtype=complex) @ system.expand
-    answer = harmonic_response(system, np.full(6, frequency), one_each)
-    receptance = answer.motion @ system.expand.T
-    np.testing.assert_allclose(
-        receptance, receptance.T, rtol=0.0, atol=1e-11 * np.max(np.abs(receptance))
-    )
-
-
-@pytest.mark.parametrize("method", ["modal", "direct"])
-def test_one_mass(method):
-    """X = F / (k (1 + i eta) - m w^2 + i w c), below, at and above resonance, also critically damped."""
-    speeds = np.array([3.0, 10.0, 200.0])
-    forces = np.full((1, 3, 1), 7.0 - 2.0j)
-    for damping in (0.3, 20.0):
-        chain = Chain([1.0], [], ground=[100.0], ground_damping=[damping])
-        found = forced_response(chain, OrderExcitation([1.0], speeds, forces), method=method)
-        exact = (7.0 - 2.0j) / (100.0 - speeds**2 + 1j * speeds * damping)
-        np.testing.assert_allclose(found.motion[0, :, 0], exact, rtol=1e-12)
-    chain = Chain([1.0, 1e9], [100.0], loss_factor=0.04)
-    forces = np.array([7.0, 0.0]) * np.ones((1, 3, 1))
-    found = forced_response(chain, OrderExcitation([1.0], speeds, forces), method=method)
-    exact = 7.0 / (100.0 * (1.0 + 0.04j) - speeds**2)  # beside an almost infinite mass
-    np.testing.assert_allclose(found.motion[0, :, 0], exact, rtol=1e-7)
 
 
 def test_unbounded_within_1e_9_and_a_number_beyond():
@@ -426,20 +383,6 @@ def test_refused_loss(choice, words):
 SUM_ONE = np.array([100.0])
 
 
-def test_known_sums():
-    """cos x + cos 2x / 2 peaks at 1.5 and is lowest, -0.75, where cos x = -1/2; two signs, scales."""
-    for scale in (1e-200, 1.0, 1e200):
-        for turn in (0.0, 0.7123, 3.0):
-            phasors = scale * np.array([1.0, 0.5]) * np.exp(1j * turn * np.array([1.0, 2.0]))
-            phasors = np.stack((phasors, -phasors), axis=1)[:, np.newaxis, :]
-            found = synthesis(np.array([1.0, 2.0]), SUM_ONE, phasors)
-            np.testing.assert_allclose(found.highest[0] / scale, [1.5, 0.75], rtol=1e-13)
-            np.testing.assert_allclose(found.lowest[0] / scale, [-0.75, -1.5], rtol=1e-13)
-            np.testing.assert_allclose(found.amplitude[0] / scale, 1.125, rtol=1e-13)
-            np.testing.assert_allclose(found.plain_sum[0] / scale, 1.5, rtol=1e-13)
-            assert found.period == close(2.0 * np.pi, rel=1e-15)
-
-
 def test_against_dense_samples():
     """24 half orders with random phases: no sample of 40,001 exceeds, the best comes within 2e-6.
 
@@ -548,31 +491,6 @@ def test_no_resonance_in_range_and_no_force():
     assert not only.unbounded
     with pytest.raises(InputError, match="speed_range: given none, for a response at one speed"):
         resonances(forced_response(ENGINE, peak_excitation([100.0])))
-
-
-def peak(chain, speeds, order):
-    found = forced_response(chain, peak_excitation(speeds, np.array([order])))
-    return found.amplitude[0, :, 0].max()
-
-
-@pytest.mark.parametrize("magnifier", [40.0, 400.0])
-def test_refined_speeds_read_every_peak(magnifier):
-    """Within 0.2 %, as the distance of the speeds about a resonance promises; an even grid does not."""
-    chain = damped(ENGINE, magnifier=magnifier)
-    ratios = chain.system.damping_ratios()
-    speeds = refined_speeds(chain.system.elastic_frequencies, ratios, ORDERS, RANGE, points=50)
-    assert np.all(np.diff(speeds) > 0.0)
-    assert speeds[[0, -1]].tolist() == list(RANGE)
-    assert np.max(np.diff(speeds)) <= 200.0 / 49.0 * (1.0 + 1e-12)
-    missed = 0.0
-    for order in (6.0, 7.5, 9.0):
-        critical = 2.0 * np.pi * chain.system.elastic_frequencies[0] / order
-        true = peak(
-            chain, critical * np.linspace(1.0 - 1.0 / magnifier, 1.0 + 1.0 / magnifier, 2001), order
-        )
-        assert peak(chain, speeds, order) >= 0.998 * true
-        missed = max(missed, 1.0 - peak(chain, np.linspace(*RANGE, 50), order) / true)
-    assert missed > 0.15
 
 
 def test_undamped_resonance_stands_among_the_speeds():

@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.harmonics import harmonics
-from references import finite_sums
 
 VALUES = st.lists(
     st.floats(-1e4, 1e4, allow_nan=False, allow_subnormal=False), min_size=3, max_size=80
@@ -18,31 +17,11 @@ def sample_angles(count, strokes, start=0.0):
     return start + np.arange(count) * strokes * np.pi / count
 
 
-def test_one_sine_is_found_alone():
-    angle = sample_angles(40, 4)
-    found = harmonics(5.0 + 3.0 * np.sin(1.5 * angle + 0.7))
-    assert found.mean == close(5.0)
-    assert found.orders.tolist() == [0.5 * k for k in range(1, 21)]
-    expected = np.zeros(20)
-    expected[2] = 3.0
-    assert found.amplitude == close(expected, abs=1e-13)
-    expected[2] = 0.7
-    assert found.phase == close(expected, abs=1e-13)
-    assert found.cosine[2] == close(3.0 * np.sin(0.7))
-    assert found.sine[2] == close(3.0 * np.cos(0.7))
-
-
 @pytest.mark.parametrize("phase_deg", [10.0, 100.0, 190.0, 280.0])
 def test_phase_lies_in_the_quadrant_of_its_signs(phase_deg):
     angle = sample_angles(12, 2)
     found = harmonics(np.sin(angle + np.radians(phase_deg)), 2)
     assert np.degrees(found.phase[0]) == close(phase_deg)
-
-
-def test_two_stroke_orders_are_whole_numbers():
-    found = harmonics(np.arange(9.0), 2)
-    assert found.orders.tolist() == [1.0, 2.0, 3.0, 4.0]
-    assert found.highest_order == 4.0
 
 
 def test_phase_never_reaches_a_full_turn():
@@ -51,25 +30,10 @@ def test_phase_never_reaches_a_full_turn():
     assert np.all((found.phase >= 0.0) & (found.phase < 2.0 * np.pi))
 
 
-def test_constant_samples_have_no_amplitude_and_no_phase():
-    found = harmonics([7.0] * 10)
-    assert found.mean == 7.0
-    assert found.amplitude == close(np.zeros(5), abs=1e-13)
-    assert found.phase.tolist() == [0.0] * 5
-    assert harmonics([0.0] * 5).phase.tolist() == [0.0] * 2
-
-
 def test_highest_term_of_an_even_number_of_samples_takes_half_weight():
     found = harmonics([1.0, -1.0, 1.0, -1.0], 2)
     assert found.amplitude == close([0.0, 1.0], abs=1e-15)
     assert found.phase[1] == close(np.pi / 2.0)
-
-
-def test_angles_may_start_before_crank_angle_zero():
-    angles_deg = np.arange(-350.0, 370.0, 10.0)
-    found = harmonics(2.0 * np.sin(np.radians(0.5 * angles_deg) + 1.1), angles_deg=angles_deg)
-    assert found.amplitude[0] == close(2.0)
-    assert found.phase[0] == close(1.1)
 
 
 @given(VALUES, STROKES, st.floats(-800.0, 800.0))
@@ -79,27 +43,6 @@ def test_series_meets_the_samples_wherever_they_start(values, strokes, start_deg
     assert found.at(crank_angle_deg=np.degrees(angles)) == close(
         values, abs=1e-10 * max(1.0, *map(abs, values))
     )
-
-
-@given(VALUES, STROKES)
-def test_fourier_transform_equals_the_finite_sums(values, strokes):
-    fast = harmonics(values, strokes)
-    mean, cosine, sine = finite_sums(values)
-    small = 1e-13 * max(map(abs, values)) + 1e-300
-    assert fast.mean == close(mean, abs=small)
-    assert fast.cosine == close(cosine, abs=small)
-    assert fast.sine == close(sine, abs=small)
-    assert fast.orders.size == cosine.size
-
-
-@given(VALUES, STROKES)
-def test_power_of_the_samples_is_that_of_the_harmonics(values, strokes):
-    found = harmonics(values, strokes)
-    shares = np.full(found.orders.size, 0.5)
-    if len(values) % 2 == 0:
-        shares[-1] = 1.0
-    power = found.mean**2 + shares @ found.amplitude**2
-    assert power == close(np.mean(np.square(values)), rel=1e-12, abs=1e-300)
 
 
 @given(VALUES, STROKES)
@@ -116,19 +59,6 @@ def test_series_takes_any_shape_of_angles():
     assert found.at(crank_angle_deg=0.0).shape == ()
     assert found.at(crank_angle_deg=np.degrees(np.zeros((2, 3)))).shape == (2, 3)
     assert float(found.at(crank_angle_deg=0.0)) == close(1.0)
-
-
-def test_resolved_orders():
-    found = harmonics(np.arange(36.0))
-    assert found.highest_order == 9.0
-    assert found.resolves(9.0)
-    assert found.resolves(0.5)
-    assert not found.resolves(14.0)
-    assert not found.resolves(0.75)
-    assert not found.resolves(0.0)
-    assert found.index_of(1.5) == 2
-    with pytest.raises(InputError, match=r"order: given 14; allowed are 0\.5 to 9 in steps"):
-        found.index_of(14.0)
 
 
 def test_orders_above_a_highest_one_may_be_cut():
@@ -159,12 +89,6 @@ def test_orders_above_a_highest_one_may_be_cut():
 def test_no_other_orders_are_a_highest_one(highest, message):
     with pytest.raises(InputError, match=message):
         harmonics(np.arange(36.0)).up_to(highest)
-
-
-def test_result_cannot_be_written_to():
-    found = harmonics([1.0, 2.0, 4.0])
-    with pytest.raises(ValueError, match="read-only"):
-        found.amplitude[0] = 1.0
 
 
 @pytest.mark.parametrize(
@@ -270,17 +194,3 @@ def test_an_order_beyond_the_samples_would_appear_as_a_lower_one():
     assert found.amplitude[4] == close(1.0)
     with pytest.raises(InputError, match="order: given 7; allowed are 1 to 6"):
         found.index_of(7)
-
-
-def test_each_harmonic_by_itself_and_their_partial_sums():
-    rng = np.random.default_rng(3)
-    samples = rng.normal(size=(12))
-    found = harmonics(samples, 2)
-    angles = sample_angles(12, 2)
-    each = found.each_at(crank_angle_deg=np.degrees(angles))
-    assert each.shape == (6, 12)
-    assert found.mean + np.cumsum(each, axis=0)[-1] == close(samples, abs=1e-12)
-    assert each[1] == close(found.amplitude[1] * np.sin(2.0 * angles + found.phase[1]), abs=1e-12)
-    assert found.each_at(crank_angle_deg=np.degrees(0.3)) == close(
-        found.amplitude * np.sin(found.orders * 0.3 + found.phase)
-    )

@@ -6,20 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import solve_ivp
 
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.rods import ConnectingRod
-from dynamics.hinge.crosshead import (
-    KINEMATICS,
-    CrossheadEngine,
-    piston_gas_force,
-    reduced_crank,
-    two_stroke_cycle,
-)
+from dynamics.hinge.crosshead import KINEMATICS, CrossheadEngine, reduced_crank
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.profile import (
     GasSpring,
@@ -48,15 +42,6 @@ def derivative(function, angles):
     return (8.0 * near + far) / (12.0 * STEP)
 
 
-def places(angles, engine=ENGINE):
-    """Rod center, piston and crank center from the triangle of the mechanism, and the rod's angle."""
-    rod, radius = engine.rod, engine.crank_radius
-    tilt = np.arcsin(radius * np.sin(angles) / rod.length)
-    pin = radius * np.exp(1j * angles)
-    center = pin + rod.center_distance * np.exp(-1j * tilt)
-    return center, pin + rod.length * np.exp(-1j * tilt), tilt
-
-
 @pytest.mark.parametrize("kinematics", KINEMATICS)
 def test_derivative_of_the_inertia(kinematics):
     found = reduced_crank(ENGINE, kinematics, angles_deg=np.degrees(ANGLES)).inertia_rate
@@ -64,23 +49,6 @@ def test_derivative_of_the_inertia(kinematics):
         lambda a: reduced_crank(ENGINE, kinematics, angles_deg=np.degrees(a)).inertia, ANGLES
     )
     np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(found).max())
-
-
-def test_exact_kinematics_from_the_triangle():
-    found = reduced_crank(ENGINE, angles_deg=np.degrees(ANGLES))
-    center, piston, tilt = (
-        derivative(lambda a, which=which: places(a)[which], ANGLES) for which in range(3)
-    )
-    inertia = (
-        ENGINE.crank_inertia
-        + ROD.mass * np.abs(center) ** 2
-        + ROD.inertia * tilt**2
-        + ENGINE.sliding_mass * np.abs(piston) ** 2
-    )
-    np.testing.assert_allclose(found.inertia, inertia, rtol=1e-9)
-    np.testing.assert_allclose(found.travel_rate, -piston.real, atol=1e-10)
-    rise = ENGINE.crank_mass * 0.2 * np.cos(ANGLES) + ROD.mass * center.imag
-    np.testing.assert_allclose(found.weight_moment, -9.81 * rise, atol=1e-7)
 
 
 def test_same_as_the_forces_of_the_mechanism():
@@ -94,27 +62,6 @@ def test_same_as_the_forces_of_the_mechanism():
     ).torque
     largest = np.abs(found.moment).max()
     np.testing.assert_allclose(found.moment, found.load - torque[0], atol=1e-12 * largest)
-
-
-def test_without_mass_the_hinge_takes_the_gas_moment():
-    rod = replace(ROD, mass=1e-9, inertia=1e-10)
-    light = replace(
-        ENGINE, crank_mass=0.0, rod=rod, crosshead_mass=0.0, piston_rod_mass=0.0, piston_mass=1e-9
-    )
-    found = hinge_moment(light, smooth_force, 9.3)
-    largest = np.abs(found.moment).max()
-    np.testing.assert_allclose(found.moment, found.load - found.gas_moment, atol=1e-9 * largest)
-    # The constant inertia of the crank asks for nothing.
-    assert found.load == close(np.mean(found.gas_moment), rel=1e-14)
-
-
-@pytest.mark.parametrize("kinematics", KINEMATICS)
-def test_without_gas_the_hinge_takes_inertia_and_weight(kinematics):
-    found = hinge_moment(ENGINE, lambda a: np.zeros_like(a), 9.3, kinematics=kinematics)
-    assert found.load == 0.0
-    expected = 0.5 * 9.3**2 * found.reduced.inertia_rate - found.reduced.weight_moment
-    np.testing.assert_allclose(found.moment, expected, atol=1e-12 * np.abs(expected).max())
-    assert abs(found.closing_error) < 1e-12
 
 
 @settings(max_examples=25, deadline=None)
@@ -161,32 +108,6 @@ def test_order_of_the_series():
         coarse, fine = (largest_difference(ratio, kinematics)[which] for ratio in (0.02, 0.01))
         # The next term is smaller by lambda^2 (series) or lambda^2 (printed, whose lambda^3 is next).
         np.testing.assert_allclose(np.log2(coarse / fine), order, atol=0.01)
-
-
-def test_center_of_the_rod_at_the_crosshead_moves_as_it_does():
-    """With l_1 = L the rod's center is the crosshead: only plus can be right for its velocity."""
-    rod = ConnectingRod(1.55, 150.0, 1.55 * (1.0 - 1e-9), 1e-9)
-    with_rod = replace(ENGINE, rod=rod)
-    moved = replace(with_rod, rod=replace(rod, mass=1e-9), piston_mass=260.0)
-    series, expected = (
-        reduced_crank(e, "series", angles_deg=np.degrees(ANGLES)).inertia for e in (with_rod, moved)
-    )
-    np.testing.assert_allclose(series, expected, rtol=1e-8)
-    printed = reduced_crank(with_rod, "printed", angles_deg=np.degrees(ANGLES)).inertia
-    assert np.abs(printed / expected - 1.0).max() > 0.1
-
-
-def test_load_is_the_indicated_work():
-    cycle = two_stroke_cycle(
-        ENGINE, 15.0, peak_pressure=8e6, mean_effective_pressure=0.8e6, intake_pressure=1.5e5
-    )
-    force = piston_gas_force(ENGINE, cycle.pressure, 1.5e5)
-    found = hinge_moment(ENGINE, force, 9.3)
-    # Work from p dV, with another rule of integration over the same samples.
-    swept = ENGINE.area * 2.0 * ENGINE.crank_radius
-    assert 2.0 * np.pi * found.load == close(0.8e6 * swept, rel=1e-6)
-    below = hinge_moment(ENGINE, piston_gas_force(ENGINE, cycle.pressure, 1e5), 9.3)
-    assert below.load == close(found.load, rel=1e-12)
 
 
 def test_samples_of_the_force_serve_as_a_function_does():
@@ -312,19 +233,6 @@ def test_compression_beyond_the_column_is_refused(ambient, name, compression, me
         getattr(replace(SPRING, ambient=ambient), name)(compression)
 
 
-def test_largest_work_leaves_the_least_column():
-    """100 to the power of n - 1, by hand: (100^0.25 - 1) / 0.25 of A p_0 H."""
-    most = 0.031 * 5e6 * (100.0**0.25 - 1.0) / 0.25
-    assert float(SPRING.compression(most * (1.0 - 1e-9))) == close(0.99, abs=1e-9)
-    for work in (most * (1.0 + 1e-9), 1e50):
-        with pytest.raises(
-            InputError, match=r"at most 1341 kJ until 0\.01 m of the column are left"
-        ):
-            SPRING.compression(work)
-    with pytest.raises(InputError, match="the compression z must stay below the height H"):
-        replace(SPRING, ambient=101325.0).compression(1e50)
-
-
 @pytest.mark.parametrize("ambient", [0.0, 101325.0])
 def test_energy_beyond_the_gas_is_refused(ambient):
     weak = replace(SPRING, pressure=1e5, ambient=ambient)
@@ -345,40 +253,9 @@ def test_profile_gives_the_moment_by_its_energy(moment, profile):
     np.testing.assert_allclose(profile.moment, moment.moment, atol=1e-7 * largest)
 
 
-@pytest.mark.parametrize("angle", [0.4, 2.0, 5.0])
-def test_profile_is_the_printed_equation(moment, profile, angle):
-    """(11) with the integral of M_h by adaptive quadrature."""
-
-    def wanted(at):
-        reduced = reduced_crank(SURFACE_ENGINE, angles_deg=np.degrees(np.array([at])))
-        gas = smooth_force(at) * reduced.travel_rate
-        inertia = 0.5 * moment.speed**2 * reduced.inertia_rate
-        return float((inertia - gas - reduced.weight_moment + moment.load)[0])
-
-    integral = quad(wanted, 0.0, angle, epsabs=1e-6)[0]
-    n, height = SPRING.exponent, SPRING.height
-    bracket = height ** (1 - n) - (n - 1) * integral / (
-        SPRING.piston_area * SPRING.pressure * height**n
-    )
-    expected = 0.8 - 0.5 * height + 0.5 * bracket ** (1.0 / (1.0 - n))
-    assert float(profile.curve(angle)) == close(expected, abs=1e-9)
-
-
 def test_profile_is_closed_and_starts_at_its_radius(profile):
     assert profile.radius[0] == close(0.8, abs=1e-14)
     assert float(profile.curve(2.0 * np.pi)) == close(0.8, abs=1e-14)
-
-
-def test_pressure_scales_the_moment(profile):
-    """(14): with the same guides the moment is proportional to the start pressure."""
-    angles = np.linspace(0.0, 6.0, 37)
-    plain = profile.moment_at(angles_deg=np.degrees(angles))
-    np.testing.assert_allclose(
-        profile.moment_at(1.95 * 5e6, angles_deg=np.degrees(angles)), 1.95 * plain, rtol=1e-13
-    )
-    np.testing.assert_allclose(
-        profile.with_pressure(2.5e6).moment, 0.5 * profile.moment, rtol=1e-13
-    )
 
 
 def test_with_atmosphere_the_scaling_is_not_exact(moment):
@@ -387,48 +264,6 @@ def test_with_atmosphere_the_scaling_is_not_exact(moment):
     off = np.abs(twice - 2.0 * exact.moment).max() / np.abs(twice).max()
     # The atmosphere is 2 % of the pressure; it counts with (H/(H-z))^n - 1, here 0.2 to 0.6.
     assert 1e-3 < off < 0.02
-
-
-def test_rollers_balance_spring_and_moment(profile):
-    along = profile.normal_force * np.cos(np.radians(profile.force_angle_deg))
-    np.testing.assert_allclose(along, profile.spring_force, rtol=1e-13)
-    aside = profile.normal_force * np.sin(np.radians(profile.force_angle_deg))
-    np.testing.assert_allclose(2.0 * aside * profile.radius, profile.moment, atol=1e-9 * 8e4)
-
-
-def test_curvature_of_known_curves():
-    angles = np.linspace(0.3, 6.0, 50)
-    # A circle of radius a about a point e aside of the origin.
-    a, e = 0.7, 0.25
-    root = np.sqrt(a**2 - (e * np.sin(angles)) ** 2)
-    radius = e * np.cos(angles) + root
-    root_1 = -(e**2) * np.sin(angles) * np.cos(angles) / root
-    root_2 = -(e**2 * np.cos(2.0 * angles) + root_1**2) / root
-    first, second = -e * np.sin(angles) + root_1, -e * np.cos(angles) + root_2
-    np.testing.assert_allclose(polar_curvature(radius, first, second), 1.0 / a, rtol=1e-13)
-    # Its parallel is the larger circle about the same point.
-    points = outer_parallel(angles, radius, first, 0.1)
-    np.testing.assert_allclose(np.abs(points - e), a + 0.1, rtol=1e-13)
-    # The spiral of Archimedes, rho = b phi.
-    b = 0.2
-    spiral = polar_curvature(b * angles, np.full(50, b), np.zeros(50))
-    np.testing.assert_allclose(spiral, (angles**2 + 2) / (b * (angles**2 + 1) ** 1.5), rtol=1e-13)
-
-
-def test_curvature_of_the_guides(profile):
-    """Against the turning of the tangent between points of the curve."""
-    step = 1e-3
-    angles = np.radians(profile.angles_deg)[::97]
-
-    def place(at):
-        return profile.curve(at) * np.exp(1j * at)
-
-    middle, left, right = place(angles), place(angles - step), place(angles + step)
-    turned = np.angle((right - middle) / (middle - left))
-    length = 0.5 * (np.abs(right - middle) + np.abs(middle - left))
-    # Second order in the step; the spline's second derivative bends within it.
-    largest = np.abs(profile.curvature).max()
-    np.testing.assert_allclose(profile.curvature[::97], turned / length, atol=1e-4 * largest)
 
 
 def test_a_roller_larger_than_the_hollow_has_a_cusp():
@@ -524,12 +359,6 @@ def test_the_hinge_makes_the_speed_constant(point, turn_profile):
     assert with_hinge.mean_speed == close(SPEED, rel=1e-6)
 
 
-def test_from_another_speed_the_hinge_does_not(point, turn_profile):
-    """Its moment holds the inertia's at one speed: at another one that of the rest is left."""
-    slow = simulate_hinge(point, turn_profile, start_speed=0.7 * SPEED, samples=720)
-    assert slow.fluctuation > 0.1
-
-
 def test_steady_hinge_turn_is_what_integration_gives(point):
     turn = steady_hinge_turn(point, flywheel=3000.0)
     run = simulate_hinge(point, flywheel=3000.0, samples=720)
@@ -573,29 +402,6 @@ def test_flywheel_reaches_what_it_is_for(point):
 
 def test_no_flywheel_where_none_is_needed(point, turn_profile):
     assert flywheel_for(point, 0.01, turn_profile) == 0.0
-
-
-def test_light_engine_wants_the_pressure_of_its_gas_force():
-    """Where inertia and weights do not change, twice the gas force takes twice the pressure."""
-    rod = ConnectingRod(1.55, 1e-6, 0.8, 1e-7)
-    light = replace(TURN_ENGINE, rod=rod, crosshead_mass=0.0, piston_rod_mass=0.0, piston_mass=1e-6)
-    light = replace(light, gravity=0.0, crank_inertia=300.0)
-    made_for = hinge_moment(light, smooth_force, SPEED)
-    guides = hinge_profile(made_for, GasSpring(0.031, 1.0, 5e6), 0.8)
-    twice = hinge_moment(light, lambda a: 2.0 * smooth_force(a), 1.3 * SPEED)
-    best = best_pressure(twice, guides)
-    # The search ends within 1e-10 of the logarithm; splines of the guides leave 1e-8 of the moment.
-    assert best.ratio == close(2.0, rel=1e-6)
-    assert best.fitted_ratio == close(2.0, rel=1e-7)
-    assert best.fluctuation < 1e-5
-    assert best.moment_residual < 1e-6
-    assert best.unchanged is None or best.unchanged > 0.1
-
-
-def test_best_pressure_at_the_design_is_the_designs(point, turn_profile):
-    best = best_pressure(point, turn_profile)
-    assert best.ratio == close(1.0, abs=1e-6)
-    assert best.fluctuation <= best.unchanged < 1e-6
 
 
 def test_refusals(point, turn_profile):

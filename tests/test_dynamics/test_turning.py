@@ -1,9 +1,7 @@
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.special import ellipk
 
 from comparing import close
 from crankbase.errors import InputError
@@ -14,7 +12,6 @@ from dynamics.engine.motions import piston_ends
 from dynamics.engine.rods import ConnectingRod
 from dynamics.torque.torque import engine_torque
 from dynamics.turning.free_turning import turn_freely, turn_steadily
-from dynamics.turning.shaft_moments import turn_curves
 from dynamics.turning.speed_over_angle import speed_over_angle, steady_turning
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
@@ -64,18 +61,6 @@ def hinged_pair(inertia=0.4):
     return EngineLayout(0.07, [main, hinged], [1, 2], shaft_inertia=inertia, rotating=rotating)
 
 
-def test_free_shaft_keeps_its_energy():
-    """I = 2 + cos: w = w_0 sqrt(3 / (2 + cos)), the closed form, to round-off."""
-    found = speed_over_angle(
-        lambda a: 2.0 + math.cos(a), constant(0.0), start_angle_deg=0.0, start_speed=10.0, turns=2.0
-    )
-    wanted = 10.0 * np.sqrt(3.0 / (2.0 + np.cos(np.radians(found.angle_deg))))
-    assert found.speed == close(wanted, rel=1e-14)
-    assert found.angle_deg.size == 1441
-    assert np.radians(found.angle_deg)[-1] == close(4.0 * math.pi)
-    assert found.stopped_at_deg is None
-
-
 def test_steps_of_one_degree_are_not_divided():
     """Round-off may make them a little longer: with 360 steps a turn there are fewer than with 400."""
     asked = []
@@ -93,20 +78,6 @@ def test_steps_of_one_degree_are_not_divided():
     assert count(360) < count(400)
 
 
-def test_speed_dependent_moment_against_the_closed_form():
-    """I w' = -c w in time is I dw/dphi = -c: w falls linearly, t = -(I / c) ln(w / w_0)."""
-    found = speed_over_angle(
-        constant(2.0),
-        lambda w, _: -0.3 * w,
-        start_angle_deg=math.degrees(1.0),
-        start_speed=50.0,
-        turns=3.0,
-    )
-    wanted = 50.0 - 0.15 * (np.radians(found.angle_deg) - 1.0)
-    assert found.speed == close(wanted, rel=1e-13)
-    assert found.time == close(-(2.0 / 0.3) * np.log(wanted / 50.0), abs=1e-14)
-
-
 def test_shaft_stops_where_its_energy_is_spent():
     # 2 * 10^2 / 2 J over 20 N m: 5 rad.
     found = speed_over_angle(
@@ -115,20 +86,6 @@ def test_shaft_stops_where_its_energy_is_spent():
     # In the shortest steps, of 1/512 deg.
     assert math.radians(found.stopped_at_deg) == close(5.0, abs=math.radians(1.0 / 512.0))
     assert np.radians(found.angle_deg)[-1] <= math.radians(found.stopped_at_deg)
-
-
-def test_steady_turning_meets_speed_and_repeats():
-    def moment(speed, angle):
-        return 50.0 + 200.0 * math.sin(2.0 * angle) - 0.01 * speed**2
-
-    found = steady_turning(constant(1.0), moment, 60.0, 1.0, samples=120)
-    turning = found.turning
-    assert turning.mean_speed == close(60.0, rel=1e-9)
-    assert turning.speed[-1] == close(turning.speed[0], rel=1e-9)
-    # The square of the speed averages a little over the mean speed's.
-    assert found.load == close(50.0 - 0.01 * np.mean(turning.speed[:-1] ** 2), rel=1e-3)
-    # Energy swings by 200 J between lowest and highest speed: delta = 200 / (I w^2), nearly.
-    assert turning.fluctuation == close(200.0 / 60.0**2, rel=5e-3)
 
 
 # At 5 rad/s it would turn with less than a millionth of the swing of energy left.
@@ -141,32 +98,6 @@ def test_steady_turning_refuses_a_speed_too_low(speed):
 def swinging(_speed, angle):
     """Take and give 400 J a turn: w^2 = w_0^2 + 400 (1 - cos) with I = 1."""
     return 200.0 * math.sin(angle)
-
-
-@pytest.mark.parametrize("start", [0.5, 3.0])
-def test_steady_turning_close_to_a_stop(start):
-    """Far below sqrt(400) rad/s, the speed whose energy is the mean of what the moment adds.
-
-    The time of a turn is a complete elliptic integral: 4 K(-400 / w_0^2 * 2) / w_0, from
-    1 - cos = 2 sin^2 of the half angle.
-    """
-    mean = 2.0 * math.pi * start / (4.0 * ellipk(-800.0 / start**2))
-    assert mean < 14.0
-    found = steady_turning(constant(1.0), swinging, mean, 1.0, samples=90)
-    assert found.load == close(0.0, abs=1e-6)
-    # Steps of 1 deg, in which the slowest speed doubles within ten or fewer.
-    assert found.turning.speed[0] == close(start, rel=1e-4)
-
-
-def test_steady_turning_with_a_governor():
-    """The trials of the search come to a standstill; the solution does not."""
-
-    def moment(speed, angle):
-        return 200.0 * math.sin(angle) - 30.0 * (speed - 15.0)
-
-    turning = steady_turning(constant(1.0), moment, 15.0, 1.0, samples=90).turning
-    assert turning.mean_speed == close(15.0, rel=1e-9)
-    assert turning.speed[-1] == close(turning.speed[0], rel=1e-9)
 
 
 def test_moment_steep_in_the_speed():
@@ -246,15 +177,6 @@ def test_results_per_turn_are_whole_numbers(samples):
         steady_turning(constant(1.0), constant(0.0), 10.0, 1.0, samples=samples)
 
 
-def test_curves_give_values_and_derivatives():
-    curves = turn_curves(lambda a: np.array([1.0 / (2.0 + np.cos(a)), 3.0 + 0.0 * a, 0.0 * a]))
-    for angle in (0.3, 7.0, -2.0):
-        values, slopes = curves.at(angle)
-        below = 2.0 + math.cos(angle)
-        assert values == close([1.0 / below, 3.0, 0.0], abs=1e-14)
-        assert slopes == close([math.sin(angle) / below**2, 0.0, 0.0], abs=1e-13)
-
-
 def test_acceleration_is_that_of_the_forces():
     """Shaft inertia times acceleration is the torque from equilibrium of pistons and rods."""
     engine, pressure = hinged_pair(), SmoothPressure()
@@ -278,31 +200,6 @@ def test_acceleration_is_that_of_the_forces():
         )
         left = engine.shaft_inertia * found.acceleration[place]
         assert left == close(float(forces.torque.sum()) - 30.0, rel=1e-10, abs=1e-8)
-
-
-def test_energy_balances():
-    """Works are integrated beside the speed, which does not know of them."""
-    found = turn_freely(
-        hinged_pair(inertia=3.0),
-        start_angle_deg=math.degrees(0.3),
-        start_speed=80.0,
-        duration=0.15,
-        gas=SmoothPressure(),
-        load=lambda speed, angle: 0.01 * speed**2 + 5.0 * math.sin(angle) ** 2,
-        friction=4.0,
-        gravity=9.81,
-        samples=31,
-    )
-    assert found.energy_error < 1e-9
-    assert found.friction.work[-1] == close(
-        -4.0 * (np.radians(found.angle_deg)[-1] - 0.3), rel=1e-9
-    )
-    assert np.all(np.diff(found.load.work) < 0.0)
-    # Speed and acceleration are derivatives of the angle: differences over 5 ms, to their order.
-    assert np.gradient(np.radians(found.angle_deg), found.time)[1:-1] == close(
-        found.speed[1:-1], rel=0.02
-    )
-    assert not found.stopped
 
 
 def test_load_that_has_no_value_below_standstill():
@@ -332,39 +229,6 @@ def test_massless_parts_have_no_inertia_at_the_top(start):
             duration=1.0,
             model="two-mass",
         )
-
-
-def test_moment_of_gravity_on_a_counterweight():
-    """A mass m r at an angle from the vertical is m r cos(angle) high: its moment m g r sin."""
-    engine, bare = hinged_pair(), replace(hinged_pair(), rotating=())
-    at_rest = {"start_angle_deg": 40.0, "start_speed": 1.0, "duration": 1e-3, "gravity": 9.81}
-    moments = [
-        float(turn_freely(each, **at_rest, samples=2).gravity.moment[0]) for each in (engine, bare)
-    ]
-    assert moments[0] - moments[1] == close(
-        9.81 * 0.3 * math.sin(math.radians(40.0) + 2.0), rel=1e-12
-    )
-
-
-def test_work_of_gravity_is_that_of_the_heights():
-    """A single crank with a counterweight, by hand: at the top, then half a turn later."""
-    rod = ConnectingRod(0.25, 2.0, 0.1, 0.02)
-    engine = EngineLayout(
-        0.07,
-        [EngineCylinder(0.12, 3.0, rod)],
-        [1],
-        shaft_inertia=0.2,
-        rotating=[RotatingMass(0.05, angle_deg=180.0)],
-    )
-    found = turn_freely(
-        engine, start_angle_deg=0.0, start_speed=60.0, duration=0.2, gravity=9.81, samples=2001
-    )
-    place = int(np.argmin(np.abs(np.radians(found.angle_deg) - math.pi)))
-    # Piston and rod sink by 2 R, the counterweight's m r rises by 2 m r; near the bottom nothing
-    # changes with the angle but by its square.
-    wanted = 9.81 * ((3.0 + 2.0) * 0.14 - 2.0 * 0.05)
-    off = abs(float(np.radians(found.angle_deg)[place]) - math.pi)
-    assert found.gravity.work[place] == close(wanted, abs=10.0 * off**2 + 1e-9)
 
 
 def test_gas_as_a_function_of_place_and_direction():
@@ -428,27 +292,6 @@ def test_engine_that_is_not_driven_does_not_start():
     )
     assert found.remark.startswith("The engine does not start at a shaft angle of 17.1887 deg")
     assert found.time.tolist() == [0.0]
-
-
-def test_engine_starts_from_rest():
-    found = turn_freely(
-        hinged_pair(),
-        start_angle_deg=math.degrees(0.3),
-        start_speed=0.0,
-        duration=0.1,
-        gas=constant(5e3),
-        samples=11,
-    )
-    first = turn_freely(
-        hinged_pair(),
-        start_angle_deg=math.degrees(0.3),
-        start_speed=0.0,
-        duration=1e-4,
-        gas=constant(5e3),
-        samples=2,
-    )
-    assert found.acceleration[0] > 0.0
-    assert first.speed[-1] == close(first.acceleration[0] * 1e-4, rel=1e-4)
 
 
 @pytest.mark.slow

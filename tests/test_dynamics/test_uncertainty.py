@@ -97,13 +97,6 @@ def test_every_share_of_a_range_is_drawn_once_and_the_same_seed_draws_the_same()
     assert not np.array_equal(factors, sampled_factors([spread], samples=40, seed=6))
 
 
-def test_all_damping_scales_all_of_it():
-    doubled = scaled_chain(CHAIN, [Spread("all damping", 0.5, 2.0)], [2.0])
-    assert doubled.damping_matrix() == close(2.0 * CHAIN.damping_matrix())
-    assert doubled.loss_matrix() == close(2.0 * CHAIN.loss_matrix())
-    assert np.array_equal(doubled.stiffness_matrix(), CHAIN.stiffness_matrix())
-
-
 def test_samples_of_any_result():
     spreads = [Spread.within("inertia", 0.5)]
     samples = chain_samples(CHAIN, spreads, lambda chain: chain.inertia.sum(), samples=100)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from fem.assembly import assemble_stiffness
-from fem.axial_analysis import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import RADIAL, uniform_pin_loads, unit_pin_loads
 from fem.material import STEEL
 from fem.superelement import combine_classes
+from fem.supports import class_axial_compliances
 from fem.symmetry import axial_class, symmetry_classes
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow

@@ -12,23 +12,17 @@ from skfem.models.elasticity import linear_elasticity
 from skfem.quadrature import get_quadrature
 
 from comparing import close
-from crankbase.errors import InputError
 from fem.assembly import (
     MASS_QUADRATURE_ORDER,
-    PAIRS,
-    QUADRATURE_ORDER,
     assemble_mass,
     assemble_stiffness,
-    element_masses,
-    element_stiffnesses,
     node_blocks,
     physical_gradients,
     symmetric_product,
 )
 from fem.material import STEEL, Material
-from geometry.mass import mass_properties, mesh_mass_properties
 from geometry.mesh import mesh_throw
-from geometry.shapes import EDGES, element_quadrature, shapes_for_quadrature
+from geometry.shapes import EDGES, shapes_for_quadrature
 from geometry.throw import CrankThrow
 from solving import solve_symmetric
 
@@ -37,13 +31,6 @@ SOFT = Material(youngs_modulus=7e10, poisson_ratio=0.45, density=2700.0)
 
 def full(upper):
     return upper + sparse.triu(upper, k=1).T
-
-
-def straightened(points, elements):
-    points = points.copy()
-    for node, (first, second) in enumerate(EDGES, start=4):
-        points[elements[:, node]] = 0.5 * (points[elements[:, first]] + points[elements[:, second]])
-    return points
 
 
 def oracle(points, elements, material):
@@ -83,70 +70,6 @@ def test_batches_give_the_same(mesh, monkeypatch):
     assert abs(whole - assemble_stiffness(mesh.points, mesh.elements, STEEL)).max() == 0.0
 
 
-def test_element_stiffness_against_its_definition():
-    """One curved element, its strain energy from B^T D B in Voigt's notation."""
-    rng = np.random.default_rng(5)
-    points = np.vstack([np.zeros(3), np.eye(3)])
-    points = np.vstack([points, [0.5 * (points[a] + points[b]) for a, b in EDGES]])
-    points[4:] += rng.uniform(-0.05, 0.05, (6, 3))
-    ((_, found),) = element_stiffnesses(points, np.arange(10)[None], SOFT)
-    _, gradients, weights = shapes_for_quadrature(QUADRATURE_ORDER)
-    spatial, volumes = physical_gradients(points[None], gradients, weights)
-    nu = SOFT.poisson_ratio
-    elastic = np.diag([1.0 - 2.0 * nu] * 3 + [0.5 - nu] * 3)
-    elastic[:3, :3] += nu
-    elastic *= SOFT.youngs_modulus / ((1.0 + nu) * (1.0 - 2.0 * nu))
-    expected = np.zeros((30, 30))
-    for slopes, volume in zip(spatial[0], volumes[0], strict=True):
-        strain = np.zeros((6, 30))
-        for axis in range(3):
-            strain[axis, axis::3] = slopes[:, axis]
-        for row, (i, j) in enumerate([(0, 1), (1, 2), (0, 2)], start=3):
-            strain[row, i::3], strain[row, j::3] = slopes[:, j], slopes[:, i]
-        expected += volume * strain.T @ elastic @ strain
-    first, second = PAIRS
-    blocks = expected.reshape(10, 3, 10, 3)[first, :, second]
-    assert found[0] == close(blocks, rel=1e-11, abs=1e-12 * expected.max())
-
-
-def test_rigid_body_motions_cost_nothing(mesh, stiffness):
-    motions = np.zeros((len(mesh.points), 3, 6))
-    motions[:, :, :3] = np.eye(3)
-    arms = mesh.points / np.abs(mesh.points).max()
-    for axis in range(3):
-        motions[:, :, 3 + axis] = np.cross(np.eye(3)[axis], arms)
-    forces = symmetric_product(stiffness, motions.reshape(-1, 6))
-    assert np.abs(forces).max() <= 1e-12 * abs(stiffness).max()
-
-
-def test_patch_of_straight_elements_carries_constant_strain(mesh):
-    points = straightened(mesh.points, mesh.elements)
-    matrix = assemble_stiffness(points, mesh.elements, STEEL)
-    gradient = np.random.default_rng(3).normal(size=(3, 3))
-    forces = symmetric_product(matrix, (points @ gradient.T).ravel()).reshape(-1, 3)
-    triangles = np.concatenate(list(mesh.surfaces.values()))
-    edges = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
-    on_edge = set(map(tuple, edges.tolist()))
-    outer = set(triangles.ravel().tolist())
-    for node, (first, second) in enumerate(EDGES, start=4):
-        for element in mesh.elements:
-            pair = sorted((int(element[first]), int(element[second])))
-            if tuple(pair) in on_edge:
-                outer.add(int(element[node]))
-    inner = np.setdiff1d(np.arange(len(points)), sorted(outer))
-    assert len(inner) > 100
-    assert np.abs(forces[inner]).max() <= 1e-12 * np.abs(forces).max() * len(points)
-    # The energy is that of the uniform stress in the whole volume.
-    strain = 0.5 * (gradient + gradient.T)
-    shear = STEEL.shear_modulus
-    lame = 2.0 * shear * STEEL.poisson_ratio / (1.0 - 2.0 * STEEL.poisson_ratio)
-    density = lame * np.trace(strain) ** 2 + 2.0 * shear * np.sum(strain**2)
-    corners = points[mesh.elements[:, :4]]
-    volume = np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / 6.0
-    energy = np.sum(forces * (points @ gradient.T))
-    assert energy == close(density * volume, rel=1e-11)
-
-
 def test_symmetric_product():
     rng = np.random.default_rng(0)
     matrix = rng.normal(size=(7, 7))
@@ -154,18 +77,6 @@ def test_symmetric_product():
     upper = sparse.csr_array(np.triu(matrix))
     for vectors in (rng.normal(size=7), rng.normal(size=(7, 3))):
         assert symmetric_product(upper, vectors) == close(matrix @ vectors, rel=1e-13)
-
-
-def test_material():
-    assert STEEL.shear_modulus == close(2.1e11 / 2.6)
-    text = {"youngs_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"}
-    assert Material.from_text(text) == STEEL
-    with pytest.raises(
-        InputError, match=r"^material.poisson_ratio: given 0.5; allowed is 0 to 0.49"
-    ):
-        Material(youngs_modulus=2.1e11, poisson_ratio=0.5, density=7850.0)
-    with pytest.raises(InputError, match=r"^material.youngs_modulus: given 210 MPa; allowed is "):
-        Material(youngs_modulus=2.1e8, poisson_ratio=0.3, density=7850.0)
 
 
 def test_blocks_hold_the_whole_matrix(stiffness):
@@ -245,28 +156,6 @@ def test_batches_give_the_same_mass(mesh, upper, monkeypatch):
     )
 
 
-def test_a_straight_element_has_its_closed_form():
-    """Integrals of products of barycentric coordinates: a! b! c! d! 6 V / (a + b + c + d + 3)!."""
-    corners = np.random.default_rng(2).normal(size=(4, 3))
-    if np.linalg.det(corners[1:] - corners[0]) < 0.0:
-        corners = corners[[1, 0, 2, 3]]
-    points = np.vstack([corners, [0.5 * (corners[a] + corners[b]) for a, b in EDGES]])
-    volume = np.linalg.det(corners[1:] - corners[0]) / 6.0
-    ((_, found),) = element_masses(points, np.arange(10)[None], DENSITY)
-    nodes = [{a} for a in range(4)] + [set(edge) for edge in EDGES]
-    expected = np.empty((10, 10))
-    for i, first in enumerate(nodes):
-        for j, second in enumerate(nodes):
-            common = len(first & second)
-            expected[i, j] = {
-                (1, 1): (1.0, 6.0),
-                (1, 2): (-6.0, -4.0),
-                (2, 1): (-6.0, -4.0),
-                (2, 2): (8.0, 16.0, 32.0),
-            }[len(first), len(second)][common]
-    assert found[0] == close(DENSITY * volume / 420.0 * expected, rel=1e-12)
-
-
 def test_the_rule_is_exact_to_seventh_order():
     """Integrals of x^a y^b z^c over the reference element: a! b! c! / (a + b + c + 3)!."""
     where, weights = get_quadrature(MeshTet1.elem.refdom, MASS_QUADRATURE_ORDER)
@@ -277,46 +166,6 @@ def test_the_rule_is_exact_to_seventh_order():
             assert found == close(exact, rel=1e-12)
 
 
-def test_a_curved_element_is_integrated_exactly():
-    """The next finer rule finds the same; the next coarser one, exact to sixth order, does not."""
-    points = np.vstack([np.zeros(3), np.eye(3)])
-    points = np.vstack([points, [0.5 * (points[a] + points[b]) for a, b in EDGES]])
-    points[4:] += np.random.default_rng(5).uniform(-0.1, 0.1, (6, 3))
-    elements = np.arange(10)[None]
-    ((_, found),) = element_masses(points, elements, 1.0)
-
-    def by_rule(order):
-        values = shapes_for_quadrature(order)[0]
-        return (values.T * element_quadrature(points, elements, order)[1]) @ values
-
-    exact = by_rule(9)
-    assert found[0] == close(exact, abs=1e-13 * exact.max())
-    assert np.abs(by_rule(7) - exact).max() > 1e-6 * exact.max()
-    assert np.linalg.eigvalsh(found[0]).min() > 0.0
-
-
-def test_rigid_motions_have_the_throws_mass_and_inertia(mesh, full_mesh):
-    """Exact for the mesh; geometry's rule leaves 1e-9 in second moments, the solid has 0.05 % more."""
-    matrix = assemble_mass(full_mesh.points, full_mesh.elements, DENSITY)
-    expected = mesh_mass_properties(full_mesh, DENSITY)
-    arms = full_mesh.points - expected.center
-    motions = np.zeros((len(arms), 3, 6))
-    motions[:, :, :3] = np.eye(3)
-    for axis in range(3):
-        motions[:, :, 3 + axis] = np.cross(np.eye(3)[axis], arms)
-    columns = motions.reshape(-1, 6)
-    inertia = columns.T @ symmetric_product(matrix, columns)
-    assert inertia[:3, :3] == close(expected.mass * np.eye(3), abs=1e-12 * expected.mass)
-    size = full_mesh.length * expected.mass
-    assert inertia[:3, 3:] == close(np.zeros((3, 3)), abs=1e-12 * size)
-    tolerance = 2e-9 * np.abs(expected.inertia).max()
-    assert inertia[3:, 3:] == close(expected.inertia, abs=tolerance)
-    solid = mass_properties(mesh, DENSITY)
-    assert inertia[0, 0] == close(solid.mass, rel=1e-3)
-    assert np.diag(inertia)[3:] == close(np.diag(solid.inertia), rel=1e-3)
-
-
-# Nodes of an element's four faces, corners and edge middles.
 FACES = np.array([[0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 2, 3, 6, 9, 7]])
 ROUND_OFF = 1e-13
 ROUND_OFF_OF_STRAINS = 1e-12
@@ -413,24 +262,6 @@ def test_linear_field_is_reproduced(request, monkeypatch, gradient, kind, curved
     assert relative(stresses(found.strains) - stress, stress) < ROUND_OFF_OF_STRAINS
 
 
-@pytest.mark.parametrize(
-    ("kind", "of_displacements", "of_strains"), [("sharp", 1e-6, 1e-4), ("filleted", 2e-5, 2e-3)]
-)
-def test_curved_elements_with_the_own_rule(request, gradient, kind, of_displacements, of_strains):
-    """The error of the four-point rule is there, and far below the mesh's own of some percent.
-
-    Measured: 2e-7 and 1e-5 on the cylinders of a sharp throw, 2e-6 and 2e-4 with fillets of less than
-    an element; the bounds leave a factor of five to ten for the mesh of another gmsh.
-    """
-    mesh = request.getfixturevalue(kind)
-    wanted = mesh.points @ gradient.T
-    found = solve_inside(mesh, wanted)
-    strain = 0.5 * (gradient + gradient.T)
-    assert relative(found.strains - strain, strain) > 1e-9
-    assert relative(found.displacements - wanted, wanted) < of_displacements
-    assert relative(found.strains - strain, strain) < of_strains
-
-
 def bending(points):
     """Pure bending about x of a bar along z by a unit curvature: stress E y along z, no other."""
     x, y, z = points.T
@@ -469,12 +300,3 @@ def test_straight_elements_reproduce_bending_and_torsion(request, kind, field, s
     expected = strains(found.places)
     assert relative(found.displacements - wanted, wanted) < ROUND_OFF
     assert relative(found.strains - expected, expected) < ROUND_OFF_OF_STRAINS
-
-
-def test_curved_elements_do_not_contain_quadratic_fields(filleted):
-    """Else the tests above would say nothing of the difference between the two kinds."""
-    wanted = bending(filleted.points)
-    found = solve_inside(filleted, wanted)
-    expected = bending_strains(found.places)
-    assert 1e-6 < relative(found.displacements - wanted, wanted) < 1e-3
-    assert 1e-4 < relative(found.strains - expected, expected) < 0.2

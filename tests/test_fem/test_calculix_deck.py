@@ -13,7 +13,6 @@ from fem.calculix import (
     axial_case,
     bending_case,
     calculix_deck,
-    number_field,
     pin_case,
     standard_cases,
     torque_case,
@@ -116,20 +115,6 @@ def test_every_number_fits_into_a_field_and_keeps_its_digits(full_mesh, deck):
     assert deck.isascii()
 
 
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.1, "0.1"),
-        (-0.14999999995767357, "-0.14999999995767357"),
-        (3.5634151614003877e-06, "3.563415161400e-06"),
-        (-1.2345678901234567e-108, "-1.234567890123e-108"),
-        (210000000000.0, "210000000000.0"),
-    ],
-)
-def test_fields(value, text):
-    assert number_field(value) == text
-
-
 def test_edge_nodes_stand_where_c3d10_wants_them(deck):
     """CalculiX's figure of C3D10: nodes 5 to 10 on the edges 12 23 13 14 24 34."""
     points = {int(row[0]): np.array(row[1:], dtype=float) for row in rows(deck, "*NODE, NSET=MESH")}
@@ -190,18 +175,6 @@ def test_loads(full_mesh, deck):
     assert {node for node, _ in pin} == loaded
 
 
-def test_the_comments_say_what_it_is(deck):
-    comments = "\n".join(line for line in deck.splitlines() if line.startswith("**"))
-    for words in (
-        "crankfem",
-        "Units: m, N",
-        "pinned",
-        "guided",
-        "3: pin forces (2.0, -3.0, 0.5) N",
-    ):
-        assert words in comments
-
-
 def test_a_title_stays_in_its_comment(full_mesh):
     case = LoadCase("two\n*CLOAD\nlines", end_loads=axial_case().end_loads)
     text = calculix_deck(full_mesh, STEEL, [case])
@@ -214,19 +187,6 @@ def test_standard_cases_hold_every_question(full_mesh):
     assert {axial_case("guided"), torque_case(), bending_case("x")} < set(cases)
     assert pin_case([[0, 1, 0]], "guided", blocked=True) in cases
     assert len(cases) == len(set(cases)) == 6 + 2 * 2 * 3
-
-
-def test_written_and_read_back(full_mesh, deck, tmp_path):
-    path = write_calculix(full_mesh, STEEL, tmp_path / "throw.inp", CASES)
-    assert path.read_text() == deck
-    (tmp_path / "throw.dat").write_text(PRINTED)
-    axial, torque = read_calculix(tmp_path / "throw.dat")
-    np.testing.assert_array_equal(
-        axial.motions[[3, 8, 9]], [4.776175e-6, 1.199002e-6, -4.784483e-6]
-    )
-    np.testing.assert_array_equal(axial.forces[[2, 8]], [-1000.0, 1000.0])
-    np.testing.assert_array_equal(torque.motions[[8, 11]], [3.551075e-9, 3.904654e-5])
-    np.testing.assert_array_equal(torque.forces[[5, 11]], [-1000.0, 1000.0])
 
 
 @pytest.mark.parametrize(

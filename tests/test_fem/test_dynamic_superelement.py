@@ -13,30 +13,25 @@ from crankbase.errors import InputError
 from dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.analysis import analyze_throw
 from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
-from fem.class_modes import frequencies_of
 from fem.condensation import condense, nodes_on
 from fem.craig_bampton import dynamic_superelement
-from fem.fields import displacement_field
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
-from fem.modes import free_modes
-from fem.section_motions import (
+from fem.modes import free_modes, frequencies_of
+from fem.shaft import assemble_shaft, shaft_compliances, sharing_sections
+from fem.solver import factorize
+from fem.superelement import combine_classes, superelement_of_end_forces
+from fem.supports import Neighbors
+from fem.symmetry import (
     KEPT,
     SectionMotions,
     _basis,
     _ring,
     both_ends,
     degree_of,
-    section_turn,
+    symmetry_classes,
 )
-from fem.shaft import assemble_shaft, shaft_compliances, sharing_sections
-from fem.solver import factorize
-from fem.superelement import combine_classes, superelement_of_end_forces
-from fem.supports import Neighbors, end_motions, reactions, support_throw
-from fem.symmetry import symmetry_classes
-from geometry.mass import mass_properties
 from geometry.mesh import mesh_throw
-from geometry.shapes import element_quadrature
 from geometry.solid import LEFT_END, RIGHT_END
 
 HIGHEST = 2500.0
@@ -122,29 +117,6 @@ def of_free_throw(superelement):
     return natural_modes(superelement.stiffness, superelement.mass)[0][6:]
 
 
-def rigid_matrix(points, volumes):
-    """Mass, static moment and inertia (6, 6) about the origin, from quadrature points."""
-    motions = np.zeros((len(points), 3, 6))
-    motions[:, :, :3] = np.eye(3)
-    for axis in range(3):
-        motions[:, :, 3 + axis] = np.cross(np.eye(3)[axis], points)
-    return STEEL.density * np.einsum("q,qai,qaj->ij", volumes, motions, motions)
-
-
-def test_rigid_motions_have_the_throws_masses(dynamic, coarse, whole, rigid_motions, throw):
-    """About the left end's center; a finer rule than the mass matrix's gives what is expected."""
-    where, volumes = element_quadrature(whole.mesh.points, whole.mesh.elements, 9)
-    scale = np.repeat([1.0, 1.0 / throw.crank_radius], 3)
-    expected = rigid_matrix(where, volumes) * np.outer(scale, scale)
-    found = rigid_motions.T @ dynamic.mass[:12, :12] @ rigid_motions
-    # The static fields follow rigid motions of the ends within the solver's 1e-12.
-    assert found == close(expected, abs=1e-10 * expected.max())
-    mass, moment = expected[0, 0], expected[1, 3] * throw.crank_radius
-    # The coarse mesh has the solid's volume within what meshing allows.
-    assert mass == close(mass_properties(coarse, STEEL.density).mass, rel=1e-3)
-    assert moment == close(-mass * throw.length / 2.0, rel=1e-9)
-
-
 def test_matrices_are_those_of_the_displacement_fields(whole, condensed):
     """The whole mesh has one class and no shares or copies: stiffness and mass by their definition."""
     classes, static = condensed(whole.mesh)
@@ -193,45 +165,6 @@ def test_each_part_gives_the_same(coarse, mirror, condensed, dynamic, whole):
         assert of_free_throw(other) == close(of_free_throw(dynamic), rel=1e-8)
 
 
-def test_symmetric_and_definite_with_six_rigid_motions(dynamic, rigid_motions):
-    assert np.array_equal(dynamic.mass, dynamic.mass.T)
-    assert np.array_equal(dynamic.stiffness, dynamic.stiffness.T)
-    size = np.sqrt(np.diag(dynamic.mass))
-    assert np.linalg.eigvalsh(dynamic.mass / np.outer(size, size)).min() > 1e-4
-    frequencies, shapes = natural_modes(dynamic.stiffness, dynamic.mass)
-    assert frequencies[5] < 1e-3 * frequencies[6]
-    assert shapes.T @ dynamic.mass @ shapes == close(np.eye(len(shapes)), abs=1e-9)
-
-
-def test_frequencies_of_the_free_throw(dynamic, truth):
-    """Never below those of the whole mesh; measured are up to 5e-5 above, up to 2500 Hz."""
-    found = of_free_throw(dynamic)
-    wanted = truth[truth <= HIGHEST]
-    assert len(wanted) == 5
-    error = found[:5] / wanted - 1.0
-    assert error.min() > -1e-9
-    assert error.max() < 2e-4
-    assert dynamic.natural == np.count_nonzero(dynamic.frequencies <= 1.5 * HIGHEST)
-    assert len(dynamic.frequencies) == dynamic.natural + 12
-    assert np.all(dynamic.frequencies[dynamic.natural :] > 1.5 * HIGHEST)
-
-
-def test_converges_from_above_as_modes_are_added(plain, truth):
-    """Each mode more can only lower each frequency (Rayleigh and Ritz)."""
-    before = np.full(6, np.inf)
-    errors = []
-    for count in (0, 2, 4, 8, 16, plain.natural):
-        found = of_free_throw(plain.with_modes(count))[:6]
-        assert np.all(found <= before[: len(found)] * (1.0 + 1e-12))
-        assert np.all(found >= truth[:6] * (1.0 - 1e-9))
-        errors.append(float(np.max(found / truth[:6] - 1.0)))
-        before = found
-    # Guyan's superelement is 50 % off in one of these modes, that of 35 modes 0.3 %.
-    assert errors[0] == close(0.5, abs=0.05)
-    assert errors[-1] < 0.004
-    assert errors == sorted(errors, reverse=True)
-
-
 def test_corrections_are_worth_many_modes(coarse, coarse_classes, plain, truth):
     """Twelve corrections and no mode leave 4e-5 in the first two frequencies, twelve modes 4e-3."""
     alone = dynamic_superelement(coarse, STEEL, coarse_classes, 500.0)
@@ -261,20 +194,6 @@ def test_no_highest_frequency_is_guyans(coarse, coarse_classes, dynamic, monkeyp
     assert np.array_equal(cut.mass, guyan.mass)
     assert np.array_equal(cut.stiffness, guyan.stiffness)
     assert np.array_equal(cut.pin_loads, guyan.pin_loads)
-
-
-def test_turning(dynamic):
-    turned = dynamic.turned(angle_deg=np.degrees(0.7)).turned(angle_deg=np.degrees(0.5))
-    once = dynamic.turned(angle_deg=np.degrees(1.2))
-    for name in ("stiffness", "mass", "pin_loads"):
-        wanted = getattr(once, name)
-        assert getattr(turned, name) == close(wanted, abs=1e-12 * np.abs(wanted).max())
-    assert of_free_throw(once) == close(of_free_throw(dynamic), rel=1e-9)
-    # After a quarter turn the crank points along -x: what was y is -x.
-    quarter = dynamic.turned(angle_deg=np.degrees(np.pi / 2.0))
-    assert quarter.mass[0, 0] == close(dynamic.mass[1, 1], rel=1e-12)
-    assert quarter.mass[0, 12:] == close(-dynamic.mass[1, 12:], abs=1e-9)
-    assert np.array_equal(once.frequencies, dynamic.frequencies)
 
 
 def test_shaft_of_throws(dynamic, plain, coarse_classes):
@@ -371,57 +290,11 @@ def motions(request, bore):
     return SectionMotions(request.param, 0.11, bore)
 
 
-def test_amplitudes_of_rigid_motions_are_means(motions):
-    """Means over the ring, by adding up a fine grid of places: an integration of its own."""
-    radii = np.sqrt(np.linspace(motions.bore**2, motions.radius**2, 400, endpoint=False))
-    radii = np.sqrt(radii**2 + 0.5 * (motions.radius**2 - motions.bore**2) / 400)
-    angles = 2.0 * np.pi * np.arange(64) / 64
-    places = np.stack(
-        [np.outer(radii, np.cos(angles)), np.outer(radii, np.sin(angles))], axis=-1
-    ).reshape(-1, 2)
-    fields = motions.fields(places)
-    products = np.einsum("qak,qal->kl", fields, fields) / len(places)
-    beyond = products[6:, 6:]
-    assert beyond == close(np.eye(len(beyond)), abs=1e-4)
-    sizes = np.sqrt(np.diag(products)[:6])
-    assert products[:6, 6:] / sizes[:, None] == close(np.zeros((6, len(beyond))), abs=1e-4)
-
-
 def test_all_polynomials_and_no_more(motions):
     count = 3 * (motions.degree + 1) * (motions.degree + 2) // 2
     fields = motions.fields(np.random.default_rng(0).uniform(-0.1, 0.1, (200, 2))).reshape(600, -1)
     assert fields.shape[1] == motions.count == count
     assert np.linalg.matrix_rank(fields / np.linalg.norm(fields, axis=0), tol=1e-7) == count
-
-
-def test_degrees_are_nested(bore):
-    whole = SectionMotions(4, 0.11, bore)
-    for sections in (1, 2):
-        lower = whole.up_to(sections)
-        assert np.array_equal(
-            whole.fields(PLACES)[:, :, : lower.count], lower.fields(PLACES)
-        ) or whole.fields(PLACES)[:, :, : lower.count] == close(lower.fields(PLACES), abs=1e-9)
-
-
-def test_mirrors_keep_motions_or_reverse_them(motions):
-    fields = motions.fields(PLACES)
-    mirrored = motions.fields(PLACES * (-1.0, 1.0)) * np.array([-1.0, 1.0, 1.0])[:, None]
-    size = np.abs(fields).max(axis=(0, 1))
-    assert mirrored / size == close(fields * motions.mirror_x / size, abs=1e-9)
-    turned_over = fields * np.array([1.0, 1.0, -1.0])[:, None]
-    assert turned_over == close(fields * motions.mirror_z)
-
-
-def test_turned_sections_have_the_same_motions(motions):
-    angle = 0.7
-    cosine, sine = np.cos(angle), np.sin(angle)
-    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    # The displacement of a place, turned with the section, at where the place goes.
-    expected = turn @ motions.fields(PLACES)
-    both = section_turn(motions, angle)
-    left = np.r_[:6, 12 : 12 + motions.bending]
-    found = motions.fields(PLACES @ turn[:2, :2].T) @ both[np.ix_(left, left)]
-    assert found == close(expected, abs=1e-8 * np.abs(expected).max())
 
 
 def test_another_ring_is_an_exact_change_of_motions(motions):
@@ -476,73 +349,12 @@ def test_rigid_motions_symmetry_and_reciprocity(solved, rigid_motions, degree):
 
 
 @pytest.mark.slow
-def test_rigid_sections_are_part_of_those_that_bend(solved, superelement):
-    for degree in DEGREES:
-        found = solved["quarter", degree][1]
-        size = np.abs(superelement.stiffness).max()
-        assert np.abs(found.stiffness - superelement.stiffness).max() <= ROUND_OFF * size
-        lower = solved["quarter", 4][1].with_sections(degree).joined
-        assert np.abs(lower.stiffness - found.joined.stiffness).max() <= 1e-7 * size
-    assert solved["quarter", 4][1].with_sections("rigid").joined.stiffness.shape == (12, 12)
-    with pytest.raises(InputError, match=r"^sections: given 4; allowed is up to 2 \(rigid, 1, 2\)"):
-        solved["quarter", 2][1].with_sections(4)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("part", ["half", "full"])
 def test_parts_have_the_same_superelement(solved, part):
     own, other = (solved[name, 2][1].joined for name in ("quarter", part))
     sizes = np.sqrt(np.diag(own.stiffness))
     assert np.abs(own.stiffness - other.stiffness).max() <= 1e-8 * sizes.max() ** 2
     assert other.pin_loads == close(own.pin_loads, abs=1e-7)
-
-
-@pytest.mark.slow
-def test_more_motions_soften(solved):
-    for step in (0.0, 60.0, 180.0):
-        axial = [
-            support_throw(
-                solved["quarter", 4][1].with_sections(sections), Neighbors(step, step)
-            ).axial
-            for sections in ("rigid", *DEGREES)
-        ]
-        assert np.all(np.diff(axial) > -ROUND_OFF * axial[0])
-        assert 1e-3 < axial[-1] / axial[0] - 1.0 < 0.03
-
-
-@pytest.mark.slow
-def test_helix_is_a_long_chain(solved):
-    found = solved["quarter", 2][1]
-    for support in (Neighbors(120.0, 120.0), Neighbors(120.0, 120.0 + 1e-9)):
-        answers = support_throw(found, support)
-        assert answers.axial == close(support_throw(found, Neighbors(120.0, 120.0)).axial, rel=1e-8)
-        assert end_motions(found, support).shape == (12, 8)
-    shaft = shaft_compliances([found] * 15, crank_angles_deg=120.0 * np.arange(15))
-    assert shaft.axial[7] == close(answers.axial, rel=1e-3)
-
-
-@pytest.mark.slow
-def test_reactions_between_neighbors_balance_the_force(solved):
-    found = solved["quarter", 2][1]
-    for load in (
-        found.joined.pin_loads[0] @ [0, 0, 1.0, 0, 0, 0],
-        found.joined.end_load([1.0, 2.0, 0.0]),
-    ):
-        there = reactions(found, Neighbors(120.0, 90.0), load)
-        total = there.left.force + there.right.force
-        applied = load[:6] + load[6:12]
-        assert total == close(-applied[:3], abs=1e-8 * np.abs(applied).max())
-
-
-@pytest.mark.slow
-def test_fields_are_those_of_the_given_motions(solved, mesh):
-    classes, rigid = solved["quarter", 2]
-    sections = rigid.joined.sections
-    nodes = np.flatnonzero(mesh.points[:, 2] == 0.0)
-    given = np.zeros(2 * sections.count)
-    given[12 + 3] = 1.0
-    field = displacement_field(classes, given)[nodes]
-    assert field == close(sections.fields(mesh.points[nodes])[:, :, 9], abs=1e-12)
 
 
 @pytest.mark.slow

@@ -4,29 +4,30 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 from skfem import MeshTet
 
-import fem.recovery
+import fem.correction
 from comparing import close
 from crankfem.analyses.record import units_of
 from crankfem.analyses.throw.throw_record import NOT_CORRECTED, throw_record
 from crankfem.cli.tables.throw_tables import print_throw
 from fem import correction
-from fem.accuracy import FIRST_FILLETED, first_factor
-from fem.analysis import analyze_axial, analyze_throw
+from fem.analysis import FIRST_FILLETED, analyze_axial, analyze_throw, first_factor
 from fem.assembly import assemble_stiffness, physical_gradients, symmetric_product
-from fem.axial_analysis import axial_motion
 from fem.condensation import condense
-from fem.correction import corrected_class
+from fem.correction import (
+    corrected_class,
+    energy_errors,
+    recovered_stress,
+    strain_energy,
+    stresses_at,
+)
 from fem.loads import NodalLoads, unit_pin_loads
-from fem.material import STEEL, Material
-from fem.recovery import energy_errors, recovered_stress, strain_energy, stresses_at
-from fem.supports import Neighbors, support_throw
-from fem.symmetry import axial_class, symmetry_classes
+from fem.material import STEEL
+from fem.supports import Neighbors
+from fem.symmetry import symmetry_classes
 from geometry.mesh import mesh_throw
 from geometry.shapes import EDGES, shapes_for_quadrature
-from geometry.solid import LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import OilHole
 from refined_mesh import refined
@@ -55,13 +56,6 @@ def box(cells, uneven=0.0):
     )
 
 
-def straightened(mesh):
-    points = mesh.points.copy()
-    for node, ends in enumerate(EDGES, start=4):
-        points[mesh.elements[:, node]] = points[mesh.elements[:, ends]].mean(axis=1)
-    return points
-
-
 def stress_of(slopes, material=STEEL):
     """Hooke's law, written with E and nu, for slopes (..., i, j) = d u_i / d x_j."""
     strain = 0.5 * (slopes + np.swapaxes(slopes, -1, -2))
@@ -69,15 +63,6 @@ def stress_of(slopes, material=STEEL):
     trace = np.trace(strain, axis1=-2, axis2=-1)[..., None, None]
     stress = strain + nu / (1.0 - 2.0 * nu) * trace * np.eye(3)
     return material.youngs_modulus / (1.0 + nu) * stress[..., ROWS, COLUMNS]
-
-
-def quadratic(points):
-    """A displacement with all ten terms of second order in all components, and its slopes."""
-    rng = np.random.default_rng(2)
-    linear, square = rng.normal(size=(3, 3)), rng.normal(size=(3, 3, 3))
-    square += square.transpose(0, 2, 1)
-    field = points @ linear.T + 0.5 * np.einsum("ijk,nj,nk->ni", square, points, points)
-    return field, linear + np.einsum("ijk,nk->nij", square, points)
 
 
 def cubic(points):
@@ -107,11 +92,6 @@ def cube():
 
 
 @pytest.fixture(scope="module")
-def uneven_cube():
-    return box(4, 0.15)
-
-
-@pytest.fixture(scope="module")
 def field(mesh):
     """A displacement of the throw with nothing smooth or symmetric in it [m]."""
     return 1e-6 * np.random.default_rng(3).normal(size=mesh.points.shape)
@@ -123,47 +103,11 @@ def inner_corners(points, elements):
     return corners[np.minimum(points, 1.0 - points)[corners].min(axis=1) > 1e-9]
 
 
-def test_the_stress_of_uniform_strain(mesh):
-    """Curved elements, too, hold it; the constant is not held back."""
-    slopes = np.random.default_rng(4).normal(size=(3, 3))
-    expected = stress_of(slopes)
-    _, gradients, _ = shapes_for_quadrature(4)
-    moved = mesh.points @ slopes.T
-    raw = stresses_at(mesh.points, mesh.elements, moved, STEEL, gradients)
-    assert worst(raw, np.broadcast_to(expected, raw.shape)) <= ROUND_OFF
-    found = recovered_stress(mesh.points, mesh.elements, moved, STEEL)
-    assert worst(found, np.broadcast_to(expected, found.shape)) <= ROUND_OFF
-    errors = energy_errors(mesh.points, mesh.elements, moved, STEEL)
-    assert 0.0 <= errors.relative <= ROUND_OFF**2
-
-
 def test_a_rigid_motion_has_no_stress(mesh):
     """Displacements of 1 m leave the round-off of as large strains."""
     moved = np.array([1.0, -2.0, 0.5]) + np.cross([0.3, 0.8, -1.1], mesh.points)
     found = recovered_stress(mesh.points, mesh.elements, moved, STEEL)
     assert np.abs(found).max() <= ROUND_OFF * STEEL.youngs_modulus
-
-
-def test_linear_stress_is_exact_at_every_node(mesh):
-    points = straightened(mesh)
-    moved, slopes = quadratic(points)
-    expected = stress_of(slopes)
-    _, gradients, _ = shapes_for_quadrature(4)
-    values = shapes_for_quadrature(4)[0]
-    raw = stresses_at(points, mesh.elements, moved, STEEL, gradients)
-    assert worst(raw, values @ expected[mesh.elements]) <= ROUND_OFF
-    found = recovered_stress(points, mesh.elements, moved, STEEL)
-    assert worst(found, expected) <= 1e-5
-    assert energy_errors(points, mesh.elements, moved, STEEL).relative <= 1e-12
-
-
-def test_only_what_is_held_back_keeps_linear_stress_from_being_exact(mesh, monkeypatch):
-    """Without it, fits to samples that lie on a linear function are that function."""
-    monkeypatch.setattr(fem.recovery, "HELD_BACK", np.array([0.0] * 4 + [1e-5] * 6))
-    points = straightened(mesh)
-    moved, slopes = quadratic(points)
-    found = recovered_stress(points, mesh.elements, moved, STEEL)
-    assert worst(found, stress_of(slopes)) <= ROUND_OFF
 
 
 def test_quadratic_stress_is_exact_at_inner_corners(cube, monkeypatch):
@@ -183,21 +127,8 @@ def test_quadratic_stress_is_exact_at_inner_corners(cube, monkeypatch):
     assert of_elements > 0.01
     assert error() <= 1e-4
     # So little that corners of the cube, with too few samples for a fit, have some solution.
-    monkeypatch.setattr(fem.recovery, "HELD_BACK", np.full(10, 1e-15))
+    monkeypatch.setattr(fem.correction, "HELD_BACK", np.full(10, 1e-15))
     assert error() <= ROUND_OFF
-
-
-def test_recovered_stress_is_better_than_that_of_uneven_elements(uneven_cube):
-    """At inner corners some 20 times; on faces the patches are one-sided and gain nothing."""
-    points, elements = uneven_cube
-    moved, slopes = cubic(points)
-    expected = stress_of(slopes)
-    error = np.abs(recovered_stress(points, elements, moved, STEEL) - expected).max(axis=1)
-    values, gradients, _ = shapes_for_quadrature(4)
-    raw = stresses_at(points, elements, moved, STEEL, gradients)
-    of_elements = np.abs(raw - values @ expected[elements]).max()
-    assert error[inner_corners(points, elements)].max() < 0.1 * of_elements
-    assert error.max() < 1.5 * of_elements
 
 
 @pytest.mark.parametrize("uneven", [0.0, 0.15])
@@ -232,88 +163,11 @@ def test_the_estimate_is_the_energy_of_the_true_error(uneven):
     assert 0.5 < shares.min() < shares.max() < 1.8
 
 
-@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.45])
-def test_strain_energy_is_stress_times_strain(poisson_ratio):
-    material = Material(youngs_modulus=7e10, poisson_ratio=poisson_ratio, density=2700.0)
-    slopes = np.random.default_rng(5).normal(size=(50, 3, 3))
-    strain = 0.5 * (slopes + slopes.transpose(0, 2, 1))
-    stress = stress_of(slopes, material)
-    # Shear stresses do work on both of a strain's equal components.
-    expected = (stress * strain[:, ROWS, COLUMNS] * ([1.0] * 3 + [2.0] * 3)).sum(axis=1)
-    assert strain_energy(stress, material) == close(expected, rel=1e-12)
-
-
-def test_the_energy_is_that_of_the_stiffness(mesh, stiffness, field):
-    """Exactly on straight elements; on curved ones rules of second and fourth order make 0.06 %."""
-    energy = energy_errors(mesh.points, mesh.elements, field, STEEL).energy
-    product = field.ravel() @ symmetric_product(stiffness, field.ravel())
-    assert energy == close(product, rel=2e-3)
-    points = straightened(mesh)
-    straight = assemble_stiffness(points, mesh.elements, STEEL)
-    energy = energy_errors(points, mesh.elements, field, STEEL).energy
-    product = field.ravel() @ symmetric_product(straight, field.ravel())
-    assert energy == close(product, rel=1e-12)
-
-
-def test_the_energy_under_a_unit_axial_force_is_the_compliance(mesh, stiffness, superelement):
-    """A quarter holds a quarter; rules of second and fourth order on curved elements make 0.06 %."""
-    part = condense(mesh, stiffness, unit_pin_loads(mesh), axial_class("quarter"))
-    moved = part.fields @ axial_motion(part, "pinned")
-    errors = energy_errors(mesh.points, mesh.elements, moved, STEEL)
-    quarter = support_throw(superelement, "pinned").axial / 4.0
-    assert errors.energy == close(quarter, rel=2e-3)
-    assert errors.elements.shape == (len(mesh.elements),)
-    assert errors.elements.min() >= 0.0
-    # Of the converged 1.281e-9 m/N this mesh misses 5.0 %; the estimate, 3.8 %, is without its safety.
-    truth = 1.0 - 4.0 * quarter / 1.281e-9
-    assert 0.6 * truth < errors.relative < truth
-
-
-def test_batches_do_not_matter(mesh, field, monkeypatch):
-    stress = recovered_stress(mesh.points, mesh.elements, field, STEEL)
-    errors = energy_errors(mesh.points, mesh.elements, field, STEEL)
-    monkeypatch.setattr(fem.recovery, "CHUNK", 37)
-    assert len(mesh.elements) % 37 != 0
-    again = recovered_stress(mesh.points, mesh.elements, field, STEEL)
-    # Sums in another order, in systems of a condition of some 1e5.
-    assert worst(again, stress) <= 1e-10
-    others = energy_errors(mesh.points, mesh.elements, field, STEEL)
-    assert others.elements == close(errors.elements, rel=1e-9)
-    assert others.energy == close(errors.energy, rel=1e-12)
-
-
-def test_a_throw_in_millimeters_has_the_same_stress(mesh, field):
-    """Patches are scaled by their own size, so that nothing depends on the unit of length."""
-    stress = recovered_stress(mesh.points, mesh.elements, field, STEEL)
-    scaled = recovered_stress(1e3 * mesh.points, mesh.elements, 1e3 * field, STEEL)
-    assert worst(scaled, stress) <= 1e-10
-    errors, others = (
-        energy_errors(scale * mesh.points, mesh.elements, scale * field, STEEL)
-        for scale in (1.0, 1e3)
-    )
-    assert others.relative == close(errors.relative, rel=1e-10)
-    assert others.energy == close(1e9 * errors.energy, rel=1e-10)
-
-
 def test_axes_may_change_places(mesh, field):
     """x, y, z become y, z, x, and so do the components of the stress."""
     stress = recovered_stress(mesh.points, mesh.elements, field, STEEL)
     cycled = recovered_stress(mesh.points[:, [2, 0, 1]], mesh.elements, field[:, [2, 0, 1]], STEEL)
     assert worst(cycled, stress[:, [2, 0, 1, 5, 3, 4]]) <= 1e-10
-
-
-def test_a_turned_body_has_turned_stresses(uneven_cube):
-    """Inside; what is held back is not the same in all directions, and is 1e-4 at most there."""
-    points, elements = uneven_cube
-    turn = Rotation.from_rotvec([0.4, -0.9, 0.3]).as_matrix()
-    moved, _ = cubic(points)
-    stress = recovered_stress(points, elements, moved, STEEL)
-    turned = recovered_stress(points @ turn.T, elements, moved @ turn.T, STEEL)
-    matrices = np.zeros((len(points), 3, 3))
-    matrices[:, ROWS, COLUMNS] = matrices[:, COLUMNS, ROWS] = stress
-    expected = (turn @ matrices @ turn.T)[:, ROWS, COLUMNS]
-    inner = inner_corners(points, elements)
-    assert worst(turned[inner], expected[inner]) <= 1e-4
 
 
 # Of motions of like size: rotations are counted by the crank radius.
@@ -378,21 +232,6 @@ def test_corrected_stiffness_is_symmetric_and_holds_all_but_rigid_motions(any_pa
     assert values[6] > 1e3 * CORRECTED_ROUND_OFF
 
 
-def test_pin_loads_are_in_equilibrium(any_part):
-    """Their work on rigid motions is what that of the mesh is: of forces and moments on the pin's center."""
-    rigid = rigid_motions(any_part.throw)
-    discrete = any_part.discrete.superelement.pin_loads
-    for loads, of_mesh in zip(any_part.superelement.pin_loads, discrete, strict=True):
-        assert loads.T @ rigid == close(of_mesh.T @ rigid, abs=CORRECTED_ROUND_OFF)
-        assert (loads.T @ rigid)[:3, :3] == close(np.eye(3), abs=CORRECTED_ROUND_OFF)
-        assert np.abs(loads - of_mesh).max() > 1e-5  # but they are others
-    force = np.array([3e4, -1e5, 2e4])
-    for support in SUPPORTS:
-        found = any_part.reactions(force, support)
-        total = found.left.force + found.right.force + force
-        assert np.abs(total).max() < 1e-8 * np.abs(force).max()
-
-
 @pytest.mark.parametrize("support", SUPPORTS, ids=str)
 def test_corrected_answers_are_reciprocal(any_part, support):
     """Lengthening under a force on the pin is motion of the pin under a pull; P = c Z / e_n."""
@@ -405,48 +244,6 @@ def test_corrected_answers_are_reciprocal(any_part, support):
     pin = any_part.pin_compliance(support)
     assert pin == close(pin.T, rel=1e-9, abs=1e-10 * np.abs(pin).max())
     assert np.linalg.eigvalsh(pin).min() > 0.0
-
-
-def test_lengths_doubled_halve_the_compliance(dimensions, mesh, analysis):
-    """The same mesh, twice as large; compliances of moments fall with the third power."""
-    large = CrankThrow(**{name: 2.0 * value for name, value in dimensions.items()})
-    twice = replace(mesh, points=2.0 * mesh.points, length=2.0 * mesh.length)
-    found = analyze_throw(large, accuracy=0.1, mesher=on(twice))
-    assert found.axial_compliance() == close(0.5 * analysis.axial_compliance(), rel=1e-9)
-    assert found.influence_coefficient() == close(0.5 * analysis.influence_coefficient(), rel=1e-9)
-    assert found.torsional_compliance() == close(0.125 * analysis.torsional_compliance(), rel=1e-9)
-    assert found.error_estimate == close(analysis.error_estimate, rel=1e-8)
-    stiffness, large_stiffness = scaled(analysis)[0], scaled(found)[0]
-    assert large_stiffness == close(stiffness, abs=CORRECTED_ROUND_OFF)
-
-
-def test_a_mirrored_throw_has_mirrored_answers(dimensions):
-    """Left and right web exchanged, on the mirrored mesh."""
-    throw = CrankThrow(**dimensions | {"left_web": {"thickness": 0.055}})
-    other = CrankThrow(**dimensions | {"right_web": {"thickness": 0.055}})
-    mesh = mesh_throw(throw, 5.0)
-    mirrored = mirror_along_the_shaft(mesh)
-    found, back = (
-        analyze_throw(one, accuracy=0.1, mesher=on(own))
-        for one, own in ((throw, mesh), (other, mirrored))
-    )
-    assert found.corrected
-    assert back.corrected
-    turned = np.kron([[0.0, 1.0], [1.0, 0.0]], np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0]))
-    expected = turned @ found.stiffness @ turned.T
-    assert back.stiffness == close(expected, abs=1e-8 * np.abs(expected).max())
-    assert back.influence_coefficient() == close(found.influence_coefficient(), rel=1e-7)
-    assert back.torsional_compliance() == close(found.torsional_compliance(), rel=1e-7)
-    assert back.error_estimate == close(found.error_estimate, rel=1e-6)
-
-
-def mirror_along_the_shaft(mesh):
-    """The same elements seen in a mirror across the shaft."""
-    points = mesh.points * (1.0, 1.0, -1.0) + (0.0, 0.0, mesh.length)
-    names = {LEFT_END: RIGHT_END, RIGHT_END: LEFT_END}
-    surfaces = {names.get(name, name): facets[:, ::-1] for name, facets in mesh.surfaces.items()}
-    elements = mesh.elements[:, [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]
-    return replace(mesh, points=points, elements=elements, surfaces=surfaces)
 
 
 # ------------------------------------------------------------------------------ against true errors

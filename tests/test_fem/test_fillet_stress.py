@@ -1,7 +1,6 @@
 """Stresses on surfaces and at fillets, and their fields."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,32 +10,26 @@ from crankbase.errors import InputError
 from fem import fillet_stress
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import nodes_on
-from fem.fields import displacement_field, images
-from fem.fillet_peaks import fillet_points, fillet_surface
-from fem.fillet_stress import fillet_stresses
-from fem.fillets import fillet_element, measured_sizes, refine_at, sharp_corners, throw_fillets
+from fem.fields import displacement_field, images, stress_fields
+from fem.fillet_peaks import fillet_points, fillet_surface, reading_quality
+from fem.fillet_stress import fillet_stresses, nominal_stress, torsion_modulus, web_section
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
-from fem.nominal_stress import nominal_stress, torsion_modulus, web_section
-from fem.rule_mesh import reading_quality
-from fem.stress_fields import stress_fields
-from fem.supports import STRETCH, TWIST, end_motions, reactions
 from fem.surface_stress import (
     as_components,
     as_matrices,
-    largest_principal,
-    principal_stresses,
+    sharp_corners,
     smallest_rotations,
     surface_stress,
     tangent_frames,
+    throw_fillets,
     von_mises,
 )
 from fem.symmetry import SymmetryClass
 from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads, whole_facets, whole_nodes
-from geometry.facets import six_node_triangles
 from geometry.imported import import_throw, imported_parts
-from geometry.imported_mesh import mesh_imported_throw
-from geometry.mesh import mesh_throw
+from geometry.mesh import mesh_throw, six_node_triangles
+from geometry.mesher import mesh_imported_throw
 from geometry.sizes import SizeMap
 from geometry.solid import FILLET, LEFT_END, RIGHT_END
 from geometry.solid_files import write_step
@@ -69,16 +62,6 @@ def test_equivalent_stress_of_known_states():
     tension, shear, pressure = [-3.0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 2.0, 0], [5.0, 5.0, 5.0, 0, 0, 0]
     expected = [3.0, 2.0 * math.sqrt(3.0), 0.0]
     assert von_mises(np.array([tension, shear, pressure])) == close(expected)
-
-
-def test_principal_stresses_are_those_before_turning():
-    turn = rotation()
-    stress = as_components(turn @ np.diag([2.0, -7.0, 1.0]) @ turn.T)
-    principals = principal_stresses(stress)
-    assert principals == close([2.0, 1.0, -7.0])
-    assert largest_principal(principals) == close(-7.0)
-    assert largest_principal(-principals[::-1]) == close(7.0)
-    assert von_mises(stress) == close(math.sqrt(0.5 * (81.0 + 64.0 + 1.0)))
 
 
 # --------------------------------------------------------------------------------------- free surfaces
@@ -161,16 +144,6 @@ def test_a_bent_cylinder_has_the_stress_of_a_beam():
     assert anywhere[1] < 0.3 * anywhere[0] < 0.01
 
 
-def test_no_force_acts_on_the_surface():
-    points, facets = cylinder(4)
-    moved = GENERATOR.normal(size=points.shape)
-    stress = as_matrices(stress_on(points, facets, moved))
-    normals = points * (1.0, 1.0, 0.0)
-    tractions = np.einsum("nij,nj->ni", stress, normals)
-    # The normals of the facets' mean are those of the cylinder to the cube of their angle.
-    assert np.linalg.norm(tractions, axis=1).max() < 0.01 * np.abs(stress).max()
-
-
 def test_frames_and_smallest_turns():
     normals = GENERATOR.normal(size=(50, 3))
     normals[0] = (0.0, 0.0, 1.0)
@@ -218,23 +191,6 @@ def test_parts_have_the_stresses_of_the_whole(loaded, part):
     assert stress / size[:, None] == close(expected / size[:, None], abs=1e-7)
 
 
-@pytest.mark.parametrize("part", ["quarter", "half"])
-def test_recovered_stresses_of_images_are_mirrored(loaded, part):
-    """Away from the cuts, where patches are halved, to the round-off of the solves."""
-    one, whole = loaded[part], loaded["full"]
-    nodes = whole_nodes(one.mesh)
-    points = nodes.collect([image.points(one.mesh.points) for image in nodes.images])
-    places, stress = in_order(points, nodes.collect(one.stresses(nodes.images)))
-    full_nodes = whole_nodes(whole.mesh)
-    expected_places, expected = in_order(whole.mesh.points, whole.stresses(full_nodes.images)[0])
-    assert places == close(expected_places, abs=1e-12)
-    away = (np.abs(places[:, 0]) > 0.06) & (np.abs(places[:, 2] - 0.5 * one.mesh.length) > 0.06)
-    size = np.abs(expected).max(axis=(0, 2))
-    assert away.sum() > 100
-    difference = (stress - expected)[away] / size[:, None]
-    assert np.abs(difference).max() < 1e-7
-
-
 def test_only_the_classes_that_loads_excite_are_solved(loaded, mesh, loads):
     assert len(loaded["quarter"].shares) == 3
     assert len(solve_unit_loads(mesh, loads[:1], STEEL).shares) == 1
@@ -266,16 +222,6 @@ def test_end_sections_carry_the_loads(loads, full_mesh, throw, kind):
     left[1, RADIAL] = 0.5
     assert ends[RIGHT_END] == close(right, abs=1e-6)
     assert ends[LEFT_END] == close(left, abs=1e-6)
-
-
-def test_a_radial_force_bends_like_the_moments(loaded):
-    """Both open the throw: the pin's fillets are pulled at the side of the shaft."""
-    surface = fillet_surface(loaded["quarter"])
-    low = surface.points[:, 1] < 0.09
-    on_pin = low & (np.abs(surface.points[:, 2] - 0.1975) < 0.069)
-    stress = surface.stress[on_pin][:, [AXIAL, BENDING, RADIAL], 2]
-    assert stress.max(axis=0).min() > 0.0
-    assert np.all(stress.max(axis=0) > 2.0 * np.abs(stress.min(axis=0)))
 
 
 def test_nodes_of_the_whole(mesh, half_mesh, full_mesh):
@@ -342,35 +288,6 @@ def test_nominal_stresses_by_hand(dimensions):
     assert nominal(throw, "radial") == close(0.5 * 0.094 / modulus)
 
 
-def test_nominal_stresses_of_unequal_webs(dimensions):
-    throw = CrankThrow(**dimensions, right_web={"thickness": 0.05, "width": 0.28})
-    left, right = 0.3 * 0.068**2 / 6.0, 0.28 * 0.05**2 / 6.0
-    assert nominal(throw, "bending", 1) == close(1.0 / left)
-    assert nominal(throw, "bending", 2) == close(1.0 / right)
-    length, force = 0.12 + 0.068 + 0.139 + 0.05, 0.06 + 0.068 + 0.0695
-    assert throw.length == close(length)
-    at_left, at_right = force / length, 1.0 - force / length
-    assert nominal(throw, "radial", 0) == close(at_right * 0.094 / left)
-    assert nominal(throw, "radial", 3) == close(at_left * (0.06 + 0.025) / right)
-
-
-def test_nominal_section_lies_in_the_middle_of_the_overlap(dimensions):
-    """Radii of 110 and 90 mm, axes 170 mm apart: 95 mm from the shaft."""
-    throw = CrankThrow(
-        **dimensions | {"web_thickness": 0.06}, web_pin_end=0.125, web_tip_thickness=0.05
-    )
-    web = throw.parts.webs[0]
-    section = web_section(throw.parts, web)
-    assert section.width == close(2.0 * web.outline.half_width(np.array([0.095]))[0])
-    assert 0.25 < section.width < 0.299
-    # The slope starts beyond the collar of the main journal.
-    assert section.thickness == close(0.06)
-    far = replace(web.slopes[0], start=0.05, end=0.295)
-    sloped = replace(web, slopes=(far,))
-    parts = replace(throw.parts, webs=(sloped, throw.parts.webs[1]))
-    assert web_section(parts, sloped).thickness == close(0.06 - 0.01 * 0.045 / 0.245)
-
-
 def test_nominal_stresses_of_several_pins(dimensions):
     throw = CrankThrow(
         **dimensions, further_pins=[{"angle": math.pi, "web_thickness": 0.12, "web_width": 0.32}]
@@ -391,20 +308,6 @@ def test_nominal_stresses_of_several_pins(dimensions):
 
 
 # ------------------------------------------------------------------------------------------- whole runs
-
-
-def test_sizes_grow_from_where_they_are_small(mesh):
-    sizes = measured_sizes(mesh)
-    corners = sizes.points[sizes.tetrahedra]
-    edges = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)
-    assert np.median(sizes.sizes[sizes.tetrahedra].mean(axis=1) / edges) == close(1.0, abs=0.2)
-    place = sizes.points[5]
-    finer = refine_at(sizes, [(place[None], 0.001), (np.empty((0, 3)), 1e-9)])
-    assert finer.sizes[5] == 0.001
-    assert np.all(finer.sizes <= sizes.sizes)
-    distance = np.linalg.norm(sizes.points - place, axis=1)
-    assert np.array_equal(finer.sizes, np.minimum(sizes.sizes, 0.001 + 0.5 * distance))
-    assert fillet_element(0.012, 6.0) == close(math.pi * 0.001)
 
 
 @pytest.fixture
@@ -569,45 +472,6 @@ def fields(mesh, throw):
     return stress_fields(mesh, throw, STEEL)
 
 
-@pytest.fixture(scope="module")
-def alone(mesh, throw):
-    """Stresses under unit loads, by their own solution, ends pinned."""
-    return fillet_surface(solve_unit_loads(mesh, unit_loads(radial_directions(throw)), STEEL))
-
-
-def local_von_mises(stress):
-    first, second, between = np.moveaxis(stress, -1, 0)
-    return np.sqrt(first**2 - first * second + second**2 + 3.0 * between**2)
-
-
-def test_unit_loads_have_their_own_stresses(fields, alone, throw):
-    """Axial force, torque, both bendings, and the radial force on its two bearings."""
-    pin = np.array([0.0, -1.0, 0.0, 0.0, 0.0, 0.0])
-    for column, load in enumerate(unit_loads(radial_directions(throw))):
-        acting, ends = (0.0 * pin, load.ends) if load.pin is None else (pin, load.ends.copy())
-        if load.pin is not None:
-            ends[[1, 7]] = 0.5  # bearings press against the force towards the shaft
-        amplitudes = fields.amplitudes(ends, acting)
-        for fillet, site in zip(throw_fillets(throw.parts), fields.sites, strict=True):
-            expected = von_mises(alone.stress[fillet.holds(alone.points), column])
-            found = local_von_mises(np.tensordot(amplitudes, site.stress, axes=(0, 1)))
-            assert site.name == fillet.name
-            assert found == close(expected, abs=1e-6 * expected.max())
-
-
-def test_a_tangential_force_is_carried_wherever_it_is_held(fields, throw):
-    """Torque taken at the left or at the right end: the difference is a torque through the throw."""
-    force = np.array([-1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    held = reactions(fields.superelement, "pinned", fields.superelement.pin_loads[0] @ force)
-    left = np.concatenate([held.left.force, held.left.moment, held.right.force, held.right.moment])
-    assert left[5] == close(-throw.crank_radius)
-    right = left.copy()
-    right[[5, 11]] = 0.0, left[5]
-    one, other = fields.amplitudes(left, force), fields.amplitudes(right, force)
-    through = fields.amplitudes(left[5] * TWIST, np.zeros(6))
-    assert other - one == close(through, abs=1e-9 * np.abs(other).max())
-
-
 def test_loads_out_of_balance_are_refused(fields):
     ends = np.zeros(12)
     ends[1] = 1.0
@@ -677,17 +541,6 @@ def test_a_part_without_fillets_is_refused(dimensions, tmp_path):
         fillet_stresses(part)
 
 
-def test_corners_of_a_part_without_a_fillet_are_named(dimensions, tmp_path, monkeypatch):
-    for name, value in COARSE_STRESSES.items():
-        monkeypatch.setattr(fillet_stress, name, value)
-    half = CrankThrow(**dimensions | {"pin_fillet_radius": 0.0})
-    part = import_throw(write_step(half, tmp_path / "half.step"))
-    found = fillet_stresses(part, accuracy=0.2)
-    assert found.sharp_corners == ("pin, left web", "pin, right web")
-    assert {peak.name for peak in found.peaks} == {"left main journal", "right main journal"}
-    assert math.isfinite(found.error_estimate)
-
-
 # Finite elements throughout: not for the inner loop.
 
 
@@ -721,25 +574,3 @@ def test_images_make_the_whole_throws_field(models, part):
         assert copy.displacement == close(expected[rows], abs=1e-8)
     assert nodes == set(range(len(full.points)))
     assert sum(copy.inside_out for copy in copies) == len(copies) // 2
-
-
-@pytest.mark.parametrize("part", ["quarter", "half", "full"])
-def test_rigid_motions_have_rigid_fields(models, rigid_motions, throw, part):
-    mesh, classes = models[part]
-    found = displacement_field(classes, rigid_motions)
-    expected = np.zeros_like(found)
-    expected[:, :, :3] = np.eye(3)
-    for axis in range(3):
-        turned = np.cross(np.eye(3)[axis], mesh.points)
-        expected[:, :, 3 + axis] = turned / throw.crank_radius
-    assert found == close(expected, abs=1e-9)
-
-
-def test_pins_move_as_the_superelement_says(models, superelement, pin_shapes):
-    """Under an axial pull the pin goes towards the shaft by c."""
-    _, classes = models["quarter"]
-    motions = end_motions(superelement, "pinned")[:, 0]
-    field = displacement_field(classes, motions)
-    ends = superelement.pin_load.T @ motions
-    assert pin_shapes[0] @ field[:, 1] == close(ends[1], rel=1e-9)
-    assert STRETCH @ motions > 0.0 > ends[1]

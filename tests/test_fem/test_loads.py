@@ -19,12 +19,9 @@ from fem.loads import (
     NodalLoads,
     pin_load,
     pin_surfaces,
-    uniform_pin_loads,
-    unit_end_loads,
     unit_pin_loads,
 )
 from fem.symmetry import MIRROR_X, MIRROR_Z, symmetry_classes
-from geometry.solid import LEFT_END, RIGHT_END
 
 ROUND_OFF = 1e-12
 CYLINDER = 2e-3
@@ -79,67 +76,12 @@ def resultants(mesh, loads, center):
     return np.concatenate([loads.values.sum(axis=(0, 1)), moments.sum(axis=(0, 1))])
 
 
-def on_full_mesh(full_mesh, mesh, loads):
-    """The same loads, those of images gathered at the nodes of the full mesh."""
-    number = {tuple(place): node for node, place in enumerate(full_mesh.points.round(8) + 0.0)}
-    found = np.zeros((len(full_mesh.points), *loads.values.shape[2:]))
-    for where, values in zip(places(mesh, loads), loads.values, strict=True):
-        rows = [number[tuple(place)] for place in where.round(8) + 0.0]
-        np.add.at(found, rows, values)
-    return found
-
-
 def test_unit_loads_on_pins_have_unit_resultants(part, throw):
     (loads,) = unit_pin_loads(part)
     center = np.array([0.0, throw.crank_radius, throw.length / 2.0])
     found = resultants(part, loads, pin_surfaces(part)[0].center)
     assert found == close(np.eye(6), abs=ROUND_OFF)
     assert pin_surfaces(part)[0].center == close(center, abs=5e-6)  # of a coarse mesh
-
-
-def test_unit_loads_on_ends_have_unit_resultants(part):
-    """Of the end itself: a mirror image across the middle plane is the other end."""
-    ends = {LEFT_END: 0.0, RIGHT_END: part.length}
-    if part.part == "quarter":
-        del ends[RIGHT_END]
-    for end, place in ends.items():
-        loads = unit_end_loads(part, end)
-        assert len(loads.images) == {"quarter": 2, "half": 2, "full": 1}[part.part]
-        found = resultants(part, loads, np.array([0.0, 0.0, place]))
-        assert found == close(np.eye(6), abs=ROUND_OFF)
-        assert np.abs(places(part, loads)[..., 2] - place).max() <= 1e-12
-
-
-def test_work_on_rigid_motions_is_their_components(part):
-    """Reciprocal to the resultants: what the loads work on is the mean motion of the surface."""
-    motions = np.random.default_rng(7).normal(size=(6, 4))
-    checked = [(unit_pin_loads(part)[0], pin_surfaces(part)[0].center)]
-    checked += [
-        (unit_end_loads(part, end), np.array([0.0, 0.0, place]))
-        for end, place in ((LEFT_END, 0.0), (RIGHT_END, part.length))
-        if end in part.surfaces
-    ]
-    for loads, center in checked:
-        arms = places(part, loads) - center
-        moved = motions[:3] + np.cross(motions[3:], arms[..., None], axisa=0, axisb=2, axisc=2)
-        work = np.einsum("isac,isam->cm", loads.values, moved)
-        assert work == close(motions, abs=1e-11)
-
-
-def test_forces_are_even_and_moments_linear(surface, throw):
-    """A torque about the pin is one shear all round, as large as its area and radius ask for."""
-    traction, _, arms, sizes = tractions_of(surface, [3.0, -2.0, 5.0], NONE, "uniform")
-    area = sizes.sum()
-    assert area * traction == close(np.tile([3.0, -2.0, 5.0], (len(traction), 1)))
-    traction, _, _, _ = tractions_of(surface, NONE, [0.0, 0.0, 7.0], "uniform")
-    shear = np.cross([0.0, 0.0, 1.0], arms) * 7.0 / (area * (throw.pin_diameter / 2.0) ** 2)
-    assert np.abs(traction - shear).max() <= CYLINDER * np.abs(shear).max()
-    # About x: tractions y = -z w, z = y w, whose moments are w times the integral of y^2 + z^2.
-    traction, _, _, _ = tractions_of(surface, NONE, [7.0, 0.0, 0.0], "uniform")
-    length = throw.pin_length - 2.0 * throw.fillet_radius
-    turn = 7.0 / (area * (throw.pin_diameter**2 / 8.0 + length**2 / 12.0))
-    linear = turn * np.cross([1.0, 0.0, 0.0], arms)
-    assert np.abs(traction - linear).max() <= CYLINDER * np.abs(linear).max()
 
 
 @pytest.mark.parametrize("distribution", ["uniform", "cosine"])
@@ -198,37 +140,6 @@ def test_nodal_loads_of_the_cosine_are_its_integrals(mesh, surface, throw, direc
     assert np.sum(sideways * s * t) == close(0.25 * radius**2, rel=CYLINDER)
 
 
-@pytest.mark.parametrize("angle", [0.0, 1.0, 2.5, 4.0])
-def test_a_moment_across_presses_on_opposite_halves_of_the_two_ends(surface, throw, angle):
-    """p = c |z| cos(theta), M = c a pi / 2 l^3 / 12; it pushes along M x z where z > 0."""
-    moment = np.array([np.cos(angle), np.sin(angle), 0.0])
-    push = np.cross(moment, [0.0, 0.0, 1.0])
-    traction, normals, arms, _ = tractions_of(surface, NONE, moment, "cosine")
-    radius, length = throw.pin_diameter / 2.0, throw.pin_length - 2.0 * throw.fillet_radius
-    growth = 24.0 / (np.pi * radius * length**3)
-    z = arms[:, 2]
-    pressure = -np.einsum("qa,qa->q", traction, normals)
-    expected = growth * np.abs(z) * np.maximum(0.0, -(normals @ push) * np.sign(z))
-    highest = growth * length / 2.0
-    assert np.abs(pressure - expected).max() <= CYLINDER * highest
-    assert np.abs(traction + pressure[:, None] * normals).max() <= CYLINDER * highest
-
-
-def test_what_no_pressure_can_carry_is_uniform(surface):
-    """Force along the pin and torque about it; the rest superposes."""
-    force, moment = np.array([0.0, 0.0, 4.0]), np.array([0.0, 0.0, -3.0])
-    even, pressed = (pin_load(surface, force, moment, how) for how in ("uniform", "cosine"))
-    assert pressed.values == close(even.values, rel=1e-12, abs=1e-15)
-    across, couple = np.array([5.0, -1.0, 0.0]), np.array([0.2, 0.9, 0.0])
-    together = pin_load(surface, force + across, moment + couple, "cosine").values
-    apart = [
-        pin_load(surface, force, moment, "uniform"),
-        pin_load(surface, across, NONE, "cosine"),
-        pin_load(surface, NONE, couple, "cosine"),
-    ]
-    assert together == close(sum(one.values for one in apart), abs=ROUND_OFF)
-
-
 @settings(max_examples=25, deadline=None)
 @given(force=vectors, moment=vectors, factor=st.floats(1e-3, 1e3))
 def test_pressures_grow_with_the_load_and_mirror_with_it(surface, force, moment, factor):
@@ -252,18 +163,6 @@ def test_a_load_pressed_from_the_other_side_is_another_one(surface):
     assert np.abs(one + other).max() > 0.5 * np.abs(one).max()
 
 
-@pytest.mark.parametrize("distribution", ["uniform", "cosine"])
-def test_parts_carry_the_loads_of_the_whole(mesh, half_mesh, full_mesh, distribution):
-    """All nodal loads, gathered on the full mesh."""
-    force, moment = np.array([300.0, -800.0, 50.0]), np.array([20.0, -5.0, 9.0])
-    found = [
-        on_full_mesh(full_mesh, one, pin_load(pin_surfaces(one)[0], force, moment, distribution))
-        for one in (mesh, half_mesh, full_mesh)
-    ]
-    for other in found[:2]:
-        assert np.abs(other - found[2]).max() <= 1e-11 * np.abs(found[2]).max()
-
-
 @pytest.mark.parametrize("name", ["quarter", "half", "full"])
 def test_loads_of_a_class_work_as_those_on_all_images(mesh, half_mesh, full_mesh, name):
     """A field of a class goes on in each image with the signs that keep it whole on the cuts."""
@@ -285,16 +184,6 @@ def test_loads_of_a_class_work_as_those_on_all_images(mesh, half_mesh, full_mesh
         assert np.abs(work[~symmetry.central_motions]).max(initial=0.0) <= 1e-10
         works += np.abs(work)
     assert np.all(works > 1e-3)
-
-
-def test_uniform_shares_are_those_of_unit_forces(part):
-    (loads,) = unit_pin_loads(part)
-    shares = uniform_pin_loads(part)[0]
-    assert shares.sum() == close(1.0, rel=1e-14)
-    for axis in range(3):
-        every = loads.values[..., axis, axis].sum(axis=0)
-        assert shares[loads.nodes] == close(every, abs=1e-14)
-    assert not np.delete(shares, loads.nodes).any()
 
 
 @pytest.mark.parametrize("distribution", ["even", "", None, "Cosine"])

@@ -10,10 +10,18 @@ from scipy.linalg import eigh
 from comparing import close
 from crankbase.errors import InputError, SolveError
 from fem.assembly import symmetric_product
-from fem.class_modes import ClassModes, PartMatrices, class_problem, frequencies_of
 from fem.condensation import blocked_unknowns
 from fem.material import STEEL
-from fem.modes import _lowest_modes, end_motions_of, free_modes, name_of_motion, rigid_count
+from fem.modes import (
+    ClassModes,
+    PartMatrices,
+    _lowest_modes,
+    class_problem,
+    free_modes,
+    frequencies_of,
+    name_of_motion,
+    rigid_count,
+)
 from fem.symmetry import SymmetryClass, symmetry_classes
 from geometry.mesh import mesh_throw
 
@@ -88,20 +96,6 @@ def test_each_part_gives_all_modes_of_the_throw(coarse, mirror, modes, whole_mod
         assert sign * same == close(quarter, abs=1e-6 * np.abs(quarter).max())
 
 
-def test_shapes_have_unit_mass_and_are_free_of_rigid_motion(whole, whole_modes):
-    matrices = PartMatrices.of_mesh(whole, STEEL)
-    shapes = whole_modes.shapes.reshape(-1, COUNT)
-    inertia = symmetric_product(matrices.mass, shapes)
-    assert shapes.T @ inertia == close(np.eye(COUNT), abs=1e-9)
-    squares = (2.0 * np.pi * whole_modes.frequencies) ** 2
-    work = shapes.T @ symmetric_product(matrices.stiffness, shapes)
-    assert work == close(np.diag(squares), abs=1e-9 * squares.max())
-    # No momentum: the sum of inertia forces is that of supports, and there are none.
-    momentum = inertia.reshape(-1, 3, COUNT).sum(axis=0)
-    size = np.sqrt(np.sum(full(matrices.mass).diagonal()))
-    assert np.abs(momentum).max() <= 1e-8 * size
-
-
 def test_six_rigid_motions(modes):
     assert modes.rigid_frequencies.shape == (6,)
     assert modes.rigid_frequencies.max() < 1e-4 * modes.frequencies[0]
@@ -109,16 +103,6 @@ def test_six_rigid_motions(modes):
     assert np.all(np.diff(modes.frequencies) > 0.0)
     assert sum(rigid_count(symmetry) for symmetry in symmetry_classes("half")) == 6
     assert [rigid_count(symmetry) for symmetry in symmetry_classes("quarter")] == [1, 2, 2, 1]
-
-
-def test_highest_frequency_gives_the_same(coarse, modes):
-    ceiling = 0.5 * (modes.frequencies[6] + modes.frequencies[7])
-    found = free_modes(coarse, STEEL, highest_frequency=float(ceiling))
-    assert found.frequencies == close(modes.frequencies[:7], rel=1e-9)
-    assert found.symmetries == modes.symmetries[:7]
-    below_all = free_modes(coarse, STEEL, highest_frequency=1.0)
-    assert below_all.shapes.shape == (len(coarse.points), 3, 0)
-    assert below_all.names == ()
 
 
 def test_frequencies_scale_with_the_material(coarse, modes):
@@ -133,16 +117,6 @@ def test_another_solver_gives_the_same(coarse, modes):
     found = free_modes(coarse, STEEL, count=4, solver="superlu")
     assert found.solver == "superlu"
     assert found.frequencies == close(modes.frequencies[:4], rel=1e-9)
-
-
-def test_names(modes):
-    """The first four: a throw opens, twists, and bends in both planes."""
-    assert modes.names[:4] == (
-        "bending with axial in the crank plane, symmetric",
-        "torsion with bending across the crank plane, antisymmetric",
-        "bending in the crank plane, antisymmetric",
-        "bending across the crank plane, symmetric",
-    )
 
 
 def test_name_of_motion():
@@ -163,17 +137,6 @@ def test_name_of_motion():
     one[[0, 1]] = 1.0
     assert name_of_motion(one, 0.4) == "bending"
     assert name_of_motion(np.zeros(12), 0.4) == "end sections at rest"
-
-
-def test_end_motions_are_those_of_a_rigid_body(whole):
-    """A turn about the left end's center by a small angle round x, and a push along z."""
-    symmetry = symmetry_classes("full")[0]
-    shape = np.cross([1e-3, 0.0, 0.0], whole.points)
-    shape[:, 2] += 2e-3
-    expected = np.zeros(12)
-    expected[[2, 3, 8, 9]] = 2e-3, 1e-3, 2e-3, 1e-3
-    expected[7] = -1e-3 * whole.length
-    assert end_motions_of(whole, symmetry, shape) == close(expected, abs=1e-15)
 
 
 def test_enough_of_each_class_is_sought():
@@ -214,7 +177,7 @@ def test_a_mesh_in_two_pieces_is_refused(coarse):
 
 
 def test_a_mode_that_misses_its_equation_is_refused(coarse, monkeypatch):
-    monkeypatch.setattr("fem.class_modes.LARGEST_RESIDUAL", 1e-15)
+    monkeypatch.setattr("fem.modes.LARGEST_RESIDUAL", 1e-15)
     with pytest.raises(
         SolveError, match=r"leaves a relative residual of .* \(allowed 1e-15\): (pardiso|superlu)"
     ):
@@ -241,7 +204,7 @@ def test_wishes_that_make_no_sense(coarse, wish, message):
 
 
 def test_more_modes_than_the_mesh_can_show(coarse, monkeypatch):
-    monkeypatch.setattr("fem.class_modes.MOST_MODES", 4)
+    monkeypatch.setattr("fem.modes.MOST_MODES", 4)
     matrices = PartMatrices.of_mesh(coarse, STEEL)
     with class_problem(coarse, matrices, SymmetryClass(1, 1), shift=1e7) as problem:
         assert problem.most_modes == 10

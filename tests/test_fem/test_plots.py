@@ -11,19 +11,17 @@ from matplotlib import pyplot
 
 from comparing import close
 from crankbase.errors import InputError
-from fem.axial_analysis import AxialAnalysis
 from fem.craig_bampton import DynamicSuperelement
-from fem.fillet_peaks import FilletPeak, FilletStresses
-from fem.fillets import throw_fillets
+from fem.fillet_peaks import FilletPeak, FilletStresses, ReadingQuality
 from fem.loads import RADIAL
 from fem.material import STEEL
 from fem.modes import ThrowModes
-from fem.plots.over_angle import ANGLES_DEG
-from fem.rule_mesh import ReadingQuality
+from fem.plots import ANGLES_DEG
 from fem.shaft import shaft_compliances
 from fem.supports import Neighbors
+from fem.surface_stress import throw_fillets
 from fem.symmetry import SymmetryClass, axial_class
-from fem.throw_analysis import ThrowAnalysis
+from fem.throw_analysis import AxialAnalysis, ThrowAnalysis
 from fem.unit_loads import unit_loads
 from geometry.mass import mass_properties
 

@@ -13,25 +13,28 @@ from hypothesis import strategies as st
 from scipy import sparse
 from scipy.sparse.csgraph import dijkstra
 
-import fem.accuracy
-import fem.refinement
+import fem.analysis
 from comparing import close
 from crankbase.stopwatch import Stopwatch
-from fem.accuracy import (
+from fem.analysis import (
     AIM_FILLETED,
     FIRST_FILLETED,
     FIRST_SHARP,
+    GROWTH,
+    MADE_SMALLER,
+    MOST_COARSENED,
     MOST_CORRECTED,
+    MOST_REFINED,
+    ORDER,
     Problem,
+    refined_sizes,
     solve_level,
     solve_to_accuracy,
 )
-from fem.axial_analysis import class_axial_compliances
+from fem.correction import EnergyErrors
 from fem.material import STEEL
-from fem.recovery import EnergyErrors
-from fem.refinement import GROWTH, MADE_SMALLER, MOST_COARSENED, MOST_REFINED, ORDER, refined_sizes
-from geometry.mesh import mesh_throw
-from geometry.mesh_checks import check_quality
+from fem.supports import class_axial_compliances
+from geometry.mesh import check_quality, mesh_throw
 from geometry.mesher import expected_unknowns
 from geometry.shapes import element_volumes
 
@@ -45,7 +48,7 @@ PROBLEM = Problem(STEEL, "auto", "rigid", Stopwatch())
 @pytest.fixture
 def all_digits(monkeypatch):
     """Sizes with all their digits, for laws that hold exactly."""
-    monkeypatch.setattr(fem.refinement, "SIZE_STEP", 1e-14)
+    monkeypatch.setattr(fem.analysis, "SIZE_STEP", 1e-14)
 
 
 def separate_elements(mesh, edges):
@@ -101,21 +104,6 @@ def test_a_uniform_error_that_is_wished_for_changes_nothing(mesh):
     expected = MADE_SMALLER * np.repeat(np.geomspace(0.001, 2.0, count), 4)
     assert found.sizes == close(expected, rel=1e-11)
     assert np.array_equal(found.points, apart.points)
-
-
-@pytest.mark.usefixtures("all_digits")
-def test_neighbors_meet_at_their_logarithmic_mean(mesh):
-    """Uniform errors on the throw; where no element is far larger than its neighbors that is all."""
-    share = 1.0 / len(mesh.elements)
-    errors = EnergyErrors(np.full(len(mesh.elements), 0.02 * share), 1.0)
-    found = refined_sizes(mesh, errors, 0.02)
-    _, nodal = own_sizes(mesh)
-    assert np.all(found.sizes <= MADE_SMALLER * nodal * (1.0 + 1e-12))
-    assert np.mean(np.isclose(found.sizes, MADE_SMALLER * nodal, rtol=1e-12)) > 0.9
-    halved = refined_sizes(mesh, errors, 0.02 * 0.8**ORDER)
-    lower = halved.sizes / found.sizes
-    assert lower.min() >= 0.8 - 1e-12
-    assert np.mean(np.isclose(lower, 0.8, rtol=1e-12)) > 0.9
 
 
 @pytest.mark.usefixtures("all_digits")
@@ -176,7 +164,7 @@ def test_sizes_grow_gently_and_no_more_than_needed(mesh, monkeypatch):
     errors = EnergyErrors(10.0 ** rng.uniform(-8.0, 0.0, len(mesh.elements)), 100.0)
     found = {}
     for growth in (0.15, GROWTH, 1e9):
-        monkeypatch.setattr(fem.refinement, "GROWTH", growth)
+        monkeypatch.setattr(fem.analysis, "GROWTH", growth)
         found[growth] = refined_sizes(mesh, errors, 0.01)
     wished = found.pop(1e9).sizes
     for growth, limited in found.items():
@@ -188,34 +176,6 @@ def test_sizes_grow_gently_and_no_more_than_needed(mesh, monkeypatch):
         expected = np.min(wished[:, None] + growth * dijkstra(graph, directed=False), axis=0)
         assert limited.sizes == close(expected, rel=1e-12)
     assert np.mean(found[0.15].sizes < 0.99 * wished) > 0.3
-
-
-def test_sizes_are_smaller_where_the_error_is(mesh, level):
-    found = refined_sizes(mesh, level.errors, 0.01)
-    _, nodal = own_sizes(mesh)
-    refined = found.sizes / nodal
-    numbers = np.unique(mesh.elements[:, :4], return_inverse=True)[1].reshape(-1, 4)
-    order = np.argsort(level.errors.elements)
-    worst, best = (np.mean(refined[numbers[order[part]]]) for part in (slice(-70, None), slice(70)))
-    assert worst < 0.7 * best
-
-
-def test_the_map_is_of_what_was_meshed(mesh, half_mesh, level):
-    """A half whose elements have the errors of their mirror images gets the quarter's sizes."""
-    found = refined_sizes(mesh, level.errors, 0.01)
-    assert np.array_equal(found.points, mesh.points[np.unique(mesh.elements[:, :4])])
-    assert np.array_equal(found.points[found.tetrahedra], mesh.points[mesh.elements[:, :4]])
-    both = EnergyErrors(np.tile(level.errors.elements, 2), 2.0 * level.errors.energy)
-    of_half = refined_sizes(half_mesh, both, 0.01)
-    first = len(found.sizes)
-    assert np.array_equal(of_half.points[:first], found.points)
-    assert of_half.sizes[:first] == close(found.sizes, rel=1e-12)
-    # Corners and edge middles off the cut come twice.
-    volumes = [
-        np.abs(np.linalg.det(one.points[one.tetrahedra][:, 1:] - one.points[one.tetrahedra][:, :1]))
-        for one in (of_half, found)
-    ]
-    assert volumes[0].sum() == close(2.0 * volumes[1].sum(), rel=1e-12)
 
 
 def test_a_unit_of_force_changes_nothing(mesh, level):
@@ -302,7 +262,7 @@ def test_a_mesh_that_gets_no_better_ends_the_search(throw, mesh, level):
 
 def test_meshes_stay_within_the_budget(throw, mesh, monkeypatch):
     """Sizes are scaled so that no more unknowns are expected than allowed; the first mesh's too."""
-    monkeypatch.setattr(fem.accuracy, "MOST_UNKNOWNS", 5_000)
+    monkeypatch.setattr(fem.analysis, "MOST_UNKNOWNS", 5_000)
     mesher = Recorder(mesh)
     solve_to_accuracy(throw, 0.001, PROBLEM, mesher)
     first, (factor, _, sizes) = mesher.asked[0][0], mesher.asked[1]
@@ -310,14 +270,3 @@ def test_meshes_stay_within_the_budget(throw, mesh, monkeypatch):
     assert factor > 1.0
     assert 0.8 * 5_000 <= sizes.expected_unknowns(factor) <= 1.001 * 5_000
     assert len(mesher.asked) == 2
-
-
-def test_rounding_in_the_solution_makes_no_other_sizes(mesh):
-    rng = np.random.default_rng(8)
-    errors = 10.0 ** rng.uniform(-6.0, 0.0, len(mesh.elements))
-    disturbed = errors * (1.0 + 1e-13 * rng.normal(size=len(errors)))
-    one, other = (
-        refined_sizes(mesh, EnergyErrors(found, 100.0), 0.01) for found in (errors, disturbed)
-    )
-    assert np.array_equal(one.sizes, other.sizes)
-    assert len(np.unique(one.sizes)) > 50

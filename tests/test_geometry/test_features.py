@@ -1,7 +1,6 @@
 """The features of a throw: what they weigh, what is refused, and that they are where they should be."""
 
 import math
-import random
 from functools import cache
 
 import numpy as np
@@ -9,18 +8,14 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from geometry.drilled_solid import on_drilling
 from geometry.gmsh_session import gmsh_session
 from geometry.mass import mass_properties, mesh_mass_properties
-from geometry.mesh import mesh_throw
-from geometry.mesh_checks import check_solid, solid_properties
-from geometry.solid import OIL_HOLE, build_solid
+from geometry.mesh import check_solid, mesh_throw, solid_properties
+from geometry.solid import OIL_HOLE, build_solid, on_drilling
 from geometry.throw import CrankThrow
-from geometry.throw_checks import FIRST_EIGHT, check_throw, fits_plainly
+from geometry.throw_checks import FIRST_EIGHT, fits_plainly
 from geometry.throw_dimensions import Counterweight, FurtherPin, OilHole, ThrowDimensions, Web
-from geometry.throw_layout import throw_parts
 
-HALF_TURN = math.pi
 HOLE = {"part": "pin", "diameter": 0.02}
 
 
@@ -130,20 +125,6 @@ def test_the_solid_and_the_mesh_are_what_is_described(build, feature):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "feature", ["counterweight beside a thin foot", "eccentric bores", "thin tip"]
-)
-def test_quarter_half_and_full_weigh_the_same(build, feature):
-    throw = build(**FEATURES[feature])
-    found = [mass_properties(mesh_throw(throw, 1.5, part), 1.0) for part in PARTS]
-    for other in found[1:]:
-        assert other.mass == close(found[0].mass, rel=1e-6)
-        assert other.center == close(found[0].center, rel=1e-6, abs=1e-9)
-        scale = float(np.abs(found[0].inertia).max())
-        assert other.inertia == close(found[0].inertia, abs=1e-6 * scale)
-
-
-@pytest.mark.slow
 def test_oil_holes_are_cut_alike_out_of_quarter_half_and_full(build):
     parts = build(**FEATURES["rounded oil holes into bores"]).parts
     areas = []
@@ -227,32 +208,6 @@ def test_a_slope_takes_off_a_wedge(build, drop):
     assert plain.volume - thin.volume == close(2.0 * wedge, rel=1e-9)
 
 
-@pytest.mark.slow
-def test_units_make_no_difference():
-    """254 mm, 0.254 m and 10 in are one throw, to round-off in its volume and mesh."""
-    texts = {
-        "crank_radius": ("127 mm", "0.127 m", "5 in"),
-        "main_journal_diameter": ("177.8 mm", "0.1778 m", "7 in"),
-        "pin_diameter": ("152.4 mm", "0.1524 m", "6 in"),
-        "main_journal_length": ("101.6 mm", "0.1016 m", "4 in"),
-        "pin_length": ("127 mm", "0.127 m", "5 in"),
-        "web_width": ("254 mm", "0.254 m", "10 in"),
-        "web_thickness": ("50.8 mm", "0.0508 m", "2 in"),
-        "fillet_radius": ("12.7 mm", "0.0127 m", "0.5 in"),
-        "pin_bore": ("50.8 mm", "0.0508 m", "2 in"),
-    }
-    throws = [
-        CrankThrow.from_text({name: text[unit] for name, text in texts.items()})
-        for unit in range(3)
-    ]
-    meshes = [mesh_throw(throw, 3.0) for throw in throws]
-    for throw, mesh in zip(throws[1:], meshes[1:], strict=True):
-        assert throw.volume == close(throws[0].volume, rel=1e-14)
-        assert mesh.solid.volume == close(meshes[0].solid.volume, rel=1e-12)
-        assert len(mesh.points) == len(meshes[0].points)
-        assert mesh.points == close(meshes[0].points, abs=1e-9)
-
-
 def test_the_order_of_fields_makes_no_difference(dimensions):
     forward = CrankThrow(**dimensions, pin_bore=0.06)
     backward = CrankThrow(**dict(reversed([*dimensions.items(), ("pin_bore", 0.06)])))
@@ -261,48 +216,49 @@ def test_the_order_of_fields_makes_no_difference(dimensions):
 
 
 # What is refused: the change, and words of the sentence.
-REFUSED = {
-    "bore without a wall": ({"pin_bore": 0.17}, ["pin_bore", "0, or 9 mm to 162 mm", "wall"]),
-    "bore too small": ({"main_journal_bore": 0.004}, ["main_journal_bore", "does not matter"]),
-    "eccentric bore": (
-        {"pin_bore": 0.12, "pin_bore_offset": 0.04},
-        ["pin_bore", "82 mm", "40 mm off its axis"],
-    ),
-    "offset without bore": ({"pin_bore_offset": 0.01}, ["pin_bore_offset", "no bore"]),
-    "hole in no part": ({"oil_holes": [HOLE | {"part": "web"}]}, [".part", "allowed are pin, left"]),
-    "hole larger than its pin": (
+REFUSED = [
+    ({"pin_bore": 0.17}, ["pin_bore", "0, or 9 mm to 162 mm", "wall"]),
+    ({"main_journal_bore": 0.004}, ["main_journal_bore", "does not matter"]),
+    ({"pin_bore": 0.12, "pin_bore_offset": 0.04}, ["pin_bore", "82 mm", "40 mm off its axis"]),
+    ({"pin_bore_offset": 0.01}, ["pin_bore_offset", "no bore"]),
+    ({"oil_holes": [HOLE | {"part": "web"}]}, [".part", "allowed are pin, left"]),
+    (
         {"oil_holes": [HOLE | {"diameter": 0.2}]},
         ["oil_holes[0].diameter", "200 mm", "3.6 mm to 72 mm", "leaves too little"],
     ),
-    "exit like an edge": (
+    (
         {"oil_holes": [HOLE | {"exit_radius": 0.0005}]},
         ["exit_radius", "0, or 1 mm to 20 mm", "sharp edge"],
     ),
-    "hole into the fillet": (
+    (
         {"oil_holes": [HOLE | {"position": 0.06}]},
         ["oil_holes[0].position", "-45.7 mm to 45.7 mm", "crankpin's fillet"],
     ),
-    "hole out of the throw": (
+    (
         {"oil_holes": [HOLE, HOLE | {"part": "left main journal"}]},
         ["oil_holes[1].position", "throw ends in the middle of the main journal"],
     ),
-    "hole too much tilted": (
+    (
         {"oil_holes": [HOLE | {"diameter": 0.06, "tilt": 0.6}]},
-        ["oil_holes[0].diameter", "at most 111.4 mm along the shaft", "no more between its fillets"],
+        [
+            "oil_holes[0].diameter",
+            "at most 111.4 mm along the shaft",
+            "no more between its fillets",
+        ],
     ),
-    "holes that cross": (
+    (
         {"oil_holes": [HOLE, HOLE | {"angle": 1.0}]},
         ["oil_holes[1]", "runs into oil_holes[0]", "leave 2 mm"],
     ),
-    "exits that meet": (
+    (
         {"oil_holes": [HOLE | {"position": z, "exit_radius": 0.005} for z in (0.0, 0.03)]},
         ["oil_holes[1]", "comes out into the exit of oil_holes[0]"],
     ),
-    "hole wider than the bore": (
+    (
         {"oil_holes": [HOLE | {"diameter": 0.06}], "pin_bore": 0.06},
         ["oil_holes[0].diameter", "at most 57 mm", "whole width"],
     ),
-    "hole that grazes the bore": (
+    (
         {
             "oil_holes": [HOLE | {"angle": 0.5 * math.pi}],
             "pin_bore": 0.06,
@@ -310,84 +266,78 @@ REFUSED = {
         },
         ["oil_holes[0].angle", "90 deg", "passes the hole's at 35 mm"],
     ),
-    "rounding into the bore": (
+    (
         {"oil_holes": [HOLE | {"exit_radius": 0.018}], "pin_bore": 0.15},
         ["exit_radius", "2 mm of straight hole"],
     ),
-    "bores that meet": (
-        {"main_journal_bore": 0.18, "pin_bore": 0.15},
-        ["leave 5 mm between them", "must not meet"],
-    ),
-    "corner of an obround": ({"web_corner_radius": 0.01}, ["no corners"]),
-    "corner into the fillet": (
+    ({"main_journal_bore": 0.18, "pin_bore": 0.15}, ["leave 5 mm between them", "must not meet"]),
+    ({"web_corner_radius": 0.01}, ["no corners"]),
+    (
         {"web_outline": "rectangle", "web_corner_chamfer": 0.13, "web_pin_end": 0.11},
         ["throw.fillet_radius", "crankpin"],
     ),
-    "narrow end": ({"web_pin_end": 0.08}, ["pin_diameter", "outside the web"]),
-    "ends narrower than the width": (
+    ({"web_pin_end": 0.08}, ["pin_diameter", "outside the web"]),
+    (
         {"web_journal_end": 0.14, "web_pin_end": 0.14},
         ["web_journal_end: in the left web", "150 mm or more"],
     ),
-    "thick tip": ({"web_tip_thickness": 0.07}, ["web_tip_thickness", "20.4 mm to 68 mm"]),
-    "no room for a slope": (
+    ({"web_tip_thickness": 0.07}, ["web_tip_thickness", "20.4 mm to 68 mm"]),
+    (
         {"crank_radius": 0.02, "main_journal_diameter": 0.276, "web_tip_thickness": 0.05},
         ["web_tip_thickness", "only 68 mm", "no room"],
     ),
-    "small counterweight": (
+    (
         {"counterweight": Counterweight(outer_radius=0.15, angle=2.0)},
         ["counterweight.outer_radius", "153 mm or more"],
     ),
-    "loose counterweight": (
+    (
         {"counterweight": Counterweight(outer_radius=0.25, inner_radius=0.14, angle=2.0)},
         ["counterweight.inner_radius", "0 to 135 mm"],
     ),
-    "counterweight in the bearing": (
+    (
         {"counterweight": Counterweight(outer_radius=0.25, angle=2.0, thickness=0.09)},
         ["counterweight.inner_radius", "main bearing", "clear"],
     ),
-    "counterweight beyond the bearing": (
-        {"counterweight": Counterweight(outer_radius=0.25, inner_radius=0.13, angle=2.0, thickness=0.25)},
+    (
+        {
+            "counterweight": Counterweight(
+                outer_radius=0.25, inner_radius=0.13, angle=2.0, thickness=0.25
+            )
+        },
         ["counterweight.thickness", "neighboring"],
     ),
-    "counterweight off its web": (
+    (
         {"counterweight": Counterweight(outer_radius=0.25, angle=2.0, thickness=0.02, offset=0.06)},
         ["counterweight.offset", "shared"],
     ),
-    "hardly a step": (
+    (
         {"counterweight": Counterweight(outer_radius=0.25, angle=2.0, thickness=0.0675)},
         ["counterweight.thickness", "cannot be meshed"],
     ),
-    "halves that do not hold": (
-        {"further_pins": (FurtherPin(angle=2.0, web_thickness=0.0),)},
-        ["split pin", "hold together"],
-    ),
-    "thin web of its own": ({"left_web": Web(thickness=0.005)}, ["left_web.thickness", "thinner"]),
-    "fillet's foot hardly inside the web": (
+    ({"further_pins": (FurtherPin(angle=2.0, web_thickness=0.0),)}, ["split pin", "hold together"]),
+    ({"left_web": Web(thickness=0.005)}, ["left_web.thickness", "thinner"]),
+    (
         {"web_width": 0.264001, "fillet_radius": 0.022, "pin_diameter": 0.18},
         ["throw.fillet_radius", "exactly", "too close to be meshed"],
     ),
-    "hardly a corner": (
+    (
         {"web_outline": "rectangle", "web_corner_radius": 1e-5},
         ["web_corner_radius", "0, or 3 mm or more"],
     ),
-    "end hardly off half the width": (
+    (
         {"right_web": Web(pin_end=0.150001)},
         ["right_web.pin_end", "150 mm, or a value 0.3 mm or more off it"],
     ),
-    "pins hardly apart": (
-        {"further_pins": (FurtherPin(angle=1e-7),)},
-        ["further_pins", "0 or 0.9 mm or more"],
-    ),
-    "pin of its own": (
+    ({"further_pins": (FurtherPin(angle=1e-7),)}, ["further_pins", "0 or 0.9 mm or more"]),
+    (
         {"further_pins": (FurtherPin(angle=2.0, diameter=0.35),)},
         ["further_pins[0].diameter", "outside the"],
     ),
-}  # fmt: skip
+]
 
 
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_cannot_be_built_is_refused_with_its_reason(build, case):
-    changes, words = REFUSED[case]
+@pytest.mark.parametrize(("changes", "words"), REFUSED)
+def test_what_cannot_be_built_is_refused_with_its_reason(build, changes, words):
     with pytest.raises(InputError) as caught:
         build(**changes)
     message = str(caught.value)
@@ -406,36 +356,6 @@ def test_a_bore_that_comes_out_in_the_other_fillet_is_remarked(build):
     assert "bore of the main journal cuts the fillet or the surface of the crankpin" in left
     assert "at the left web" in left
     assert "at the right web" in right
-
-
-def test_a_throw_that_fits_plainly_passes_all_checks():
-    seeded = random.Random(5)
-    counts = {True: 0, False: 0}
-    for _ in range(2000):
-        journal, pin = 0.2, 0.2 * seeded.uniform(0.5, 1.2)
-        larger = max(journal, pin)
-        # Each dimension near the limit that it meets first, on either side.
-        width = larger * seeded.choice([1.0, 1.005, 1.012, 1.1, 1.6])
-        shortest = larger / 25.0 * seeded.choice([0.99, 1.0, 1.02, 3.0, 9.0])
-        room = 0.5 * (width - larger)
-        throw = ThrowDimensions(
-            crank_radius=larger * seeded.choice([0.3, 0.6, 1.0, 2.5]),
-            main_journal_diameter=journal,
-            pin_diameter=pin,
-            main_journal_length=max(shortest * seeded.uniform(0.9, 3.0), 0.005),
-            pin_length=max(shortest * seeded.uniform(0.9, 3.0), 0.005),
-            web_width=width,
-            web_thickness=max(shortest * seeded.uniform(0.9, 2.0), 0.005),
-            fillet_radius=seeded.choice([0.0, 0.009 * larger, 0.011 * larger, 0.9 * room, room]),
-        )
-        assert throw.model_fields_set == FIRST_EIGHT
-        try:
-            check_throw(throw, throw_parts(throw))
-        except InputError:
-            assert not fits_plainly(throw)
-        else:
-            counts[fits_plainly(throw)] += 1
-    assert counts[True] > 200
 
 
 def test_other_dimensions_are_left_to_the_whole_check():

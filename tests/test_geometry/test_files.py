@@ -25,14 +25,10 @@ from crankbase.outputs import (
     write_text,
     write_user_file,
 )
-from geometry.cad_faces import opened_part
-from geometry.crankshaft import Crankshaft, ShaftEnds
-from geometry.gmsh_session import gmsh_session
 from geometry.imported import import_throw
 from geometry.mesh import mesh_throw
-from geometry.mesh_files import ENDINGS, write_mesh
 from geometry.shapes import element_volumes
-from geometry.solid_files import write_step
+from geometry.solid_files import MESH_ENDINGS, write_mesh, write_step
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web
 
@@ -287,19 +283,6 @@ def test_only_a_run_takes_a_runs_place(file):
     assert files_listed(file.parent) == []
 
 
-def test_many_programs_write_into_one_folder(tmp_path):
-    threads = [
-        threading.Thread(target=write_text, args=(tmp_path / f"{n}.csv", "x", "table"))
-        for n in range(20)
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    listed = json.loads((tmp_path / LISTED).read_text(encoding="utf-8"))
-    assert set(listed["files"]) == {f"{n}.csv" for n in range(20)}
-
-
 def test_what_is_handed_over_is_the_users(file):
     write_user_file(file, b"a template", "input file")
     assert names(file.parent) == ["a.csv"]
@@ -333,21 +316,6 @@ def test_solid_formats_keep_nodes_elements_and_surfaces(mesh, tmp_path, ending):
     assert triangles == sum(len(corners) for corners in mesh.surfaces.values())
 
 
-def test_gmsh_reads_its_own_format_with_names(mesh, tmp_path):
-    path = write_mesh(mesh, tmp_path / "throw.msh")
-    with gmsh_session("read") as gmsh:
-        gmsh.merge(str(path))
-        groups = gmsh.model.getPhysicalGroups()
-        names = {gmsh.model.getPhysicalName(*group) for group in groups}
-        kinds, _, _ = gmsh.model.mesh.getElements(3)
-        # gmsh's own check of orientation and order: signed inverse condition numbers.
-        _, tags, _ = gmsh.model.mesh.getElements(3)
-        quality = gmsh.model.mesh.getElementQualities(tags[0], "minSJ")
-    assert names == {"throw", *(n for n, corners in mesh.surfaces.items() if len(corners))}
-    assert list(kinds) == [11]
-    assert min(quality) > 0.0
-
-
 def test_sets_of_abaqus_files_have_names(mesh, tmp_path):
     text = write_mesh(mesh, tmp_path / "throw.inp").read_text()
     for name in ("left_end", "right_end", "pin", "throw"):
@@ -373,33 +341,11 @@ def test_values_at_nodes_travel(mesh, tmp_path):
 def test_unknown_endings_and_missing_folders(mesh, tmp_path):
     with pytest.raises(InputError, match=r"'\.bdf'; allowed for a mesh are \.msh"):
         write_mesh(mesh, tmp_path / "throw.bdf")
-    for ending in ENDINGS:
+    for ending in MESH_ENDINGS:
         if ending == ".med":
             continue
         with pytest.raises(InputError, match="cannot be written"):
             write_mesh(mesh, tmp_path / "nowhere" / f"throw{ending}")
-
-
-def read_step(path):
-    """Volume and reach along z of the one solid in a file, in m."""
-    with opened_part(str(path)) as (gmsh, solid):
-        gmsh.model.occ.synchronize()
-        box = gmsh.model.getBoundingBox(3, solid)
-        return gmsh.model.occ.getMass(3, solid), box[5] - box[2]
-
-
-def test_step_of_a_throw_and_of_a_shaft_come_back_in_metres(dimensions, tmp_path):
-    throw = CrankThrow(**dimensions, pin_bore=0.06)
-    volume, length = read_step(write_step(throw, tmp_path / "throw.step"))
-    assert volume == close(throw.volume, rel=1e-6)
-    assert length == close(throw.length, rel=1e-5)
-    half, _ = read_step(write_step(throw, tmp_path / "half.stp", "half"))
-    assert half == close(throw.volume / 2.0, rel=1e-6)
-    ends = ShaftEnds(free_end_diameter=0.2, free_end_length=0.3)
-    shaft = Crankshaft([throw] * 3, crank_angles_deg=[0.0, 120.0, 240.0], ends=ends)
-    volume, length = read_step(write_step(shaft, tmp_path / "shaft.step"))
-    assert volume == close(shaft.masses(1.0).mass, rel=1e-6)
-    assert length == close(shaft.length, rel=1e-5)
 
 
 @pytest.mark.parametrize(

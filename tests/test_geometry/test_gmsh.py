@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 from unittest import mock
@@ -16,8 +15,14 @@ import pytest
 from comparing import close
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError, MeshError, MissingLibraryError
-from geometry.gmsh_session import DEBIAN_PACKAGES, gmsh_session, load_gmsh, missing_library_advice
-from geometry.isolated import IsolatedProcess, shared_process
+from geometry.gmsh_session import (
+    DEBIAN_PACKAGES,
+    IsolatedProcess,
+    gmsh_session,
+    load_gmsh,
+    missing_library_advice,
+    shared_process,
+)
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
@@ -202,25 +207,6 @@ def same(first, second):
     )
 
 
-@pytest.mark.slow
-def test_the_mesh_is_bit_identical_to_that_of_this_process(dimensions, process):
-    throw = CrankThrow(**dimensions, pin_bore=0.06)
-    here = mesh_throw(throw, 1.5)
-    assert same(mesh_isolated(throw, 1.5, process=process), here)
-    assert same(mesh_isolated(throw, 1.5, process=process), here)
-    threads: list[object] = []
-    runners = [
-        threading.Thread(target=lambda: threads.append(mesh_isolated(throw, 1.5, process=process)))
-        for _ in range(3)
-    ]
-    for runner in runners:
-        runner.start()
-    for runner in runners:
-        runner.join()
-    assert len(threads) == 3
-    assert all(same(mesh, here) for mesh in threads)
-
-
 def test_errors_come_back_as_they_are(dimensions, process):
     with pytest.raises(InputError, match="allowed are auto"):
         mesh_isolated(CrankThrow(**dimensions), 1.0, "eighth", process=process)
@@ -268,7 +254,7 @@ def test_a_call_ends_with_an_owner_that_is_killed(own, tmp_path):
     setup = f"import ctypes, pathlib; pathlib.Path({str(begun)!r}).touch()"
     call = ["-n1", "-r1", "-s", setup, "ctypes.PyDLL(None).sleep(60)"]
     owner = own(
-        "from geometry.isolated import IsolatedProcess\n"
+        "from geometry.gmsh_session import IsolatedProcess\n"
         f"IsolatedProcess().call('timeit:main', {call!r}, time_limit=60.0)"
     )
     owner.wait_for(begun.exists)

@@ -9,17 +9,16 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError, MeshError
 from fem.assembly import assemble_stiffness
-from fem.axial_analysis import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
+from fem.supports import class_axial_compliances
 from fem.symmetry import axial_class
-from geometry.gmsh_session import gmsh_session
-from geometry.imported import import_throw
-from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
-from geometry.isolated import IsolatedProcess, shared_process
+from geometry.gmsh_session import IsolatedProcess, gmsh_session
+from geometry.imported import decode_string, import_throw, read_step
 from geometry.mass import mass_properties
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
+from geometry.mesher import mesh_imported_throw
 from geometry.shapes import element_volumes
 from geometry.solid import (
     BORE,
@@ -28,11 +27,9 @@ from geometry.solid import (
     MAIN_JOURNAL,
     PIN,
     RIGHT_END,
-    WEB,
     make_solid,
     remove_loose,
 )
-from geometry.step_file import decode_string, read_step
 from geometry.throw import CrankThrow
 
 METER = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT($,.METRE.) )"
@@ -268,15 +265,6 @@ def test_units_that_differ_within_a_file(named):
 # --- import -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("unit", ["meter", "millimeter", "inch"])
-def test_a_throw_comes_back_from_its_file(throw, folder, unit):
-    text = name_faces(step_text(throw, unit), usual_names(throw, UNITS[unit][0]))
-    imported = import_throw(write(folder / f"{unit}.step", text))
-    assert_same_throw(imported, throw)
-    assert imported.remarks == ()
-    assert (imported.turned, imported.shifted) == (0.0, close(0.0, abs=1e-12))
-
-
 def test_without_names_the_same_is_found_by_shape(throw, plain, imported, folder):
     found = import_throw(write(folder / "plain.step", plain))
     assert_same_throw(found, throw)
@@ -506,15 +494,6 @@ def test_named_faces_in_wrong_places(plain, folder, choose, field, complaint):
         import_throw(path, **arguments)
 
 
-def test_a_bore_named_as_the_pin(bored, folder):
-    def choose(kind, point, radius):
-        return PIN if abs(radius - 0.03) < 1e-6 else ""
-
-    path = write(folder / "hole.step", name_faces(step_text(bored), choose))
-    with pytest.raises(InputError, match="a cylinder that is a hole; allowed is the outside"):
-        import_throw(path, None, None)
-
-
 def test_one_name_for_two_pins(two_pins, folder):
     usual = usual_names(two_pins)
     text = name_faces(step_text(two_pins), lambda *at: usual(*at).removesuffix(" 2"))
@@ -584,54 +563,6 @@ def test_a_file_that_takes_the_process_down(imported):
 # --- mesh ---------------------------------------------------------------------------------------
 
 
-def test_the_mesh_is_that_of_the_throw(throw, imported, mesh):
-    assert (mesh.part, mesh.pins, mesh.length) == ("full", (PIN,), imported.length)
-    assert mesh.size_factor == 1.5
-    assert mesh.attempts == ()
-    assert mesh.solid.volume == close(throw.volume, rel=1e-6)
-    assert element_volumes(mesh.points, mesh.elements).sum() == close(throw.volume, rel=1e-3)
-    ours = mass_properties(mesh, 7850.0)
-    theirs = mass_properties(mesh_throw(throw, 1.5), 7850.0)
-    assert ours.mass == close(theirs.mass, rel=1e-6)
-    assert ours.center == close(theirs.center, abs=1e-7)
-    assert ours.inertia == close(theirs.inertia, rel=1e-5, abs=1e-5)
-    assert 0.5 < mesh.unknowns / predict_imported_unknowns(imported, 1.5) < 1.5
-
-
-def test_surfaces_of_the_mesh_are_where_their_names_say(throw, mesh):
-    assert list(mesh.surfaces) == [LEFT_END, RIGHT_END, PIN, MAIN_JOURNAL, FILLET, WEB]
-    x, y, z = mesh.points.T
-
-    def nodes(name):
-        return np.unique(mesh.surfaces[name])
-
-    assert np.abs(z[nodes(LEFT_END)]).max() < 1e-9
-    assert np.abs(z[nodes(RIGHT_END)] - throw.length).max() < 1e-9
-    pin, journal = nodes(PIN), nodes(MAIN_JOURNAL)
-    assert np.hypot(x[pin], y[pin] - throw.crank_radius) == close(0.09, rel=1e-9)
-    assert np.hypot(x[journal], y[journal]) == close(0.11, rel=1e-9)
-    facets = np.concatenate(list(mesh.surfaces.values()))
-    corners = mesh.elements[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
-    _, counts = np.unique(np.sort(corners, axis=1), axis=0, return_counts=True)
-    assert len(facets) == (counts == 1).sum()
-
-
-def test_the_mesh_is_the_same_in_another_process(imported, mesh):
-    remarks = []
-    away = shared_process().call(
-        "geometry.imported_mesh:mesh_imported_throw",
-        imported,
-        1.5,
-        None,
-        (),
-        time_limit=120.0,
-        on_remark=remarks.append,
-    )
-    assert remarks == [()]
-    assert np.array_equal(away.points, mesh.points)
-    assert np.array_equal(away.elements, mesh.elements)
-
-
 @pytest.mark.slow
 def test_failed_ways_are_passed_over_and_recorded(imported):
     mesh = mesh_imported_throw(imported, 2.5, None, ("as planned: it took too long",))
@@ -664,19 +595,6 @@ def test_surfaces_that_are_elsewhere_are_noticed(imported):
     wrong = replace(imported, surfaces=tuple(names.items()))
     with pytest.raises(MeshError, match="'left end' of the file is not where it was"):
         mesh_imported_throw(wrong, 3.0, None, ("no",) * (len(MESHING_STRATEGIES) - 1))
-
-
-@pytest.mark.slow
-def test_nothing_is_left_behind_in_this_process(throw, plain, imported):
-    """Neither in the options of a running gmsh nor in the kernel, which also writes files."""
-    with gmsh_session("outer") as gmsh:
-        before = gmsh.option.getString("Geometry.OCCTargetUnit")
-        curvature = gmsh.option.getNumber("Mesh.MeshSizeFromCurvature")
-        mesh_imported_throw(imported, 3.0)
-        assert gmsh.option.getString("Geometry.OCCTargetUnit") == before
-        assert gmsh.option.getNumber("Mesh.MeshSizeFromCurvature") == curvature
-    points = r"CARTESIAN_POINT\([^;]*;"
-    assert re.findall(points, step_text(throw)) == re.findall(points, plain)
 
 
 # --- analysis -----------------------------------------------------------------------------------

@@ -1,7 +1,6 @@
 """Meshes of throws, and meshes made from sizes at the nodes of an earlier one."""
 
 import ctypes
-import math
 import multiprocessing
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
@@ -11,29 +10,22 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from skfem import ElementTetP2, ElementTriP2
+from skfem import ElementTetP2
 from skfem.quadrature import get_quadrature
 
 import geometry.mesh
-import geometry.mesh_checks
 from comparing import close
 from crankbase.errors import InputError, MeshError
-from geometry.gmsh_session import gmsh_session
-from geometry.isolated import IsolatedProcess
-from geometry.mesh import MESHING_STRATEGIES, mesh_throw
-from geometry.mesh_checks import check_quality, check_volume
-from geometry.mesher import mesh_here, mesh_isolated
+from geometry.mesh import MESHING_STRATEGIES, check_quality, check_volume, mesh_throw
+from geometry.mesher import mesh_isolated
 from geometry.shapes import (
     EDGES,
     corner_quality,
     element_quadrature,
     element_volumes,
-    shapes_at,
     smallest_jacobians,
     straighten_elements,
-    triangle_shapes_at,
 )
-from geometry.size_fields import set_size_map
 from geometry.sizes import SizeMap, regular_volume
 from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MAIN_JOURNAL, MIDDLE_PLANE, PIN, WEB
 from geometry.throw import CrankThrow
@@ -123,22 +115,6 @@ def test_named_surfaces_cover_their_places(dimensions, scale):
     assert areas[CRANK_PLANE] == close(expected[CRANK_PLANE], rel=5e-3)
 
 
-def test_surfaces_lie_where_their_names_say(dimensions, coarse_mesh):
-    throw = CrankThrow(**dimensions)
-    x, y, z = coarse_mesh.points.T
-
-    def nodes(name):
-        return np.unique(coarse_mesh.surfaces[name])
-
-    assert np.abs(z[nodes(LEFT_END)]).max() < 1e-12
-    assert np.abs(x[nodes(CRANK_PLANE)]).max() < 1e-12
-    assert np.abs(z[nodes(MIDDLE_PLANE)] - throw.length / 2.0).max() < 1e-12
-    journal, pin = nodes(MAIN_JOURNAL), nodes(PIN)
-    assert np.hypot(x[journal], y[journal]) == close(throw.main_journal_diameter / 2.0)
-    assert np.hypot(x[pin], y[pin] - throw.crank_radius) == close(throw.pin_diameter / 2.0)
-    assert z[pin].min() >= throw.length / 2.0 - throw.pin_length / 2.0
-
-
 def test_sharp_corners_have_no_fillet_surface_and_small_elements(dimensions):
     throw = CrankThrow(**{**dimensions, "fillet_radius": 0.0})
     mesh = mesh_throw(throw, 1.0)
@@ -150,26 +126,6 @@ def test_sharp_corners_have_no_fillet_surface_and_small_elements(dimensions):
     )
     # Nodes stand about half an element's length apart along the half circle.
     assert on_corner.sum() > 0.8 * np.pi * corner / (0.05 * throw.web_thickness)
-
-
-def test_every_facet_belongs_to_one_name(coarse_mesh):
-    corners = coarse_mesh.elements[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
-    facets, counts = np.unique(np.sort(corners, axis=1), axis=0, return_counts=True)
-    named = np.concatenate(list(coarse_mesh.surfaces.values()))
-    named = np.unique(np.sort(named, axis=1), axis=0)
-    assert set(counts) == {1, 2}
-    assert np.array_equal(named, facets[counts == 1])
-    assert len(named) == sum(map(len, coarse_mesh.surfaces.values()))
-
-
-def test_nodes_are_numbered_without_gaps_and_edge_nodes_lie_on_their_edges(coarse_mesh):
-    assert np.array_equal(np.unique(coarse_mesh.elements), np.arange(len(coarse_mesh.points)))
-    assert coarse_mesh.unknowns == 3 * len(coarse_mesh.points)
-    where = coarse_mesh.points[coarse_mesh.elements]
-    for node, (first, second) in enumerate(EDGES, start=4):
-        off = where[:, node] - 0.5 * (where[:, first] + where[:, second])
-        length = np.linalg.norm(where[:, first] - where[:, second], axis=1)
-        assert (np.linalg.norm(off, axis=1) < 0.25 * length).all()
 
 
 def test_bit_identical_wherever_it_runs(dimensions, coarse_mesh):
@@ -204,28 +160,6 @@ def straight_tetrahedra(corners, connections):
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]
 TWO = [(0, 1, 2, 3), (1, 2, 3, 4)]
-
-
-def test_volumes_of_straight_tetrahedra():
-    points, elements = straight_tetrahedra(CORNERS, TWO)
-    assert element_volumes(points, elements) == close([1.0 / 6.0, 1.0 / 3.0], rel=1e-14)
-    where, volumes = element_quadrature(points, elements)
-    assert volumes.sum() == close(0.5, rel=1e-14)
-    center = (np.mean(CORNERS[:4], axis=0) / 6.0 + np.mean(CORNERS[1:], axis=0) / 3.0) / 0.5
-    assert volumes @ where / 0.5 == close(center, rel=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("element", "shapes", "order"),
-    [(ElementTetP2(), shapes_at, (2, 0, 1)), (ElementTriP2(), triangle_shapes_at, (0, 1, 2))],
-)
-def test_shape_functions_are_those_of_scikit_fem(element, shapes, order):
-    where = np.random.default_rng(1).random((element.refdom.dim(), 7))
-    values, gradients = shapes(where)
-    expected = [element.lbasis(where, node) for node in range(values.shape[1])]
-    assert values == close(np.array([value + np.zeros(7) for value, _ in expected]).T, abs=1e-14)
-    slopes = np.array([slope + np.zeros_like(where) for _, slope in expected])
-    assert gradients == close(slopes.transpose(order), abs=1e-14)
 
 
 def test_volumes_of_curved_tetrahedra_are_those_of_a_quadrature_that_is_more_than_exact():
@@ -326,7 +260,7 @@ def test_a_hopeless_mesh_is_an_error_that_says_what_was_tried(dimensions, monkey
 
 def test_a_solid_that_lost_a_part_is_not_meshed(dimensions, monkeypatch):
     throw = CrankThrow(**dimensions)
-    monkeypatch.setattr(geometry.mesh_checks, "throw_volume", lambda _: 1.001 * throw.volume)
+    monkeypatch.setattr(geometry.mesh, "throw_volume", lambda _: 1.001 * throw.volume)
     with pytest.raises(MeshError, match="the solid has a volume of"):
         mesh_throw(throw, 3.0)
 
@@ -393,7 +327,6 @@ def test_any_throw_that_can_be_built_is_meshed(throw):
 
 # Corners and edges of a regular tetrahedron with edges of 1 m.
 REGULAR = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(8.0)
-MAP_EDGES = [(i, j) for i in range(4) for j in range(i)]
 
 
 def same(first, second):
@@ -418,14 +351,6 @@ def wished_size(points, throw):
     return 0.030 - 0.032 * points[:, 2] / throw.length
 
 
-def mean_edges(points, tetrahedra):
-    """Mean edge of each element."""
-    corners = points[tetrahedra]
-    return np.mean(
-        [np.linalg.norm(corners[:, i] - corners[:, j], axis=1) for i, j in MAP_EDGES], axis=0
-    )
-
-
 @pytest.fixture(scope="module")
 def map_throw(dimensions):
     return CrankThrow(**dimensions)
@@ -448,49 +373,10 @@ def test_volume_of_a_regular_tetrahedron():
     assert regular_volume(np.array([1.0, 0.02])) == close([expected, 8e-6 * expected])
 
 
-def test_expected_unknowns_scale_with_the_size(graded):
-    """Nodes inside grow with the third power, those on the surface with the second."""
-    counts = [graded.expected_unknowns(0.5**power) for power in range(-1, 8)]
-    growth = np.array(counts[1:]) / counts[:-1]
-    assert 4.0 <= growth.min() <= growth.max() <= 8.01
-    assert growth[-1] > 7.5
-    finer = replace(graded, sizes=0.5 * graded.sizes)
-    assert finer.expected_unknowns(2.0) == counts[1]
-
-
 def test_expected_unknowns_do_not_depend_on_the_order_of_corners(coarse_mesh):
     uniform = map_of(coarse_mesh, lambda points: np.full(len(points), 0.02))
     turned = replace(uniform, tetrahedra=uniform.tetrahedra[::-1, [1, 0, 2, 3]])
     assert turned.expected_unknowns() == uniform.expected_unknowns()
-
-
-@pytest.mark.parametrize(
-    ("part", "size"), [("quarter", 0.040), ("quarter", 0.018), ("half", 0.025), ("full", 0.040)]
-)
-def test_expected_unknowns_are_about_those_made(map_throw, part, size):
-    """Within 40 %, for budgets and time limits go by them."""
-    first = mesh_throw(map_throw, 2.5, part=part)
-    sizes = map_of(first, lambda points: np.full(len(points), size))
-    mesh = mesh_throw(map_throw, 1.0, part, sizes)
-    assert mesh.attempts == ()
-    assert sizes.expected_unknowns() == close(mesh.unknowns, rel=0.4)
-
-
-def test_elements_have_the_sizes_of_the_map(made, map_throw):
-    """Slices across the shaft; gmsh makes edges 16 to 28 % longer than it is told."""
-    tetrahedra = made.elements[:, :4]
-    edges = mean_edges(made.points, tetrahedra)
-    centers = made.points[tetrahedra].mean(axis=1)
-    wished = wished_size(centers, map_throw)
-    ratios = []
-    for low in (0.0, 0.1, 0.2, 0.3, 0.4):
-        inside = (centers[:, 2] >= low * map_throw.length) & (
-            centers[:, 2] < (low + 0.1) * map_throw.length
-        )
-        assert inside.sum() > 30
-        ratios.append(np.mean(edges[inside]) / np.mean(wished[inside]))
-    assert min(ratios) > 1.1
-    assert max(ratios) < 1.35
 
 
 def test_a_map_replaces_the_planned_sizes(map_throw, coarse_mesh, made):
@@ -514,16 +400,6 @@ def test_the_mesh_is_checked_as_others_are(map_throw, made):
     assert volume == close(made.solid.volume, rel=1e-3)
 
 
-def test_a_map_of_any_size_gives_a_mesh_of_the_volume(map_throw, coarse_mesh):
-    """Elements as large as a journal's radius would cut chords off it: they are smaller there."""
-    for size in (0.1, 0.5):
-        coarse = map_of(coarse_mesh, lambda points, size=size: np.full(len(points), size))
-        mesh = mesh_throw(map_throw, sizes=coarse)
-        assert mesh.attempts == ()
-        volume = element_volumes(mesh.points, mesh.elements).sum()
-        assert volume == close(mesh.solid.volume, rel=5e-4)
-
-
 def test_a_map_whose_mesh_is_refused_is_meshed_finer(map_throw, graded, monkeypatch):
     def refuse(*_):
         monkeypatch.undo()
@@ -533,19 +409,6 @@ def test_a_map_whose_mesh_is_refused_is_meshed_finer(map_throw, graded, monkeypa
     mesh = mesh_throw(map_throw, sizes=graded)
     assert mesh.attempts == ("as planned: refused",)
     assert mesh.size_factor == MESHING_STRATEGIES[1].share
-
-
-@pytest.mark.slow
-def test_the_same_mesh_here_and_in_a_process_of_its_own(map_throw, graded, made):
-    process = IsolatedProcess()
-    try:
-        for _ in range(2):
-            assert same(mesh_isolated(map_throw, sizes=graded, process=process), made)
-        # The next mesh without a map knows nothing of it.
-        assert same(mesh_isolated(map_throw, 2.0, process=process), mesh_throw(map_throw, 2.0))
-    finally:
-        process.close()
-    assert same(mesh_here(map_throw, sizes=graded), made)
 
 
 def test_too_many_unknowns_are_refused_before_meshing(map_throw, graded):
@@ -568,28 +431,3 @@ def test_an_open_gmsh_session_gets_nothing_left_behind(map_throw, graded, made):
         assert gmsh.model.getCurrent() == "of somebody else"
     finally:
         gmsh.finalize()
-
-
-def test_the_field_between_nodes_and_beside_the_map():
-    """A box of its own, whose map covers half of it: linear inside, the closest node's beside it."""
-    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    sizes = SizeMap(corners, np.array([[0, 1, 2, 3]]), np.array([0.05, 0.2, 0.1, 0.1]))
-    with gmsh_session("a tetrahedron") as session:
-        points = [session.model.occ.addPoint(*corner) for corner in corners]
-        lines = {
-            (i, j): session.model.occ.addLine(points[i], points[j])
-            for i in range(4)
-            for j in range(i + 1, 4)
-        }
-        session.model.occ.synchronize()
-        set_size_map(session, sizes, 0.5)
-        session.model.mesh.generate(1)
-        count = {
-            ends: len(session.model.mesh.getElements(1, line)[1][0]) for ends, line in lines.items()
-        }
-    for (i, j), found in count.items():
-        # Along an edge with sizes from a to b there is room for the integral of 1 / size.
-        a, b = 0.5 * sizes.sizes[[i, j]]
-        length = np.linalg.norm(corners[i] - corners[j])
-        room = length / a if math.isclose(a, b) else length * np.log(b / a) / (b - a)
-        assert found == close(room, abs=1.5)

@@ -8,11 +8,10 @@ from matplotlib import pyplot
 from matplotlib.collections import PolyCollection
 
 from comparing import close
-from crankbase.drawing.legends import display_unit
+from crankbase.diagrams import display_unit
 from crankbase.errors import InputError
 from geometry.crankshaft import Crankshaft, ShaftEnds
-from geometry.mesh import ThrowMesh
-from geometry.mesh_checks import SolidProperties
+from geometry.mesh import SolidProperties, ThrowMesh
 from geometry.plots.mesh_plot import view_frame
 from geometry.plots.throw_plot import positioned_parts
 from geometry.throw import CrankThrow

@@ -8,26 +8,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import geometry.built_solid
 import geometry.mesh
 from comparing import close
 from crankbase.errors import InputError, MeshError
 from geometry import crankshaft
-from geometry.built_solid import SolidKeeper
 from geometry.crankshaft import Crankshaft, ShaftEnds, make_shaft, throw_masses, throw_solid
-from geometry.gmsh_session import gmsh_session
-from geometry.isolated import IsolatedProcess
+from geometry.gmsh_session import IsolatedProcess, gmsh_session
 from geometry.mass import cylinder_mass_properties, mass_properties, mesh_mass_properties, unbalance
-from geometry.mesh import mesh_throw
-from geometry.mesh_checks import solid_properties
+from geometry.mesh import SolidKeeper, mesh_throw, solid_properties
 from geometry.mesher import mesh_isolated
 from geometry.outline import Arc, obround, rectangle
-from geometry.parts import scaled_parts
-from geometry.shapes import element_volumes
-from geometry.sizes import SHARES, element_sizes, sizes_at_corners
+from geometry.parts import counterweight_moment, scaled_parts
+from geometry.sizes import element_sizes, sizes_at_corners
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight, FurtherPin, OilHole, Web
-from geometry.volume import counterweight_moment
 
 
 def same(first, second):
@@ -43,7 +37,7 @@ def same(first, second):
 def keeper(monkeypatch):
     made = SolidKeeper()
     made.keeps = True
-    monkeypatch.setattr(geometry.built_solid, "_KEEPER", made)
+    monkeypatch.setattr(geometry.mesh, "_KEEPER", made)
     yield made
     made.close()
     assert not gmsh.isInitialized()
@@ -59,7 +53,7 @@ def bored(dimensions):
 def test_meshes_of_a_kept_solid_are_bit_identical(bored, keeper, part):
     """Whatever was meshed before, by a plan or a map."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(geometry.built_solid, "_KEEPER", SolidKeeper())
+        patch.setattr(geometry.mesh, "_KEEPER", SolidKeeper())
         coarse = mesh_throw(bored, 3.0, part)
         corners = coarse.elements[:, :4]
         sizes = sizes_at_corners(coarse.points, corners, element_sizes(coarse.points, corners))
@@ -115,17 +109,6 @@ def test_a_solid_that_could_not_be_meshed_is_not_kept(dimensions, coarse_mesh, k
     assert same(mesh_throw(throw, 2.0), coarse_mesh)
 
 
-def test_other_models_beside_the_kept_one_do_it_no_harm(dimensions, coarse_mesh, keeper):
-    throw = CrankThrow(**dimensions)
-    mesh_throw(throw, 2.0)
-    with gmsh_session("throw") as other:
-        other.model.occ.addBox(0, 0, 0, 1, 1, 1)
-        other.model.occ.synchronize()
-        other.option.setNumber("Mesh.MeshSizeFromCurvature", 12)
-        other.model.mesh.generate(3)
-    assert same(mesh_throw(throw, 2.0), coarse_mesh)
-
-
 @pytest.mark.slow
 def test_a_process_of_ours_keeps_the_solid_and_a_fresh_one_builds_it_again(dimensions, coarse_mesh):
     throw, process = CrankThrow(**dimensions), IsolatedProcess()
@@ -139,15 +122,6 @@ def test_a_process_of_ours_keeps_the_solid_and_a_fresh_one_builds_it_again(dimen
     assert all(same(mesh, coarse_mesh) for mesh in meshes)
     assert [mesh.geometry_seconds > 0.0 for mesh in meshes] == [True, False, True]
     assert not gmsh.isInitialized()
-
-
-@pytest.mark.parametrize("scale", [0.02, 5.0])
-def test_throws_that_differ_by_their_size_alone_get_the_same_mesh(dimensions, coarse_mesh, scale):
-    sizes = {name: scale * value for name, value in dimensions.items()}
-    mesh = mesh_throw(CrankThrow(**sizes), 2.0)
-    assert np.array_equal(mesh.elements, coarse_mesh.elements)
-    assert mesh.points == close(scale * coarse_mesh.points, abs=1e-15 * scale)
-    assert mesh.solid.volume == close(scale**3 * coarse_mesh.solid.volume, rel=1e-14)
 
 
 def test_throws_with_oil_holes_get_the_same_mesh_down_to_model_engines(dimensions):
@@ -166,43 +140,6 @@ def test_scaled_parts_are_those_of_the_scaled_throw(bored):
     values = {name: value for name, value in bored if isinstance(value, float)}
     larger = CrankThrow(**{n: 2.0 * v for n, v in values.items()}, counterweight=weight)
     assert scaled_parts(bored.parts, 2.0) == scaled_parts(larger.parts, 1.0)
-
-
-def large_throw(seed):
-    """Draw a throw with a main journal of about 1 m, from stubby to slender; None if it cannot be built."""
-    draw = np.random.default_rng(seed)
-    journal = draw.uniform(0.7, 1.3)
-    pin = journal * draw.uniform(0.8, 1.05)
-    sizes = {
-        "main_journal_diameter": journal,
-        "pin_diameter": pin,
-        "crank_radius": journal * draw.uniform(0.6, 1.6),
-        "main_journal_length": journal * draw.uniform(0.3, 1.5),
-        "pin_length": journal * draw.uniform(0.3, 1.5),
-        "web_width": max(journal, pin) * draw.uniform(1.2, 1.7),
-        "web_thickness": journal * draw.uniform(0.15, 0.5),
-        "fillet_radius": journal * draw.uniform(0.011, 0.04) * (draw.random() < 0.7),
-        "pin_bore": pin * draw.uniform(0.1, 0.4) * (draw.random() < 0.4),
-        "main_journal_bore": journal * draw.uniform(0.1, 0.4) * (draw.random() < 0.4),
-    }
-    try:
-        return CrankThrow(**sizes)
-    except InputError:
-        return None
-
-
-# Without limits on the elements' sizes at journals and bores, a fifth of them fail at the first try.
-@pytest.mark.parametrize(
-    "seeds", [range(6), pytest.param(range(6, 60), marks=pytest.mark.further)], ids=["few", "more"]
-)
-def test_large_slender_throws_are_meshed_at_the_first_try(seeds):
-    throws = [throw for throw in map(large_throw, seeds) if throw is not None]
-    assert len(throws) > 0.8 * len(seeds)
-    for throw in throws:
-        mesh = mesh_throw(throw, 2.0 if throw.filleted else 2.2)
-        assert mesh.attempts == ()
-        volume = element_volumes(mesh.points, mesh.elements).sum() / SHARES[mesh.part]
-        assert volume == close(throw.volume, rel=5e-4)
 
 
 def area(outline):
@@ -272,15 +209,6 @@ def test_any_obround_is_convex_and_closed(foot, tip, distance, share):
     heights = np.linspace(outline.foot, outline.tip, 50)
     assert outline.half_width(heights).max() <= 0.5 * width * (1.0 + 1e-12)
     assert outline.width == close(width)
-
-
-@pytest.mark.parametrize(
-    ("radius", "chamfer", "lost"),
-    [(0.0, 0.0, 0.0), (0.05, 0.0, (4.0 - np.pi) * 0.05**2), (0.0, 0.05, 2.0 * 0.05**2)],
-)
-def test_corners_of_a_rectangle(radius, chamfer, lost):
-    outline = rectangle(0.3, 0.14, 0.12, 0.17, radius, chamfer)
-    assert area(outline) == close(0.3 * (0.14 + 0.17 + 0.12) - lost, rel=1e-6)
 
 
 def test_a_rectangle_rounded_to_the_full_is_an_obround():
@@ -365,15 +293,6 @@ def test_mass_properties_against_the_composed_solid(dimensions, change):
     assert found.inertia - np.diag(np.diag(found.inertia)) == close(np.zeros((3, 3)))
     about_shaft = inertia[2, 2] + mass * center[1] ** 2
     assert found.inertia_about_shaft == close(about_shaft, rel=1e-9)
-
-
-def test_mass_grows_with_the_density_and_the_fillets(dimensions, coarse_mesh):
-    light = mass_properties(coarse_mesh, DENSITY)
-    heavy = mass_properties(coarse_mesh, 2.0 * DENSITY)
-    assert heavy.mass == close(2.0 * light.mass, rel=1e-14)
-    assert heavy.inertia == close(2.0 * light.inertia, rel=1e-14)
-    assert heavy.center == close(light.center, rel=1e-14)
-    assert light.mass > composed(CrankThrow(**{**dimensions, "fillet_radius": 0.0}))[0]
 
 
 def test_mass_properties_of_the_whole_mirrored_mesh(dimensions, coarse_mesh):
@@ -486,30 +405,6 @@ def test_six_in_line_is_balanced_and_three_is_not(dimensions):
     one = unbalance(throw_masses(throw, DENSITY), throw.length / 2.0)
     expected = np.sqrt(3.0) * np.linalg.norm(one.static) * throw.length
     assert np.linalg.norm(three.dynamic) == close(expected, rel=1e-9)
-
-
-def test_unbalance_of_one_throw(dimensions):
-    throw = CrankThrow(**dimensions)
-    masses = throw_masses(throw, DENSITY)
-    found = unbalance(masses, throw.length / 2.0)
-    assert found.static == close([0.0, masses.mass * masses.center[1]], abs=1e-12)
-    assert found.dynamic == close([0.0, 0.0], abs=1e-12)
-    moved = unbalance(masses, 0.0)
-    assert moved.dynamic == close(found.static * throw.length / 2.0, abs=1e-12)
-    lopsided = CrankThrow(**dimensions, right_web=Web(thickness=0.09))
-    other = unbalance(throw_masses(lopsided, DENSITY), lopsided.length / 2.0)
-    assert other.dynamic[1] > 0.0
-
-
-def test_counterweights_take_the_unbalance_away(dimensions):
-    plain = unbalance(throw_masses(CrankThrow(**dimensions), DENSITY), 0.0).static[1]
-    weight = Counterweight(outer_radius=0.25, angle=np.pi)
-    heavy = CrankThrow(**dimensions, counterweight=weight)
-    left = plain - unbalance(throw_masses(heavy, DENSITY), 0.0).static[1]
-    # First moment of a half ring between the web's end and the outer radius.
-    foot = heavy.web_width / 2.0
-    expected = DENSITY * 2.0 * heavy.web_thickness * 2.0 / 3.0 * (0.25**3 - foot**3)
-    assert left == close(expected, rel=1e-9)
 
 
 def test_what_does_not_fit_together_is_refused(dimensions):

@@ -23,13 +23,11 @@ from plans import SHARP, plan_of_levels
 from puppets import puppet
 from regression.records import StudyStoppedError
 from regression.runs import cluster as cluster_module
-from regression.runs import cluster as shelf_module
 from regression.runs import workers as workers_module
 from regression.runs.cluster import (
     DaskCluster,
     ProcessPool,
     TaskLostError,
-    check_address,
     compute_design,
     identity,
     run_on_cluster,
@@ -398,13 +396,6 @@ def test_limits_are_kept_on_the_workers_machine(puppets):
     assert puppets[0].poll() is not None
 
 
-def test_a_process_that_nobody_asks_ends(puppets, monkeypatch):
-    monkeypatch.setattr(shelf_module, "IDLE", 0.1)
-    shelf = ProcessPool()
-    shelf.compute("run", {"key": "a"}, Limits(20.0))
-    puppets[0].wait(timeout=10.0)
-
-
 def test_a_run_that_stops_ends_its_own_designs_alone(puppets):
     shelf, answers = ProcessPool(), {}
 
@@ -475,11 +466,6 @@ def test_what_is_no_address_is_refused_before_anything_is_done(address, tmp_path
     with pytest.raises(InputError, match=r"^dask: given .*; allowed is the address of a running"):
         run_plan(STUDY, tmp_path / "runs.sqlite", dask=address)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_forms_of_addresses():
-    for address in ("tcp://10.0.0.1:8786", "tls://host-1.lan:80", "ws://a:1", "[::1]:8786", "a:1"):
-        assert check_address(address) == address
 
 
 @pytest.mark.slow

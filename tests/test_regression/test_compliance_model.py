@@ -5,20 +5,16 @@ import json
 import subprocess
 import sys
 import time
-import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
 from regression.models.extrapolation import OutsideRangeWarning
-from regression.models.lookup import Lookup
 from regression.models.model_file import FILE_FORMAT, FORMAT_VERSION, checksum
 from regression.models.response_model import ResponseModel
 
@@ -70,83 +66,11 @@ def make_model(axial_form="log-quadratic"):
 MODEL = make_model()
 
 
-def test_numbers_for_numbers_and_arrays_for_arrays():
-    value = MODEL.axial_compliance(**MIDDLE)
-    assert isinstance(value, float)
-    assert value == close(1.4e-9 * (68 / 70) ** -1.2 * (139 / 140) ** 0.4, rel=1e-9)
-    assert isinstance(MODEL.torsional_compliance(**MIDDLE), float)
-    widths, lengths = np.array([0.28, 0.30, 0.32]), np.array([[0.13], [0.15]])
-    table = MODEL.axial_compliance(web_width=widths, web_thickness=0.068, pin_length=lengths)
-    assert table.shape == (2, 3)
-    assert table[1, 2] == close(
-        MODEL.axial_compliance(web_width=0.32, web_thickness=0.068, pin_length=0.15), rel=1e-14
-    )
-    assert MODEL.axial_compliance(**(MIDDLE | {"web_width": [0.3]})).shape == (1,)
-
-
-@settings(deadline=None, max_examples=40)
-@given(
-    B=st.floats(0.270, 0.330),
-    h=st.floats(0.038, 0.098),
-    L=st.floats(0.120, 0.158),
-    form=st.sampled_from(["linear", "quadratic", "log-quadratic"]),
-)
-def test_reload_gives_identical_numbers(tmp_path_factory, B, h, L, form):
-    path = tmp_path_factory.mktemp("model") / "model.json"
-    model = make_model(form)
-    model.save(path)
-    again = ComplianceModel.load(path)
-    point = {"web_width": B, "web_thickness": h, "pin_length": L}
-    assert again.axial_compliance(**point) == model.axial_compliance(**point)
-    assert again.torsional_compliance(**point) == model.torsional_compliance(**point)
-    assert again == model
-
-
-def test_file_is_readable_by_people(tmp_path):
-    path = tmp_path / "model.json"
-    MODEL.save(path)
-    record = json.loads(path.read_text())
-    assert record["format"] == "crankfem compliance model"
-    assert record["version"] == 4
-    assert record["provenance"]["study"] == "abc123"
-    assert record["fixed"]["crank_radius"] == 0.170
-    axial_record = record["responses"]["axial_compliance"]
-    assert axial_record["support"] == "pinned"
-    assert axial_record["unit"] == "m/N"
-    assert axial_record["equation"].startswith("ln(e_n / (1e-9 m/N)) = ")
-    assert len(path.read_text().splitlines()) > 60
-    assert [p.name for p in tmp_path.iterdir()] == ["model.json"]
-
-
 def test_saving_replaces_in_one_step(tmp_path):
     path = tmp_path / "model.json"
     make_model("linear").save(path)
     MODEL.save(str(path))
     assert ComplianceModel.load(str(path)) == MODEL
-
-
-def test_lookup_tells_all():
-    found = MODEL.lookup("axial_compliance", **MIDDLE)
-    assert isinstance(found, Lookup)
-    assert found.value == MODEL.axial_compliance(**MIDDLE)
-    assert (found.unit, found.support, found.inside, found.remarks) == ("m/N", "pinned", True, ())
-    assert found.error == MODEL.responses["axial_compliance"].largest_heldout_error
-    assert found.equation == MODEL.responses["axial_compliance"].equation
-    assert MODEL.lookup("torsional_compliance", **MIDDLE).unit == "rad/(N m)"
-
-
-def test_lookup_outside_remarks_each_dimension_and_does_not_warn():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        found = MODEL.lookup(
-            "axial_compliance", web_width=0.4, web_thickness=0.068, pin_length=0.05
-        )
-    assert not found.inside
-    assert len(found.remarks) == 2
-    assert found.remarks[0].startswith(
-        "web_width: given 400 mm; the range of the fit is 270 mm to 330 mm"
-    )
-    assert found.remarks[1].startswith("pin_length: given 50 mm")
 
 
 def test_outside_the_range_warns_and_never_clips():
@@ -161,16 +85,6 @@ def test_outside_the_range_warns_and_never_clips():
     # The farthest of the three; 20 mm below or 20 mm above the range are equally far.
     assert "mm (and 2 more); the range" in str(caught[0].message)
     assert caught[0].filename == __file__
-
-
-def test_edges_of_the_range_do_not_warn():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        for low_or_high in (0, 1):
-            edge = {name: box[low_or_high] for name, box in BOX.items()}
-            MODEL.axial_compliance(**edge)
-            MODEL.torsional_compliance(**edge)
-            MODEL.axial_compliance(**{name: value * (1 + 1e-12) for name, value in edge.items()})
 
 
 def test_fixed_dimension_may_be_repeated_but_not_changed():
@@ -267,7 +181,7 @@ def damaged(text, kind):
         ("other kind", "given a file of another kind; allowed is a compliance model file"),
         ("list", "given a file of another kind"),
         ("empty", "not complete JSON"),
-        ("newer", "given format version 5; allowed are 1 to 4"),
+        ("newer", "given format version 5; allowed is 4"),
         ("long number", "given a number of thousands of digits"),
         ("no responses", "checksum does not fit"),
     ],
@@ -383,17 +297,6 @@ def test_a_compliance_that_is_not_positive_is_no_answer(tmp_path):
     ):
         with pytest.raises(InputError, match=r"^axial_compliance: given .*above zero"):
             ask(**throw)
-
-
-def test_an_error_band_has_no_infinite_end(tmp_path):
-    def change(content):
-        of_axial("largest_fe_error", 1e308)(content)
-        of_axial("largest_error", 1.0 - 1e-16)(content)
-
-    model = ComplianceModel.load(changed_file(tmp_path / "model.json", MODEL, change))
-    found = model.lookup("axial_compliance", **MIDDLE)
-    assert found.upper is None
-    assert found.lower < found.value
 
 
 HEAVY = (

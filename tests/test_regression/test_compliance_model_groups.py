@@ -1,7 +1,6 @@
 """Models in dimensionless groups, with choices and with relations."""
 
 import itertools
-import warnings
 
 import numpy as np
 import pytest
@@ -13,14 +12,8 @@ from crankbase.errors import InputError
 from fem.material import STEEL
 from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
-from regression.fits.forms import Encoding, constant_groups, factor_encoding, group_encoding
-from regression.fits.terms import (
-    GROUPS,
-    group_named,
-    group_names,
-    group_values,
-    independent_groups,
-)
+from regression.fits.forms import group_encoding
+from regression.fits.terms import GROUPS, group_named, group_names, group_values, independent_groups
 from regression.models.compliance_model import ComplianceModel
 from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.response_model import ResponseModel
@@ -117,27 +110,10 @@ def test_scaled_throws_have_scaled_responses(model, size, B, h, L):
         assert large == close(size**power * plain, rel=1e-12)
 
 
-def test_doubling_all_lengths_halves_the_compliance_exactly(model):
-    """Doubling changes no ratio and no digit: the halves are equal to the last bit."""
-    once = model.axial_compliance(**THROW)
-    assert model.axial_compliance(**scaled(THROW, 2.0)) == once / 2.0
-    assert model.torsional_compliance(**scaled(THROW, 2.0)) == (
-        model.torsional_compliance(**THROW) / 8.0
-    )
-
-
 def test_the_frame_itself_is_met(model):
     # The quadratic in logarithms misses the frame by 2e-5 inside this box.
     assert model.axial_compliance(**MIDDLE) == close(frame(THROW), rel=1e-4)
     assert model.value("mass", **MIDDLE) == close(weight(THROW), rel=1e-9)
-
-
-def test_arrays_of_sizes(model):
-    sizes = np.array([0.5, 1.0, 3.0])
-    throws = {name: value * sizes for name, value in THROW.items()}
-    values = model.axial_compliance(**throws)
-    singles = [model.axial_compliance(**scaled(THROW, float(size))) for size in sizes]
-    assert values == close(singles, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -160,21 +136,6 @@ def test_a_ratio_that_did_not_vary_must_agree(model, change, match):
             model.axial_compliance(**scaled(THROW | change, size))
 
 
-@pytest.mark.parametrize("size", [1.0, 0.7])
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_ratios_agree_within_one_part_in_1e5(model, size, sign):
-    """Of the ratio, if it is above 1; of 1 otherwise: s/R = 0.2 / R - 1 has 1e-5 to either side."""
-
-    def asked(share):
-        radius = 0.2 / (0.2 / 0.17 + sign * share * 1e-5)
-        return scaled(THROW | {"crank_radius": radius}, size)
-
-    for call in (model.axial_compliance, lambda **d: model.answer("axial_compliance", d).values):
-        assert call(**asked(0.98)) > 0.0
-        with pytest.raises(InputError, match="s/R: given"):
-            call(**asked(1.02))
-
-
 def test_some_dimensions_of_another_size_do_not_make_a_scaled_throw(model):
     with pytest.raises(InputError, match="s/R: given"):
         model.axial_compliance(**scaled(MIDDLE, 2.0), crank_radius=0.34)
@@ -185,30 +146,6 @@ def test_rounded_dimensions_of_a_scaled_throw_agree(model):
     exact = model.axial_compliance(**THROW) / 0.5303
     # Rounding to 1 um changes the web's cube by 3 / 36000 at most.
     assert model.axial_compliance(**small) == close(exact, rel=1e-4)
-
-
-def test_ranges_are_those_of_the_factors_at_the_throws_size(model):
-    with pytest.warns(
-        OutsideRangeWarning, match="web_thickness: given 40 mm; the range of the fit is 50 mm to 90"
-    ):
-        model.axial_compliance(**(MIDDLE | {"web_thickness": 0.040}))
-    doubled = scaled(THROW | {"web_thickness": 0.040}, 2.0)
-    with pytest.raises(
-        InputError,
-        match="web_thickness: given 80 mm; allowed is the range of the fit, 100 mm to 180",
-    ):
-        model.axial_compliance(strict=True, **doubled)
-    assert model.lookup("mass", **doubled).remarks[0].startswith("web_thickness: given 80 mm; ")
-
-
-def test_of_throw_at_another_size(model):
-    found = model.of_throw(CrankThrow(**scaled(THROW, 0.5)))
-    assert set(found) == set(POWERS)
-    assert found["axial_compliance"].value == close(
-        2.0 * model.axial_compliance(**MIDDLE), rel=1e-13
-    )
-    assert found["mass"].unit == "kg"
-    assert all(answer.inside for answer in found.values())
 
 
 @pytest.mark.parametrize(
@@ -316,16 +253,6 @@ def choices():
         categories={"web_outline": ("obround", "rectangle", "chamfered")},
         labels={"steel": "cast"},
     )
-
-
-@pytest.mark.parametrize(
-    ("label", "factor"), [("obround", 1.0), ("rectangle", 1.2), ("chamfered", 1.3)]
-)
-def test_a_choice_as_a_label(choices, label, factor):
-    value = choices.axial_compliance(web_thickness=0.06, web_outline=label)
-    assert value == close(factor * 1e-9, rel=1e-12)
-    many = choices.axial_compliance(web_thickness=[0.06, 0.05], web_outline=label)
-    assert many == close([factor * 1e-9, factor * 1.2e-9], rel=1e-12)
 
 
 def test_choices_in_an_array(choices):
@@ -449,75 +376,11 @@ def test_a_factor_that_a_relation_does_not_tell_is_left_out():
             model.of_throw(throw)
 
 
-@pytest.mark.parametrize("size", [1.0, 2.0])
-def test_a_length_is_found_from_a_throw_of_another_size(size):
-    """Journal and gap are 200 mm together in the study, and twice that in throws twice as large."""
-    x = np.linspace(1.5, 1.8, 4)[:, None]
-    fit = fit_form("power law", ("B/D_shm",), x, 30.0 / x[:, 0])
-    model = ComplianceModel(
-        responses={
-            "axial_compliance": ResponseModel.from_fit(
-                fit, symbol="e_n", unit="m/N", basis="groups", equation="e"
-            )
-        },
-        fixed={n: v for n, v in THROW.items() if n not in ("web_width", "main_journal_length")},
-        ranges={"web_width": (0.27, 0.324), "gap": (0.05, 0.1)},
-        units={"gap": "m"},
-        relations={"main_journal_length": "200 mm - gap"},
-        throw=THROW,
-        material=STEEL.model_dump(),
-    )
-    throw = CrankThrow(**scaled(THROW, size))
-    assert model.dimensions_of(throw)["gap"] == close(0.08 * size, rel=1e-12)
-    expected = 30.0 / (0.3 / 0.18) / (E * 0.18 * size)
-    assert model.of_throw(throw)["axial_compliance"].value == close(expected, rel=1e-12)
-
-
 def test_unequal_shapes_are_refused_before_anything_is_compared(ratio_model):
     asked = {"width_ratio": [1.5, 1.6], "web_thickness": 0.07}
     for other in ({"web_width": [0.27, 0.288, 0.3]}, {"web_thickness": [0.05, 0.06, 0.07]}):
         with pytest.raises(InputError, match=r"given arrays of the shapes width_ratio \(2,\), "):
             ratio_model.axial_compliance(**(asked | other))
-
-
-def test_relations_of_a_model_in_groups_hold_at_its_own_size():
-    x = np.linspace(1.5, 1.8, 4)[:, None]
-    fit = fit_form("power law", ("B/D_shm",), x, 30.0 / x[:, 0])
-    model = ComplianceModel(
-        responses={
-            "axial_compliance": ResponseModel.from_fit(
-                fit, symbol="e_n", unit="m/N", basis="groups", equation="e"
-            )
-        },
-        fixed={"pin_diameter": 0.180},
-        ranges={"web_width": (0.27, 0.324)},
-        relations={"fillet_radius": "0.04 * web_width"},
-        constant_groups={},
-        material=STEEL.model_dump(),
-    )
-    expected = 30.0 / 1.6 / (E * 0.18)
-    assert model.axial_compliance(web_width=0.288) == close(expected, rel=1e-12)
-    double = model.axial_compliance(web_width=0.576, pin_diameter=0.36, fillet_radius=0.02304)
-    assert double == close(expected / 2.0, rel=1e-12)
-    with pytest.raises(InputError, match=r"fillet_radius: given 12 mm; allowed is 23\.04 mm"):
-        model.axial_compliance(web_width=0.576, pin_diameter=0.36, fillet_radius=0.012)
-
-
-def test_reload_keeps_everything(model, choices, ratio_model, tmp_path):
-    for one in (model, choices, ratio_model):
-        one.save(tmp_path / "model.json")
-        again = ComplianceModel.load(tmp_path / "model.json")
-        assert again == one
-    assert again.axial_compliance(width_ratio=1.5, web_thickness=0.06) == (
-        ratio_model.axial_compliance(width_ratio=1.5, web_thickness=0.06)
-    )
-
-
-def test_no_warning_inside(model):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        model.axial_compliance(**THROW)
-        model.of_throw(CrankThrow(**THROW))
 
 
 @pytest.mark.parametrize(
@@ -550,35 +413,9 @@ def columns(count=20, seed=1, **ranges):
     return found | {name: rng.uniform(*ends, count) for name, ends in ranges.items()}
 
 
-def test_groups_by_hand():
-    values = group_values({name: np.array([value]) for name, value in MAIN.items()})
-    expected = {
-        "s/R": (0.110 + 0.090 - 0.170) / 0.170,
-        "R/h": 2.5,
-        "B/D_shm": 5 / 3,
-        "D_km/D_shm": 11 / 9,
-        "L_shm/D_shm": 139 / 180,
-        "L_km/D_shm": 0.75,
-        "r/D_shm": 1 / 15,
-        "d_km/D_km": 0.0,
-        "d_shm/D_shm": 1 / 3,
-    }
-    assert {name: column[0] for name, column in values.items()} == close(expected)
-    assert list(values) == list(GROUPS)
-
-
 def test_groups_of_plain_numbers_are_plain_numbers():
     for name in GROUPS:
         assert type(group_named(name).value(MAIN)) is float
-
-
-@pytest.mark.parametrize("size", [0.1, 3.0])
-def test_groups_do_not_change_with_the_size(size):
-    other = {name: size * value for name, value in MAIN.items()}
-    for name in GROUPS:
-        assert group_named(name).value(other) == close(
-            group_named(name).value(MAIN), rel=1e-12, abs=1e-12
-        )
 
 
 def test_other_lengths_are_divided_by_the_pin():
@@ -617,19 +454,6 @@ def test_a_group_is_chosen_for_its_own_share(share, chosen):
     assert independent_groups(values, 2) == chosen
 
 
-def test_encoding_by_groups():
-    factors = (Factor("web_width", "m", 0.27, 0.33), Factor("web_thickness", "m", 0.04, 0.09))
-    dimensions = columns(web_width=(0.27, 0.33), web_thickness=(0.04, 0.09))
-    values = np.column_stack([dimensions[factor.name] for factor in factors])
-    found = group_encoding(factors, values, dimensions)
-    assert found == Encoding("groups", ("R/h", "B/D_shm"), (True, True))
-    x = found.columns(factors, values, dimensions)
-    assert x == close(np.column_stack([0.17 / values[:, 1], values[:, 0] / 0.18]))
-    fixed = constant_groups(dimensions)
-    assert fixed["r/D_shm"] == close(1 / 15)
-    assert "R/h" not in fixed
-
-
 def test_more_groups_than_factors_are_refused():
     dimensions = columns(pin_diameter=(0.17, 0.19))
     values = dimensions["pin_diameter"][:, None]
@@ -641,17 +465,3 @@ def test_factors_that_are_no_lengths_of_the_throw_are_refused():
     factor = Factor("counterweight.angle", "rad", 0.5, 1.5)
     with pytest.raises(InputError, match=r"groups: given the factor counterweight\.angle"):
         group_encoding((factor,), np.linspace(0.5, 1.5, 20)[:, None], columns())
-
-
-def test_encoding_by_factors():
-    factors = (
-        Factor("web_width", "m", 0.27, 0.33),
-        Factor("fillet_radius", "m", 0.0, 0.012),
-        Factor.of_labels("web_outline", ("obround", "rectangle", "other")),
-    )
-    values = np.array([[0.27, 0.001, 0.0], [0.30, 0.012, 1.0], [0.33, 0.010, 1.0]])
-    found = factor_encoding(factors, values)
-    # No run has the third label; the range of the fillet reaches 0.
-    assert found.names == ("web_width", "fillet_radius", "web_outline=rectangle")
-    assert found.logged == (True, False, False)
-    assert found.columns(factors, values, {})[:, 2].tolist() == [0.0, 1.0, 1.0]

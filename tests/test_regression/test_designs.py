@@ -60,33 +60,6 @@ def rows(table):
 # ------------------------------------------------------------------------------------------ factorial
 
 
-def test_full_factorial_runs_every_combination_once():
-    levels = {"web_width": [0.27, 0.30, 0.33], "web_thickness": [0.038, 0.098]}
-    design = full_factorial(levels)
-    assert design.runs.tolist() == [
-        [0.27, 0.038],
-        [0.27, 0.098],
-        [0.30, 0.038],
-        [0.30, 0.098],
-        [0.33, 0.038],
-        [0.33, 0.098],
-    ]
-    assert design.statement == "full factorial, 3 x 2 = 6 runs"
-
-
-def test_full_factorial_takes_levels_labels_and_ends_of_ranges():
-    factors = (Factor.of_levels("a", "", (1.0, 2.0, 4.0)), OUTLINE, Factor("b", "", 5.0, 6.0))
-    design = fixed_design(factors, DesignChoice())
-    assert rows(design.runs) == set(itertools.product((1.0, 2.0, 4.0), (0.0, 1.0), (5.0, 6.0)))
-    assert len(design.remarks) == 1
-    assert "ends of ranges (b)" in design.remarks[0]
-
-
-def test_runs_cannot_be_changed():
-    with pytest.raises(ValueError, match="read-only"):
-        full_factorial({"web_width": [0.27, 0.33]}).runs[0, 0] = 1.0
-
-
 def test_a_slip_of_the_pen_is_refused_before_it_is_made():
     with pytest.raises(
         InputError, match=r"^study\.design: given 1030301 runs; allowed are at most"
@@ -200,18 +173,6 @@ def test_sizes_of_published_fractions(factors, resolution, runs):
     assert not design.sum(axis=0).any()
 
 
-@pytest.mark.parametrize("generators", ["a b c ab ac bc abc", "a b c d -abcd", "a b c d abc bcd"])
-def test_resolution_is_the_shortest_constant_product(generators):
-    design = corners_by_generators(generators, len(generators.split()))
-    lengths = [
-        length
-        for length in range(1, design.shape[1] + 1)
-        for chosen in itertools.combinations(design.T, length)
-        if np.ptp(np.prod(chosen, axis=0)) == 0.0
-    ]
-    assert resolution_of(design) == min(lengths)
-
-
 def test_all_corners_confuse_nothing():
     design = fixed_design(unit_factors(3), DesignChoice("fractional factorial", resolution=4))
     assert design.statement == "fractional factorial 2^3, all corners, 8 runs"
@@ -235,11 +196,6 @@ def test_choices_in_a_fraction():
 def test_generators_that_are_none(generators):
     with pytest.raises(InputError, match=r"^study\.generators: given .*; allowed is one word"):
         fixed_design(unit_factors(4), DesignChoice("fractional factorial", generators=generators))
-
-
-def test_two_factors_that_vary_together():
-    with pytest.raises(InputError, match=r"^study\.generators: given 'a b c a'"):
-        fixed_design(unit_factors(4), DesignChoice("fractional factorial", generators="a b c a"))
 
 
 # ------------------------------------------------------------------------------------------ surfaces
@@ -276,18 +232,6 @@ def test_central_composite_on_the_faces():
     assert rows(design.runs) == corners | stars | {(0.0, 0.0, 0.0)}
 
 
-@pytest.mark.parametrize("face", ["inscribed", "circumscribed"])
-def test_central_composite_inside_the_box_is_rotatable(face):
-    design = fixed_design(unit_factors(3), DesignChoice("central composite", face=face))
-    corner = 1.0 / 8.0**0.25  # alpha = 1.682 of the published table
-    assert np.abs(design.runs).max() == 1.0
-    assert sorted(set(np.abs(design.runs).ravel().round(9))) == close([0.0, corner, 1.0])
-    # Rotatable: the fourth moments are in the proportion 3 to 1.
-    fourth = np.sum(design.runs[:, 0] ** 4)
-    mixed = np.sum(design.runs[:, 0] ** 2 * design.runs[:, 1] ** 2)
-    assert fourth == close(3.0 * mixed, rel=1e-10)
-
-
 def test_central_composite_with_a_fraction_of_its_corners():
     design = fixed_design(unit_factors(5), DesignChoice("central composite", resolution=5))
     assert len(design.runs) == 16 + 10 + 1
@@ -307,17 +251,6 @@ def test_three_given_levels_are_run_where_a_design_has_three():
             [0.0, 0.5, 1.0],
             [5.0, 5.5, 6.0],
         ]
-
-
-@pytest.mark.parametrize("kind", ["central composite", "box-behnken"])
-def test_choices_are_crossed_with_a_surface(kind):
-    plain = fixed_design(unit_factors(3), DesignChoice(kind)).runs
-    factors = (THREE_LABELS, *unit_factors(2), OUTLINE, Factor("C", "", -1.0, 1.0))
-    crossed = fixed_design(factors, DesignChoice(kind)).runs
-    assert len(crossed) == 6 * len(plain)
-    for labels in itertools.product(range(3), range(2)):
-        chosen = (crossed[:, 0] == labels[0]) & (crossed[:, 3] == labels[1])
-        assert rows(crossed[chosen][:, [1, 2, 4]]) == rows(plain)
 
 
 @pytest.mark.parametrize(
@@ -362,27 +295,6 @@ def test_latin_hypercube_has_one_run_in_each_stratum(runs, seed):
         assert sorted(column) == list(range(runs))
     assert np.all(values >= low)
     assert np.all(values <= high)
-
-
-@pytest.mark.parametrize("kind", SPACE_FILLING)
-def test_space_filling_designs_are_repeatable(kind):
-    first, again, other = (
-        space_filling_points(unit_factors(3), kind, 12, seed) for seed in ([7], [7], [8])
-    )
-    assert np.array_equal(first, again)
-    assert not np.array_equal(first, other)
-
-
-def test_latin_hypercube_is_spread_better_than_nearly_all_random_ones():
-    unit = {"a": (0.0, 1.0), "b": (0.0, 1.0), "c": (0.0, 1.0)}
-    ours = pdist(hypercube(unit, 20, 3)).min()
-    generator = np.random.default_rng(11)
-    random = []
-    for _ in range(100):
-        strata = np.column_stack([generator.permutation(20) for _ in range(3)])
-        random.append(pdist((strata + generator.random((20, 3))) / 20).min())
-    # The best of 400 beats the 98 % quantile of 100 with all but certainty.
-    assert ours > np.quantile(random, 0.98)
 
 
 def test_sobol_sequence_is_balanced_and_goes_on():
@@ -526,19 +438,6 @@ A, B = Factor("a", "m", 1.0, 3.0), Factor("b", "m", 0.1, 0.2)
 TWO, THREE = Factor.of_labels("two", ("x", "y")), Factor.of_labels("three", ("x", "y", "z"))
 
 
-def test_corners_of_a_square():
-    corners = np.array(list(itertools.product((1.0, 3.0), (0.1, 0.2))))
-    found = design_quality((A, B), corners)
-    assert found.distance == close(1.0)
-    assert (found.correlation, found.correlated) == (0.0, ())
-    # Centered discrepancy by its definition: corners have |x - 1/2| = 1/2 in both directions, and of the
-    # 16 pairs 4 share both coordinates, 8 one, 4 none.
-    shared = (1 + 0.25 + 0.25 - 0.0) ** 2, (1 + 0.5) * (1 + 0.5 - 0.5), 1.0
-    expected = (13 / 12) ** 2 - 2 / 4 * 4 * (1 + 0.25 - 0.125) ** 2
-    expected += (4 * shared[0] + 8 * shared[1] + 4 * shared[2]) / 16
-    assert found.discrepancy == close(expected)
-
-
 def test_random_points_have_the_mean_discrepancy_told():
     """Mean over 400 sets of 20 points; its own standard error is some 2 %."""
     rng = np.random.default_rng(1)
@@ -551,24 +450,9 @@ def _in_box(points):
     return np.array([1.0, 0.1]) + points * np.array([2.0, 0.1])
 
 
-def test_correlation_names_its_factors():
-    rng = np.random.default_rng(2)
-    points = _in_box(rng.random((30, 2)))
-    labels = np.arange(30) % 3
-    values = np.column_stack([points, points[:, 0] > 2.0, labels])
-    found = design_quality((A, B, TWO, THREE), values)
-    assert found.correlated == ("a", "two")
-    assert found.correlation == close(abs(np.corrcoef(values[:, 0], values[:, 2])[0, 1]))
-
-
 def test_labels_of_a_choice_are_their_share_of_the_cube_apart():
     values = np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]])
     assert design_quality((A, THREE), values).distance == close(1 / 3)
-
-
-def test_a_single_run():
-    found = design_quality((A, B), np.array([[2.0, 0.15]]))
-    assert (found.distance, found.correlation, found.correlated) == (None, None, ())
 
 
 @pytest.mark.parametrize("count", [2, 40])

@@ -13,19 +13,13 @@ from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.angle_law import angle_law
-from fem.end_moments import end_moment_numbers
+from fem.responses import end_moment_numbers
 from fem.supports import Neighbors, reactions, support_throw
 from plans import FILLETED
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
-from regression.response_kinds import (
-    END_MOMENTS,
-    GUIDED_MOMENTS,
-    NEEDED,
-    ThrowLengths,
-    end_reactions,
-)
+from regression.response_kinds import END_MOMENTS, NEEDED, ThrowLengths, end_reactions
 from regression.throw_values import throw_values
 
 THROW = FILLETED
@@ -83,19 +77,6 @@ def test_reactions_are_those_of_finite_elements(rigid, numbers, angle):
         # The mesh's pin is round to second order only, by which its radius differs.
         wanted[5] = THROW.crank_radius * force[0]
         assert loads == close(wanted, abs=1e-8 * 1e5)
-
-
-@pytest.mark.parametrize("kind", NEEDED)
-def test_equilibrium_is_exact_whatever_the_numbers(kind):
-    rng = np.random.default_rng(7)
-    count = 200
-    lengths = ThrowLengths(rng.uniform(0.2, 0.6, count), rng.uniform(0.1, 0.2, count), 0.17)
-    own = {name: rng.uniform(0.05, 3.0, count) for name in NEEDED[kind]}
-    force = np.column_stack([rng.normal(0.0, 1e5, (count, 2)), np.zeros(count)])
-    for angle in (17.0, 120.0, 199.0) if kind == "neighbors" else (None,):
-        loads = end_reactions(own, lengths, force, angle)
-        assert imbalance(loads, lengths, force) < 1e-12
-        assert loads.shape == (count, 12)
 
 
 # ----------------------------------------------------------------------------------- from a model
@@ -213,17 +194,6 @@ def test_the_band_of_neighbors_is_open_where_one_of_its_numbers_is():
 def test_refusals(model, changes, match):
     with pytest.raises(InputError, match=match):
         model.reactions(**({"pin_force": (0.0, -1e5, 0.0)} | MIDDLE | changes))
-
-
-def test_models_of_older_releases_have_no_end_moments():
-    older = made_model(names=[name for name in SIZES if name not in END_MOMENTS])
-    assert older.reactions((0.0, -1e5, 0.0), **MIDDLE).left.force[2] > 0.0
-    for support, missing in (
-        ("guided", GUIDED_MOMENTS[0]),
-        (Neighbors(90, 90), "radial_end_moment_in"),
-    ):
-        with pytest.raises(InputError, match=f"but the model has no {missing}.*run and fit its"):
-            older.reactions((0.0, -1e5, 0.0), support, **MIDDLE)
 
 
 def test_unequal_webs_have_no_law_between_neighbors():

@@ -1,6 +1,4 @@
 import csv
-import json
-import math
 import sqlite3
 import sys
 from dataclasses import replace
@@ -161,22 +159,6 @@ def test_an_exported_table_comes_back_with_all_digits(plan, store, tmp_path):
     assert len(back.failures) == len(table.rows)  # nothing of them is computed yet
 
 
-def test_results_of_the_study_itself_stand_before_imported_ones(store, tmp_path):
-    table = run_plan(PLAN, store)
-    export_table(table, tmp_path / "runs.csv")
-    text = (tmp_path / "runs.csv").read_text(encoding="utf-8")
-    # The same designs with another answer.
-    first = repr(float(table.responses["mass"][0]))
-    assert first in text
-    (tmp_path / "runs.csv").write_text(text.replace(first, "1.0"), encoding="utf-8")
-    assert import_results(PLAN, store, tmp_path / "runs.csv").rows == 6
-    again = run_plan(PLAN, store)
-    assert again.computed == 0
-    assert again.values.tolist() == table.values.tolist()
-    assert again.responses["mass"].tolist() == table.responses["mass"].tolist()
-    assert len(again.extra) == 6
-
-
 def test_measured_values_stand_apart(store, tmp_path):
     before = run_plan(PLAN, store)
     table_of(
@@ -240,15 +222,6 @@ def full_lines(*lines, factors="web_width [mm],pin_length [mm]"):
     return [f"role,{factors}," + ",".join(names), *(f"{line},{numbers}" for line in lines)]
 
 
-def test_a_row_imported_again_from_elsewhere_stands_once(store, tmp_path):
-    lines = full_lines("run,285,140", "held out,286,141", "run,285,140")
-    assert import_results(PLAN, store, table_of(tmp_path / "a.csv", *lines)).rows == 2
-    assert import_results(PLAN, store, table_of(tmp_path / "b.csv", *lines)).rows == 0
-    meters = [line.replace("[mm]", "[cm]").replace("285,140", "28.5,14") for line in lines[:2]]
-    assert import_results(PLAN, store, table_of(tmp_path / "c.csv", *meters)).rows == 0
-    assert read_study(store).values.tolist() == [[0.285, 0.140], [0.286, 0.141]]
-
-
 def test_no_row_is_both_fitted_and_judged_by(store, tmp_path):
     lines = full_lines("run,285,140", "held out,285,140")
     import_results(PLAN, store, table_of(tmp_path / "a.csv", *lines))
@@ -283,14 +256,6 @@ def test_rows_beyond_the_studys_ranges_are_not_fitted(
     )
     table_of(tmp_path / "good.csv", *full_lines(f"measured,{cells}"))
     assert import_results(PLAN, store, tmp_path / "good.csv").rows == 1
-
-
-def test_rows_at_the_ends_of_the_ranges_are_fitted(store, tmp_path):
-    # 27 cm and 30 cm may differ from 270 mm and 300 mm in the last digit.
-    lines = full_lines(
-        "run,27,130", "run,30.00000000000001,150", factors="web_width [cm],pin_length [mm]"
-    )
-    assert import_results(PLAN, store, table_of(tmp_path / "ends.csv", *lines)).rows == 2
 
 
 def test_ratios_beyond_their_range_are_not_fitted(store, tmp_path):
@@ -562,25 +527,3 @@ def test_a_store_with_damaged_rows_alone_is_refused_and_it_is_said(store, tmp_pa
     connection.close()
     with pytest.raises(InputError, match=r"in which 0 results .*; \d+ rows are damaged in .*other"):
         import_results(PLAN, store, tmp_path / "other.sqlite")
-
-
-def test_the_database_of_another_program_is_no_source(store, tmp_path):
-    connection = sqlite3.connect(tmp_path / "other.sqlite")
-    connection.execute("CREATE TABLE notes (text TEXT)")
-    connection.close()
-    with pytest.raises(
-        InputError, match=r"^store: given '.*other\.sqlite', which is no result store"
-    ):
-        import_results(PLAN, store, tmp_path / "other.sqlite")
-
-
-def test_imported_rows_can_be_read_with_plain_sql(store, tmp_path):
-    table_of(tmp_path / "bench.csv", HEADER, "300,150,1.5e-9")
-    import_results(PLAN, store, tmp_path / "bench.csv")
-    connection = sqlite3.connect(store)
-    (row,) = connection.execute("SELECT role, source, responses FROM extra_rows").fetchall()
-    connection.close()
-    assert row[:2] == (MEASURED, "bench.csv, line 2")
-    assert math.isclose(json.loads(row[2])["axial_compliance_pinned"], 1.5e-9)
-    with ResultStore(store, readonly=True) as results:
-        assert len(results.extra_rows(PLAN.key)) == 1

@@ -13,7 +13,7 @@ from scipy.stats import qmc
 from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
-from regression.fits.forms import FORMS, FittedForm, form_named, form_terms
+from regression.fits.forms import FORMS, FittedForm, form_named
 from regression.fits.selection import (
     adjusted,
     backward,
@@ -83,32 +83,6 @@ def test_a_fit_is_shown_in_a_line():
     assert repr(found).endswith(f" % at {len(HELDOUT)} held out)")
 
 
-def test_coefficients_are_named_by_their_terms():
-    assert list(fit("linear").coefficients) == ["1", *FACTORS]
-    assert list(fit("quadratic").coefficients)[4:] == [
-        "web_width^2",
-        "web_thickness^2",
-        "pin_length^2",
-        "web_width * web_thickness",
-        "web_width * pin_length",
-        "web_thickness * pin_length",
-    ]
-    assert "ln(web_width) * ln(pin_length)" in fit("log-quadratic").coefficients
-
-
-@pytest.mark.parametrize("form", KINDS)
-def test_natural_coefficients_give_the_prediction(form):
-    found = fit(form)
-    u = np.log(HELDOUT) if found.fitted.logarithmic else HELDOUT
-    natural = found.fitted.natural_coefficients()
-    total = sum(
-        c * np.prod([u[:, i] for i in term] or [np.ones(len(u))], axis=0)
-        for term, c in natural.items()
-    )
-    expected = np.exp(total) if found.fitted.logarithmic else total
-    assert found.predict(HELDOUT) == close(expected, rel=1e-9)
-
-
 @pytest.mark.parametrize("form", KINDS)
 def test_q_squared_equals_refitting_without_each_run(form):
     found = fit(form)
@@ -120,21 +94,6 @@ def test_q_squared_equals_refitting_without_each_run(form):
     )
     expected = 1.0 - np.sum((Y - left_out) ** 2) / np.sum((Y - Y.mean()) ** 2)
     assert found.q_squared == close(expected, rel=1e-9)
-
-
-@pytest.mark.parametrize("form", KINDS)
-def test_errors_are_of_the_response_itself(form):
-    found = fit(form)
-    predicted = found.predict(RUNS)
-    r_squared = 1.0 - np.sum((Y - predicted) ** 2) / np.sum((Y - Y.mean()) ** 2)
-    assert found.r_squared == close(r_squared, rel=1e-12)
-    errors = np.abs(predicted / Y - 1.0)
-    heldout = np.abs(found.predict(HELDOUT) / HELDOUT_Y - 1.0)
-    assert found.largest_error == close(errors.max())
-    assert found.mean_error == close(errors.mean())
-    assert found.largest_heldout_error == close(heldout.max())
-    assert found.mean_heldout_error == close(heldout.mean())
-    assert (found.runs, found.heldout_runs) == (27, 12)
 
 
 def test_as_many_runs_as_coefficients_has_no_q_squared():
@@ -223,21 +182,6 @@ def test_two_levels_do_not_determine_a_square():
     assert len(found.coefficients) == 7
 
 
-def test_cubic_terms_where_the_levels_are():
-    levels = [np.linspace(*box, n) for box, n in zip(BOX.values(), (3, 4, 2), strict=True)]
-    x = np.array(list(itertools.product(*levels)))
-    found = fit_form("log-cubic", FACTORS, x, compliance(x))
-    assert set(found.undetermined) == {
-        "ln(pin_length)^2",
-        "ln(web_width)^3",
-        "ln(pin_length)^3",
-        "ln(web_width) * ln(pin_length)^2",
-        "ln(web_thickness) * ln(pin_length)^2",
-    }
-    # The rest is what a product of full polynomials of these degrees has up to degree 3.
-    assert len(found.coefficients) == 20 - 5
-
-
 def test_cubic_terms_that_follow_from_others_are_left_out():
     # Three levels of b, at which b^3 is a sum of its lower powers, and one run that gives a a fourth.
     square = np.array(list(itertools.product((1.0, 2.0, 3.0), repeat=2)))
@@ -253,25 +197,6 @@ def test_aliased_interactions_are_no_interactions():
     corners = np.array([[a, b, a * b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)] * 3)
     with pytest.raises(InputError, match=r"do not determine the coefficient of a \* b"):
         fit_form("interactions", ("a", "b", "c"), corners, np.arange(1.0, 13.0))
-
-
-def with_outline(x, share=0.9):
-    """Add a rectangle for each obround: columns of three labels, of which one never occurs."""
-    both = np.vstack(
-        [np.column_stack([x, np.zeros(len(x))]), np.column_stack([x, np.ones(len(x))])]
-    )
-    return both, np.concatenate([compliance(x), share * compliance(x)])
-
-
-def test_a_category_is_a_column_without_powers_or_logarithm():
-    x, y = with_outline(RUNS)
-    found = fit_form("power law", (*FACTORS, "web_outline=rectangle"), x, y)
-    assert found.fitted.log_factors == (True, True, True, False)
-    # ln of a constant share is its coefficient.
-    assert found.coefficients["web_outline=rectangle"] == close(math.log(0.9), rel=1e-9)
-    full = fit_form("log-quadratic", (*FACTORS, "web_outline=rectangle"), x, y)
-    assert "web_outline=rectangle^2" not in full.coefficients
-    assert "ln(web_width) * web_outline=rectangle" in full.coefficients
 
 
 def test_labels_of_one_category_are_never_multiplied():
@@ -305,40 +230,12 @@ def test_scaled_response_is_the_same_fit():
         fit_form("linear", FACTORS, RUNS, Y, scale=[1.0, 2.0, 3.0])
 
 
-def test_statistics_of_natural_coefficients():
-    """Standard errors in natural variables are those of a fit in natural variables."""
-    found = fit("linear")
-    plain = np.column_stack([np.ones(27), RUNS])
-    covariance = found.statistics.residual_variance * np.linalg.inv(plain.T @ plain)
-    assert list(found.natural_standard_errors.values()) == close(
-        np.sqrt(np.diag(covariance)), rel=1e-8
-    )
-    assert (
-        fit_form("quadratic", ("web_width",), RUNS[[0, 9, 18], :1], Y[:3]).natural_standard_errors
-        is None
-    )
-
-
 def test_ranges_are_those_of_the_runs():
     found = fit("linear")
     assert found.lowest == close(tuple(LOW))
     assert found.highest == close(tuple(HIGH))
     assert found.basis == "factors"
     assert fit_form("group power law", ("R/h",), RUNS[:, 1:2], Y).basis == "groups"
-
-
-COUNTS = {  # of three columns
-    "linear": 4,
-    "interactions": 7,
-    "quadratic": 10,
-    "power law": 4,
-    "log-interactions": 7,
-    "log-quadratic": 10,
-    "log-cubic": 20,
-    "group power law": 4,
-    "group quadratic": 10,
-    "group cubic": 20,
-}
 
 
 def equation(**changes):
@@ -355,45 +252,12 @@ def equation(**changes):
     return FittedForm(**(given | changes))
 
 
-def test_each_form_has_its_terms():
-    assert {name: len(form_terms(form, 3)) for name, form in FORMS.items()} == COUNTS
-    assert form_terms(FORMS["interactions"], 3)[4:] == ((0, 1), (0, 2), (1, 2))
-
-
-def test_terms_contain_all_that_divides_them():
-    terms = polynomial_terms(3, 3, indicators=[2])
-    assert (2, 2) not in terms
-    assert (0, 0, 1) in terms
-    for term in terms:
-        for length in range(len(term)):
-            assert set(itertools.combinations(term, length)) <= set(terms)
-    assert list(terms) == sorted(terms, key=len)
-
-
 def test_divisors_levels_and_names():
     assert divisors((0, 0, 1)) == {(), (0,), (1,), (0, 0), (0, 1)}
     assert divisors(()) == set()
     assert levels_needed((0, 0, 0, 2)) == {0: 4, 2: 2}
     assert term_name((0, 0, 1), ("a", "b")) == "a^2 * b"
     assert term_name((), ("a",)) == "1"
-
-
-def test_prediction_by_hand():
-    z = ((math.log(3.0) - 0.5) / 0.25, (5.0 - 2.0) / 4.0)
-    value = math.exp(1.0 + 0.5 * z[0] - 0.25 * z[1] + 0.125 * z[0] ** 2 * z[1])
-    assert float(equation().predict([3.0, 5.0])) == close(value, rel=1e-14)
-
-
-def test_natural_coefficients_give_the_prediction_form():
-    found = equation()
-    natural = found.natural_coefficients()
-    # The equation lacks terms that its cubic term brings along.
-    assert list(natural)[:4] == list(found.terms)
-    assert set(natural) - set(found.terms) == {(0, 0), (0, 1)}
-    for a, b in itertools.product((1.5, 3.0), (-2.0, 5.0)):
-        u = (math.log(a), b)
-        total = sum(c * math.prod(u[i] for i in term) for term, c in natural.items())
-        assert float(found.predict([a, b])) == close(math.exp(total), rel=1e-12)
 
 
 def test_natural_coefficients_in_other_units():
@@ -474,27 +338,6 @@ def test_terms_of_nothing_go_and_the_others_stay():
     assert kept[:4] == [0, 1, 2, 3]
 
 
-def test_press_never_grows_and_no_single_loss_would_lower_it():
-    matrix, y = noisy(3)
-    kept, dropped = backward(matrix, y, TERMS)
-    history = [
-        press(np.delete(matrix, dropped[:count], axis=1), y) for count in range(len(dropped) + 1)
-    ]
-    assert all(later <= earlier for earlier, later in itertools.pairwise(history))
-    for place in kept[4:]:
-        rest = [other for other in kept if other != place]
-        assert press(matrix[:, rest], y) > history[-1]
-
-
-def test_hierarchy_is_kept():
-    terms = polynomial_terms(2, 3)
-    z = np.random.default_rng(5).uniform(-1, 1, (30, 2))
-    kept, _ = backward(design_matrix(terms, z), 1 + z[:, 0] ** 2 * z[:, 1], terms)
-    left = [terms[place] for place in kept]
-    assert (0, 0, 1) in left
-    assert divisors((0, 0, 1)) <= set(left)
-
-
 def test_a_form_with_as_many_terms_as_runs_loses_some_until_it_can_be_judged():
     z = np.random.default_rng(2).uniform(-1, 1, (len(TERMS), 3))
     matrix, y = design_matrix(TERMS, z), np.arange(1.0, 11.0)
@@ -512,43 +355,6 @@ def test_nothing_goes_where_no_shorter_form_can_be_judged():
     assert backward(matrix, np.arange(4.0), ((), (0,), (1,), (0, 1))) == ([0, 1, 2, 3], [])
 
 
-def selected(matrix, y):
-    """The selection by its definition: the worst term of those that may go, by refits."""
-    kept = list(range(len(TERMS)))
-    while True:
-        needed = set().union(*(divisors(TERMS[i]) for i in kept))
-        may_go = [i for i in kept if len(TERMS[i]) > 1 and TERMS[i] not in needed]
-        errors = {i: press(matrix[:, [j for j in kept if j != i]], y) for i in may_go}
-        best = min(errors, key=errors.get, default=None)
-        if best is None or errors[best] > press(matrix[:, kept], y):
-            return kept
-        kept.remove(best)
-
-
-def test_left_out_runs_are_left_out_of_the_selection_too():
-    matrix, y = noisy(2)
-    found = left_out_predictions(matrix, y, TERMS)
-    sizes = set()
-    for run in range(len(y)):
-        others = np.arange(len(y)) != run
-        kept = selected(matrix[others], y[others])
-        sizes.add(tuple(kept))
-        fit = least_squares(matrix[others][:, kept], y[others], [str(i) for i in kept])
-        assert found[run] == close(matrix[run, kept] @ fit.coefficients, rel=1e-9)
-    assert len(sizes) > 1  # the runs do not all keep the same terms
-    assert selected(matrix, y) == backward(matrix, y, TERMS)[0]
-
-
-def test_q_squared_is_that_of_runs_left_out_of_the_selection():
-    x = np.random.default_rng(8).uniform(1.0, 2.0, (40, 3))
-    y = x @ [1.0, -2.0, 0.5] + 0.3 * np.random.default_rng(9).normal(size=40) + 9.0
-    found = fit_form("quadratic", ("a", "b", "c"), x, y, drop_terms=True)
-    # Judged by the terms that all runs together chose, it looks better than it is.
-    assert found.q_squared < found.statistics.q_squared
-    assert found.band_designs == 40
-    assert np.sum(np.abs(found.predict(x) / y - 1.0) <= found.band_error) >= 0.95 * 40
-
-
 def test_a_large_study_keeps_the_selection_of_all_runs(monkeypatch):
     x = np.random.default_rng(8).uniform(1.0, 2.0, (40, 3))
     y = x @ [1.0, -2.0, 0.5] + 0.3 * np.random.default_rng(9).normal(size=40) + 9.0
@@ -560,18 +366,6 @@ def test_a_large_study_keeps_the_selection_of_all_runs(monkeypatch):
 def test_a_run_that_cannot_be_missed_has_no_prediction():
     z = np.random.default_rng(2).uniform(-1, 1, (len(TERMS), 3))
     assert left_out_predictions(design_matrix(TERMS, z), np.arange(1.0, 11.0), TERMS) is None
-
-
-def test_a_fit_says_what_went():
-    rng = np.random.default_rng(4)
-    x = rng.uniform(1, 2, (40, 2))
-    y = x[:, 0] ** 2 * x[:, 1] ** -1.5 * np.exp(0.001 * rng.normal(size=40))
-    found = fit_form("log-quadratic", ("a", "b"), x, y, drop_terms=True)
-    full = fit_form("log-quadratic", ("a", "b"), x, y)
-    assert full.dropped == ()
-    assert len(found.dropped) >= 1
-    assert set(found.dropped) | set(found.coefficients) == set(full.coefficients)
-    assert found.statistics.press <= full.statistics.press
 
 
 def test_the_smallest_error_is_chosen():
@@ -637,19 +431,6 @@ def test_a_line_through_three_points():
     assert found.q_squared == close(1 - 2.25 / (2 / 3))
     assert found.variance_inflation == close([1.0])
     assert found.condition_number == close(np.sqrt(3 / 2))
-
-
-def test_as_many_rows_as_columns_leave_nothing_to_judge_by():
-    matrix, y = random_system(rows=6)
-    found = least_squares(matrix, y, names(matrix))
-    assert found.fitted == close(y, rel=1e-9)
-    assert found.residual_variance is None
-    assert found.standard_errors is None
-    assert found.t_values is None
-    assert found.f_value is None
-    assert found.press is None
-    assert found.q_squared is None
-    assert found.adjusted_r_squared is None
 
 
 def test_a_constant_response_has_nothing_to_explain():

@@ -17,7 +17,7 @@ from regression.formulas.arguments import DEFAULT_CONSTANTS, FORMULA_CONSTANTS, 
 from regression.formulas.axial_formulas import axial_formula, axial_formula_faults, axial_formulas
 from regression.formulas.case import round_area, round_inertia
 from regression.formulas.published import AXIAL_FORMULA_NAMES
-from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES, torsional_formulas
+from regression.formulas.torsional_formulas import torsional_formulas
 
 
 def throw_of_mm(R, D_km, D_shm, L_km, L_shm, B, h):
@@ -49,9 +49,6 @@ FINITE_ELEMENTS = [
     ((90, 95, 85, 55, 70, 140, 25), 6.531, (1.42, 2.13, 1.53, 2.11, 2.24, 2.16)),
     ((775, 550, 550, 450, 400, 1050, 320), 0.761, (0.91, 1.11, 0.88, 1.01, 1.20, 1.15)),
 ]
-# Least and greatest ratio of the readings of TsNIIMF over those throws, to two digits: hence 3 %.
-# Least of the corrected one by hand: R 130, B 300, h 90, s 75 mm, k_2 = 117.15 mm, 0.1735 / 0.411.
-TSNIIMF_RANGE = {"corrected": (0.422, 1.9), "plain": (0.68, 2.5), "printed": (1.2, 5.4)}
 
 
 @pytest.mark.parametrize(("dimensions", "compliance", "ratios"), FINITE_ELEMENTS)
@@ -60,38 +57,6 @@ def test_ratio_to_finite_elements(dimensions, compliance, ratios):
     names = ("Anderson", "Gorbunov", "Skorchev", "Draminsky (1)", "Draminsky (2)", "Stoyanov")
     found = [values[name].value / (compliance * 1e-9) for name in names]
     assert found == close(ratios, abs=0.011)
-
-
-@pytest.mark.parametrize("variant", TSNIIMF_RANGE)
-def test_range_of_tsniimf_beside_finite_elements(variant):
-    ratios = []
-    for dimensions, compliance, _ in FINITE_ELEMENTS:
-        values = axial_formulas(throw_of_mm(*dimensions), variant=variant)
-        if "TsNIIMF" in values:
-            ratios.append(values["TsNIIMF"].value / (compliance * 1e-9))
-    # Two throws do not overlap: there the print has no value.
-    assert len(ratios) == (6 if variant == "printed" else 8)
-    assert (min(ratios), max(ratios)) == close(TSNIIMF_RANGE[variant], rel=0.03)
-
-
-def test_low_speed_throw_without_overlap_agrees_within_a_quarter():
-    values = axial_formulas(LOW_SPEED, constants={"k_gorbunov": 0.5})
-    for name, value in values.items():
-        assert value.valid
-        assert value.unit == "m/N"
-        # Guglielmotti-Macchiotta takes off much of the web, TsNIIMF has no crankpin.
-        low = 0.65 if name in ("Guglielmotti-Macchiotta", "TsNIIMF") else 0.75
-        assert low < value.value / 0.761e-9 < 1.25, name
-
-
-@pytest.mark.parametrize(
-    ("variant", "ratios"), [("corrected", (0.66, 0.86, 1.11)), ("printed", (2.0, 2.7, 3.5))]
-)
-def test_guglielmotti_macchiotta_with_8_not_42(variant, ratios):
-    # Finite elements at 180, 120 and 90 deg [1e-9 m/N]: with 42 nothing fits.
-    value = axial_formula("Guglielmotti-Macchiotta", LOW_SPEED, variant=variant).value * 1e9
-    found = [value / compliance for compliance in (0.761, 0.578, 0.448)]
-    assert found == close(ratios, abs=0.01 if variant == "corrected" else 0.06)
 
 
 def test_values_by_hand():
@@ -135,26 +100,6 @@ def test_values_by_hand():
         - 0.06 / (G * area_web),
     }
     assert found == close(expected, rel=1e-12)
-
-
-def test_names_are_complete():
-    assert tuple(axial_formulas(MEDIUM_SPEED)) == AXIAL_FORMULA_NAMES
-    assert set(AXIAL_FORMULA_NAMES) == {
-        "Guglielmotti-Macchiotta",
-        "Draminsky (1)",
-        "Draminsky (2)",
-        "TsNIIMF",
-        "Anderson",
-        "Gorbunov",
-        "Dorey",
-        "Skorchev",
-        "Stoyanov",
-    }
-
-
-def test_fillets_do_not_enter():
-    filleted = MEDIUM_SPEED.model_copy(update={"fillet_radius": 0.012})
-    assert axial_formulas(filleted) == axial_formulas(MEDIUM_SPEED)
 
 
 @given(gamma=st.floats(0.0, 180.0))
@@ -207,15 +152,6 @@ def test_stoyanov_without_its_factor_does_not_apply_to_an_overlap():
     assert axial_formula("Stoyanov", LOW_SPEED).valid
     assert not axial_formula("Stoyanov", MEDIUM_SPEED).valid
     assert axial_formula("Stoyanov", MEDIUM_SPEED, constants={"k_n": 0.4}).valid
-
-
-@pytest.mark.parametrize(
-    ("width", "valid"), [(650, False), (750, True), (1050, True), (1080, False)]
-)
-def test_stoyanov_holds_for_ordinary_widths(width, valid):
-    value = axial_formula("Stoyanov", throw_of_mm(775, 550, 550, 450, 400, width, 320))
-    assert value.valid == valid
-    assert any("outside 1.3 to 1.92" in remark for remark in value.remarks) == (not valid)
 
 
 def test_guglielmotti_macchiotta_without_a_web_left_is_refused():
@@ -310,12 +246,6 @@ def test_constants_are_documented():
         assert f'"{name}"' in axial_formulas.__doc__
 
 
-def test_defaults_given_explicitly_change_no_value():
-    plain = axial_formulas(MEDIUM_SPEED)
-    explicit = axial_formulas(MEDIUM_SPEED, constants=DEFAULT_CONSTANTS)
-    assert {n: v.value for n, v in plain.items()} == {n: v.value for n, v in explicit.items()}
-
-
 def test_printed_leaves_out_what_cannot_be_evaluated():
     printed = axial_formulas(MEDIUM_SPEED, variant="printed")
     assert set(printed) == {
@@ -351,12 +281,6 @@ def test_printed_leaves_out_what_cannot_be_evaluated():
 def test_unsound_print_raises_with_the_dimensional_fault(name, fault):
     with pytest.raises(InputError, match=fault):
         axial_formula(name, MEDIUM_SPEED, variant="printed")
-
-
-def test_sources_name_author_and_survey():
-    for name, value in axial_formulas(MEDIUM_SPEED).items():
-        assert all(author in value.source for author in name.split(" (")[0].split("-"))
-        assert "10.24143/2073-1574-2021-4-75-83" in value.source
 
 
 @pytest.mark.parametrize(
@@ -398,13 +322,6 @@ def test_the_material_is_that_of_the_analysis_or_the_one_given():
             assert softer[name].value == close(2.0 * value.value, rel=1e-12)
         with pytest.raises(InputError, match="material: given another one than the analysis has"):
             formulas(analyzed, material=STEEL)
-
-
-def test_numbers_of_other_kinds_are_numbers():
-    plain = axial_formulas(MEDIUM_SPEED, 120.0, constants={"C": 2.0})
-    for kind in (int, np.float64, np.int64):
-        other = axial_formulas(MEDIUM_SPEED, kind(120), constants={"C": kind(2)})
-        assert other == plain
 
 
 def test_unknown_names():
@@ -463,22 +380,6 @@ def test_values_by_hand_torsional():
     assert found == close(expected, rel=1e-12)
 
 
-def test_names_units_and_sources():
-    values = torsional_formulas(MEDIUM_SPEED)
-    assert tuple(values) == TORSIONAL_FORMULA_NAMES
-    for value in values.values():
-        assert value.unit == "rad/(N m)"
-        assert value.valid
-        assert "textbook formula quoted from the general literature" in value.source
-
-
-def test_all_lengths_doubled_divide_by_eight():
-    double = throw_of_mm(340, 440, 360, 240, 278, 600, 136)
-    for name, value in torsional_formulas(double).items():
-        plain = torsional_formulas(MEDIUM_SPEED)[name].value
-        assert value.value == close(plain / 8.0, rel=1e-12), name
-
-
 def test_ker_wilson_without_a_web_left_is_refused():
     short = throw_of_mm(70, 200, 180, 100, 100, 250, 40)
     values = torsional_formulas(short)
@@ -486,34 +387,11 @@ def test_ker_wilson_without_a_web_left_is_refused():
     assert values["Carter"].valid
 
 
-def test_zimanenko_says_what_the_other_diameter_gives():
-    G = 2.1e11 / 2.6
-    value = torsional_formulas(MEDIUM_SPEED)["Zimanenko"]
-    change = 32 / (math.pi * G) * 0.2 * 300 / 170 * (0.22 - 0.18) / 0.18**4
-    other = f"{(value.value - change) * 1e9:.4g}e-9 rad/(N m)"
-    assert any(other in remark for remark in value.remarks)
-    equal = torsional_formulas(throw_of_mm(170, 200, 200, 120, 139, 300, 68))["Zimanenko"]
-    assert not any("Reprints" in remark for remark in equal.remarks)
-
-
 def test_sections_with_bores():
     assert round_inertia(0.2, 0.0) == close(math.pi / 64.0 * 0.2**4)
     # A thin ring: I = pi D^3 t / 8, area pi D t.
     assert round_inertia(0.2, 0.1999) == close(math.pi * 0.19995**3 * 5e-5 / 8.0, rel=1e-5)
     assert round_area(0.2, 0.1999) == close(math.pi * 0.19995 * 5e-5, rel=1e-9)
-
-
-@pytest.mark.parametrize("formulas", [axial_formulas, torsional_formulas])
-def test_bores_make_every_formula_softer_by_what_they_take(dimensions, formulas):
-    plain = formulas(CrankThrow(**dimensions))
-    bored = formulas(CrankThrow(**dimensions, pin_bore=0.09, main_journal_bore=0.11))
-    for name, value in bored.items():
-        if name == "TsNIIMF":  # the webs alone
-            assert value.value == plain[name].value
-            assert any("ignores the bores" in remark for remark in value.remarks)
-            continue
-        # Half the diameter takes 1/16 of the inertia and a quarter of the area.
-        assert plain[name].value < value.value < 4.0 / 3.0 * plain[name].value
 
 
 @pytest.mark.parametrize(("formulas", "power"), [(axial_formulas, 1), (torsional_formulas, 3)])

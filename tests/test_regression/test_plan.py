@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial.distance import cdist
 
 from comparing import close
 from crankbase.errors import InputError
@@ -25,8 +24,8 @@ from regression.plans.factors import (
     throw_fields,
     unknown_field,
 )
-from regression.plans.plan import MODEL_VERSION, StudyPlan, plan_designs
-from regression.records import HELD_OUT, RUN, content_key
+from regression.plans.plan import StudyPlan, plan_designs
+from regression.records import HELD_OUT, RUN
 from regression.runs.store import ResultStore
 
 THROW = FILLETED
@@ -62,49 +61,12 @@ def values_of(planned, role):
 # ----------------------------------------------------------------------------- runs and held-out designs
 
 
-def test_all_combinations_and_the_held_out_designs():
-    planned = plan_designs(plan_of_levels(THROW, THREE))
-    assert [design.role for design in planned.designs] == [RUN] * 27 + [HELD_OUT] * 10
-    assert len({design.key for design in planned.designs}) == 37
-    assert {design.values for design in of_role(planned, RUN)} == {
-        (b, h, length)
-        for b in THREE["web_width"]
-        for h in THREE["web_thickness"]
-        for length in THREE["pin_length"]
-    }
-    assert planned.statement == "full factorial, 3 x 3 x 3 = 27 runs"
-    assert planned.excluded == ()
-
-
 def test_held_out_designs_lie_between_the_levels_one_in_each_stratum():
     held = values_of(plan_designs(plan_of_levels(THROW, THREE, held_out=8)), HELD_OUT)
     for column, levels in zip(held.T, THREE.values(), strict=True):
         strata = np.floor(8 * (column - min(levels)) / (max(levels) - min(levels)))
         assert sorted(strata) == list(range(8))
         assert not set(column) & set(levels)
-
-
-def test_inputs_are_the_base_throw_with_the_factors_changed():
-    plan = plan_of_levels(THROW, THREE, accuracy=0.05, stresses=True)
-    for design in plan_designs(plan).designs:
-        changes = dict(zip(plan.names, design.values, strict=True))
-        assert design.inputs == {
-            "throw": THROW.model_dump(mode="json") | changes,
-            "material": STEEL.model_dump(),
-            "accuracy": 0.05,
-            "stresses": True,
-        }
-        assert design.key == content_key(design.inputs | {"model_version": MODEL_VERSION})
-        assert json.loads(json.dumps(design.inputs)) == design.inputs
-
-
-@pytest.mark.parametrize("kind", SPACE_FILLING)
-def test_held_out_designs_are_no_runs(kind):
-    """One seed for both, but not the same points, even if as many are drawn by the same method."""
-    plan = StudyPlan(THROW, (WIDTH, THICKNESS), DesignChoice(kind, runs=10), held_out=10)
-    planned = plan_designs(plan)
-    apart = cdist(values_of(planned, RUN), values_of(planned, HELD_OUT))
-    assert apart.min() > 1e-5
 
 
 def test_all_designs_over_a_box_are_judged_by_the_same():
@@ -133,21 +95,6 @@ def test_a_middle_that_is_calculated_is_the_level_that_is_written():
 
 
 # ------------------------------------------------------------------------------ factors of all kinds
-
-
-def test_choices_are_run_and_held_out():
-    plan = StudyPlan(THROW, (WIDTH, OUTLINE), DesignChoice(), held_out=10)
-    planned = plan_designs(plan)
-    assert {design.values for design in of_role(planned, RUN)} == {
-        (0.27, 0.0),
-        (0.27, 1.0),
-        (0.33, 0.0),
-        (0.33, 1.0),
-    }
-    outlines = [design.inputs["throw"]["web_outline"] for design in of_role(planned, HELD_OUT)]
-    assert sorted(outlines) == ["obround"] * 5 + ["rectangle"] * 5
-    for design in planned.designs:
-        assert design.inputs["throw"]["web_outline"] == OUTLINE.format_value(design.values[1])
 
 
 def test_nested_fields_and_fields_that_are_angles():
@@ -212,18 +159,6 @@ def test_corners_that_break_a_constraint_are_excluded_and_told():
     }
     assert planned.statement == "full factorial, 3 x 3 x 3 = 27 runs, 15 of them excluded"
     assert planned.remarks[-1].startswith("15 of 27 designs are excluded, so")
-
-
-def test_corners_that_cannot_be_built_are_excluded_and_told():
-    plan = plan_of_levels(THROW, {"web_width": (0.225, 0.300), "pin_length": (0.12, 0.15)})
-    planned = plan_designs(plan)
-    assert {design.values for design in of_role(planned, RUN)} == {(0.3, 0.12), (0.3, 0.15)}
-    reason = planned.excluded[0].reason
-    assert reason.startswith("it cannot be built: throw.fillet")
-    assert "web of 225 mm is too narrow" in reason
-    # Held-out designs are drawn until ten of them can be built.
-    assert len(of_role(planned, HELD_OUT)) == 10
-    assert values_of(planned, HELD_OUT)[:, 0].min() > 0.225
 
 
 @pytest.mark.parametrize("kind", SPACE_FILLING)
@@ -425,14 +360,6 @@ def test_the_order_of_relations_does_not_matter():
     assert plan_designs(first).designs == plan_designs(second).designs
 
 
-def test_every_field_of_a_plan_is_in_its_record():
-    names = {entry.name for entry in dataclasses.fields(StudyPlan)}
-    record = PLAN.as_record()
-    assert names | {"model_version"} == set(record)
-    assert set(record["design"]) == {entry.name for entry in dataclasses.fields(DesignChoice)}
-    assert set(record["factors"][0]) == {entry.name for entry in dataclasses.fields(Factor)}
-
-
 ENDS = st.tuples(st.floats(0.01, 1.0), st.floats(0.001, 1.0)).map(lambda e: (e[0], e[0] + e[1]))
 
 
@@ -478,14 +405,6 @@ def test_a_plan_comes_back_from_a_store(tmp_path):
     assert plan_designs(stored) == plan_designs(PLAN)
 
 
-def test_designs_are_listed_once_and_anew_for_another_plan():
-    plan = StudyPlan(THROW, (WIDTH,))
-    assert plan.planned is plan.planned
-    assert plan.planned.designs == plan_designs(plan).designs
-    other = dataclasses.replace(plan, held_out=3)
-    assert len(other.planned.designs) == len(plan.planned.designs) - plan.held_out + 3
-
-
 PLAIN = {
     "crank_radius": 0.170,
     "main_journal_diameter": 0.220,
@@ -501,28 +420,6 @@ RICH = CrankThrow(
     counterweight={"outer_radius": 0.25, "angle": 2.0},
     further_pins=({"angle": 2.0, "web_thickness": 0.06},),
 )
-
-
-@pytest.mark.parametrize(
-    ("spacing", "levels"),
-    [
-        ("even", (0.038, 0.058, 0.078, 0.098)),
-        ("chebyshev", (0.038, 0.053, 0.083, 0.098)),
-        ("log", tuple(0.038 * (0.098 / 0.038) ** (i / 3) for i in range(4))),
-        (
-            "log chebyshev",
-            tuple(
-                math.sqrt(0.038 * 0.098) * (0.098 / 0.038) ** (-0.5 * math.cos(math.pi * i / 3))
-                for i in range(4)
-            ),
-        ),
-    ],
-)
-def test_levels_spread_over_a_range(spacing, levels):
-    factor = Factor.spread("web_thickness", "m", 0.038, 0.098, 4, spacing)
-    assert factor.levels == close(levels, rel=1e-11)  # rounded to 12 digits
-    assert factor.levels[0] == 0.038
-    assert factor.levels[-1] == 0.098
 
 
 def test_the_middle_of_a_range_is_what_one_would_write():
@@ -560,14 +457,6 @@ def test_factors_that_cannot_be(make, message):
     with pytest.raises(InputError, match=rf"^study\.factors\.a[a-z.]*: {message}") as caught:
         make()
     assert str(caught.value).endswith(".")
-
-
-def test_choices_are_counted():
-    factor = Factor.of_labels("web_outline", ("obround", "rectangle"))
-    assert factor.categorical
-    assert (factor.lowest, factor.highest, factor.levels) == (0.0, 1.0, (0.0, 1.0))
-    assert factor.format_value(1.0) == "rectangle"
-    assert not Factor("web_width", "m", 0.1, 0.2).categorical
 
 
 def test_fields_of_a_throw():

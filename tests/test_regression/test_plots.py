@@ -17,7 +17,7 @@ from regression.models.response_model import ResponseModel
 from regression.optimum import Limit, LimitCheck, Optimum
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
-from regression.plots.equations import draw_formula_bars
+from regression.plots import draw_formula_bars
 from regression.runs.study_table import StudyTable
 from regression.throw_values import factor_text, term_text
 

@@ -1,6 +1,5 @@
 import json
 import math
-import shutil
 import sqlite3
 from dataclasses import replace
 from pathlib import Path
@@ -54,29 +53,11 @@ def test_keys_see_the_last_digit_and_the_order_of_lists():
     assert content_key({"x": 0.1}) == content_key({"x": 0.1})
 
 
-@pytest.mark.parametrize("outcome", [DONE, FAILED], ids=["done", "failed"])
-def test_outcomes_come_back_as_they_went_in(tmp_path, outcome):
-    path = tmp_path / "runs.sqlite"
-    with ResultStore(path) as store:
-        store.record(outcome)
-        assert store.outcomes([outcome.key, "unknown"]) == {outcome.key: outcome}
-    with ResultStore(path) as store:
-        assert store.outcomes([outcome.key]) == {outcome.key: outcome}
-
-
 @given(st.dictionaries(st.text(min_size=1), numbers, min_size=1, max_size=5))
 def test_numbers_come_back_to_the_last_digit(tmp_path_factory, responses):
     with ResultStore(tmp_path_factory.mktemp("store") / "runs.sqlite") as store:
         store.record(Outcome("k", {}, responses, None, 0.0))
         assert store.outcomes(["k"])["k"].responses == responses
-
-
-def test_a_later_outcome_replaces_an_earlier_one(tmp_path):
-    with ResultStore(tmp_path / "runs.sqlite") as store:
-        store.record(FAILED)
-        better = Outcome(FAILED.key, FAILED.inputs, {"axial_compliance_pinned": 2e-9}, None, 1.0)
-        store.record(better)
-        assert store.outcomes([FAILED.key]) == {FAILED.key: better}
 
 
 @pytest.mark.parametrize("lost", [False, True])
@@ -114,24 +95,6 @@ def test_an_error_in_a_transaction_leaves_the_store_as_it_was(tmp_path):
         assert list(store.studies()) == ["s"]
 
 
-def test_the_file_is_written_ahead(tmp_path):
-    path = tmp_path / "runs.sqlite"
-    with ResultStore(path):
-        connection = sqlite3.connect(path)
-        assert connection.execute("PRAGMA journal_mode").fetchone() == ("wal",)
-        connection.close()
-
-
-def test_a_finished_design_is_in_the_file_itself(tmp_path):
-    """A copy of the file without its log, taken while the study runs, has all that is finished."""
-    with ResultStore(tmp_path / "runs.sqlite") as store:
-        for outcome in (DONE, FAILED):
-            store.record(outcome)
-            copy = shutil.copy(store.path, tmp_path / "copy.sqlite")
-            with ResultStore(copy, readonly=True) as found:
-                assert found.outcomes([outcome.key]) == {outcome.key: outcome}
-
-
 def test_a_store_can_be_read_in_a_folder_that_cannot_be_written(tmp_path, monkeypatch):
     with ResultStore(tmp_path / "runs.sqlite") as store:
         store.record(DONE)
@@ -139,23 +102,6 @@ def test_a_store_can_be_read_in_a_folder_that_cannot_be_written(tmp_path, monkey
     with ResultStore(tmp_path / "runs.sqlite", readonly=True) as store:
         assert store.outcomes([DONE.key]) == {DONE.key: DONE}
         assert [path.name for path in tmp_path.iterdir()] == ["runs.sqlite"]
-
-
-def test_what_is_recorded_is_seen_by_others_at_once(tmp_path):
-    path = tmp_path / "runs.sqlite"
-    with ResultStore(path) as writer, ResultStore(path) as reader:
-        writer.record(DONE)
-        assert reader.outcomes([DONE.key]) == {DONE.key: DONE}
-        reader.record(FAILED)
-        assert writer.outcomes([FAILED.key]) == {FAILED.key: FAILED}
-
-
-def test_missing_folders_are_refused_and_not_made(tmp_path):
-    with pytest.raises(
-        InputError, match=r"^store: given '.*runs\.sqlite'; there is no folder .*a\.$"
-    ):
-        ResultStore(tmp_path / "a" / "runs.sqlite")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_study_registered_twice_stands_once(tmp_path):
@@ -176,52 +122,6 @@ def test_a_study_registered_twice_stands_once(tmp_path):
     ]
 
 
-def test_a_study_registered_anew_has_its_new_designs_alone(tmp_path):
-    """As when a later release draws other points: the view must not show those of before."""
-    with ResultStore(tmp_path / "runs.sqlite") as store:
-        store.register_study(
-            "s", {}, [("run", "a", {"x": 1.0}), ("run", "b", {}), ("run", "c", {})]
-        )
-        store.register_study("t", {}, [("run", "a", {})])
-        store.register_study("s", {}, [("run", "a", {"x": 1.0}), ("held out", "d", {"y": "round"})])
-        assert store.study_designs("s") == (
-            ("run", "a", {"x": 1.0}),
-            ("held out", "d", {"y": "round"}),
-        )
-        assert store.study_designs("t") == (("run", "a", {}),)
-        connection = sqlite3.connect(store.path)
-        rows = connection.execute("SELECT study, place, key FROM results").fetchall()
-        connection.close()
-    assert rows == [("s", 0, "a"), ("s", 1, "d"), ("t", 0, "a")]
-
-
-def test_results_can_be_read_with_plain_sql(tmp_path):
-    path = tmp_path / "runs.sqlite"
-    factors = {"web_width": 0.3, "width_ratio": 1.6, "web_outline": "obround"}
-    with ResultStore(path) as store:
-        store.register_study(
-            "s", {}, [("run", DONE.key, factors), ("run", FAILED.key, {}), ("held out", "c", {})]
-        )
-        store.record(DONE, 4)
-        store.record(FAILED)
-    connection = sqlite3.connect(path)
-    connection.row_factory = sqlite3.Row
-    rows = [dict(row) for row in connection.execute("SELECT * FROM results ORDER BY place")]
-    ratio = connection.execute(
-        "SELECT json_extract(factors, '$.width_ratio') FROM results WHERE status = 'done'"
-    ).fetchone()[0]
-    connection.close()
-    assert [row["role"] for row in rows] == ["run", "run", "held out"]
-    assert [row["status"] for row in rows] == ["done", "failed", None]
-    assert [row["axial_compliance_pinned"] for row in rows] == [1.5e-9, None, None]
-    assert [row["web_width"] for row in rows] == [0.3, 0.1, None]
-    assert rows[1]["reason"] == "MeshError: too narrow"
-    assert ratio == 1.6
-    told = ("seconds", "unknowns", "model_version", "worker", "attempts")
-    assert [rows[0][name] for name in told] == [0.5, 14000, 4, "host:12", 2]
-    assert json.loads(rows[0]["errors"]) == {"axial_compliance_pinned": 0.004}
-
-
 def test_the_columns_of_the_view_are_fields_that_there_are():
     assert set(store_file.DIMENSIONS) <= set(CrankThrow.model_fields)
 
@@ -238,17 +138,6 @@ ROW = ExtraRow(
     "a.csv",
 )
 MEASURED = ExtraRow("measured", {"web_width": 0.3}, {}, None, {"mass": 171.0}, {"mass": 0.1}, "b")
-
-
-def test_rows_from_elsewhere_come_back_as_they_went_in_and_stand_once(tmp_path):
-    with ResultStore(tmp_path / "runs.sqlite") as store:
-        assert store.add_extra_rows("s", [ROW, MEASURED]) == 2
-        assert store.add_extra_rows("s", [ROW]) == 0
-        assert store.add_extra_rows("t", [ROW]) == 1
-    with ResultStore(tmp_path / "runs.sqlite", readonly=True) as store:
-        assert store.extra_rows("s") == (ROW, MEASURED)
-        assert store.extra_rows("t") == (ROW,)
-        assert store.extra_rows("u") == ()
 
 
 def test_a_computed_row_stands_once_at_its_place_in_the_study(tmp_path):

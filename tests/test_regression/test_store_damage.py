@@ -63,16 +63,6 @@ def rows(path):
         return {row[0]: row for row in connection.execute("SELECT * FROM designs")}
 
 
-def test_a_store_as_a_study_leaves_it_is_sound(store):
-    before = store.read_bytes()
-    found = check_store(store)
-    assert (found.sound, found.file, dict(found.damaged)) == (True, "", {})
-    assert found.status == {"done": 40, "failed": 0, "lost": 0}
-    (study,) = found.studies
-    assert (study.study, study.damaged, study.designs, study.missing) == (PLAN.key, "", 40, 0)
-    assert store.read_bytes() == before
-
-
 @pytest.mark.parametrize(
     ("statement", "told"),
     [
@@ -103,12 +93,6 @@ def test_every_kind_of_damage_is_found_and_repaired(store, statement, told):
     assert (again.sound, again.missing) == (True, 0)
     kept = rows(store)
     assert [key for key in KEYS if kept[key] != before[key]] in ([], KEYS[:1])
-
-
-def test_a_missing_result_is_no_damage(store):
-    execute(store, f"DELETE FROM designs WHERE key = '{KEYS[0]}'")
-    found = check_store(store)
-    assert (found.sound, found.missing) == (True, 1)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 0.98])
@@ -206,19 +190,6 @@ def test_a_store_without_checksums_is_not_taken_for_checked(store):
     assert len(check_store(store).damaged) == 40
     with pytest.raises(InputError, match="rows of others have no checksums"):
         rebuild_store(store)
-
-
-def test_what_is_no_store_is_neither_checked_nor_repaired(tmp_path):
-    for name, content in (
-        ("text", b"no database " * 50),
-        ("torn", b"SQLite format 3\0" + b"\xff" * 4000),
-    ):
-        path = tmp_path / name
-        path.write_bytes(content)
-        with pytest.raises(InputError, match=r"^store: given .*no result store"):
-            check_store(path)
-    with pytest.raises(InputError, match="there is no such file"):
-        check_store(tmp_path / "none")
 
 
 def test_a_store_is_not_repaired_while_a_study_runs_in_it(store):
@@ -389,30 +360,6 @@ def test_damage_keeps_nobody_from_reading_the_other_rows(path):
     rows = connection.execute("SELECT mass FROM results WHERE status = 'done' ORDER BY mass")
     assert rows.fetchall() == [(None,), (114.0,)]
     connection.close()
-
-
-def test_a_damaged_row_from_elsewhere_is_left_out_and_told_of(path):
-    damage_execute(path, """UPDATE extra_rows SET responses = '{"mass": 1.0}'""")
-    with ResultStore(path) as store:
-        assert store.extra_rows("s") == ()
-        assert list(store.damaged) == ["row 1 from elsewhere"]
-        assert store.add_extra_rows("s", [ROW]) == 0  # imported again it is good again
-        assert store.extra_rows("s") == (ROW,)
-
-
-def test_rows_of_an_earlier_release_are_kept_and_get_a_checksum(older):
-    everything = {outcome.key: outcome for outcome in (DONE, OTHER, FAILED)}
-    with ResultStore(older, readonly=True) as store:
-        assert store.outcomes(everything) == everything
-        assert store.extra_rows("s") == (ROW,)
-    for _ in range(2):  # the second time there is nothing to do
-        with ResultStore(older) as store:
-            assert store.outcomes(everything) == everything
-            assert store.extra_rows("s") == (ROW,)
-            assert store.damaged == {}
-    tamper(older, "another value")
-    with ResultStore(older) as store:
-        assert store.outcomes(everything) == {OTHER.key: OTHER, FAILED.key: FAILED}
 
 
 @pytest.mark.parametrize("readonly", [False, True])

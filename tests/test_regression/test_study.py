@@ -9,7 +9,6 @@ import uuid
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from comparing import close
@@ -23,7 +22,7 @@ from regression.plans import plan as plan_module
 from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
-from regression.records import HELD_OUT, RUN
+from regression.records import RUN
 from regression.runs import study as study_module
 from regression.runs import workers as workers_module
 from regression.runs.store import ResultStore
@@ -78,17 +77,6 @@ def small_run(tmp_path_factory):
     return store, table, told
 
 
-def test_a_small_study(small_run):
-    _, table, told = small_run
-    assert table.computed == 5
-    assert table.failures == ()
-    assert table.values.shape == (5, 2)
-    assert table.held_out.tolist() == [False] * 4 + [True]
-    assert [call[:2] for call in told] == [(done, 5) for done in range(6)]
-    assert told[0][2] is None
-    assert all(newest.responses for _, _, newest in told[1:])
-
-
 def test_results_are_those_of_the_throw_alone(small_run):
     _, table, _ = small_run
     throw = SHARP.model_copy(update={"web_width": 0.280, "pin_length": 0.150})
@@ -99,42 +87,6 @@ def test_results_are_those_of_the_throw_alone(small_run):
     for name, value in expected.values.items():
         assert table.responses[name][1] == close(value, rel=1e-9)
         assert table.errors[name][1] == close(expected.errors[name], rel=1e-6, abs=1e-12)
-
-
-def test_the_table_tells_the_throws_as_built(small_run):
-    _, table, _ = small_run
-    assert table.dimensions["web_width"].tolist() == table.values[:, 0].tolist()
-    assert table.dimensions["pin_length"].tolist() == table.values[:, 1].tolist()
-    assert set(table.dimensions["crank_radius"]) == {0.170}
-    assert "web_tip_thickness" not in table.dimensions
-    assert table.outlines == {"web_outline": ("obround",) * 5}
-    assert np.all(table.seconds > 0.0)
-    assert [row.role for row in table.rows] == [RUN] * 4 + [HELD_OUT]
-    assert all(row.unknowns > 1000 for row in table.rows)
-    assert table.extra == table.excluded == ()
-
-
-def test_a_second_run_computes_nothing(small_run):
-    store, table, _ = small_run
-    told = []
-    again = run_plan(SMALL, store, 2, lambda *call: told.append(call))
-    assert again.computed == 0
-    assert told == [(5, 5, None)]
-    assert again.responses.keys() == table.responses.keys()
-    for name, column in table.responses.items():
-        assert again.responses[name].tolist() == column.tolist()
-
-
-def test_a_study_is_read_back_without_computing(small_run):
-    store, table, _ = small_run
-    for named in (None, SMALL.key, SMALL.key[:6]):
-        read = read_study(store, named)
-        assert read.plan == SMALL
-        assert read.computed == 0
-        assert read.failures == ()
-        assert read.values.tolist() == table.values.tolist()
-        assert read.held_out.tolist() == table.held_out.tolist()
-        assert read.responses["mass"].tolist() == table.responses["mass"].tolist()
 
 
 @pytest.mark.slow
@@ -386,24 +338,6 @@ def test_a_new_model_version_uses_nothing_of_the_old_one(tmp_path, monkeypatch):
     assert stored_versions(store) == [now] * 5 + [now + 1] * 5
     # The store holds one study of this version: it needs no naming.
     assert read_study(store).computed == 0
-
-
-def test_choices_and_excluded_designs(tmp_path, monkeypatch):
-    puppets(monkeypatch, QUICK)
-    factors = (
-        Factor.of_labels("web_outline", ("obround", "rectangle")),
-        Factor.of_levels("web_width", "m", (0.250, 0.300)),
-    )
-    plan = StudyPlan(SHARP, factors, constraints=("web_width >= 260 mm",), held_out=2, accuracy=0.1)
-    table = run_plan(plan, tmp_path / "runs.sqlite")
-    runs = ~table.held_out
-    assert table.values[runs].tolist() == [[0.0, 0.300], [1.0, 0.300]]
-    assert table.outlines["web_outline"][:2] == ("obround", "rectangle")
-    assert [one.values for one in table.excluded if one.role == RUN] == [(0.0, 0.25), (1.0, 0.25)]
-    connection = sqlite3.connect(tmp_path / "runs.sqlite")
-    query = "SELECT json_extract(factors, '$.web_outline'), web_outline FROM results LIMIT 2"
-    assert connection.execute(query).fetchall() == [("obround",) * 2, ("rectangle",) * 2]
-    connection.close()
 
 
 # ------------------------------------------------------------------------------------- sudden death

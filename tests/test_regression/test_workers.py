@@ -130,20 +130,6 @@ def test_no_designs_start_no_worker(puppets):
     assert puppets == []
 
 
-def test_every_design_has_one_outcome_with_its_inputs(puppets):
-    found = collect([f"k{number}" for number in range(40)], 3)
-    assert len(found) == 40
-    assert all(found[key].inputs == {"number": key} for key in found)
-    assert all(outcome.responses == {"x": 1.0} for outcome in found.values())
-    assert len(puppets) == 3
-    assert all(process.poll() is not None for process in puppets)
-
-
-def test_no_more_workers_than_designs(puppets):
-    assert len(collect(["a", "b"], 8)) == 2
-    assert len(puppets) == 2
-
-
 def test_a_design_that_kills_its_worker_costs_itself_alone(puppets):
     found = collect(["a", "die", "b", "c", "d"])
     assert {key for key, outcome in found.items() if outcome.responses} == {"a", "b", "c", "d"}
@@ -151,12 +137,6 @@ def test_a_design_that_kills_its_worker_costs_itself_alone(puppets):
     assert (found["die"].lost, found["die"].attempts, found["a"].attempts) == (True, 2, 1)
     # Two to begin with, and one more after each of the two tries.
     assert len(puppets) <= 4
-
-
-def test_only_deadly_designs(puppets):
-    found = collect(["die 1", "die 2", "die 3"])
-    assert len(found) == 3
-    assert all(outcome.responses is None for outcome in found.values())
 
 
 @pytest.mark.slow
@@ -275,18 +255,6 @@ def test_a_finer_study_may_take_longer():
     assert design_limits(0.1).seconds == design_limits(0.01).seconds == 300.0
     assert design_limits(0.001).seconds == 3000.0
     assert design_limits(0.001, 60.0, 2e9) == Limits(60.0, 2e9)
-
-
-@needs_proc
-@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
-def test_an_error_of_the_coordinator_ends_all_workers(puppets, mark, error):
-    def fail(_):
-        assert len(marked(mark)) == 3
-        raise error
-
-    with pytest.raises(error):
-        run_designs([(k, {}) for k in ("a", "hang 1", "hang 2", "hang 3")], fail, 3)
-    assert marked(mark) == []
 
 
 @pytest.mark.usefixtures("interruptible")

@@ -12,17 +12,16 @@ import psutil
 import pytest
 
 from crankfem.client import Client, RefusedError
-from crankfem.service import followers, job_runner
-from crankfem.service.bounds import Bounds
-from crankfem.service.followers import Followers
+from crankfem.service import job_runner, job_store
+from crankfem.service.asking import ProblemError
+from crankfem.service.guard import Bounds
 from crankfem.service.job_runner import STARTS, JobRunner
-from crankfem.service.job_store import FULL, GONE, JobStore, StoreError
-from crankfem.service.problems import ProblemError
+from crankfem.service.job_store import FULL, GONE, Followers, JobStore, StoreError
 from serving import ROOT, STUDY, THROW
 
 
 def engine_text():
-    from crankfem.files.engine.engine_template import engine_template
+    from crankfem.files.engine.file_kinds import engine_template
 
     return engine_template("mine.toml", 3, 4)
 
@@ -231,7 +230,7 @@ def test_every_follower_gets_every_change_and_the_end(store, monkeypatch):
 
     began = time.monotonic()
     assert followed(store, name, change, 100) == [["queued", "running", "done"]] * 100
-    assert len(looks) <= 2 + (time.monotonic() - began) / followers.LOOK  # one for all of them
+    assert len(looks) <= 2 + (time.monotonic() - began) / job_store.LOOK  # one for all of them
 
 
 def test_a_store_that_cannot_be_read_for_a_while_ends_no_stream(store, monkeypatch):
@@ -271,7 +270,7 @@ def test_streams_end_with_the_job_s_record_and_with_the_service(store):
 
 @pytest.mark.slow
 def test_a_follower_hears_from_time_to_time_that_nothing_changes(store, monkeypatch):
-    monkeypatch.setattr(followers, "PING", 0.2)
+    monkeypatch.setattr(job_store, "PING", 0.2)
     name = store.add("study", "mine", {}, 20)
 
     async def change():

@@ -29,8 +29,8 @@ from crankfem import (
 from crankfem.analyses.throw.law_record import law_answers
 from crankfem.client import Client, RefusedError
 from crankfem.formulas import law_reactions
-from crankfem.service.problems import ProblemError
-from crankfem.service.quick_routes import QuickRoutes
+from crankfem.service.asking import ProblemError
+from crankfem.service.model_routes import QuickRoutes
 from crankfem.service.tasks import check_upload
 from file_fields import SECRET, fields, plant, tells, text_with, upwards
 from serving import ROOT, STUDY

@@ -12,7 +12,7 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankbase.units.number_formats import compact
+from crankbase.units.units import compact
 
 pytestmark = pytest.mark.further
 

@@ -23,8 +23,7 @@ from fem.analysis import analyze_throw
 from fem.calculix import axial_case, bending_case, pin_case, torque_case, write_calculix
 from fem.loads import uniform_pin_loads
 from fem.material import STEEL, Material
-from geometry.mesh import ThrowMesh
-from geometry.mesh_checks import SolidProperties
+from geometry.mesh import SolidProperties, ThrowMesh
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight, FurtherPin, Web

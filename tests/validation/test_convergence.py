@@ -25,10 +25,10 @@ from scipy.optimize import brentq
 
 from comparing import close
 from fem.assembly import assemble_stiffness
-from fem.axial_analysis import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
+from fem.supports import class_axial_compliances
 from fem.symmetry import axial_class
 from geometry.mesh import mesh_throw
 from geometry.shapes import element_volumes

@@ -17,7 +17,7 @@ import pytest
 from crankfem.analyses.strength.element_factors import element_factors, throw_webs
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.strength.concentration import SYMBOLS
-from fem import fillet_stress, rule_mesh
+from fem import fillet_peaks, fillet_stress
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import OilHole
 
@@ -52,10 +52,10 @@ def on_both_meshes(name):
     """Stresses and factors as the program finds them, and with elements half as large."""
     ruled = factors(name, 0.05)
     with pytest.MonkeyPatch.context() as patched:
-        wished = rule_mesh.WISHED_SIZE / FINER
-        for module in (rule_mesh, fillet_stress):
+        wished = fillet_peaks.WISHED_SIZE / FINER
+        for module in (fillet_peaks, fillet_stress):
             patched.setattr(module, "WISHED_SIZE", wished)
-        patched.setattr(rule_mesh, "WISHED_ACROSS", ACROSS_WEB)
+        patched.setattr(fillet_peaks, "WISHED_ACROSS", ACROSS_WEB)
         patched.setattr(fillet_stress, "RULE_FINE", 0.5 * math.pi / wished)
         patched.setattr(fillet_stress, "MOST_RULE_UNKNOWNS", 1_500_000)
         patched.setattr(fillet_stress, "MOST_RULE_MESHES", 2)

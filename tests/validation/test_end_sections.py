@@ -26,13 +26,12 @@ from skfem.quadrature import get_quadrature
 
 from comparing import close
 from fem.assembly import assemble_stiffness, symmetric_product
-from fem.axial_analysis import class_axial_compliances
 from fem.condensation import condense, nodes_on
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
+from fem.supports import class_axial_compliances
 from fem.symmetry import axial_class
-from geometry.facets import six_node_triangles
-from geometry.mesh import ThrowMesh, mesh_throw
+from geometry.mesh import ThrowMesh, mesh_throw, six_node_triangles
 from geometry.solid import LEFT_END
 from geometry.throw import CrankThrow
 from solving import solve_symmetric

@@ -31,10 +31,10 @@ import pytest
 
 from comparing import close
 from fem.assembly import assemble_stiffness
-from fem.axial_analysis import class_axial_compliances, class_torsional_compliance
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
+from fem.supports import class_axial_compliances, class_torsional_compliance
 from fem.symmetry import axial_class, torsional_class
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow

@@ -17,7 +17,7 @@ from scipy.optimize import minimize_scalar
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.hinge.hinge_run import hinge_columns, hinge_record, run_hinge
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
 from dynamics.hinge.moment import hinge_moment
 

@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.simulation import best_pressure, flywheel_for, simulate_hinge, steady_hinge_turn
 

@@ -36,8 +36,7 @@ from geometry.crankshaft import throw_solid
 from geometry.drilling import Drilling, distance_from_wall
 from geometry.gmsh_session import gmsh_session
 from geometry.mass import mesh_mass_properties
-from geometry.mesh import ThrowMesh, mesh_throw, read_mesh
-from geometry.mesh_checks import SolidProperties
+from geometry.mesh import SolidProperties, ThrowMesh, mesh_throw, read_mesh
 from geometry.parts import Cylinder, ThrowParts
 from geometry.shapes import straighten_elements
 from geometry.solid import build_solid

@@ -6,7 +6,7 @@ Four throws with short journals: R 64, D 88/75, L 34/38, B 112 mm obround, h 22,
 25/34, cranks at 0-120-240-240-120-0 degrees, a half meshed.
 
 Frequencies fall as meshes get finer; the energy of each mode's error, estimated from recovered stresses
-(`fem.recovery`, `fem.correction`), corrects them (B. M. Irons's bound from above). Modes 1 to 5 [Hz]:
+(`fem.correction`), corrects them (B. M. Irons's bound from above). Modes 1 to 5 [Hz]:
 
     four throws                as the mesh gives them                          corrected
      49,620 unknowns   333.03 678.61 886.72 1050.38 1264.15   328.67 672.40 875.21 1047.70 1248.68
@@ -30,9 +30,9 @@ from crankfem.files.engine.engine_file import load_engine
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.shaft_modes import crankshaft_modes
 from fem.analysis import analyze_throw
+from fem.correction import energy_errors
 from fem.material import STEEL
 from fem.modes import free_modes
-from fem.recovery import energy_errors
 from geometry.crankshaft import Crankshaft
 from geometry.throw import CrankThrow
 from shaft_solid import mesh_shaft_quarter

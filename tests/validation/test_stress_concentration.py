@@ -24,15 +24,19 @@ from skfem.quadrature import get_quadrature
 
 from fem.condensation import nodes_on
 from fem.fillet_peaks import fillet_surface
-from fem.fillets import measured_sizes, refine_at
 from fem.material import STEEL
-from fem.surface_stress import largest_principal, principal_stresses, surface_stress, von_mises
+from fem.surface_stress import (
+    largest_principal,
+    measured_sizes,
+    principal_stresses,
+    refine_at,
+    surface_stress,
+    von_mises,
+)
 from fem.symmetry import MirrorImage
 from fem.unit_loads import solve_unit_loads, unit_loads
-from geometry.facets import six_node_triangles
 from geometry.gmsh_session import gmsh_session
-from geometry.mesh import ThrowMesh, mesh_throw, read_mesh
-from geometry.mesh_checks import SolidProperties
+from geometry.mesh import SolidProperties, ThrowMesh, mesh_throw, read_mesh, six_node_triangles
 from geometry.shapes import straighten_elements
 from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MIDDLE_PLANE, RIGHT_END, WEB, remove_loose
 from geometry.throw import CrankThrow

@@ -9,13 +9,13 @@ import numpy as np
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import figure, make_folder, new_axes
+from crankbase.diagrams import figure, make_folder, new_axes
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, assumed_values, attributes
-from crankfem.files.hinge.hinge_file import HingeFile
+from crankfem.files.hinge_file import HingeFile
 from dynamics.hinge.crosshead import KINEMATICS, Kinematics
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import GasSpring, HingeProfile

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.diagrams import BLUE, COLORS, GRAY, GREEN, ORANGE, legend_inside, write_title
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.hinge.moment import HingeMoment

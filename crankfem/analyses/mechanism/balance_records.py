@@ -5,8 +5,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
-from crankbase.tables.table import Cell, Column, Table
+from crankbase.tables.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.record import Record, attributes
 from dynamics.balance.balance import (
@@ -19,7 +18,7 @@ from dynamics.balance.balance import (
     hodograph_change,
 )
 from dynamics.balance.moving_masses import Hodograph, moving_masses
-from geometry.volume import counterweight_moment
+from geometry.parts import counterweight_moment
 
 BALANCED_TEXT = "balanced"
 SENSES = {1: "with shaft", -1: "against", 0: "line"}

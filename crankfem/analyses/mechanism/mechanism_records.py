@@ -7,16 +7,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table, format_names
-from crankbase.tables.table_units import table_unit
+from crankbase.tables.table import SI, Column, OutputUnits, Table, format_names, table_unit
 from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
 from crankfem.analyses.mechanism.rod_models import ROUND_OFF, ModelDifference, compare_rod_models
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
-from crankfem.files.engine.rated_power import EnginePower, indicated_power
+from crankfem.files.engine.usual_sizes import EnginePower, indicated_power
 from dynamics.cycle import cycle_radians
 from dynamics.engine.firing import firing_intervals
 from dynamics.engine.forces import pin_groups

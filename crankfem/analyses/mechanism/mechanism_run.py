@@ -6,14 +6,18 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from crankbase.checks.choices import check_choice, check_kind, check_not_given
-from crankbase.checks.scalars import is_whole
+from crankbase.checks.choices import check_choice, check_kind, check_not_given, is_whole
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of, with_throws
-from crankfem.files.engine.mechanism_load import full_load_only, pressures_at
+from crankfem.files.engine.mechanism_file import (
+    MechanismFile,
+    full_load_only,
+    mechanism_of,
+    pressures_at,
+    with_throws,
+)
 from crankfem.files.sections.cylinder_pressures import motored_pressures
 from dynamics.balance.balance import Balance, HingedRodEffects, balance, hinged_rod_effects
 from dynamics.engine import RodModelName

@@ -9,8 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.drawing.diagram_style import COLORS, GRAY, GREEN, RED, figure
-from crankbase.drawing.legends import legend_below, plain_text, write_title
+from crankbase.diagrams import (
+    COLORS,
+    GRAY,
+    GREEN,
+    RED,
+    figure,
+    legend_below,
+    plain_text,
+    write_title,
+)
 from crankbase.errors import InputError
 from crankfem.analyses.mechanism.rod_models import ModelDifference
 from crankfem.analyses.titles import add_title

@@ -7,8 +7,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table, format_names
+from crankbase.tables.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.record import Record, attributes
 from dynamics.engine import ROD_MODELS, RodModelName

@@ -1,6 +1,6 @@
 """The axial and the torsional chain of an engine file, with all bodies attached to them."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -8,11 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.units.number_formats import compact, significant
 from crankbase.units.quantity import format_quantity
-from crankbase.units.units import UNITS, VIBRATING, unit_symbol
+from crankbase.units.units import UNITS, VIBRATING, compact, significant, unit_symbol
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
-from crankfem.files.chain.shaft_lines import PLANT, plant_chain
+from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import layout_of
 from dynamics.chains.dampers import TorsionalDamper
@@ -29,7 +28,6 @@ from dynamics.crankshaft.surroundings import (
     EndBody,
     MainBearings,
     ShaftSurroundings,
-    TorsionalRing,
 )
 from dynamics.response.linear_system import (
     DEFAULT_MAGNIFIER,
@@ -168,7 +166,7 @@ def engine_torsional_chain(
     EngineChain
         Of a plant whose maker gives it, that chain, for any throws.
     """
-    free_end, driven, damping = engine_file.free_end, engine_file.driven, engine_file.damping
+    free_end, damping = engine_file.free_end, engine_file.damping
     on_each = np.bincount(engine_file.throws)
     if PLANT in engine_file.shaft_lines:
         return plant_chain(engine_file.shaft_lines[PLANT], on_each.tolist())
@@ -181,13 +179,7 @@ def engine_torsional_chain(
         inertias,
         engine_file.flywheel.inertia,
         0.0 if free_end is None else free_end.inertia,
-        None
-        if driven is None
-        else DrivenMachine(
-            driven.inertia,
-            driven.coupling_stiffness,
-            coupling_loss_factor=driven.coupling_loss_factor,
-        ),
+        _driven_machine(engine_file),
         loss_factor=loss,
         throw_damping=absolute * on_each,
         cylinders=on_each.tolist(),
@@ -269,7 +261,7 @@ class Motion(NamedTuple):
     si : str
         Its unit in records.
     printed : str
-        Its unit among those of `crankbase.tables.output_units`.
+        Its unit among those of `crankbase.tables.table`.
     unit : str
         The same as written in diagrams and reports.
     size : float
@@ -322,6 +314,7 @@ def shaft_surroundings(
     rods = engine_throw_inertias(engine_file, solids) - solids
     at_each = np.repeat(rods / per_throw, per_throw) / engine_file.throw.crank_radius**2
     thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
+    torsional, machine = engine_file.torsional_damper, _driven_machine(engine_file)
     supports = [AxialSupport(thrust.section_index, thrust.stiffness)]
     if damper is not None:
         supports.append(AxialSupport(0, damper.stiffness, damper.damping))
@@ -333,8 +326,8 @@ def shaft_surroundings(
         axial_supports=tuple(supports),
         flywheel=flywheel,
         free_end=free_end,
-        ring=_ring(engine_file),
-        machine=_machine(engine_file),
+        ring=None if torsional is None else torsional.damper().ring,
+        machine=None if machine is None else machine.ring,
         pin_masses=tuple(at_each.tolist()),
         torsional_line=engine_file.shaft_lines.get("torsional"),
         axial_line=engine_file.shaft_lines.get("axial"),
@@ -413,19 +406,12 @@ def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
     return EndBody(mass, polar, diametral, overhang=0.5 * length), remarks
 
 
-def _ring(engine_file: EngineFile) -> TorsionalRing | None:
-    given = engine_file.torsional_damper
-    if given is None:
-        return None
-    made = asdict(given.damper())
-    data = [made.get(name, 0.0) for name in ("stiffness", "damping", "loss_factor")]
-    return TorsionalRing(made["ring_inertia"], *data)
-
-
-def _machine(engine_file: EngineFile) -> TorsionalRing | None:
+def _driven_machine(engine_file: EngineFile) -> DrivenMachine | None:
     driven = engine_file.driven
     if driven is None:
         return None
-    return TorsionalRing(
-        driven.inertia, driven.coupling_stiffness, loss_factor=driven.coupling_loss_factor
+    return DrivenMachine(
+        driven.inertia,
+        driven.coupling_stiffness,
+        coupling_loss_factor=driven.coupling_loss_factor,
     )

@@ -15,7 +15,7 @@ from crankbase.input_file import GivenFile
 from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, crank_analyses
 from crankfem.analyses.throw.law_record import LAW, law_answers
-from crankfem.files.chain.shaft_lines import PLANT, plant_chain
+from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import data_folder

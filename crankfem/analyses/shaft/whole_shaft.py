@@ -16,11 +16,10 @@ from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
-from crankbase.units.number_formats import UNBOUNDED, significant
-from crankbase.units.units import RPM
+from crankbase.units.units import RPM, UNBOUNDED, significant
 from crankfem.analyses.shaft.chains import ASSUMED, MOTION, magnifier_of, shaft_surroundings
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
-from crankfem.files.chain.shaft_lines import PLANT
+from crankfem.files.chain.chain_file import PLANT
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.excitation_sections import PropellerForcesSection
 from dynamics.chains.engine_chains import EngineChain, Kind

@@ -15,15 +15,13 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError, MeshError, SolveError
-from crankbase.library_types import DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table_of
+from crankbase.tables.frames import DataFrame, Row, table_of
 from crankbase.tables.table import Column, Table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain
-from crankfem.analyses.strength.cycle_loads import CycleLoads, cycle_loads
+from crankfem.analyses.strength.cycle_loads import CycleLoads, cycle_loads, judged_speeds
 from crankfem.analyses.strength.engine_strength import EngineStrength, engine_strength
-from crankfem.analyses.strength.shaft_loads import judged_speeds
 from crankfem.analyses.vibration.misfiring import Cylinders, named
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
@@ -38,9 +36,9 @@ from dynamics.strength.fatigue import (
     findley_factor,
     findley_limit,
 )
+from fem.fields import StressedSite, StressFields, stress_fields
 from fem.fillet_peaks import FilletStresses
 from fem.fillet_stress import fillet_stresses
-from fem.stress_fields import StressedSite, StressFields, stress_fields
 
 # Speeds at which nodes are chosen first, how many are followed over all speeds, and how far these are apart
 # beside the radius of the fillet or hole.

@@ -13,7 +13,7 @@ from crankfem.analyses.record import Record
 from crankfem.analyses.study.nominal_throw import Sensitivities, sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits
 from fem.responses import RESPONSES
-from fem.section_motions import SHARED
+from fem.symmetry import SHARED
 from geometry.throw import CrankThrow
 from regression.fits.equation_text import term_symbols
 from regression.fits.fits import Fit

@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.choices import check_choice, check_not_given
-from crankbase.drawing.bars import draw_rows
-from crankbase.drawing.diagram_style import math_symbol, new_axes
-from crankbase.drawing.legends import display_unit, write_title
+from crankbase.diagrams import display_unit, draw_rows, math_symbol, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table as frame
@@ -24,7 +22,7 @@ from regression.fits.terms import group_named
 from regression.plans.factors import field_value
 from regression.plans.plan import PlannedStudy, StudyPlan
 from regression.plans.relations import evaluate_expression
-from regression.plots.equations import draw_effects
+from regression.plots import draw_effects
 from regression.records import MEASURED, RUN
 from regression.response_kinds import response_scale
 from regression.runs.study_table import StudyTable, throw_dimensions

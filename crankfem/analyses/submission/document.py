@@ -5,32 +5,121 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from crankbase.drawing.diagram_style import figure
-from crankbase.drawing.legends import write_title
+import numpy as np
+
+from crankbase.diagrams import GREEN, ORANGE, figure, legend_below, with_gaps, write_title
 from crankbase.errors import InputError
 from crankbase.tables.table import Column, Table
 from crankbase.units.quantity import format_quantity
+from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import assumed_values
-from crankfem.analyses.submission import (
-    machine_tables,
-    mode_tables,
-    pictures,
-    plant_tables,
-    stress_tables,
-)
+from crankfem.analyses.shaft.chains import MOTION
+from crankfem.analyses.submission import machine_tables, mode_tables
 from crankfem.analyses.submission.firing_cases import (
+    CUT_OUT,
     HIGHEST_SHARE,
     MEANING,
+    MISFIRING,
     STRESS,
     FiringCases,
     damper_places,
     firing_cases,
 )
+from crankfem.analyses.submission.mode_tables import mode_stars, permitted_curves, shown_modes
+from crankfem.analyses.titles import short_name
+from crankfem.analyses.vibration.modes import mode_label
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.verdict import Verdict
 from dynamics.assessment.wording import undecided_sentence
+from dynamics.plots.harmonics import draw_star, finish_stars
+from dynamics.plots.mode_shapes import draw_chain_shapes
+from dynamics.plots.quantities import quantity_display
+from dynamics.torque.star import same_stars
+
+# Stars in a row of a picture, and mode shapes in one picture.
+STARS_IN_ROW, SHAPES = 5, 3
+# Stars in a row of a picture of which two stand beside each other.
+STARS_IN_HALF = 3
+# Orders of single lines in a diagram over the speed.
+MAIN_ORDERS = 4
+FAILING_COLORS = {MISFIRING: ORANGE, CUT_OUT: GREEN}
+
+
+def draw_modes(path: Path, run: EngineVibration, first: int) -> None:
+    """Draw the shapes of some of the modes shown, from index `first` on."""
+    result = run.torsional.chosen
+    modes, chain = result.modes, result.chain.chain
+    shown = list(shown_modes(run)[first : first + SHAPES])
+    still = [modes.node_positions[mode] for mode in shown]
+    with figure(path, height=3.6) as axes:
+        draw_chain_shapes(
+            axes,
+            modes.shapes[:, shown],
+            [
+                f"mode {mode - modes.rigid + 1}: {mode_label(float(modes.frequencies[mode]), own)}"
+                for mode, own in zip(shown, still, strict=True)
+            ],
+            still,
+            chain.connections,
+            [short_name(name) for name in chain.names],
+            MOTION["torsional"].quantity,
+        )
+
+
+def star_rows(run: EngineVibration, mode: int) -> tuple[int, int]:
+    """Return the numbers of rows and columns of the phase vectors of a mode."""
+    count = len(same_stars(mode_stars(run, mode)))
+    columns = min(STARS_IN_ROW, count)
+    return -(-count // columns), columns
+
+
+def draw_vectors(path: Path, run: EngineVibration, mode: int) -> None:
+    """Draw the phase vectors of all orders in one mode, orders of equal shape together."""
+    groups = same_stars(mode_stars(run, mode))
+    rows, columns = star_rows(run, mode)
+    with figure(path, width=1.5 * columns + 0.4, height=1.85 * rows) as axes:
+        for place, group in enumerate(groups):
+            row, column = divmod(place, columns)
+            orders = ", ".join(f"{star.order:g}" for star in group[:5])
+            more = " ..." if len(group) > 5 else ""
+            center = (3.4 * column, -1.15 * 3.4 * row)
+            draw_star(axes, group[0], f"{orders}{more}", center)
+        finish_stars(axes, rows, columns)
+
+
+def draw_stress(path: Path, run: EngineVibration, cases: FiringCases, place: int) -> None:
+    """Draw the stress of one location over the speed: main orders, all orders, cylinders failing, limits."""
+    series = cases.normal[STRESS]
+    name, forced = series.names[place], run.forced_torsional
+    display = quantity_display("stress", "SI")
+    barred = [] if run.assessment is None else run.assessment.verdict.ranges_to_bar
+    with figure(path, height=3.7) as axes:
+        series.plot(
+            axes,
+            place,
+            quantity="stress",
+            limits=permitted_curves(cases, name),
+            barred=barred,
+            main_orders=MAIN_ORDERS,
+            running=None if forced is None else forced.running_range,
+        )
+        top = axes.get_ylim()[1]
+        for way, envelope in cases.envelopes.items():
+            values = envelope[:, place] / 1e6
+            axes.plot(
+                RPM * cases.speeds,
+                with_gaps(values),
+                color=FAILING_COLORS[way],
+                linestyle="--",
+                linewidth=1.2,
+                label=f"{way}, worst of each",
+            )
+            top = max(top, 1.05 * float(np.max(values[np.isfinite(values)], initial=0.0)))
+        axes.set_ylim(0.0, top)
+        axes.set_ylabel(display.label)
+        legend_below(axes, 3)
 
 
 @dataclass(frozen=True)
@@ -207,9 +296,9 @@ def _plant(run: EngineVibration) -> DocumentPart:
         "System data and plant",
         (f"Source of the torsional chain: {run.torsional.chosen.remark.rstrip('.')}.",),
         (
-            DocumentTable("engine", plant_tables.engine_data_table(run)),
-            DocumentTable("masses", plant_tables.chain_mass_table(run.torsional_chain)),
-            DocumentTable("shafts", plant_tables.chain_shaft_table(run)),
+            DocumentTable("engine", machine_tables.engine_data_table(run)),
+            DocumentTable("masses", machine_tables.chain_mass_table(run.torsional_chain)),
+            DocumentTable("shafts", machine_tables.chain_shaft_table(run)),
         ),
     )
 
@@ -220,14 +309,14 @@ def _modes(run: EngineVibration) -> DocumentPart:
     items: list[DocumentTable | DocumentPicture] = [
         DocumentTable("frequencies", mode_tables.mode_list_table(run))
     ]
-    for first in range(0, len(shown), pictures.SHAPES):
-        numbers = [mode - result.modes.rigid + 1 for mode in shown[first : first + pictures.SHAPES]]
+    for first in range(0, len(shown), SHAPES):
+        numbers = [mode - result.modes.rigid + 1 for mode in shown[first : first + SHAPES]]
         items.append(
             DocumentPicture(
                 f"modes_{numbers[0]}",
                 f"{'Shapes of modes' if len(numbers) > 1 else 'Shape of mode'} "
                 f"{', '.join(map(str, numbers))}; crosses mark the nodes.",
-                partial(pictures.draw_modes, run=run, first=first),
+                partial(draw_modes, run=run, first=first),
             )
         )
     for mode in shown:
@@ -259,8 +348,8 @@ def _vectors(run: EngineVibration) -> DocumentPart:
         DocumentPicture(
             f"vectors_{mode - rigid + 1}",
             f"Mode {mode - rigid + 1}: cylinders by order.",
-            partial(pictures.draw_vectors, run=run, mode=mode),
-            half=pictures.star_rows(run, mode)[1] <= pictures.STARS_IN_HALF,
+            partial(draw_vectors, run=run, mode=mode),
+            half=star_rows(run, mode)[1] <= STARS_IN_HALF,
         )
         for mode in mode_tables.shown_modes(run)
     ]
@@ -280,7 +369,7 @@ def _excitation(run: EngineVibration) -> DocumentPart:
         "excitation",
         "Harmonics of the tangential force",
         () if run.load is None else (f"{_upper(run.load.sentence).rstrip('.')}.",),
-        (DocumentTable("tangential_harmonics", plant_tables.harmonics_table(run)),),
+        (DocumentTable("tangential_harmonics", machine_tables.harmonics_table(run)),),
     )
 
 
@@ -311,11 +400,11 @@ def _normal(run: EngineVibration, cases: FiringCases) -> DocumentPart:
         DocumentPicture(
             f"stress_{number}",
             f"No. {number}, {name}.",
-            partial(pictures.draw_stress, run=run, cases=cases, place=number - 1),
+            partial(draw_stress, run=run, cases=cases, place=number - 1),
         )
-        for name, number in stress_tables.place_numbers(cases).items()
+        for name, number in mode_tables.place_numbers(cases).items()
     ]
-    orders = stress_tables.order_tables(cases)
+    orders = mode_tables.order_tables(cases)
     return DocumentPart(
         "stresses",
         "Torsional stresses in normal firing",
@@ -325,13 +414,13 @@ def _normal(run: EngineVibration, cases: FiringCases) -> DocumentPart:
             "gray. With a cylinder failing: the worst of all cylinders.",
         ),
         (
-            DocumentTable("stress_normal", stress_tables.normal_table(cases)),
-            DocumentTable("stress_permitted", stress_tables.permitted_table(run, cases)),
+            DocumentTable("stress_normal", mode_tables.normal_table(cases)),
+            DocumentTable("stress_permitted", mode_tables.permitted_table(run, cases)),
             *(
                 DocumentTable(f"stress_by_order{'' if len(orders) == 1 else f'_{place}'}", table)
                 for place, table in enumerate(orders, start=1)
             ),
-            DocumentTable("torques", stress_tables.torque_table(cases)),
+            DocumentTable("torques", mode_tables.torque_table(cases)),
             *drawn,
         ),
     )
@@ -342,8 +431,8 @@ def _failing(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     for way in cases.failing:
         name = way.split()[-1] if "cut" not in way else "cut_out"
         items += [
-            DocumentTable(f"stress_{name}", stress_tables.failing_table(cases, way)),
-            DocumentTable(f"stress_{name}_each", stress_tables.each_table(cases, way)),
+            DocumentTable(f"stress_{name}", mode_tables.failing_table(cases, way)),
+            DocumentTable(f"stress_{name}_each", mode_tables.each_table(cases, way)),
         ]
     assert run.misfiring is not None or run.misfiring_note
     said = () if run.misfiring is None else (run.misfiring.sentence,)
@@ -368,7 +457,7 @@ def _barred(run: EngineVibration, verdict: Verdict) -> DocumentPart:
     )
     if not (verdict.barred or verdict.started_through):
         return DocumentPart("barred", "Barred speed ranges", ("No speed range has to be barred.",))
-    tables = [DocumentTable("barred_ranges", stress_tables.barred_table(verdict))]
+    tables = [DocumentTable("barred_ranges", mode_tables.barred_table(verdict))]
     if peaks:
         tables.append(DocumentTable("barred_by_rule", ends))
     said = (
@@ -402,7 +491,7 @@ def _dampers(run: EngineVibration, cases: FiringCases) -> DocumentPart:
 
 def _limits(cases: FiringCases) -> DocumentPart:
     return DocumentPart(
-        "limits", "Limits", (), (DocumentTable("limits", stress_tables.limit_source_table(cases)),)
+        "limits", "Limits", (), (DocumentTable("limits", mode_tables.limit_source_table(cases)),)
     )
 
 

@@ -1,26 +1,41 @@
-"""Dampers, couplings, gears and the generator in all cases of firing, as tables."""
+"""The class document's tables of the machine: engine, masses, shaft line, damper, propeller."""
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from crankbase.tables.output_units import OutputUnit
-from crankbase.tables.table import Cell, Column, Table
-from crankbase.units.number_formats import UNBOUNDED
+from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.tables.table import Cell, Column, OutputUnit, Table
+from crankbase.units.quantity import format_quantity
+from crankbase.units.units import UNBOUNDED
 from crankfem.analyses.submission.firing_cases import (
     GEARS,
     GENERATOR,
+    HIGHEST_SHARE,
     TORQUE,
     FiringCases,
     damper_places,
     heat_factors,
 )
-from crankfem.analyses.submission.stress_tables import SPEED, found_value
+from crankfem.analyses.submission.mode_tables import MEGA_STIFFNESS, SPEED, found_value, orders_of
+from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import COUPLING
 from crankfem.analyses.vibration.misfiring import Reached
 from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.files.engine.mechanism_file import (
+    MechanismFile,
+    curve_at,
+    full_load_only,
+    mechanism_of,
+    pressure_maps,
+)
+from crankfem.files.sections.cylinder_pressures import LoadSection
+from crankfem.files.sections.excitation_sections import gas_map_load
 from crankfem.files.sections.limits_sections import LimitsInput
+from dynamics.chains.chain import Chain
+from dynamics.excitation.cylinders import CylinderHarmonics, cylinder_harmonics
 from dynamics.indices import within
 
 
@@ -181,4 +196,223 @@ def generator_table(run: EngineVibration, cases: FiringCases) -> Table | None:
         note=f"{engine.generator_poles} poles: an electrical degree is {2.0 / engine.generator_poles:.4g} "
         "mechanical degrees; the whole motion counts, including rigid-body motion.",
         marks=["over" if limit is not None and angle > limit else "" for _, angle, _ in ways],
+    )
+
+
+# Loads of an engine of constant load at which its harmonics are told, as shares of full load.
+LOADS = (0.25, 0.5, 0.75, 1.0)
+
+
+def engine_data_table(run: EngineVibration) -> Table:
+    """Return the data of the engine and its moving parts."""
+    file, engine = run.engine_file, run.engine_file.engine
+    load = run.load
+    said = [
+        ("engine", engine.name),
+        ("drives", engine.drives or "not given: a propeller is assumed"),
+        ("cylinders", f"{engine.cylinders} {'in line' if engine.bank_angles is None else 'in V'}"),
+        ("strokes per cycle", f"{engine.strokes}"),
+        ("firing order", "-".join(str(number) for number in engine.firing_order)),
+        (
+            "firing angles of the cylinders",
+            ", ".join(f"{angle:g}" for angle in np.round(np.degrees(engine.firing_angles), 3))
+            + " deg",
+        ),
+        ("bore", format_quantity(engine.bore, "m")),
+        ("stroke", format_quantity(engine.stroke, "m")),
+        ("length of the connecting rod", format_quantity(file.rod.length, "m")),
+        ("reciprocating mass of each cylinder", _reciprocating(run)),
+        ("rated speed", format_quantity(engine.rated_speed, "rad/s", 5)),
+        (
+            "running range",
+            f"{format_quantity(engine.lowest_speed, 'rad/s', 5)} to "
+            f"{format_quantity(engine.highest_speed, 'rad/s', 5)}",
+        ),
+        (
+            "rated power",
+            "not given" if engine.rated_power is None else format_quantity(engine.rated_power, "W"),
+        ),
+        ("load over the speed", "not told" if load is None else load.sentence.rstrip(".")),
+        (
+            "main journals and pins",
+            ", ".join(
+                f"{format_quantity(throw.main_journal_diameter, 'm')} and "
+                f"{format_quantity(throw.pin_diameter, 'm')}"
+                for throw in dict.fromkeys(file.crank_throws)
+            ),
+        ),
+        (
+            "torsional damping",
+            "; ".join(() if run.forced_torsional is None else run.forced_torsional.damping),
+        ),
+    ]
+    return Table(
+        "Engine",
+        [Column("what", words=True), Column("value", words=True)],
+        [list(row) for row in said],
+    )
+
+
+def _reciprocating(run: EngineVibration) -> str:
+    rod = run.engine_file.rod
+    share = rod.mass - rod.rotating_mass
+    return format_quantity(run.engine_file.piston.mass + share, "kg", 5)
+
+
+def chain_mass_table(chain: Chain) -> Table:
+    """Return the masses of the torsional chain."""
+    ratios = chain.speed_ratios
+    geared = bool(chain.gears)
+    return Table(
+        "Masses of the torsional chain",
+        [
+            Column("no."),
+            Column("mass", words=True),
+            Column("inertia", "kg m^2", digits=6),
+            Column("damping to ground", "N m s/rad"),
+            *([Column("speed ratio", decimals=4)] if geared else []),
+        ],
+        [
+            [number, name, inertia, damping, *([ratio] if geared else [])]
+            for number, (name, inertia, damping, ratio) in enumerate(
+                zip(
+                    chain.names,
+                    chain.inertia.tolist(),
+                    chain.ground_damping.tolist(),
+                    ratios.tolist(),
+                    strict=True,
+                ),
+                start=1,
+            )
+        ],
+        note="The cranks carry their shares of rods and pistons."
+        + (
+            " Values are those of each shaft itself, not referred to the crankshaft."
+            if geared
+            else ""
+        ),
+    )
+
+
+def chain_shaft_table(run: EngineVibration) -> Table:
+    """Return the shafts of the torsional chain with their diameters, if known."""
+    chain = run.torsional_chain
+    diameters = _diameters(run)
+    return Table(
+        "Shafts of the torsional chain",
+        [
+            Column("shaft", words=True),
+            Column("stiffness", MEGA_STIFFNESS, digits=6),
+            Column("damping", "N m s/rad"),
+            Column("loss factor"),
+            Column("diameter for the stress", "mm", missing="-"),
+        ],
+        [
+            [name, stiffness, damping, loss, diameters.get(name)]
+            for name, stiffness, damping, loss in zip(
+                chain.elements,
+                chain.stiffness.tolist(),
+                chain.damping.tolist(),
+                chain.loss_factor.tolist(),
+                strict=True,
+            )
+        ],
+        note="For the crankshaft: the weaker of main journal and crankpin.",
+    )
+
+
+def _diameters(run: EngineVibration) -> dict[str, float]:
+    """Outer diameters by which nominal stresses are calculated [m]."""
+    file, forced = run.engine_file, run.forced_torsional
+    found = {}
+    if forced is not None and forced.stress is not None:
+        for name in forced.stress.names:
+            found[name] = min(
+                min(one.main_journal_diameter, one.pin_diameter) for one in file.crank_throws
+            )
+    for shaft in () if file.limits is None else file.limits.shafts:
+        found[shaft.element] = shaft.diameter
+    return found
+
+
+def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]:
+    """Return amplitudes of the tangential gas force by order at several loads, and these loads.
+
+    Returns
+    -------
+    loads : list of str
+        Description of each load.
+    amplitudes : (K, m) array
+        Over the area of the piston [Pa]; the last column is that of the moving masses at rated speed.
+    note : str
+    """
+    file, mechanism = run.engine_file, mechanism_of(run.engine_file)
+    assert run.load is not None
+    rated = file.engine.rated_speed
+    whole = engine_harmonics(file, mechanism, HIGHEST_SHARE)
+    steady = file.gas_map is None and full_load_only(mechanism)
+    if steady and mechanism.gas is not None and mechanism.gas.pressure_table is None:
+        gas, means = _part_loads(run, mechanism)
+        loads = [
+            f"{100.0 * share:g} %, {mean / 1e6:.3g} MPa"
+            for share, mean in zip(LOADS, means.tolist(), strict=True)
+        ]
+        note = (
+            "Loads are shares of the brake mean effective pressure at rated speed, with mean indicated "
+            "pressures. Boost at part load is proportional to the power, as for a propeller."
+        )
+    else:
+        told = [run.load.speeds.tolist()[-1]] if steady else run.load.speeds.tolist()
+        speeds = np.array(told)
+        law = None if file.gas_map is None else gas_map_load(file.gas_map, rated)
+        gas = _gas_alone(whole).phasors(speeds, law)[1:, :, 0, 0]
+        means = run.load.mean_pressure[-speeds.size :]
+        loads = [
+            f"{mean / 1e6:.3g} MPa at {format_quantity(speed, 'rad/s', 4)}"
+            for speed, mean in zip(speeds.tolist(), means.tolist(), strict=True)
+        ]
+        note = "Mean indicated pressures of the load at these speeds." + (
+            " One diagram serves all speeds." if steady else ""
+        )
+    masses = rated**2 * whole.inertia[1:, 0, 0]
+    area = np.pi / 4.0 * file.engine.bore**2
+    return (
+        [*loads, "moving masses at rated speed"],
+        np.abs(np.column_stack((gas, masses))) / area,
+        note,
+    )
+
+
+def _gas_alone(harmonics: CylinderHarmonics) -> CylinderHarmonics:
+    return replace(harmonics, inertia=np.zeros_like(harmonics.inertia))
+
+
+def _part_loads(run: EngineVibration, mechanism: MechanismFile) -> tuple[ComplexArray, FloatArray]:
+    """Phasors (K, m) of the gas force of cylinder 1 at part loads, and the mean indicated pressures [Pa].
+
+    With a propeller's law, each load is that at the speed at which it reaches this share.
+    """
+    assert run.load is not None
+    along = replace(mechanism, load=LoadSection(law="propeller"))
+    speeds = mechanism.rated_speed * np.sqrt(LOADS)
+    maps = pressure_maps(along, (float(speeds[0]), float(speeds[-1])))
+    found = cylinder_harmonics(
+        mechanism.layout, orders_of(run), maps, inertia=False, throws=mechanism.throws
+    )
+    full = run.load.mean_pressure[-1]
+    return found.phasors(speeds)[1:, :, 0, 0], full * curve_at(along, speeds).mean_pressure
+
+
+def harmonics_table(run: EngineVibration) -> Table:
+    """Return the harmonics of the tangential force of one cylinder by load."""
+    loads, amplitudes, note = harmonics_by_load(run)
+    return Table(
+        "Harmonics of the tangential force of cylinder 1 divided by the piston area: gas by load, moving "
+        "masses",
+        [Column("order", digits=None), *(Column(load, "MPa", digits=4) for load in loads)],
+        [
+            [order, *row]
+            for order, row in zip(orders_of(run).tolist(), amplitudes.tolist(), strict=True)
+        ],
+        note=note,
     )

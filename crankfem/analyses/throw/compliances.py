@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from crankbase.units.number_formats import percent
+from crankbase.units.units import percent
 from crankfem.analyses.record import Record
 from regression.models.response_model import ResponseModel
 

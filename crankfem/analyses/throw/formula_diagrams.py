@@ -6,17 +6,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.drawing.curves import ALL_ORDERS, Curves, Series, draw_curves, order_line_style
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import display_unit, write_title
+from crankbase.diagrams import (
+    ALL_ORDERS,
+    Curves,
+    Series,
+    display_unit,
+    draw_curves,
+    new_axes,
+    order_line_style,
+    write_title,
+)
 from crankbase.errors import InputError
 from fem.material import STEEL, Material
-from fem.plots.over_angle import ANGLES_DEG
+from fem.plots import ANGLES_DEG
 from fem.throw_analysis import ThrowAnalysis
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.case import FormulaValue
-from regression.plots.equations import draw_formula_bars
+from regression.plots import draw_formula_bars
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

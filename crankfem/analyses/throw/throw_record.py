@@ -3,16 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
-from crankbase.units.number_formats import percent
+from crankbase.tables.table import SI, Column, OutputUnits, Table
+from crankbase.units.units import percent
 from crankfem.analyses.record import Record, attributes
 from fem.modes import ThrowModes
-from fem.solution_checks import asymmetry
-from fem.solved_superelement import axial_correction
+from fem.solver import asymmetry
 from fem.superelement import superelement_of_end_forces
 from fem.supports import Neighbors, Support, reactions
-from fem.throw_analysis import ThrowAnalysis
+from fem.throw_analysis import ThrowAnalysis, axial_correction
 from geometry.mass import unbalance
 from geometry.mesher import Throw
 from geometry.throw import CrankThrow

@@ -28,7 +28,7 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.analyses.vibration.forced import ForcedVibration, cause_at, limit_curves
 from crankfem.analyses.vibration.modes import Vibration
-from crankfem.files.chain.shaft_lines import PLANT
+from crankfem.files.chain.chain_file import PLANT
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.limit_rules import BASE_STRENGTH, BASE_YIELD, CRANKSHAFT_STRENGTHS

@@ -26,14 +26,14 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import MechanismFile
-from crankfem.files.engine.mechanism_load import (
+from crankfem.files.engine.mechanism_file import (
+    MechanismFile,
     curve_at,
     full_load_only,
     pressure_maps,
     pressures_at,
 )
-from crankfem.files.engine.rated_power import EnginePower, indicated_power
+from crankfem.files.engine.usual_sizes import EnginePower, indicated_power
 from crankfem.files.sections.excitation_sections import (
     gas_map_load,
     gas_map_pressure,

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice, check_not_given
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of

@@ -11,8 +11,8 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table_of
-from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity
+from crankbase.units.units import format_usage
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     failing_harmonics,

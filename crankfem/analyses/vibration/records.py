@@ -23,7 +23,7 @@ from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
 from crankfem.analyses.vibration.whole_verdict import whole_criticals
-from crankfem.files.engine.firing_evenness import firing_evenness, firing_sentence
+from crankfem.files.engine.mechanism_cylinders import firing_evenness, firing_sentence
 from dynamics.assessment.barred_ranges import BarredRange
 from dynamics.assessment.limits import worst_use
 from dynamics.assessment.verdict import SAME, LimitCheck, Verdict

@@ -5,10 +5,8 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Cell, Column, Table
-from crankbase.units.number_formats import UNBOUNDED
-from crankbase.units.units import RPM
+from crankbase.tables.table import SI, Cell, Column, OutputUnits, Table
+from crankbase.units.units import RPM, UNBOUNDED
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.chains import MOTION
 from dynamics.assessment.wording import limit_at

@@ -202,7 +202,7 @@ def _summary(table: "StudyTable", store: Path) -> str:
 def _show_fits(table: "StudyTable", json: bool) -> None:
     from crankfem.analyses.study.fit_records import study_record
     from crankfem.analyses.study.studies import fitted
-    from crankfem.cli.tables.fit_tables import print_comparisons, print_fits
+    from crankfem.cli.tables.study_tables import print_comparisons, print_fits
 
     found = fitted(table)
     record = study_record(table, found.fits, found.model)
@@ -218,7 +218,7 @@ def _quantity(text: str | None, unit: str, option: str) -> float | None:
 
 
 def _show_plan(plan: "StudyPlan", json: bool) -> None:
-    from crankfem.cli.tables.design_tables import plan_record, print_plan
+    from crankfem.cli.tables.study_tables import plan_record, print_plan
 
     planned = plan.planned
     if json:
@@ -229,7 +229,7 @@ def _show_plan(plan: "StudyPlan", json: bool) -> None:
 
 def _export_designs(plan: "StudyPlan", store: Path, folder: Path, kind: str, out: Output) -> None:
     """Write a study's designs for other solvers, including those added in its store."""
-    from crankfem.analyses.study.design_export import TABLE, check_kind, export_designs
+    from crankfem.analyses.study.studies import TABLE, check_kind, export_designs
     from crankfem.jobs.outputs import make_output_folder
     from regression.runs.study import known_designs
 

@@ -41,11 +41,11 @@ def fit(
 ) -> None:
     """Fit equations to a study's results and save the best as a model."""
     from crankbase.errors import InputError
+    from crankfem.analyses.study.fit_plots import fit_plot_files, plot_fits
     from crankfem.analyses.study.fit_records import compliance_model, study_record
-    from crankfem.analyses.study.plots.fit_plots import fit_plot_files, plot_fits
     from crankfem.analyses.study.response_fits import fit_study
     from crankfem.analyses.study.studies import study_key
-    from crankfem.cli.tables.fit_tables import MAIN_RESPONSE, print_comparisons, print_fits
+    from crankfem.cli.tables.study_tables import MAIN_RESPONSE, print_comparisons, print_fits
     from crankfem.jobs.outputs import check_writable, make_output_folder
     from regression.models.model_file import is_model
     from regression.runs.store_rows import damaged_rows_warning

@@ -63,7 +63,7 @@ def formulas(
     out: Output,
 ) -> None:
     """Compare the published formulas with finite elements, for a throw or all shipped engines."""
-    from crankfem.cli.angle_and_speed import parse_gamma
+    from crankfem.cli.arguments import parse_gamma
 
     if (engine is not None) + all_engines + published != 1:
         raise InputError("formulas: give one of ENGINE.toml, --all and --published.")
@@ -108,8 +108,8 @@ def _refuse_beside_published(given: Mapping[str, bool]) -> None:
 
 def _one_throw(engine: str, asked: _Request) -> None:
     from crankfem.analyses.throw.formula_records import fe_record, formula_records
-    from crankfem.cli.tables import formula_tables
-    from crankfem.cli.throw_choice import select_throw
+    from crankfem.cli.arguments import select_throw
+    from crankfem.cli.tables import throw_tables
     from fem.analysis import analyze_throw
 
     dimensions, material = select_throw(engine, asked.throw, asked.out.quiet)
@@ -123,7 +123,7 @@ def _one_throw(engine: str, asked: _Request) -> None:
     if asked.out.json:
         print_json(records)
     else:
-        formula_tables.print_one_throw(records, gamma, constants, asked.out.units)
+        throw_tables.print_one_throw(records, gamma, constants, asked.out.units)
 
 
 def _all_engines(asked: _Request) -> None:
@@ -132,7 +132,7 @@ def _all_engines(asked: _Request) -> None:
         spread_of_engines,
         spread_record,
     )
-    from crankfem.cli.tables import formula_tables
+    from crankfem.cli.tables import throw_tables
     from crankfem.files.engine.throw_file import load_throw
     from crankfem.files.reading.data_files import shipped_names
 
@@ -155,7 +155,7 @@ def _all_engines(asked: _Request) -> None:
         constants = dict(asked.constants)
         print_json({"gamma_deg": asked.gamma, "constants": constants, "engines": engines})
     else:
-        formula_tables.print_spread(
+        throw_tables.print_spread(
             spreads, asked.gamma, asked.variant, asked.constants, asked.out.units
         )
 
@@ -167,9 +167,9 @@ def _published(json: bool) -> None:
 
     values = read_published_table(data_folder() / "tables" / "axial_compliance_published.csv")
     if not json:
-        from crankfem.cli.tables import formula_tables
+        from crankfem.cli.tables import throw_tables
 
-        formula_tables.print_published(values)
+        throw_tables.print_published(values)
         return
     names = ("engine", "formula", "printed", "exponent_factor", "repaired", "group", "doubt")
     records = [attributes(value, *names) for value in values]

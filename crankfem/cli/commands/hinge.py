@@ -61,9 +61,9 @@ def hinge(
         plot_hinge,
         run_hinge,
     )
-    from crankfem.cli.column_file import write_columns
+    from crankfem.cli.arguments import write_columns
     from crankfem.cli.tables.hinge_tables import print_hinge
-    from crankfem.files.hinge.hinge_file import load_hinge
+    from crankfem.files.hinge_file import load_hinge
     from crankfem.jobs.outputs import check_outputs
     from dynamics.hinge.crosshead import KINEMATICS
 

@@ -1,16 +1,23 @@
-"""Forces, loads, torque and balance of an engine's crank mechanism."""
+"""An engine's crank mechanism: its forces, torque and balance, harmonics, and rods of two masses."""
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, cast
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankfem.cli import console
+from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import EngineArgument, Output, SpeedOption, with_output
 from crankfem.cli.console import print_json
 from dynamics.engine import ROD_MODELS, RodModelName
+
+if TYPE_CHECKING:
+    from crankbase.tables.table import OutputUnits
+    from dynamics.harmonics import Harmonics
+
 
 ROD_MODELS_FILE = "rod_models.svg"
 
@@ -58,8 +65,7 @@ def mechanism(
         rod_mass_records,
     )
     from crankfem.analyses.titles import at_speed
-    from crankfem.cli.angle_and_speed import parse_speed
-    from crankfem.cli.column_file import write_columns
+    from crankfem.cli.arguments import parse_speed, write_columns
     from crankfem.cli.tables.mechanism_tables import (
         print_balance,
         print_balanced_masses,
@@ -67,8 +73,7 @@ def mechanism(
         print_mechanism,
         print_rod_models,
     )
-    from crankfem.files.engine.input_files import mechanism_inputs
-    from crankfem.files.engine.mechanism_file import load_mechanism
+    from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_inputs
     from crankfem.jobs.outputs import check_outputs
     from crankfem.report.interactive.mechanism import MECHANISM
 
@@ -128,3 +133,259 @@ def _rod_models(given: list[str] | None) -> list[RodModelName]:
             "is compared with the other."
         )
     return cast(list[RodModelName], models)
+
+
+USUAL_ORDERS, USUAL_ENGINE_ORDERS = 9.0, 12.0
+
+
+@dataclass(frozen=True)
+class _Request:
+    """The options of the command line."""
+
+    strokes: int | None
+    orders: float | None
+    cylinder: int | None
+    speed: str | None
+    firing: tuple[str | None, str | None]
+    csv: Path | None
+    pictures: str | None
+
+
+@with_output(files=True, units=True)
+def harmonics(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="TORQUE.csv|ENGINE.toml",
+            help="Torque over one cycle; or an engine file or the name of a shipped engine.",
+            autocompletion=completion.engines_and_tables,
+        ),
+    ],
+    strokes: Annotated[
+        int | None, typer.Option(help="Strokes per cycle of a torque table, 2 or 4 (4 by default).")
+    ] = None,
+    orders: Annotated[
+        float | None,
+        typer.Option(help="Highest order; 9 by default for a torque table, 12 for an engine."),
+    ] = None,
+    cylinder: Annotated[
+        int | None,
+        typer.Option(help="Also the harmonics of this cylinder's forces on its crankpin."),
+    ] = None,
+    speed: SpeedOption = None,
+    firing_order: Annotated[
+        str | None,
+        typer.Option(
+            metavar="1-3-4-2",
+            help="With a torque table: firing order of the cylinders with this torque, at even intervals.",
+        ),
+    ] = None,
+    firing_angles: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"0, 540, 180, 360 deg"',
+            help="With a torque table: shaft angle at which each cylinder fires.",
+        ),
+    ] = None,
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="Write the harmonics as a table.")
+    ] = None,
+    pictures: Annotated[
+        str | None,
+        typer.Option(metavar="FOLDER", help="Write torque, harmonics and star diagrams as SVG."),
+    ] = None,
+    *,
+    out: Output,
+) -> None:
+    """Split torque into harmonics M_k sin(k w t + a_k), for a table or an engine with its stars."""
+    from crankfem.cli.tables.mechanism_tables import write_table
+
+    if orders is not None and not orders > 0.0:
+        raise InputError(
+            f"--orders: given {orders:g}; allowed is an order above 0, because "
+            "orders count cycles per crankshaft revolution."
+        )
+    firing = (firing_order, firing_angles)
+    asked = _Request(strokes, orders, cylinder, speed, firing, csv, pictures)
+    record = (
+        _engine_harmonics(source, asked)
+        if _names_engine(source)
+        else _torque_table_harmonics(source, asked)
+    )
+    if csv is not None:
+        write_table(csv, record)
+    if out.json:
+        print_json(record, "torque")
+        return
+    _print(record, out.units)
+    for path, kind in ((csv, "Table"), (pictures, "Pictures")):
+        if path is not None:
+            console.output.print(f"{kind}: {path}", soft_wrap=True)
+
+
+def _names_engine(source: str) -> bool:
+    """Distinguish an engine from a torque table: by the file's ending, or the name of a shipped engine."""
+    from crankfem.files.reading.data_files import shipped_names
+
+    path = Path(source)
+    if path.suffix.lower() in (".toml", ".csv"):
+        return path.suffix.lower() == ".toml"
+    return not path.is_file() or (path.name in shipped_names("engine") and path.parent == Path())
+
+
+def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
+    from crankfem.analyses.mechanism.mechanism_records import (
+        fired_record,
+        harmonics_record,
+        residual_record,
+        seen_stars,
+    )
+    from crankfem.analyses.mechanism.plots import picture_torque_table, table_files
+    from crankfem.cli.arguments import firing_angles_deg
+    from crankfem.files.reading.data_files import torque_path
+    from crankfem.jobs.outputs import check_outputs
+    from dynamics.harmonics import read_torque_table
+
+    for name, value, lacks in (
+        ("cylinder", asked.cylinder, "cylinders"),
+        ("speed", asked.speed, "speed"),
+    ):
+        if value is not None:
+            raise InputError(
+                f"--{name}: given {value} with a torque table; allowed is an engine file, because a table "
+                f"has no {lacks}."
+            )
+    path = torque_path(source)
+    table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
+    firing = firing_angles_deg(*asked.firing, strokes=table.strokes)
+    found = table.harmonics()
+    _check_resolved(asked.orders, found)
+    highest = min(asked.orders or USUAL_ORDERS, found.highest_order)
+    shown = found.up_to(highest)
+    stars = seen_stars(shown, firing) if firing else ()
+    folder = check_outputs(asked.csv, asked.pictures, path, names=table_files(stars))
+    if folder is not None:
+        picture_torque_table(folder, table, shown, stars)
+    told = found if asked.orders is None else shown
+    record = {"table": path.name} | harmonics_record(told) | residual_record(told, table)
+    return record | ({"cylinders": fired_record(shown, stars, firing)} if firing else {})
+
+
+def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
+    from crankfem.analyses import titles
+    from crankfem.analyses.mechanism.plots import FILES, picture_torque
+    from crankfem.cli.arguments import parse_speed
+    from crankfem.cli.tables.mechanism_tables import engine_record, pin_force_record
+    from crankfem.files.engine.mechanism_file import (
+        full_load_only,
+        load_mechanism,
+        mechanism_inputs,
+        pressures_at,
+    )
+    from crankfem.jobs.outputs import check_outputs
+    from dynamics.torque.torque import engine_torque, pin_force_harmonics
+
+    mechanism = load_mechanism(source)
+    engine, strokes, cylinder = mechanism.layout, asked.strokes, asked.cylinder
+    for option, given in zip(("--firing-order", "--firing-angles"), asked.firing, strict=True):
+        if given is not None:
+            raise InputError(
+                f"{option}: given {given!r} with an engine file; allowed is a torque table, because the file "
+                "defines when its cylinders fire."
+            )
+    turning = parse_speed(asked.speed)
+    speed = mechanism.rated_speed if turning is None else turning
+    if strokes is not None and strokes != engine.strokes:
+        raise InputError(
+            f"--strokes: given {strokes}; allowed is {engine.strokes} or nothing, because the engine file "
+            "defines it."
+        )
+    if cylinder is not None and not 1 <= cylinder <= len(engine.cylinders):
+        raise InputError(
+            f"--cylinder: given {cylinder}; allowed is 1 to {len(engine.cylinders)}, because the "
+            "engine has that many."
+        )
+    inputs = mechanism_inputs(mechanism)
+    folder = check_outputs(asked.csv, asked.pictures, *inputs, names=FILES)
+    pressure = mechanism.pressure or None
+    if not full_load_only(mechanism):
+        pressure = pressures_at(mechanism, [speed])[0]
+    torque = engine_torque(engine, speed, pressure, throws=mechanism.throws)
+    _check_resolved(asked.orders, torque.harmonics())
+    highest = USUAL_ENGINE_ORDERS if asked.orders is None else asked.orders
+    record = engine_record(mechanism, torque, highest)
+    if cylinder is not None:
+        forces = pin_force_harmonics(engine, speed, pressure, highest_order=highest)
+        record["cylinder"] = pin_force_record(forces[cylinder - 1])
+    if folder is not None:
+        picture_torque(folder, torque, highest, title=titles.at_speed(mechanism.name, speed))
+    return record
+
+
+def _check_resolved(orders: float | None, found: "Harmonics") -> None:
+    if orders is None:
+        return
+    if orders < found.orders[0]:
+        raise InputError(
+            f"--orders: given {orders:g}; allowed is {found.orders[0]:g} or more, because that is the "
+            "lowest order of the cycle."
+        )
+    if orders > found.highest_order * (1.0 + 1e-9):
+        raise InputError(
+            f"--orders: given {orders:g}; allowed is {found.highest_order:g} or less, because "
+            f"{found.samples} samples over one cycle resolve no higher order."
+        )
+
+
+def _print(record: dict[str, Any], units: "OutputUnits") -> None:
+    from crankfem.cli.tables.mechanism_tables import (
+        print_engine,
+        print_pin_forces,
+        print_table_harmonics,
+    )
+
+    if "throws" not in record:
+        print_table_harmonics(record, USUAL_ORDERS, units)
+        return
+    print_engine(record, units)
+    if "cylinder" in record:
+        print_pin_forces(record["cylinder"], units)
+
+
+MOST_ORDER = 48.0
+
+
+@with_output(units=True)
+def two_mass(
+    engine: Annotated[
+        str,
+        typer.Argument(
+            metavar="ENGINE.toml",
+            help="Engine file with a section \\[two_mass_check], or a file of that section alone.",
+            autocompletion=completion.engines,
+        ),
+    ],
+    order: Annotated[
+        float | None, typer.Option(help="Order examined; by default that of the file.")
+    ] = None,
+    *,
+    out: Output,
+) -> None:
+    """Check a crankshaft as two masses on one shaft: frequency, resonant orders, excitation."""
+    from crankfem.analyses.mechanism.two_masses import read_two_masses, two_mass_run_record
+    from crankfem.cli.tables.mechanism_tables import print_two_masses
+    from crankfem.files.engine.file_kinds import any_sections
+
+    if order is not None and not 0.0 < order <= MOST_ORDER:
+        raise InputError(
+            f"--order: given {order:g}; allowed is an order above 0 up to {MOST_ORDER:g}, because orders "
+            "count cycles per crankshaft revolution."
+        )
+    content = any_sections(engine)
+    if content is None:
+        raise InputError(f"{engine}: is no TOML file; allowed is an engine file.")
+    record = two_mass_run_record(read_two_masses(content), order)
+    if out.json:
+        print_json(record, "two_mass")
+    else:
+        print_two_masses(record, out.units)

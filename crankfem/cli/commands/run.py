@@ -1,4 +1,4 @@
-"""The main job, and its report written again."""
+"""The main job, its report written again, and the class document."""
 
 import json
 from pathlib import Path
@@ -14,13 +14,14 @@ from crankfem.cli.commands.options import (
     SavedModelOption,
     StrictOption,
     WorkersOption,
+    check_has_limits,
+    exit_unless_acceptable,
     with_output,
 )
-from crankfem.cli.commands.strict import check_has_limits, exit_unless_acceptable
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
-    from crankbase.tables.output_units import OutputUnits
+    from crankbase.tables.table import OutputUnits
 
 
 @with_output(files=True, units=True)
@@ -41,9 +42,9 @@ def run(
     The verdict is printed first and last, with its reasons between; --verbose adds all tables. With
     --quiet only the path of the report is printed.
     """
-    from crankfem.cli.tables.run_tables import print_verdict
+    from crankfem.cli.tables.vibration_tables import print_verdict
     from crankfem.jobs.pipeline import run_engine
-    from crankfem.jobs.run_inputs import RunInputs, read_inputs
+    from crankfem.jobs.run_computation import RunInputs, read_inputs
 
     source: str | RunInputs = engine
     if strict or model is not None:
@@ -74,9 +75,13 @@ def run(
 
 
 def _print(results: dict[str, Any], units: "OutputUnits", *, verbose: bool) -> None:
-    from crankfem.cli.tables import fit_tables, formula_tables, throw_tables
-    from crankfem.cli.tables.run_tables import print_conclusions, print_engine, print_worst
-    from crankfem.cli.tables.vibration_tables import print_run
+    from crankfem.cli.tables import study_tables, throw_tables
+    from crankfem.cli.tables.vibration_tables import (
+        print_conclusions,
+        print_engine,
+        print_run,
+        print_worst,
+    )
 
     print_conclusions(results, units)
     print_engine(results, units)
@@ -89,9 +94,9 @@ def _print(results: dict[str, Any], units: "OutputUnits", *, verbose: bool) -> N
             cranks = "crank" if len(own["cranks"]) == 1 else "cranks"
             console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, own['cranks']))}.")
         throw_tables.print_throw(own["throw"], units)
-        formula_tables.print_one_throw(own["formulas"], 180.0, units=units)
+        throw_tables.print_one_throw(own["formulas"], 180.0, units=units)
     if results["study"] is not None:
-        fit_tables.print_main_fits(results["study"]["fits"])
+        study_tables.print_main_fits(results["study"]["fits"])
     print_run(results["vibration"], units)
 
 
@@ -139,3 +144,44 @@ def report(
         print_json({"report": str(made)})
     else:
         console.print_path(str(made) if out.quiet else f"Report: {made}")
+
+
+@with_output(files=True)
+def class_(
+    engine: EngineArgument,
+    output: Annotated[
+        str,
+        typer.Option(
+            metavar="FOLDER", help="Folder for the document, its tables as CSV and its diagrams."
+        ),
+    ],
+    strict: StrictOption = False,
+    *,
+    out: Output,
+) -> None:
+    """Write the torsional vibration document for a classification society, as HTML for A4."""
+    from crankfem.analyses.vibration.records import run_record
+    from crankfem.jobs.class_document import write_class_document
+
+    with console.RunProgress(out.quiet) as progress:
+        made = write_class_document(engine, output, progress)
+        progress.finish()
+    findings = made.parts[0].sentences
+    if out.json:
+        verdict = made.run.assessment
+        print_json(
+            {
+                "document": str(made.page),
+                "tables": [str(path) for path in made.tables],
+                "status": None if verdict is None else verdict.decision.status,
+                "findings": list(findings),
+            }
+        )
+    elif out.quiet:
+        console.print_path(str(made.page))
+    else:
+        for sentence in findings:
+            console.print_line(sentence)
+        console.print_path(f"Document: {made.page}")
+    if strict:
+        exit_unless_acceptable(run_record(made.run))

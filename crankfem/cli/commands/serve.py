@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from crankbase.errors import InputError, MissingLibraryError
-from crankbase.wrong_files import not_a_file
+from crankbase.input_file import not_a_file
 from crankfem.cli.commands.options import Output, WorkersOption, with_output
 from crankfem.cli.console import print_json, print_note
 
 if TYPE_CHECKING:
-    from crankfem.service.bounds import Settings
+    from crankfem.service.guard import Settings
 
 
 @with_output()
@@ -41,9 +41,9 @@ def serve(
 
     Only this machine is served, unless --host and --key-file are given.
     """
-    from crankbase.checks.scalars import is_whole_within
+    from crankbase.checks.choices import is_whole_within
     from crankfem.cli.interrupts import interrupts_raise
-    from crankfem.service.bounds import Bounds, Settings
+    from crankfem.service.guard import Bounds, Settings
     from regression.runs.study import check_workers
 
     check_workers(workers)
@@ -53,7 +53,7 @@ def serve(
         folder, models, host, port, _read_key(key_file), Bounds(running=jobs, workers=workers)
     )
     try:
-        from crankfem.service.server import serve as serve_until_interrupted
+        from crankfem.service.app import serve as serve_until_interrupted
     except ModuleNotFoundError as error:
         raise MissingLibraryError(
             f"The service needs the package {error.name}; install it with: pip install 'crankfem[serve]'."

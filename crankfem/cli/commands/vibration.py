@@ -7,12 +7,18 @@ import typer
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import Output, SavedModelOption, StrictOption, with_output
-from crankfem.cli.commands.strict import check_has_limits, exit_unless_acceptable
+from crankfem.cli.commands.options import (
+    Output,
+    SavedModelOption,
+    StrictOption,
+    check_has_limits,
+    exit_unless_acceptable,
+    with_output,
+)
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
-    from crankbase.tables.output_units import OutputUnits
+    from crankbase.tables.table import OutputUnits
     from crankfem.files.reading.toml_file import TomlFile
 
 
@@ -74,12 +80,10 @@ def vibration(
     from crankfem.analyses.vibration.run import engine_vibration
     from crankfem.analyses.vibration.run_up import parse_duration
     from crankfem.analyses.vibration.run_up import run_up as turned_up
-    from crankfem.cli.column_file import write_columns
-    from crankfem.cli.tables.run_tables import print_verdict
-    from crankfem.cli.tables.vibration_tables import print_run, print_run_up
+    from crankfem.cli.arguments import write_columns
+    from crankfem.cli.tables.vibration_tables import print_run, print_run_up, print_verdict
     from crankfem.files.engine.engine_file import load_engine
-    from crankfem.files.engine.input_files import engine_inputs
-    from crankfem.files.engine.mechanism_file import mechanism_of
+    from crankfem.files.engine.mechanism_file import engine_inputs, mechanism_of
     from crankfem.jobs.outputs import make_output_folder
     from crankfem.report.interactive.vibration import VIBRATION
 
@@ -146,7 +150,7 @@ def _print_chain_modes(
     InputError
         If an option is given that only engines have.
     """
-    from crankfem.cli.tables.chain_tables import chain_record, print_chain
+    from crankfem.cli.tables.vibration_tables import chain_record, print_chain
     from crankfem.files.chain.chain_file import load_chain
 
     if only_engines:

@@ -3,8 +3,7 @@
 import math
 import re
 
-from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
-from crankbase.tables.table import Cell, Column, Table
+from crankbase.tables.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.cli.console import print_line, print_notes, print_table

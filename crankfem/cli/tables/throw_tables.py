@@ -1,10 +1,22 @@
-"""Tables of a throw and of the stresses at its fillets on the command line, from plain records."""
+"""Tables of throws on the command line: compliances, stresses, formulas, reactions, checks of files."""
 
 import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
-from crankfem.analyses.record import Record
+from rich.table import Table as RichTable
+
+from crankbase.errors import InputError
+from crankbase.tables.table import SI, Column, OutputUnit, OutputUnits, Table
+from crankbase.units.units import RPM, significant
+from crankfem.analyses.record import Record, attributes
+from crankfem.analyses.throw.formula_records import (
+    EngineSpread,
+    FormulaSpread,
+    Ratio,
+    formula_spreads,
+)
+from crankfem.analyses.throw.law_record import law_sentence
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import (
     NOT_CORRECTED,
@@ -12,8 +24,11 @@ from crankfem.analyses.throw.throw_record import (
     reaction_table,
     section_sentence,
 )
+from crankfem.cli import console
+from crankfem.cli.arguments import angle_text
 from crankfem.cli.console import print_line, print_notes, print_table
-from fem.rule_mesh import (
+from dynamics.engine.firing import repeating_intervals
+from fem.fillet_peaks import (
     ACROSS_WEB,
     LARGEST_NORMAL,
     LARGEST_SIZE,
@@ -21,6 +36,14 @@ from fem.rule_mesh import (
     LAYERS,
     RULE_LOADS,
 )
+from fem.supports import Neighbors, Support
+from regression.formulas.published import AXIAL_FORMULAS
+from regression.formulas.published_table import (
+    FINITE_ELEMENTS,
+    FINITE_ELEMENTS_DOUBT,
+    PublishedValue,
+)
+from regression.models.lookup import ReactionLookup
 
 
 def print_throw(record: Record, units: OutputUnits = SI) -> None:
@@ -181,3 +204,411 @@ def _sentences(record: Record) -> list[str]:
     )
     found += [f"{file} written." for file in record["pictures"]]
     return found
+
+
+# What may stand behind a number.
+MARKS = ("*", "?")
+# The row of finite elements among those of formulas.
+_ELEMENTS: dict[str, Any] = {"name": "finite elements", "valid": None, "remarks": ()}
+_LAW = _ELEMENTS | {"name": "the law"}
+
+
+def _print_title(text: str) -> None:
+    console.output.print(text, style="bold", soft_wrap=True, highlight=False)
+
+
+def _given(constants: Mapping[str, float] | None) -> str:
+    """Name the constants that were given."""
+    return "".join(f", {name} = {value:g}" for name, value in (constants or {}).items())
+
+
+def print_one_throw(
+    records: dict[str, Any],
+    gamma_deg: float,
+    constants: Mapping[str, float] | None = None,
+    units: OutputUnits = SI,
+) -> None:
+    """Print the formulas for one throw, with finite elements if they are among the records."""
+    fe = records.get("fe")
+    for kind, support in (("axial", f"neighbors at {gamma_deg:g} deg"), ("torsional", "pinned")):
+        angle = f", gamma = {angle_text(gamma_deg)}{_given(constants)}" if kind == "axial" else ""
+        beside = "" if fe is None else f" (finite elements: {support})"
+        left_out = records["left_out"] if kind == "axial" else []
+        _print_kind(
+            f"{kind.capitalize()} compliance{angle}{beside}",
+            records[kind],
+            left_out,
+            None if fe is None else fe[kind],
+            (records.get("law") or {}).get(f"{kind}_compliance"),
+            units,
+        )
+    if fe is not None and fe["angle_law"] is not None:
+        law, axial = fe["angle_law"], units.of("1e-9 m/N")
+        print_line(
+            "Finite elements over the angle: e(gamma) = e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma/2)) "
+            f"with e_0 = {axial.with_name(law['e_0'])}, e_180 = {axial.with_name(law['e_180'])}, "
+            f"rho = {law['rho']:.3g}."
+        )
+
+
+def _print_kind(
+    title: str,
+    records: list[dict[str, Any]],
+    left_out: list[dict[str, Any]],
+    fe: float | None,
+    law: dict[str, Any] | None,
+    units: OutputUnits,
+) -> None:
+    texts = [text for record in records for text in record["remarks"]]
+    numbers = {text: str(place) for place, text in enumerate(dict.fromkeys(texts), start=1)}
+    unit = units.of(f"1e-9 {records[0]['unit'] if records else 'm/N'}")
+
+    def remarks(record: dict[str, Any]) -> str:
+        return ", ".join(sorted((numbers[text] for text in record["remarks"]), key=int))
+
+    applies = {True: "yes", False: "no", None: ""}
+    elements = [] if fe is None else [_ELEMENTS | {"value": fe}]
+    by_law = [] if law is None else [_LAW | {"value": law["value"]}]
+    ratio = [(Column("ratio to FE"), lambda record: f"{record['value'] / fe:.2f}")] if fe else []
+    # As a line of its own, because a table breaks its title at its own width.
+    _print_title(title)
+    print_table(
+        Table.of_records(
+            "",
+            [*elements, *by_law, *records],
+            (Column("formula", words=True), "name"),
+            (Column(f"value [{unit.name}]"), lambda record: _four_digits(record["value"], unit)),
+            *ratio,
+            (Column("applies", words=True), lambda record: applies[record["valid"]]),
+            (Column("remarks", words=True), remarks),
+        )
+    )
+    for text, place in numbers.items():
+        print_line(units.text(f"  {place}. {text}"))
+    for record in left_out:
+        print_line(units.text(f"  Left out: {record['reason']}."))
+    if law is not None:
+        low, high = (unit.with_name(law[end]) for end in ("lower", "upper"))
+        beside = "neighbors" in law["support"]
+        softer = ", and omits the bending of sections between neighbors" if beside else ""
+        print_line(
+            "  The law, fitted to finite elements with rigid end sections, has a band of "
+            f"{low} to {high} (95 of 100 throws are in theirs){softer}."
+        )
+    inside = [record["value"] / fe for record in records if record["valid"]] if fe else []
+    if len(inside) > 1:
+        print_line(
+            f"  The {len(inside)} formulas that apply give {min(inside):.2f} to {max(inside):.2f} times the "
+            "finite-element value."
+        )
+
+
+def print_spread(
+    spreads: Sequence[EngineSpread],
+    gamma_deg: float,
+    variant: str,
+    constants: Mapping[str, float] | None = None,
+    units: OutputUnits = SI,
+) -> None:
+    """Print formula / finite elements of all engines, one row for each."""
+    for kind, si_unit, head in (
+        ("axial", "m/N", f"gamma = {angle_text(gamma_deg)}, {variant} formulas{_given(constants)}"),
+        ("torsional", "rad/(N m)", "pinned"),
+    ):
+        unit = units.of(f"1e-9 {si_unit}")
+        names = list(dict.fromkeys(name for spread in spreads for name in spread.ratios[kind]))
+        if not names:
+            continue
+        _print_title(
+            f"{kind.capitalize()} compliance: formula / finite elements, {head} (FE in {unit.name})"
+        )
+        table = _wide_table(["engine", "s/R", "FE", *map(_short, names)])
+        rows = [
+            [
+                spread.engine,
+                f"{spread.overlap:.2f}",
+                _compliance(spread.fe[kind], unit),
+                *(_ratio(spread.ratios[kind].get(name)) for name in names),
+            ]
+            for spread in spreads
+        ]
+        summary = formula_spreads(spreads, kind)
+        for word in ("least", "mean", "greatest"):
+            rows.append([word, "", "", *(_summary(summary.get(name), word) for name in names)])
+        _add_rows(table, rows, section=len(spreads))
+        console.print_drawn(table)
+    print_line(
+        "* outside the range where the formula has a meaning. s/R: overlap of main journal and crankpin "
+        "divided by the crank radius. Mean: geometric."
+    )
+    print_line(_legend())
+
+
+def print_published(values: Sequence[PublishedValue]) -> None:
+    """Print the survey's table in its own units, repaired values marked, with remarks on doubtful ones."""
+    names = [
+        name for name in dict.fromkeys(value.formula for value in values) if name != FINITE_ELEMENTS
+    ]
+    _print_title("Published axial compliance of one throw [1e-9 m/N]")
+    table = _wide_table(["engine", *map(_short, names)])
+    cells = {(value.engine, value.formula): value for value in values}
+    rows = [
+        [engine, *(_published(cells.get((engine, name))) for name in names)]
+        for engine in dict.fromkeys(value.engine for value in values)
+    ]
+    _add_rows(table, rows)
+    console.print_drawn(table)
+    print_line("* power of ten repaired; printed are:")
+    for value in values:
+        if value.mark == "*" and value.repaired is not None and value.formula != FINITE_ELEMENTS:
+            print_line(
+                f"    {value.engine}, {value.formula}: {value.digits}, read as {value.repaired * 1e9:.6g}"
+            )
+    print_line("? as printed, doubtful:")
+    for value in values:
+        if value.mark == "?" and value.exponent_factor is not None:
+            print_line(f"    {value.engine}, {value.formula}: {value.doubt}")
+    print_line("    Guglielmotti-Macchiotta: exponents of this column lost one by one")
+    print_line(FINITE_ELEMENTS_DOUBT)
+    print_line(
+        "The paper gives no dimensions, and no dimensions make all columns agree: TsN, D2, And, Dor and "
+        "Sko go with one web thickness, D1, Gor and Sto with a thicker one."
+    )
+    print_line(_legend())
+
+
+def _wide_table(columns: Sequence[str]) -> RichTable:
+    """Return a table without lines, so that a dozen columns fit into 80 characters."""
+    table = RichTable(header_style="bold", box=None, padding=(0, 0, 0, 1), pad_edge=False)
+    for place, column in enumerate(columns):
+        table.add_column(
+            column, justify="left" if place == 0 else "right", no_wrap=place == 0, overflow="fold"
+        )
+    return table
+
+
+def _four_digits(value: float, unit: OutputUnit) -> str:
+    """Write a value with four digits, zeros at the end among them."""
+    return unit.number(value) if unit.wished else significant(value / unit.size)
+
+
+def _compliance(value: float, unit: OutputUnit) -> str:
+    """Write a compliance with three digits, without a power of ten."""
+    scaled = value / unit.size
+    return f"{scaled:.0f}" if scaled >= 100.0 else f"{scaled:#.3g}"
+
+
+def _ratio(ratio: Ratio | None) -> str:
+    if ratio is None:
+        return "-"
+    return f"{ratio.value:.2f}{'' if ratio.valid else '*'}"
+
+
+def _summary(spread: FormulaSpread | None, word: str) -> str:
+    return "-" if spread is None else f"{getattr(spread, word):.2f}"
+
+
+def _published(value: PublishedValue | None) -> str:
+    if value is None:
+        return "-"
+    if value.repaired is None:
+        return f"{value.digits}{value.mark}"
+    return f"{value.repaired * 1e9:#.4g}{value.mark}"
+
+
+def _add_rows(table: RichTable, rows: Sequence[Sequence[str]], section: int | None = None) -> None:
+    """Add rows so that digits are aligned in columns with marks in some cells."""
+    marked = [any(cell.endswith(MARKS) for cell in column) for column in zip(*rows, strict=True)]
+    for place, row in enumerate(rows):
+        if place == section:
+            table.add_section()
+        table.add_row(
+            *(
+                cell + " " if mark and not cell.endswith(MARKS) else cell
+                for cell, mark in zip(row, marked, strict=True)
+            )
+        )
+
+
+def _short(name: str) -> str:
+    """Return the head of a formula's column; torsional ones keep their names."""
+    return AXIAL_FORMULAS[name].short if name in AXIAL_FORMULAS else name
+
+
+def _legend() -> str:
+    return f"{', '.join(f'{one.short} {one.name}' for one in AXIAL_FORMULAS.values())}."
+
+
+def reaction_record(
+    react: Callable[..., ReactionLookup], force: Sequence[float], gamma: float | None
+) -> Record:
+    """Look reactions up under each possible support, as plain JSON content.
+
+    Parameters
+    ----------
+    react : callable
+        Force and support to reactions, as `ComplianceModel.reactions`.
+    force : (3,) sequence of float
+        On the pin [N].
+    gamma : float or None
+        Angle to equal neighbors, for one more support [deg].
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    supports: dict[str, Support] = {"pinned": "pinned", "guided": "guided"}
+    if gamma is not None:
+        supports[f"neighbors {gamma:g} deg"] = Neighbors(gamma, gamma)
+    found: Record = {}
+    refused: dict[str, str] = {}
+    for name, support in supports.items():
+        try:
+            answer = react(force, support)
+        except InputError as error:
+            refused[name] = str(error)
+            continue
+        found[name] = {
+            kind: {
+                side: attributes(getattr(ends, side), "force", "moment")
+                for side in ("left", "right")
+            }
+            for kind, ends in (("reactions", answer), ("band", answer.band))
+        } | {"inside": bool(answer.inside)}
+    if not found:
+        raise InputError(next(iter(refused.values())))
+    return {"pin_force": force, "radial_force": -force[1], "supports": found, "refused": refused}
+
+
+def print_reactions(record: Record, units: OutputUnits) -> None:
+    """Print reactions as those of a throw by finite elements, with their bands."""
+    print_table(reaction_table(record, units), units)
+    kilonewtons = units.of("kN")
+    for name, own in record["supports"].items():
+        push, band = (own[kind]["left"]["force"][2] for kind in ("reactions", "band"))
+        if not own["inside"]:
+            told = "OUTSIDE the range, where no band applies"
+        elif band is None:
+            told = "its band is open"
+        else:
+            told = f"within {kilonewtons.with_name(band, 3)} of {kilonewtons.with_name(push, 4)}"
+        print_line(f"Axial reaction {name}: {told}")
+    for name, reason in record["refused"].items():
+        print_line(units.text(f"Reactions {name}: left out; {reason}"))
+
+
+KINDS = {
+    "engine": "It describes a whole engine",
+    "mechanism": "It describes cranks, rods and pistons, not a whole engine",
+    "throw": "It describes a throw, not an engine",
+    "hinge": "It describes an elastic hinge",
+    "chain": "It describes a chain of inertias and springs",
+}
+
+
+def print_check(record: Record, units: OutputUnits = SI) -> None:
+    """Print how a file is understood."""
+    inputs = record["inputs"]
+    assumed = sum(one["assumed"] for one in inputs)
+    verb = "is" if assumed == 1 else "are"
+    counted = f"; {assumed} of {len(inputs)} values {verb} assumed" if inputs else ""
+    warnings = record["warnings"]
+    warned = f"; {len(warnings)} warning{'s' if len(warnings) > 1 else ''}" if warnings else ""
+    print_line(f"{record['file']}: valid {record['kind']} file{counted}{warned}.")
+    for warning in warnings:
+        print_line(units.text(f"Warning: {warning.rstrip('.')}."))
+    print_line(f"{KINDS[record['kind']]}; use it with: {', '.join(record['commands'])}.")
+    print_line(f"Sections: {', '.join(record['sections'])}.")
+    if record["arrangement"] is not None:
+        _print_arrangement(record["engine"], record["arrangement"], units)
+    for name, own in record.get("throws", {}).items():
+        print_shape(own["shape"], units, f"Throw {name}")
+        print_line(law_sentence(own["law"], units))
+        _print_dimensions(own["dimensions"], units, f"The throw {name} as understood")
+    if record["shape"] is not None and "throws" not in record:
+        print_shape(record["shape"], units)
+        print_line(law_sentence(record["law"], units))
+        _print_dimensions(record["dimensions"], units)
+    print_notes((f"{remark.rstrip('.')}." for remark in record["remarks"]), units)
+    print_table(
+        Table.of_records(
+            "Inputs",
+            inputs,
+            (Column("field", words=True), "field"),
+            (Column("value", words=True), "given"),
+            (Column("assumed", words=True), lambda one: "yes" if one["assumed"] else ""),
+            (Column("source", words=True), "source"),
+        )
+    )
+
+
+def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
+    length, speed = units.of("mm"), units.of("1/min")
+    digits = _digits(length)
+    kind = "in line" if engine["bank_angles_deg"] is None else "in banks"
+    speeds = [
+        speed.number(engine[f"{which}_speed_rpm"] / RPM, 6)
+        for which in ("lowest", "highest", "rated")
+    ]
+    print_line(
+        f"{name}: {_cylinders(engine['cylinders'])} {kind}, {engine['strokes']}-stroke, bore x stroke "
+        f"{length.number(engine['bore'], digits)} x {length.number(engine['stroke'], digits)} "
+        f"{length.name}; runs from "
+        f"{speeds[0]} to {speeds[1]} {speed.name}, rated speed {speeds[2]} {speed.name} (mean piston "
+        f"speed {units.of('m/s').with_name(engine['mean_piston_speed'], 3)}); firing order "
+        f"{'-'.join(map(str, engine['firing_order']))}, "
+        f"{intervals_text(engine['firing_intervals_deg'], units)}."
+    )
+    fired = dict(zip(engine["firing_order"], engine["firing_angles_deg"], strict=True))
+    angles = {"crank angle": engine["crank_angles_deg"]}
+    if engine["bank_angles_deg"] is not None:
+        angles["bank angle"] = engine["bank_angles_deg"]
+    angles["fires at"] = [fired[number] for number in sorted(fired)]
+    print_table(
+        Table(
+            f"Cylinders [{units.of('deg').name}]",
+            [Column("cylinder"), *(Column(name, "deg", 6, bare=True) for name in angles)],
+            [
+                [number, *map(math.radians, row)]
+                for number, row in enumerate(zip(*angles.values(), strict=True), start=1)
+            ],
+        ),
+        units,
+    )
+
+
+def intervals_text(intervals_deg: Sequence[float], units: OutputUnits) -> str:
+    """Say at which intervals an engine fires; of intervals that repeat, each once."""
+    repeated = repeating_intervals(intervals_deg)
+    angle = units.of("deg")
+    told = ", ".join(angle.number(math.radians(step)) for step in repeated)
+    if len(repeated) == 1:
+        return f"fires every {told} {angle.name}"
+    again = " in turn" if len(repeated) < len(intervals_deg) else ""
+    return f"fires at intervals of {told} {angle.name}{again}"
+
+
+def _cylinders(count: int) -> str:
+    return "1 cylinder" if count == 1 else f"{count} cylinders"
+
+
+def _digits(unit: OutputUnit) -> int:
+    """Digits of a given length: all of them, and five if it was converted."""
+    return 5 if unit.wished else 6
+
+
+def _print_dimensions(
+    dimensions: list[Record], units: OutputUnits, title: str = "The throw as read"
+) -> None:
+    print_table(
+        Table.of_records(
+            title,
+            dimensions,
+            (Column("dimension", words=True), "name"),
+            (Column("symbol", words=True), "symbol"),
+            (Column("", "mm", _digits(units.of("mm"))), "value"),
+            (Column("meaning", words=True), "meaning"),
+        ),
+        units,
+    )

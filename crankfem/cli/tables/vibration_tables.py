@@ -1,6 +1,13 @@
-"""Tables of an engine's vibration on the command line, from the plain records of a run."""
+"""Tables of the vibration of an engine or a chain on the command line, and a run's conclusions."""
 
-from crankbase.tables.output_units import SI, OutputUnits
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from crankbase.tables.table import SI, Column, OutputUnits, Table
+from crankbase.units.units import RPM, UNBOUNDED
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.tables import (
@@ -16,10 +23,14 @@ from crankfem.analyses.vibration.tables import (
     resonance_table,
     run_up_table,
     source_table,
+    speed_table,
     whole_critical_table,
     whole_table,
 )
-from crankfem.cli.console import print_line, print_notes, print_table
+from crankfem.cli.console import number, print_line, print_notes, print_table
+from crankfem.files.chain.chain_file import ChainFile
+from crankfem.report.conclusions import conclusions, reached_and_permitted, verdict_line
+from crankfem.report.summary import engine_facts, worst_of_each
 
 NOT_FORCED = (
     "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."
@@ -197,3 +208,134 @@ def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
             f"uncertain values, 90 % give {motion.number(found['percentile_5'])} to "
             f"{motion.number(found['percentile_95'])} {motion.name}"
         )
+
+
+# Modes and shares that tables show; records hold all.
+MODES_SHOWN, LEAST_SHARE = 10, 0.01
+
+
+def chain_record(read: ChainFile) -> Record:
+    """Return nodes, elements, modes and energy shares, in SI units."""
+    chain, modes = read.chain, read.chain.modes()
+    return {
+        "name": read.name,
+        "kind": read.kind,
+        "nodes": list(chain.names),
+        "elements": list(chain.elements),
+        "inertia": chain.inertia.tolist(),
+        "stiffness": chain.stiffness.tolist(),
+        "ground": chain.ground.tolist(),
+        "modes": [
+            {
+                "name": modes.names[mode],
+                "frequency": float(modes.frequencies[mode]),
+                "rigid": mode < modes.rigid,
+                "node_positions": list(modes.node_positions[mode]),
+                "modal_inertia": float(modes.modal_inertia[mode]),
+                "shape": modes.shapes[:, mode].tolist(),
+                "kinetic_shares": dict(
+                    zip(chain.names, modes.kinetic_shares[:, mode].tolist(), strict=True)
+                ),
+                "strain_shares": dict(
+                    zip(modes.strain_names, modes.strain_shares[:, mode].tolist(), strict=True)
+                ),
+            }
+            for mode in range(modes.frequencies.size)
+        ],
+        "sources": read.sources,
+    }
+
+
+def print_chain(record: Record, units: OutputUnits = SI) -> None:
+    """Print the modes of a chain, with their largest energy shares."""
+    print_table(
+        Table.of_records(
+            f"{record['name']}: {record['kind']} modes",
+            record["modes"][:MODES_SHOWN],
+            (Column("mode", words=True), "name"),
+            (Column("frequency", "Hz", decimals=3), "frequency"),
+            (Column("[1/min]", decimals=1), lambda mode: 60.0 * mode["frequency"]),
+            (
+                Column("nodes at", decimals=2, words=True),
+                lambda mode: [1.0 + place for place in mode["node_positions"]],
+            ),
+            (Column("moves most", words=True), lambda mode: _largest(mode["kinetic_shares"])),
+            (Column("strained most", words=True), lambda mode: _largest(mode["strain_shares"])),
+            note="Nodes at 2.37 are at 37 % of element 2, counted from 1; shares are those of kinetic and of "
+            "strain energy.",
+        ),
+        units,
+    )
+    for name, text in record["sources"].items():
+        print_line(f"[{name}] {text}")
+
+
+def _largest(shares: dict[str, float]) -> str:
+    name = max(shares, key=lambda one: shares[one])
+    share = shares[name]
+    return (
+        f"{name} {number(100.0 * share, 3)} %" if share > LEAST_SHARE and np.isfinite(share) else ""
+    )
+
+
+# Critical speeds of each kind; --verbose and the report show more.
+SPEEDS_SHOWN = 2
+
+
+def print_conclusions(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
+    """Print the verdict of a run, its basis and its consequences.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json.
+    units : OutputUnits, optional
+    """
+    print_verdict(results, units)
+    for line in conclusions(results):
+        print_line(units.text(f"- {line}"))
+
+
+def print_engine(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
+    """Print what the engine is, in one line."""
+    print_line(units.text(f"{results['engine']['name']}: {'; '.join(engine_facts(results))}."))
+
+
+def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
+    """Print limits, each at its worst location, and the worst critical speeds.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json.
+    units : OutputUnits, optional
+    """
+    vibration = results["vibration"]
+    if vibration["assessment"] is not None:
+        print_table(_limits(vibration["assessment"]["checks"], units), units, plain=True)
+    speeds = speed_table(vibration, units, SPEEDS_SHOWN)
+    shown = ["vibration", "speed", "order", "peak at", "amplitude", "kind"]
+    if vibration["forced"] is None:
+        shown = ["vibration", "speed", "order", "mode", "phase sum"]
+    known = [column.name for column in speeds.columns]  # without peaks there are no amplitudes
+    if speeds.rows:
+        own = speeds.select(*(name for name in shown if name in known))
+        print_table(replace(own, note=""), units, plain=True)
+
+
+def print_verdict(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
+    """Print the verdict of a run in one line."""
+    print_line(units.text(verdict_line(results)))
+
+
+def _limits(checks: list[dict[str, Any]], units: OutputUnits) -> Table:
+    return Table.of_records(
+        "Limits, each at its worst location and running speed",
+        worst_of_each(checks),
+        (Column("limit", words=True), lambda one: one["limit"].removesuffix(f" of {one['place']}")),
+        (Column("where", words=True), "place"),
+        (Column("at", "1/min", decimals=1), lambda one: one["speed_rpm"] / RPM),
+        (Column("reached"), lambda one: units.text(reached_and_permitted(one)[0])),
+        (Column("permitted"), lambda one: units.text(reached_and_permitted(one)[1])),
+        (Column("used", "%", 3, missing=UNBOUNDED), "used"),
+    )

@@ -1,22 +1,311 @@
-"""Read chain files: nodes, elements, gears and dampers in TOML, or plain text."""
+"""Read chain files: nodes, elements, gears and dampers in TOML, or plain text; shaft lines of engines."""
 
-from dataclasses import dataclass
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from crankbase.errors import InputError
-from crankbase.input_file import InputFile
+from crankbase.errors import InputError, InputErrors
+from crankbase.input_file import LARGEST_TEXT_FILE, InputFile
 from crankbase.summaries import summarized
-from crankbase.text_limits import LARGEST_TEXT_FILE
-from crankfem.files.chain.chain_build import Section, chain_of
-from crankfem.files.chain.chain_sections import AxialChainSection, TorsionalChainSection
-from crankfem.files.chain.chain_text import read_chain_text
+from crankbase.units.quantity import parse_quantity
+from crankfem.files.chain.chain_build import (
+    UNITS,
+    AxialChainSection,
+    Section,
+    TorsionalChainSection,
+    chain_of,
+)
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
-from dynamics.chains.chain import Chain
+from crankfem.files.sections.vibration_sections import ShaftLineFiles
+from dynamics.chains.chain import Chain, Dashpot, Gear
+from dynamics.chains.engine_chains import EngineChain, throw_names
 from dynamics.chains.shaft_line import Motion
 from fem.material import STEEL, Material
+
+COLUMNS = re.compile(r"\s{2,}|\t+")
+HEADING = re.compile(r"(torsional|axial)(?:\s+chain)?\s*(?::\s*(.*))?")
+NODE_WORDS = ("ground damping", "ground")
+LINK_WORDS = ("inertia", "damping", "loss", "dashpot", "gear", "from", "to")
+
+
+@summarized("name", "kind", "chain.inertia", "chain.stiffness")
+@dataclass(frozen=True)
+class ChainText:
+    """A chain read from text.
+
+    Parameters
+    ----------
+    kind : {"torsional", "axial"}
+    name : str
+        Empty if none is given.
+    chain : Chain
+    """
+
+    kind: Motion
+    name: str
+    chain: Chain
+
+
+@dataclass
+class _Link:
+    """Content of one indented line."""
+
+    line: str
+    left: str | None
+    right: str | None = None
+    values: dict[str, float] = field(default_factory=dict)
+
+
+def read_chain_text(text: str, source: str = "text") -> ChainText:
+    """Read a chain from plain text.
+
+    Parameters
+    ----------
+    text : str
+        In the format described at the head of this module.
+    source : str, optional
+        Name of the text in messages, such as a file's name.
+
+    Raises
+    ------
+    InputError
+        With a sentence for each line that cannot be used.
+    """
+    try:
+        return _read(text)
+    except InputError as error:
+        raise InputError("\n".join(f"{source}: {one}" for one in error.sentences)) from None
+
+
+def _read(text: str) -> ChainText:
+    kind: Motion | None = None
+    title = ""
+    nodes: dict[str, dict[str, float]] = {}
+    links: list[_Link] = []
+    errors = InputErrors()
+    for number, raw in enumerate(text.splitlines(), start=1):
+        line = raw.split("#", 1)[0].rstrip()
+        if not line.strip():
+            continue
+        where = f"line {number}"
+        if kind is None:
+            kind, title = _heading(where, line)
+            continue
+        with errors.noted():
+            if line[0].isspace():
+                above = next(reversed(nodes), None)
+                links.append(_link(where, COLUMNS.split(line.strip()), UNITS[kind], above))
+                continue
+            name, values = _node(where, COLUMNS.split(line), UNITS[kind])
+            if name in nodes:
+                raise InputError(
+                    f"{where}: given node {name!r} a second time; allowed is a different name for each, "
+                    "because results are named by them."
+                )
+            for link in links:
+                if link.right is None:
+                    link.right = name
+            nodes[name] = values
+    if kind is None:
+        raise InputError("given no line; allowed is a heading, torsional or axial, and nodes.")
+    errors.tell()
+    return ChainText(kind, title, _chain(nodes, links))
+
+
+def _heading(where: str, line: str) -> tuple[Motion, str]:
+    found = HEADING.fullmatch(line.strip())
+    if found is None:
+        raise InputError(
+            f"{where}: given {line.strip()!r}; allowed is torsional or axial, with a colon and a name if "
+            "wanted, because units follow from it."
+        )
+    return ("torsional" if found[1] == "torsional" else "axial"), (found[2] or "").strip()
+
+
+def _node(where: str, columns: list[str], units: dict[str, str]) -> tuple[str, dict[str, float]]:
+    if len(columns) < 2:
+        raise InputError(
+            f"{where}: given {columns[0]!r} alone; allowed is a name, two spaces, and an inertia such as "
+            f"1.5 {units['inertia']}, because a node has one (lines of elements are indented)."
+        )
+    values = {"inertia": parse_quantity(columns[1], units["inertia"], f"{where}: inertia")}
+    for column in columns[2:]:
+        word = next((word for word in NODE_WORDS if column.startswith(f"{word} ")), None)
+        if word is None:
+            raise InputError(f"{where}: given {column!r}; allowed are {', '.join(NODE_WORDS)}.")
+        unit = units["damping" if word == "ground damping" else "stiffness"]
+        values[word] = parse_quantity(column[len(word) :].strip(), unit, f"{where}: {word}")
+    return columns[0], values
+
+
+def _link(where: str, columns: list[str], units: dict[str, str], above: str | None) -> _Link:
+    link = _Link(where, above)
+    for place, column in enumerate(columns):
+        word = next((word for word in LINK_WORDS if column.startswith(f"{word} ")), None)
+        rest = column[len(word) :].strip() if word else column
+        if word == "from":
+            link.left = rest
+        elif word == "to":
+            link.right = rest
+        elif word in ("loss", "gear"):
+            link.values[word] = _number(f"{where}: {word}", rest)
+        elif word is not None:
+            unit = units["inertia" if word == "inertia" else "damping"]
+            link.values[word] = parse_quantity(rest, unit, f"{where}: {word}")
+        elif place == 0:
+            link.values["stiffness"] = parse_quantity(
+                rest, units["stiffness"], f"{where}: stiffness"
+            )
+        else:
+            raise InputError(
+                f"{where}: given {column!r}; allowed are {', '.join(LINK_WORDS)} after the stiffness."
+            )
+    joins = [word for word in ("stiffness", "dashpot", "gear") if word in link.values]
+    if len(joins) != 1 or (joins != ["stiffness"] and len(link.values) > 1):
+        raise InputError(
+            f"{where}: given {', '.join(link.values) or 'nothing'}; allowed is a stiffness (with inertia, "
+            "damping or loss), a dashpot or a gear alone, because each is a link of its own."
+        )
+    return link
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return parse_quantity(float(text), "", name)
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{name}: given {text!r}; allowed is a number without a unit, because it is a ratio."
+        ) from None
+
+
+def _chain(nodes: dict[str, dict[str, float]], links: list[_Link]) -> Chain:
+    numbers = {name: number for number, name in enumerate(nodes)}
+    springs, dashpots, gears = [], [], []
+    errors = InputErrors()
+    for link in links:
+        with errors.noted():
+            left, right = (_place(link, name, numbers) for name in (link.left, link.right))
+            try:
+                if "gear" in link.values:
+                    gears.append(Gear(left, right, link.values["gear"]))
+                elif "dashpot" in link.values:
+                    dashpots.append(Dashpot(left, right, link.values["dashpot"]))
+                else:
+                    springs.append(((left, right), link.values))
+            except InputError as error:
+                raise InputError(f"{link.line}: {error}") from None
+    errors.tell()
+    return Chain(
+        [values["inertia"] for values in nodes.values()],
+        [values["stiffness"] for _, values in springs],
+        [values.get("ground", 0.0) for values in nodes.values()],
+        connections=[pair for pair, _ in springs],
+        damping=[values.get("damping", 0.0) for _, values in springs],
+        loss_factor=[values.get("loss", 0.0) for _, values in springs],
+        ground_damping=[values.get("ground damping", 0.0) for values in nodes.values()],
+        distributed_inertia=[values.get("inertia", 0.0) for _, values in springs],
+        dashpots=dashpots,
+        gears=gears,
+        names=list(nodes),
+    )
+
+
+def _place(link: _Link, name: str | None, numbers: dict[str, int]) -> int:
+    if name is None:
+        raise InputError(
+            f"{link.line}: given a link without a node {'above' if link.left is None else 'below'} it; "
+            "allowed is one between two nodes, or with their names after from and to, because it joins two."
+        )
+    if name not in numbers:
+        raise InputError(
+            f"{link.line}: given {name!r}; allowed are {', '.join(numbers)}, because these are the nodes."
+        )
+    return numbers[name]
+
+
+def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
+    """Write a chain as plain text, which reads back as the same chain to the last digit.
+
+    Parameters
+    ----------
+    chain : Chain
+    kind : {"torsional", "axial"}
+    name : str, optional
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown, or a name cannot be written in the text.
+    """
+    if kind not in UNITS:
+        raise InputError(
+            f"kind: given {kind!r}; allowed are torsional and axial, because units follow from it."
+        )
+    for field_name, own in (("name", name), *(("names", own) for own in chain.names)):
+        if (field_name == "names" or own) and not _stands_on_a_line(own):
+            raise InputError(
+                f"{field_name}: given {own!r}; allowed are names on one line, with single spaces and without "
+                "#, because two spaces separate columns and # begins a comment."
+            )
+    units = UNITS[kind]
+    lines = [f"{kind}: {name}" if name else kind]
+    links = [(pair, _spring(chain, number, units)) for number, pair in enumerate(chain.connections)]
+    waiting = 0
+    for node, own in enumerate(chain.names):
+        while waiting < len(links) and max(links[waiting][0]) <= node:
+            pair, text = links[waiting]
+            if pair != (node - 1, node):
+                break
+            lines.append(f"  {text}")
+            waiting += 1
+        lines.append(_node_line(chain, node, own, units))
+    rest = links[waiting:]
+    rest += [
+        ((d.left, d.right), f"dashpot {d.damping!r} {units['damping']}") for d in chain.dashpots
+    ]
+    rest += [((g.driver, g.driven), f"gear {g.ratio!r}") for g in chain.gears]
+    for (left, right), text in rest:
+        lines.append(f"  {text}  from {chain.names[left]}  to {chain.names[right]}")
+    return "\n".join(lines) + "\n"
+
+
+def _stands_on_a_line(name: str) -> bool:
+    return (
+        name == name.strip()
+        and name.splitlines() == [name]
+        and "#" not in name
+        and COLUMNS.search(name) is None
+    )
+
+
+def _node_line(chain: Chain, node: int, name: str, units: dict[str, str]) -> str:
+    parts = [name, f"{float(chain.inertia[node])!r} {units['inertia']}"]
+    for word, values, unit in (
+        ("ground", chain.ground, "stiffness"),
+        ("ground damping", chain.ground_damping, "damping"),
+    ):
+        if values[node] > 0.0:
+            parts.append(f"{word} {float(values[node])!r} {units[unit]}")
+    return "  ".join(parts)
+
+
+def _spring(chain: Chain, element: int, units: dict[str, str]) -> str:
+    parts = [f"{float(chain.stiffness[element])!r} {units['stiffness']}"]
+    for word, values, unit in (
+        ("inertia", chain.distributed_inertia, f" {units['inertia']}"),
+        ("damping", chain.damping, f" {units['damping']}"),
+        ("loss", chain.loss_factor, ""),
+    ):
+        if values[element] > 0.0:
+            parts.append(f"{word} {float(values[element])!r}{unit}")
+    return "  ".join(parts)
+
 
 # Sizes within which all calculations keep their digits.
 SMALLEST, LARGEST = 1e-20, 1e20
@@ -121,3 +410,76 @@ def _check_sizes(file: str, chain: Chain) -> None:
                 f"{file}: {name}: given {wrong[0]:g}; allowed are sizes from {SMALLEST:g} to {LARGEST:g}, "
                 "because no machine has others."
             )
+
+
+# The key of a whole plant's chain, as its maker gives it.
+PLANT = "plant"
+
+
+def read_shaft_lines(content: TomlFile) -> dict[str, Chain]:
+    """Read the chains that the section [shaft_line] of an engine file names, by their kind.
+
+    Their values are listed with those of the engine file.
+
+    Raises
+    ------
+    InputError
+        Also if one is of the wrong kind.
+    """
+    lines = content.model("shaft_line", ShaftLineFiles)
+    chains: dict[str, Chain] = {}
+    for key, kind in (("torsional", "torsional"), ("axial", "axial"), (PLANT, "torsional")):
+        name = None if lines is None else getattr(lines, key)
+        if name is None:
+            continue
+        read = load_chain(content.files.named(f"shaft_line.{key}", name, "chains"))
+        if read.kind != kind:
+            why = "replaces" if key == PLANT else "continues"
+            raise InputError(
+                f"shaft_line.{key}: given {name!r}, a chain of kind {read.kind}; allowed is one of kind "
+                f"{kind}, because it {why} that chain of the engine."
+            )
+        chains[key] = read.chain
+        content.records.extend(
+            replace(record, field=f"shaft_line.{key}: {record.field}") for record in read.records
+        )
+    return chains
+
+
+def plant_chain(plant: Chain, cylinders: Sequence[int]) -> EngineChain:
+    """Return the chain of a plant that its maker gives, with the nodes of its cranks.
+
+    Parameters
+    ----------
+    plant : Chain
+    cylinders : sequence of int
+        Number of cylinders on each throw, from the free end.
+
+    Raises
+    ------
+    InputError
+        If cranks are missing, or the crankshaft is not a row from the first node to behind the last crank.
+    """
+    wanted = throw_names(cylinders, len(cylinders))
+    missing = [name for name in wanted if name not in plant.names]
+    if missing:
+        raise InputError(
+            f"shaft_line.plant: given a chain without {missing[0]!r}; allowed is one with the nodes "
+            f"{', '.join(wanted)}, because the cylinders act on them."
+        )
+    further = f"{wanted[0].rpartition(' ')[0]} {len(wanted) + 1}"
+    if further in plant.names:
+        raise InputError(
+            f"shaft_line.plant: given a chain with {further!r}; allowed is one with {len(wanted)} cranks, "
+            "because the engine has so many."
+        )
+    nodes = tuple(plant.names.index(name) for name in wanted)
+    row = tuple((node, node + 1) for node in range(nodes[-1] + 1))
+    cranks = tuple(range(nodes[0], nodes[0] + len(nodes)))
+    if nodes != cranks or plant.connections[: len(row)] != row:
+        raise InputError(
+            "shaft_line.plant: given cranks that do not follow each other; allowed is a chain that begins "
+            "at the free end, its first elements in a row to behind the last crank, because these are the "
+            "crankshaft."
+        )
+    return EngineChain(plant, "torsional", throw_nodes=nodes)

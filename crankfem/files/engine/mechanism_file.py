@@ -1,37 +1,52 @@
 """The crank mechanism that an engine file describes: pistons, rods, cranks and gas pressure."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
+from crankbase.input_file import InputFile
 from crankbase.summaries import summarized
-from crankfem.files.engine.engine_checks import check_load
-from crankfem.files.engine.engine_file import SECTIONS, EngineFile, check_sections, load_engine
+from crankfem.files.engine.engine_file import (
+    SECTIONS,
+    EngineFile,
+    check_load,
+    check_sections,
+    load_engine,
+)
 from crankfem.files.engine.file_kinds import engine_sections, file_kind
-from crankfem.files.engine.firing_evenness import firing_evenness
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
     check_sizes,
     engine_cylinders,
+    firing_evenness,
     inertia_remarks,
     side_by_side,
     throws_of,
 )
-from crankfem.files.engine.rated_power import EnginePower, engine_power
 from crankfem.files.engine.throw_file import ThrowFile, load_throw_file
-from crankfem.files.engine.usual_sizes import engine_warnings
+from crankfem.files.engine.usual_sizes import EnginePower, engine_power, engine_warnings
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN, read_throws, throw_names, throws_along_shaft
-from crankfem.files.sections.cylinder_pressures import cylinder_pressures
+from crankfem.files.sections.cylinder_pressures import (
+    LoadCurve,
+    LoadSection,
+    cylinder_pressures,
+    full_load_cycles,
+    load_curve,
+    load_speeds,
+    pressures_along,
+)
 from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
-from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
 from dynamics.engine.layout import EngineLayout, RotatingMass
+from dynamics.excitation.pressure_map import PressureMap
 from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
 from geometry.crankshaft import ShaftEnds, throw_masses, throw_starts
@@ -370,3 +385,89 @@ def _masses_along(
             "cranks, because their throws differ."
         )
     return masses
+
+
+def full_load_only(mechanism: MechanismFile) -> bool:
+    """Return whether the load is full load at all speeds, as without a section [load]."""
+    return mechanism.gas is None or mechanism.load is None or mechanism.load.law == "constant"
+
+
+def curve_at(mechanism: MechanismFile, speeds: FloatArray) -> LoadCurve:
+    """Return the pressures that the cycles reach at speeds [rad/s].
+
+    Raises
+    ------
+    InputError
+        If a speed is beyond the points of the load.
+    """
+    assert mechanism.gas is not None
+    assert mechanism.load is not None
+    friction = 0.0 if mechanism.power is None else mechanism.power.friction_pressure
+    full = full_load_cycles(mechanism.gas, mechanism.layout)[0]
+    return load_curve(mechanism.load, full, mechanism.rated_speed, speeds, friction)
+
+
+def pressure_maps(
+    mechanism: MechanismFile, speed_range: tuple[float, float], *, motored: bool = False
+) -> tuple[PressureMap, ...]:
+    """Return the pressure in each cylinder over a range of speeds [rad/s].
+
+    Raises
+    ------
+    InputError
+        If a cycle cannot reach the load.
+    """
+    assert mechanism.gas is not None
+    assert mechanism.load is not None
+    speeds = load_speeds(mechanism.load, mechanism.rated_speed, speed_range)
+    curve = curve_at(mechanism, speeds)
+    return pressures_along(curve, mechanism.gas, mechanism.layout, motored=motored)
+
+
+def pressures_at(
+    mechanism: MechanismFile, speeds: ArrayLike, *, motored: bool = False
+) -> tuple[tuple[GasPressure, ...], ...]:
+    """Return the pressure in each cylinder at the load of each speed.
+
+    Parameters
+    ----------
+    mechanism : MechanismFile
+        With a section [load] that is not full load at all speeds.
+    speeds : (S,) array_like
+        Ascending [rad/s].
+    motored : bool, optional
+        Without combustion, at the boost of this load.
+
+    Raises
+    ------
+    InputError
+        If a speed is beyond the points of the load, or a cycle cannot reach it.
+    """
+    assert mechanism.gas is not None
+    curve = curve_at(mechanism, np.asarray(speeds, dtype=np.float64))
+    maps = pressures_along(curve, mechanism.gas, mechanism.layout, motored=motored)
+    return tuple(zip(*(one.diagrams for one in maps), strict=True))
+
+
+def mechanism_inputs(mechanism: EngineFile | MechanismFile) -> tuple[Path, ...]:
+    """Return the engine file of a mechanism, and the pressure table that it names, if any."""
+    return tuple(file.path for file in _mechanism_files(mechanism))
+
+
+def engine_inputs(engine_file: EngineFile) -> tuple[InputFile, ...]:
+    """Return an engine file and those it names: of pressures, at points of a map, of torque, its model."""
+    points = () if engine_file.gas_map is None else engine_file.gas_map.points
+    on_map = [
+        engine_file.files.named("gas_map.points.pressure_table", point.pressure_table, "tables")
+        for point in points
+    ]
+    others = (engine_file.torque_table, engine_file.model_file)
+    named = (*_mechanism_files(engine_file), *on_map, *(file for file in others if file))
+    return tuple(dict.fromkeys(named))
+
+
+def _mechanism_files(mechanism: EngineFile | MechanismFile) -> Iterator[InputFile]:
+    yield mechanism.files.own
+    gas = mechanism.gas
+    if gas is not None and gas.pressure_table is not None:
+        yield mechanism.files.named("gas.pressure_table", gas.pressure_table, "tables")

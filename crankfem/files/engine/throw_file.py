@@ -19,7 +19,7 @@ from crankfem.files.sections.crank_throws import (
     throws_along_shaft,
 )
 from crankfem.files.sections.engine_sections import Engine, ShaftLayout
-from crankfem.files.study.study_file import study_plan
+from crankfem.files.study_file import study_plan
 from fem.material import STEEL, Material
 from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.throw import CrankThrow

@@ -8,8 +8,7 @@ from typing import Literal
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError, quoted
-from crankbase.input_file import InputFile
-from crankbase.wrong_files import not_a_file
+from crankbase.input_file import InputFile, not_a_file
 
 InputKind = Literal["engine", "hinge", "chain"]
 # Of each kind of input the folder of those that are shipped, and how a message calls a file.

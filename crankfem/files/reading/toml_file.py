@@ -1,5 +1,6 @@
 """Read a TOML file of quantities: values with units, each with its source or marked assumed."""
 
+import math
 import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
@@ -9,14 +10,292 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from crankbase.checks.choices import did_you_mean
-from crankbase.errors import InputError, InputErrors
+from crankbase.errors import InputError, InputErrors, shortened
+from crankbase.input_file import (
+    DEEPEST_TABLE,
+    LARGEST_TEXT_FILE,
+    LONGEST_TEXT,
+    MOST_BITS,
+    MOST_VALUES,
+)
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.text_limits import LARGEST_TEXT_FILE
-from crankbase.units.quantity import format_quantity
+from crankbase.units.quantity import SEPARATED_NUMBER, either, format_quantity, readings
 from crankfem.files.reading.data_files import InputFiles
-from crankfem.files.reading.toml_errors import not_toml
-from crankfem.files.reading.toml_limits import check_content, check_keys, too_deep
-from crankfem.files.reading.toml_places import place_of
+
+# A key of more names than tables may lie in tables; taking it apart would take long. Nothing is gone
+# back on, so that looking for it does not take long either.
+_LONG_KEY = re.compile(
+    rf"(?<![\w-])(?>(?>[\w-]+|\"[^\"\n]*\"|'[^'\n]*')[ \t]*\.[ \t]*){{{DEEPEST_TABLE}}}", re.ASCII
+)
+
+
+def check_keys(name: str, text: str) -> None:
+    """Refuse a text with a dotted key of too many names.
+
+    Parameters
+    ----------
+    name : str
+        Of the file, for the message.
+    text : str
+
+    Raises
+    ------
+    InputError
+    """
+    found = _LONG_KEY.search(text)
+    if found is not None:
+        line = text.count("\n", 0, found.start()) + 1
+        raise InputError(
+            f"{name}: line {line}, {shortened(found[0])!r}: given a key of more than {DEEPEST_TABLE} names; "
+            f"allowed is {DEEPEST_TABLE} at most, because sections are nested no deeper than a table or two."
+        )
+
+
+def too_deep(name: str) -> InputError:
+    """Return the error for too deeply nested tables or lists."""
+    return InputError(
+        f"{name}: given tables or lists within more than {DEEPEST_TABLE} others; allowed are "
+        f"{DEEPEST_TABLE}, because sections are nested no deeper than a table or two."
+    )
+
+
+def check_content(name: str, content: dict[str, Any]) -> None:
+    """Refuse content with too many values, too long texts or numbers, or too deeply nested tables.
+
+    Parameters
+    ----------
+    name : str
+        Of the file, for the message.
+    content : dict
+        From the parser.
+
+    Raises
+    ------
+    InputError
+        With the first field that is too long.
+    """
+    count = 0
+    waiting: list[tuple[str, int, Any]] = [("", 0, content)]
+    while waiting:
+        field, depth, value = waiting.pop()
+        count += 1
+        if count > MOST_VALUES:
+            raise InputError(
+                f"{name}: given more than {MOST_VALUES} values; allowed is {MOST_VALUES} at most, because an "
+                "engine has some hundred."
+            )
+        if depth > DEEPEST_TABLE:
+            raise too_deep(name)
+        if isinstance(value, dict):
+            for key in value:
+                _check_text(name, f"{field}.{key}".lstrip("."), key)
+            inner = [(f"{field}.{key}".lstrip("."), depth + 1, own) for key, own in value.items()]
+            waiting.extend(reversed(inner))
+        elif isinstance(value, list):
+            inner = [(f"{field}[{place}]", depth + 1, own) for place, own in enumerate(value)]
+            waiting.extend(reversed(inner))
+        elif isinstance(value, str):
+            _check_text(name, field, value)
+        elif isinstance(value, float) and not math.isfinite(value):
+            raise InputError(
+                f"{name}: {field}: given {value}, which is not finite; allowed are numbers up to 1.8e308."
+            )
+        elif isinstance(value, int) and (value if value > 0 else ~value).bit_length() > MOST_BITS:
+            raise InputError(
+                f"{name}: {field}: given a whole number of {value.bit_length()} bits; allowed is "
+                f"{MOST_BITS} at most, because TOML has no larger ones."
+            )
+
+
+def _check_text(name: str, field: str, text: str) -> None:
+    if len(text) > LONGEST_TEXT:
+        raise InputError(
+            f"{name}: {field}: given {text!r}, of {len(text)} characters; allowed is {LONGEST_TEXT} at most, "
+            "because even a citation is shorter."
+        )
+
+
+_ANY_HEADER = re.compile(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]")
+_BARE_NAME = re.compile(r"\s*([\w.-]+)\s*=")
+# A field of a section, perhaps one of a list of tables or a value of a list.
+FIELD = re.compile(r"[\w-]+(?:\[\d+\])?(?:\.[\w-]+(?:\[\d+\])?)*")
+
+
+def line_of(text: str, field: str) -> int | None:
+    r"""Return the number of the line that gives a field or begins a section, from 1.
+
+    Parameters
+    ----------
+    text : str
+        Of the file.
+    field : str
+        Such as ``throw.web_width`` or ``throw.further_pins[0].length``; of a value in a list, such as
+        ``engine.crank_angles[2]``, the line of the list.
+
+    Returns
+    -------
+    int or None
+        None if no line gives it, or the text is no field.
+
+    Examples
+    --------
+    >>> line_of('[throw]\nweb_width = "285 mm"', "throw.web_width")
+    2
+    """
+    if not FIELD.fullmatch(field):
+        return None
+    wanted = {field, re.sub(r"\[\d+\]$", "", field)}
+    section, counts = "", dict[str, int]()
+    for number, line in enumerate(text.split("\n"), start=1):
+        if header := _ANY_HEADER.match(line):
+            section = header[2]
+            if header[1] == "[[":
+                place = counts[section] = counts.get(section, -1) + 1
+                section = f"{section}[{place}]"
+            if section == field:
+                return number
+        elif (name := _BARE_NAME.match(line)) and f"{section}.{name[1]}" in wanted:
+            return number
+    return None
+
+
+def place_of(text: str, field: str) -> str | None:
+    r"""Name the line that gives a field, or the section where it is missing; None if there is neither.
+
+    Examples
+    --------
+    >>> place_of('[throw]\nweb_width = "285 mm"', "throw.pin_length")
+    'section [throw], line 1'
+    """
+    if (line := line_of(text, field)) is not None:
+        return f"line {line}"
+    section = field.rpartition(".")[0]
+    line = line_of(text, section) if section else None
+    return None if line is None else f"section [{section}], line {line}"
+
+
+# Of a line that is looked at.
+LONGEST_LINE = 500
+# Where the parser stopped.
+AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
+# A number followed by letters, with no quotes about them: "= 9 in", "value = 82,5 mm", "[0 deg, ...".
+BARE = re.compile(
+    rf"[=\[,]\s*({SEPARATED_NUMBER}\s*(?:1\s*/\s*)?[A-Za-z%°µ][^\s,}}\]#\"']*(?: [A-Za-z][\w^/*]*)*)"
+)
+# A number with separators, alone. In a list commas stand between numbers.
+SEPARATED = re.compile(rf"=\s*({SEPARATED_NUMBER})\s*(?:[,}}]|$)")
+NAME = re.compile(r"\s*([\w.-]+|\"[^\"]*\"|'[^']*')\s*=")
+HEADER = re.compile(r"\s*\[(?!\[)([^\]]+)\]")
+# What is written wrongly, where nothing else is, outside of quotes.
+FAULTS = (
+    (
+        re.compile("[\u201c\u201d\u201e\u2018\u2019\u00ab\u00bb]"),
+        "given typographic quotes; write straight ones, \" or '",
+    ),
+    (
+        re.compile(r"^[^\"]*\"[^\"]*$|^[^']*'[^']*$"),
+        "given an opening quote without a closing one; write both",
+    ),
+    (
+        re.compile(r"^\s*\[[^\]]*[^\x00-\x7f][^\]]*\]|^[^=\"']*[^\x00-\x7f][^=\"']*="),
+        "given a name with other letters than A to Z; write names with A to Z, digits, _ and -",
+    ),
+    (re.compile(r"^\s*[\w.-]+\s*:"), "given a colon behind a name; write ="),
+    (re.compile(r"[;,]\s*$"), "given a comma or a semicolon at its end; leave it out"),
+    (
+        re.compile(r"=\s*(?!(?:true|false|inf|nan)\b)[A-Za-z][\w .-]*$"),
+        "given text without quotes; write it in quotes",
+    ),
+    (re.compile(r"^\s*\[\[?[^\]=]*$"), "given a section without its closing bracket; write it"),
+)
+# An apostrophe behind a digit separates thousands.
+QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|(?<!\d)'[^']*'")
+
+
+def not_toml(text: str, error: Exception) -> str:
+    """Describe the error of the parser, and the correct form.
+
+    Parameters
+    ----------
+    text : str
+        Of the file.
+    error : Exception
+        Of the parser; without a line number in it, its own words are used.
+
+    Returns
+    -------
+    str
+        For example ``line 46, web_width = 9 in: a quantity stands without quotes; write "9 in" ...``.
+    """
+    if not isinstance(error, tomllib.TOMLDecodeError):
+        return "given a number of thousands of digits; allowed are numbers of 64 bits, as TOML has them."
+    found = AT_LINE.search(str(error))
+    # What is wrong shows at the beginning of a line; patterns would take long over all of a very long one.
+    lines = [line[:LONGEST_LINE] for line in text.splitlines()]
+    # What is never closed is found at the end of the file, of which no line is told.
+    place = int(found[1]) if found else _first_fault(lines)
+    if not 1 <= place <= len(lines):
+        return f"is not TOML ({error}); allowed is a TOML file."
+    line = lines[place - 1]
+    shown = f"line {place}, {shortened(line.strip())}:"
+    before = _before(lines, place)
+    if before is not None:
+        return (
+            f"{shown} given twice, in line {before} too; allowed is each name once in its section, and each "
+            "section once."
+        )
+    # What stands in quotes already, and remarks, are no bare quantities.
+    plain = QUOTED.sub('""', line).partition("#")[0]
+    bare = BARE.search(plain)
+    if bare is not None:
+        given = bare[1].strip()
+        if "," in given and not bare[0].startswith("="):
+            return (
+                f"{shown} given {given} in a list without quotes; write each quantity in quotes, with a "
+                "decimal point, because commas separate the values of a list."
+            )
+        return (
+            f"{shown} given {given} without quotes; write a quantity in quotes, "
+            f"{either(readings(given) or (given,))}, because it is text with its unit."
+        )
+    fault = _fault(line)
+    if fault is not None:
+        return f"{shown} {fault}."
+    return f"{shown} is not TOML ({AT_LINE.sub('', str(error)).strip()}); allowed is a TOML file."
+
+
+def _fault(line: str) -> str | None:
+    """Say what is written wrongly in a line, None if nothing is known of it."""
+    plain = QUOTED.sub('""', line).partition("#")[0]
+    number = SEPARATED.search(plain)
+    if number is not None and (meant := readings(number[1])):
+        return (
+            f"given {number[1]}; write a decimal point and no separators, like {' or '.join(meant)}"
+        )
+    return next((fault for pattern, fault in FAULTS if pattern.search(plain)), None)
+
+
+def _first_fault(lines: list[str]) -> int:
+    """Return the number of the first line in which something is written wrongly, 0 if there is none."""
+    return next((number for number, line in enumerate(lines, start=1) if _fault(line)), 0)
+
+
+def _before(lines: list[str], place: int) -> int | None:
+    """Return the number of an earlier line that gives the same section or name, None if there is none."""
+    line = lines[place - 1]
+    header = HEADER.match(line)
+    given = header or NAME.match(line)
+    if given is None:
+        return None
+    for number in range(place - 1, 0, -1):
+        other = lines[number - 1]
+        if header is None and other.lstrip().startswith("["):
+            return None
+        found = given.re.match(other)
+        if found is not None and found[1].strip() == given[1].strip():
+            return number
+    return None
+
 
 Model = TypeVar("Model", bound=InputModel)
 

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from crankbase.checks.angles import refuse_many_turns
+from crankbase.checks.arrays import refuse_many_turns
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, quantity_field

@@ -1,6 +1,7 @@
 """Sections of engine files about excitation: pressure map, misfire and propeller forces."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -9,7 +10,7 @@ from pydantic import Field, model_validator
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.units.units import PER_MINUTE
-from crankfem.files.reading.data_files import InputFiles
+from crankfem.files.reading.data_files import InputFiles, torque_path
 from crankfem.files.sections.cylinder_pressures import motored_pressures
 from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.engine.forces import piston_position
@@ -18,6 +19,7 @@ from dynamics.excitation.pressure_map import Load, PressureMap, pressure_map, pr
 from dynamics.excitation.propeller import PropellerForces
 from dynamics.gas.cylinder_volume import cylinder_volume, motored_from_compression
 from dynamics.gas.pressure import GasPressure, read_pressure_table
+from dynamics.harmonics import TorqueTable, read_torque_table
 
 
 class GasMapPoint(InputModel):
@@ -250,3 +252,21 @@ def motored_for_misfire(
             zip(pressure, layout.cylinders, strict=True), start=1
         )
     )
+
+
+def load_torque_table(path: str | Path, *, strokes: int | None = None) -> TorqueTable:
+    """Read the torque of one throw over a cycle; `read_torque_table` describes the format.
+
+    Parameters
+    ----------
+    path : path
+        The CSV file, or the name of a shipped one, such as ``yamz5340_torque_one_throw.csv``.
+    strokes : int, optional
+        Strokes per cycle, 2 or 4, if the table does not define it; 4 by default.
+
+    Raises
+    ------
+    InputError
+        With file and line, if the table cannot be used.
+    """
+    return read_torque_table(torque_path(path), strokes=strokes)

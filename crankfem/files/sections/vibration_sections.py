@@ -1,11 +1,12 @@
-"""The sections of engine files that vibration needs beyond cranks and flywheel, declared once."""
+"""The sections of engine files that vibration needs beyond cranks and flywheel: dampers too."""
 
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, quantity_field
+from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
 
 
 class Damping(InputModel):
@@ -131,3 +132,143 @@ class ShaftLineFiles(InputModel):
                 "chain of the whole plant has what follows the flywheel."
             )
         return self
+
+
+TorsionalKind = Literal["viscous", "rubber"]
+# The data of each kind in an engine file, beside the inertia of the ring.
+DATA = {"viscous": ("damping",), "rubber": ("stiffness", "loss_factor")}
+
+
+class TorsionalDamperSection(InputModel):
+    """Torsional damper at the free end: a ring in oil, or a ring on rubber."""
+
+    section: ClassVar[str] = "torsional_damper"
+
+    kind: TorsionalKind = Field(description="viscous or rubber")
+    ring_inertia: float = quantity_field(
+        "inertia of the ring", "kg m^2", minimum=1e-10, maximum=1e6
+    )
+    damping: float | None = quantity_field(
+        "torque per relative speed of ring and hub, for kind viscous",
+        "N m s/rad",
+        minimum=1e-6,
+        maximum=1e8,
+        default=None,
+    )
+    stiffness: float | None = quantity_field(
+        "torsional stiffness of the rubber, for kind rubber",
+        "N m/rad",
+        minimum=1e-3,
+        maximum=1e10,
+        default=None,
+    )
+    loss_factor: float | None = quantity_field(
+        "loss factor of the rubber, for kind rubber", "", minimum=0.0, maximum=2.0, default=None
+    )
+
+    @model_validator(mode="after")
+    def _has_its_data(self) -> Self:
+        needed = [f"{' and '.join(names)} for {kind}" for kind, names in DATA.items()]
+        for name in dict.fromkeys(name for names in DATA.values() for name in names):
+            given = getattr(self, name) is not None
+            if given != (name in DATA[self.kind]):
+                raise InputError(
+                    f"torsional_damper.{name}: {'given' if given else 'not given'} with kind "
+                    f"{self.kind}; allowed are {', '.join(needed)}, because these are their data."
+                )
+        return self
+
+    def damper(self) -> TorsionalDamper:
+        """Return the damper; its hub is part of the free end."""
+        data = {name: getattr(self, name) for name in DATA[self.kind]}
+        if self.kind == "viscous":
+            return ViscousDamper(self.ring_inertia, **data)
+        return RubberDamper(self.ring_inertia, **data)
+
+
+class AxialDamperSection(InputModel):
+    """Axial damper at the free end: a piston on the shaft in oil."""
+
+    section: ClassVar[str] = "axial_damper"
+
+    damping: float = quantity_field(
+        "force per speed of the free end", "N s/m", minimum=1.0, maximum=1e10
+    )
+    stiffness: float = quantity_field(
+        "stiffness of its oil to ground", "N/m", minimum=0.0, maximum=1e12, default=0.0
+    )
+
+    def damper(self) -> AxialDamper:
+        """Return the damper; its collar is part of the free end."""
+        return AxialDamper(self.damping, self.stiffness)
+
+
+def _part_quantity(meaning: str, unit: str, default: Any = 0.0) -> Any:
+    # What need not be there may be zero; the rest is checked where it is used, to be above zero.
+    return quantity_field(
+        meaning,
+        unit,
+        minimum=0.0 if default == 0.0 else None,
+        default=default,
+        feature=default is not ...,
+    )
+
+
+class TorsionalDamperPart(InputModel):
+    """A torsional damper."""
+
+    type: TorsionalKind = Field(description="viscous, or rubber")
+    node: str = Field(description="name of its node")
+    name: str = Field(
+        "damper ring", description="of the ring's node", json_schema_extra={"feature": True}
+    )
+    ring_inertia: float = _part_quantity("inertia of the ring", "kg m^2", ...)
+    hub_inertia: float = _part_quantity("inertia of hub or housing", "kg m^2")
+    damping: float = _part_quantity("viscous damping", "N m s/rad")
+    stiffness: float | None = _part_quantity("dynamic stiffness of the rubber", "N m/rad", None)
+    loss_factor: float = quantity_field(
+        "loss factor, hysteretic damping", "", minimum=0.0, maximum=2.0, default=0.0, feature=True
+    )
+
+    def damper(self, field: str) -> TorsionalDamper:
+        """Return the damper; `field` is what messages call it.
+
+        Raises
+        ------
+        InputError
+            If data of its kind are missing, or data of another kind are given.
+        """
+        if self.type == "rubber":
+            if self.stiffness is None:
+                raise InputError(
+                    f"{field}.stiffness: missing; allowed are numbers above 0 N m/rad, because rubber "
+                    "joins the ring to the shaft."
+                )
+            return RubberDamper(
+                self.ring_inertia,
+                self.stiffness,
+                self.loss_factor,
+                self.damping,
+                self.hub_inertia,
+                self.name,
+            )
+        for name in ("stiffness", "loss_factor"):
+            if getattr(self, name):
+                raise InputError(
+                    f"{field}.{name}: given for a viscous damper; allowed is a rubber one, because oil "
+                    "alone joins the ring to the shaft."
+                )
+        return ViscousDamper(self.ring_inertia, self.damping, self.hub_inertia, self.name)
+
+
+class AxialDamperPart(InputModel):
+    """A damper against axial vibration."""
+
+    node: str = Field(description="name of its node")
+    damping: float = _part_quantity("force per speed", "N s/m", ...)
+    stiffness: float = _part_quantity("stiffness of oil and housing", "N/m")
+    mass: float = _part_quantity("mass of the collar", "kg")
+
+    def damper(self, _field: str) -> AxialDamper:
+        """Return the damper."""
+        return AxialDamper(self.damping, self.stiffness, self.mass)

@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.curves import Curves, Dash, Dots, Series
-from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
+from crankbase.diagrams import BLUE, GRAY, GREEN, ORANGE, Curves, Dash, Dots, Series
 from crankfem.analyses.mechanism.mechanism_records import piston_names
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
 from crankfem.analyses.mechanism.plots import (

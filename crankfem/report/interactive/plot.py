@@ -6,14 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from crankbase.drawing.curves import Curves, draw_curves
-from crankbase.drawing.diagram_style import figure, make_folder
-from crankbase.drawing.legends import legend_below
+from crankbase.diagrams import Curves, draw_curves, figure, legend_below, make_folder
 from crankbase.errors import InputError
 from crankbase.outputs import check_output, write_text
 from crankfem.analyses.titles import add_title
-from crankfem.report.interactive.curves import figure_of
-from crankfem.report.interactive.style import Figure, Part
+from crankfem.report.interactive.style import Figure, Part, figure_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
+from crankbase.diagrams import BLUE, GRAY, GREEN, ORANGE
 from crankfem.analyses.study.nominal_throw import factor_sweep
 from crankfem.analyses.study.response_fits import ResponseFits, predicted
 from crankfem.report.interactive.style import (

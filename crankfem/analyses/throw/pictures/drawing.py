@@ -11,16 +11,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crankbase.drawing.diagram_style import REPRODUCIBLE
-from crankbase.drawing.legends import plain_text
+from crankbase.diagrams import REPRODUCIBLE, plain_text
 from crankbase.errors import InputError
 from crankbase.outputs import atomic_file, write_errors
 from geometry.parts import ThrowParts
-from geometry.plots.dimension_lines import CENTER, EDGE, INK, View, text_size
-from geometry.plots.dimension_texts import millimeters
-from geometry.plots.end_view import draw_end
-from geometry.plots.side_view import draw_side
-from geometry.plots.throw_shapes import Point, circle, silhouette
+from geometry.plots.dimension_lines import (
+    CENTER,
+    EDGE,
+    INK,
+    Point,
+    View,
+    circle,
+    millimeters,
+    silhouette,
+    text_size,
+)
+from geometry.plots.views import draw_end, draw_side
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:

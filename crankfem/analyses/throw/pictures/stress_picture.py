@@ -15,7 +15,7 @@ from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.surface import outside_facets, stressed_surface
 from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak
 from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
-from geometry.facets import six_node_triangles
+from geometry.mesh import six_node_triangles
 from geometry.solid import CRANK_PLANE
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import STYLE
+from crankbase.diagrams import STYLE
 from crankfem.analyses.throw.pictures.scene import Scene, eye_at
 
 Array = NDArray[np.float64]

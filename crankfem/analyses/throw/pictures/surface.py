@@ -13,10 +13,9 @@ from fem.supports import end_motions
 from fem.surface_stress import von_mises
 from fem.throw_analysis import ThrowAnalysis
 from fem.unit_loads import WholeNodes, whole_facets, whole_nodes
-from geometry.facets import six_node_triangles
-from geometry.mesh import ThrowMesh
-from geometry.mesh_files import write_mesh
+from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
+from geometry.solid_files import write_mesh
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -1,0 +1,520 @@
+"""The common style of all diagrams, and what several of them draw: curves over an axis, bars, legends."""
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from crankbase.errors import InputError, visible
+from crankbase.outputs import atomic_file, check_output
+from crankbase.units.units import DISPLAY_UNITS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+# Files that are the same bit for bit for the same picture, with no need of the reader's fonts.
+REPRODUCIBLE: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "crankfem"}
+STYLE: dict[Any, Any] = {
+    **REPRODUCIBLE,
+    "font.size": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e3e7ec",
+    "grid.linewidth": 0.8,
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "axes.titlesize": 11,
+    "axes.titlelocation": "left",
+}
+BLUE, ORANGE, GREEN, RED, GRAY = "#1f5f99", "#d9822b", "#3a8f5c", "#b63b3b", "#7b8794"
+COLORS = (BLUE, ORANGE, GREEN, RED, "#7a5ba6", GRAY)
+
+
+@contextmanager
+def figure(
+    path: Path,
+    columns: int = 1,
+    width: float = 7.2,
+    height: float = 4.2,
+    *,
+    rows: int | None = None,
+) -> Iterator[Any]:
+    """Yield the axes of a figure and write it as SVG to `path`; with `rows`, an array (rows, columns).
+
+    Raises
+    ------
+    InputError
+        If the file is not called .svg, has no folder, or is not ours.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".svg" or not path.parent.is_dir():
+        raise InputError(
+            f"path: given {path}; allowed is a file name that ends in .svg in an existing folder, "
+            "because diagrams are written as SVG."
+        )
+    check_output(path, "picture")
+    import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(STYLE):
+        made = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasSVG(made)
+        axes = made.subplots(rows or 1, columns, squeeze=rows is None)
+        yield axes
+        # Laid out once; `savefig` would draw everything another time for it.
+        layout = made.get_layout_engine()
+        assert layout is not None
+        layout.execute(made)
+        made.set_layout_engine(None)
+        with atomic_file(path, "picture") as part:
+            made.savefig(part, metadata={"Date": None})
+
+
+def new_axes(axes: "Axes | None" = None, *, width: float = 7.2, height: float = 4.2) -> "Axes":
+    """Return the axes to draw on: those given, or those of a new figure in the style of all diagrams.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes, optional
+    width, height : float
+        Of a new figure [inch].
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        A new figure is one of pyplot's, shown by ``plt.show()``.
+    """
+    if axes is not None:
+        return axes
+    import matplotlib as mpl
+    from matplotlib import pyplot
+
+    # Outside of the context: the first figure selects the backend, and the inline one of notebooks then
+    # turns on interactive drawing, which the context would turn off again.
+    made = pyplot.figure(figsize=(width, height), layout="constrained")
+    with mpl.rc_context(STYLE):
+        return made.subplots()
+
+
+def make_folder(folder: Path) -> None:
+    """Create a folder for diagrams, if necessary.
+
+    Raises
+    ------
+    InputError
+        If it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"folder: given {folder}, which cannot be made ({error.strerror}); allowed is one that can be "
+            "written, because the diagrams go there."
+        ) from None
+
+
+def math_symbol(symbol: str) -> str:
+    """Write a symbol such as L_shm for matplotlib's mathematics."""
+    return (
+        re.sub(r"^([A-Za-z]+)_(\w+)$", r"$\1_{\\mathrm{\2}}$", symbol)
+        if "_" in symbol
+        else f"${symbol}$"
+    )
+
+
+def with_gaps(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return values with NaN where they are unbounded, for a gap in their line."""
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+# Room for the ticks and the label of an axis above a legend [points].
+BELOW_AXIS = 34.0
+SIZE, TITLE_SIZE = 8, 11
+
+
+def legend_below(axes: "Axes", columns: int) -> None:
+    """Put the legend below the axes, without changing their width."""
+    from matplotlib.transforms import ScaledTranslation
+
+    axes.legend(
+        fontsize=SIZE,
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=axes.transAxes
+        + ScaledTranslation(0.0, -BELOW_AXIS / 72.0, axes.figure.dpi_scale_trans),
+        ncols=columns,
+        frameon=False,
+    )
+
+
+def legend_above(axes: "Axes", columns: int = 3) -> None:
+    """Put the legend above the curves, next to the title, if curves fill the axes."""
+    axes.legend(
+        fontsize=SIZE, ncols=columns, loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False
+    )
+
+
+def legend_inside(axes: "Axes") -> None:
+    """Put the legend where it covers least."""
+    axes.legend(fontsize=SIZE, frameon=False)
+
+
+def write_title(
+    axes: "Axes", title: str, size: float = TITLE_SIZE, *, mathematics: bool = False
+) -> None:
+    """Write a title over the left end of the axes, unchanged, or with math notation between ``$``."""
+    shown = title if mathematics else plain_text(title)
+    axes.set_title(shown, fontsize=size, loc="left")
+
+
+def plain_text(text: str) -> str:
+    r"""Return a text without math notation for matplotlib, such as a name given by a user.
+
+    Otherwise two ``$`` would begin and end math notation, and invalid notation between them ends the drawing;
+    control characters, which no SVG may hold, are written as escapes.
+    To be applied once, when the text is passed to matplotlib.
+
+    Examples
+    --------
+    >>> plain_text("Type $A_{$ 5")
+    'Type \\$A_{\\$ 5'
+    """
+    return visible(text).replace("$", r"\$")
+
+
+def display_unit(unit: str) -> tuple[str, float]:
+    """Return the display unit of an SI unit, as in labels, and that unit's size.
+
+    Parameters
+    ----------
+    unit : str
+        SI; "" for a pure number.
+
+    Examples
+    --------
+    >>> display_unit("m")
+    ('mm', 0.001)
+    >>> display_unit("kg"), display_unit("")
+    (('kg', 1.0), ('1', 1.0))
+    """
+    text, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
+    return text.replace("1e-9", r"$10^{-9}$") or "1", size
+
+
+Array = NDArray[np.float64]
+Role: TypeAlias = Literal["total", "plain sum", "limit", "order", "curve"]
+Dash: TypeAlias = Literal["solid", "dash", "dot", "dashdot"]
+
+ALL_ORDERS = "#1c2733"
+# Red is that of limits.
+ORDER_COLORS = (BLUE, ORANGE, GREEN, "#7a5ba6", "#2a9d9d", "#8c6d1f")
+# A second round of colors has other dashes, so that each curve has a look of its own.
+DASHES: tuple[Dash, ...] = ("solid", "dash", "dot", "dashdot")
+LIMIT_DASHES: tuple[Dash, ...] = ("dash", "dashdot")
+ON_PAPER = {"solid": "-", "dash": "--", "dot": ":", "dashdot": "-."}
+
+
+class LineStyle(NamedTuple):
+    """Color, dashes, and width of a line [points]."""
+
+    color: str
+    dash: Dash
+    width: float
+
+
+def order_line_style(number: int) -> LineStyle:
+    """Return the line style of one of many curves, from 0."""
+    rounds, place = divmod(number, len(ORDER_COLORS))
+    return LineStyle(ORDER_COLORS[place], DASHES[rounds % len(DASHES)], 1.1)
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """One curve.
+
+    Attributes
+    ----------
+    name : str
+        In the legend.
+    values : (m,) array
+        In the unit of the axis; NaN leaves a gap.
+    role : {"total", "plain sum", "limit", "order", "curve"}
+        Its role, which determines its style.
+    number : int
+        From 0 among those of its role.
+    main : bool
+        Others are left out on paper, and hidden at first on a screen.
+    color, dash : str
+        Of a curve that has a role nowhere else.
+    """
+
+    name: str
+    values: Array
+    role: Role = "curve"
+    number: int = 0
+    main: bool = True
+    color: str = ""
+    dash: Dash = "solid"
+
+    @property
+    def line_style(self) -> LineStyle:
+        """Color, dashes and width."""
+        if self.role == "total":
+            return LineStyle(ALL_ORDERS, "solid", 2.0)
+        if self.role == "plain sum":
+            return LineStyle(GRAY, "dot", 1.1)
+        if self.role == "limit":
+            return LineStyle(RED, LIMIT_DASHES[self.number % len(LIMIT_DASHES)], 1.4)
+        if self.role == "order":
+            return order_line_style(self.number)
+        return LineStyle(self.color or order_line_style(self.number).color, self.dash, 1.5)
+
+
+class Band(NamedTuple):
+    """A shaded range of the horizontal axis."""
+
+    low: float
+    high: float
+    color: str
+    name: str
+
+
+class Dots(NamedTuple):
+    """Single points, such as those of a table."""
+
+    x: Array
+    y: Array
+    name: str
+    color: str
+
+
+class Mark(NamedTuple):
+    """A vertical line at a position of the horizontal axis."""
+
+    place: float
+    name: str
+    color: str = RED
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """A diagram of curves over one axis.
+
+    Attributes
+    ----------
+    x : (m,) array
+        In the unit of the axis, ascending.
+    series : tuple of Series
+        Later ones cover earlier ones.
+    x_label, y_label : str
+        With their units in brackets.
+    top : float or None
+        Upper end of the vertical axis, which begins at zero; from the curves if None.
+    signed : bool
+        Whether the vertical axis extends below zero, with a line at zero.
+    x_step : float or None
+        Distance between the ticks of the horizontal axis.
+    dots : tuple of Dots
+    bands : tuple of Band
+    marks : tuple of Mark
+        Of bands and marks of the same name the first is in the legend.
+    """
+
+    x: Array
+    series: tuple[Series, ...]
+    x_label: str
+    y_label: str
+    top: float | None = None
+    signed: bool = False
+    x_step: float | None = None
+    dots: tuple[Dots, ...] = ()
+    bands: tuple[Band, ...] = ()
+    marks: tuple[Mark, ...] = ()
+
+    @property
+    def x_range(self) -> tuple[float, float] | None:
+        """Ends of the horizontal axis; None for a single position."""
+        return (float(self.x[0]), float(self.x[-1])) if len(self.x) > 1 else None
+
+    @property
+    def units(self) -> tuple[str, str]:
+        """Units of both axes."""
+        return bracketed(self.x_label), bracketed(self.y_label)
+
+
+def bracketed(label: str) -> str:
+    """Return the unit in brackets at the end of a label.
+
+    Examples
+    --------
+    >>> bracketed("alternating stress [MPa]")
+    'MPa'
+    """
+    return label.rpartition("[")[2].removesuffix("]")
+
+
+def draw_curves(axes: "Axes", curves: Curves) -> None:
+    """Draw a diagram on axes; the legend is left to the caller."""
+    draw_bands(axes, curves.bands)
+    draw_lines(axes, curves.x, curves.series)
+    for x, y, name, color in curves.dots:
+        axes.plot(x, y, "o", color=color, markersize=4.0, label=name)
+    named: set[str] = set()
+    for place, name, color in curves.marks:
+        label = None if name in named else name
+        axes.axvline(place, color=color, linewidth=0.8, linestyle=":", label=label)
+        named.add(name)
+    axes.set_xlabel(curves.x_label)
+    if curves.x_range is not None:
+        axes.set_xlim(*curves.x_range)
+    if curves.x_step is not None:
+        first = np.ceil(curves.x[0] / curves.x_step)
+        axes.set_xticks(np.arange(first * curves.x_step, curves.x[-1] + 1e-6, curves.x_step))
+    if curves.signed:
+        axes.axhline(0.0, color=GRAY, linewidth=0.8)
+    elif curves.top is None:
+        axes.set_ylim(bottom=0.0)
+    else:
+        axes.set_ylim(0.0, curves.top)
+    axes.set_ylabel(curves.y_label)
+
+
+def draw_lines(axes: "Axes", x: Array, series: Iterable[Series]) -> None:
+    """Draw the main ones of some series."""
+    for own in series:
+        if own.main:
+            color, dash, width = own.line_style
+            axes.plot(
+                x,
+                own.values,
+                color=color,
+                linewidth=width,
+                linestyle=ON_PAPER[dash],
+                label=own.name,
+            )
+
+
+def draw_bands(axes: "Axes", bands: Iterable[Band]) -> None:
+    """Shade ranges of the horizontal axis."""
+    named: set[str] = set()
+    for low, high, color, name in bands:
+        axes.axvspan(low, high, color=color, zorder=0, label=None if name in named else name)
+        named.add(name)
+
+
+FILLED = 0.8  # share of the distance of two groups that their bars take
+ROOM = 70  # letters that stand side by side under the axis
+PALE = "#c9d2db"
+
+
+def draw_groups(
+    axes: "Axes", names: Sequence[str], series: Mapping[str, ArrayLike], label: str
+) -> None:
+    """Draw upright bars in groups.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    names : sequence of n str
+        Of the groups, under the axis.
+    series : mapping of str to (n,) array_like
+        Values by kind, in the unit of the axis; one bar of each kind in every group.
+    label : str
+        Label of the vertical axis, with its unit.
+    """
+    places, width = np.arange(len(names)), FILLED / len(series)
+    for number, (kind, values) in enumerate(series.items()):
+        shift = (number - 0.5 * (len(series) - 1)) * width
+        color = COLORS[number % len(COLORS)]
+        axes.bar(places + shift, np.asarray(values), width=width, color=color, label=kind)
+    crowded = sum(map(len, names)) > ROOM
+    axes.set_xticks(
+        places,
+        list(names),
+        fontsize=8,
+        rotation=30 if crowded else 0,
+        ha="right" if crowded else "center",
+    )
+    axes.axhline(0.0, color=GRAY, linewidth=0.8)
+    axes.grid(axis="x", visible=False)
+    axes.set_ylabel(label)
+    if len(series) > 1:
+        axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def draw_rows(
+    axes: "Axes",
+    names: Sequence[str],
+    values: ArrayLike,
+    label: str,
+    *,
+    colors: Sequence[str] | str = COLORS[0],
+    texts: Sequence[str] | None = None,
+) -> None:
+    """Draw horizontal bars from the top down, each with its value.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    names : sequence of n str
+    values : (n,) array_like
+        In the unit of the axis.
+    label : str
+        Label of the horizontal axis, with its unit.
+    colors : str or sequence of n str
+    texts : sequence of n str, optional
+        Written at the bars' ends; the values to three digits by default.
+    """
+    sizes, places = np.asarray(values, dtype=float), np.arange(len(names))
+    axes.barh(places, sizes, color=colors)
+    for place, size in enumerate(sizes.tolist()):
+        axes.annotate(
+            f"{size:.3g}" if texts is None else texts[place],
+            (size, place),
+            xytext=(4 if size >= 0.0 else -4, 0),
+            textcoords="offset points",
+            va="center",
+            ha="left" if size >= 0.0 else "right",
+            fontsize=8,
+        )
+    axes.set_yticks(places, list(names), fontsize=8)
+    axes.invert_yaxis()
+    axes.margins(x=0.15)
+    axes.grid(axis="y", visible=False)
+    axes.set_xlabel(label)
+
+
+def draw_matrix(
+    axes: "Axes", values: ArrayLike, rows: Sequence[str], columns: Sequence[str]
+) -> None:
+    """Draw a table of numbers, each cell colored by its value, blue below zero and orange above.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    values : (n, m) array_like
+        In the unit stated in the title.
+    rows, columns : sequences of n and m str
+    """
+    from matplotlib.colors import LinearSegmentedColormap
+
+    numbers = np.asarray(values, dtype=float)
+    largest = float(np.max(np.abs(numbers))) or 1.0
+    decimals = max(0, 2 - math.floor(math.log10(largest)))
+    colors = LinearSegmentedColormap.from_list("signed", ("#7fa8cf", "white", "#eab676"))
+    axes.imshow(numbers, cmap=colors, vmin=-largest, vmax=largest, aspect="auto")
+    for row, column in np.ndindex(numbers.shape):
+        text = f"{round(float(numbers[row, column]), decimals) + 0.0:.{decimals}f}"
+        axes.text(column, row, text, ha="center", va="center", fontsize=8)
+    axes.set_xticks(range(len(columns)), list(columns), fontsize=8)
+    axes.set_yticks(range(len(rows)), list(rows), fontsize=8)
+    axes.grid(visible=False)

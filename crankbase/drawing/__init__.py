@@ -1,1 +1,0 @@
-"""Common parts of diagrams: style, legends, curves over an axis, bars."""

@@ -1,1 +1,0 @@
-"""Diagrams of a study's equations."""

@@ -1,0 +1,460 @@
+"""What several commands take: throws, models, laws, angles, speeds, quantities and firing orders."""
+
+import csv
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import did_you_mean
+from crankbase.errors import InputError
+from crankbase.model import limits_of, range_text
+from crankbase.outputs import atomic_file
+from crankbase.units.quantity import format_quantity, parse_quantity
+from crankfem.cli import console
+from crankfem.files.engine.throw_file import load_throw, names_of_throws
+from crankfem.files.reading.toml_file import TomlFile
+from dynamics.cycle import cycle_degrees
+from dynamics.engine.firing import MOST_CYLINDERS, firing_order_from_text
+from fem.material import STEEL, Material
+from geometry.imported import import_throw
+from geometry.mesher import Throw
+from geometry.solid_files import STEP_ENDINGS
+from geometry.throw import CrankThrow
+from regression.models.compliance_model import ComplianceModel
+from regression.optimum import Limit
+from regression.throw_values import field_unit
+
+
+def parse_gamma(text: str, quiet: bool = False) -> float:
+    """Return the angle of --gamma [deg].
+
+    A bare number counts as degrees, with a note: the option once took nothing else.
+
+    Raises
+    ------
+    InputError
+        If it is no angle, or not finite.
+    """
+    try:
+        degrees = float(text)
+    except ValueError:
+        # Rounding takes away what the way over radians adds to "120 deg".
+        return round(math.degrees(parse_quantity(text, "rad", "--gamma")), 9)
+    if not math.isfinite(degrees):
+        raise InputError(
+            f'--gamma: given {text}; allowed is a finite angle, like "120 deg", because it is the '
+            "angle between neighboring cranks."
+        )
+    console.print_note(f'Note: --gamma {text} is read as "{text} deg"; write the unit.', quiet)
+    return degrees
+
+
+def angle_text(gamma_deg: float) -> str:
+    """Write an angle between neighboring cranks [deg], and the equivalent one in use.
+
+    Examples
+    --------
+    >>> angle_text(120.0), angle_text(240.0)
+    ('120 deg', '240 deg (counts as 120)')
+    """
+    from regression.formulas.arguments import fold_angle_deg
+
+    folded = fold_angle_deg(gamma_deg)
+    return f"{gamma_deg:g} deg" + ("" if folded == gamma_deg else f" (counts as {folded:g})")
+
+
+def parse_speed(text: str | None) -> float | None:
+    """Return the speed of --speed [rad/s], None where it is not given.
+
+    Raises
+    ------
+    InputError
+        If it is no speed, or outside the range of the field engine.rated_speed.
+
+    Examples
+    --------
+    >>> parse_speed("5 rad/s")
+    5.0
+    """
+    # Imported here: the sections take long to load.
+    from crankbase.model import field_extra
+    from crankfem.files.sections.engine_sections import Engine
+
+    if text is None:
+        return None
+    speed = parse_quantity(text, "rad/s", "--speed")
+    field = Engine.model_fields["rated_speed"]
+    low, high = (float(field_extra(field, key)) for key in ("minimum_si", "maximum_si"))
+    if not low <= speed <= high:
+        shown = " to ".join(format_quantity(limit, "rad/s", 5) for limit in (low, high))
+        raise InputError(
+            f"--speed: given {text!r}; allowed is {shown}, because engine.rated_speed has the same limits."
+        )
+    return speed
+
+
+def select_throw(
+    engine: str | TomlFile, name: str | None = None, quiet: bool = False
+) -> tuple[CrankThrow, Material]:
+    """Select the throw of a name; by default that at the free end, with a note if there are others.
+
+    Parameters
+    ----------
+    engine : str or TomlFile
+        File, or the name of a shipped engine; or its sections, if already read.
+    name : str, optional
+        From `--throw`.
+    quiet : bool
+        Whether to omit notes.
+
+    Raises
+    ------
+    InputError
+    """
+    if name is None:
+        first, *others = names_of_throws(engine)
+        if others:
+            console.print_note(
+                f"Note: throw {first} is used; the file has {', '.join(others)} too.", quiet
+            )
+    return load_throw(engine, name)
+
+
+def select_part(
+    engine: str, name: str | None, pins: Sequence[str] | None, quiet: bool = False
+) -> tuple[Throw, Material]:
+    """Select a throw of a file, or read a CAD part of steel from a STEP file.
+
+    Parameters
+    ----------
+    engine : str
+        File, or the name of a shipped engine.
+    name : str, optional
+        From `--throw`, for files of dimensions.
+    pins : sequence of str, optional
+        Names of the pins' faces, for STEP files.
+    quiet : bool
+        Whether to omit notes.
+
+    Raises
+    ------
+    InputError
+    """
+    if Path(engine).suffix.lower() not in STEP_ENDINGS:
+        if pins:
+            raise InputError(
+                f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
+            )
+        return select_throw(engine, name, quiet)
+    if name is not None:
+        raise InputError(
+            f"--throw: given {name!r} with a STEP file; allowed only with a TOML file, because a part is one "
+            "throw."
+        )
+    part = import_throw(engine, pins=pins or ("pin",))
+    for remark in part.remarks:
+        console.print_note(remark, quiet)
+    return part, STEEL
+
+
+_LIMIT = re.compile(r"\s*(?P<name>[\w.]+)\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*")
+_BOUND = re.compile(r"\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*")
+
+
+def model_dimensions(model: ComplianceModel, pairs: Sequence[str]) -> dict[str, float | str]:
+    """Read NAME=VALUE pairs: quantities with units, plain numbers, and labels of choices.
+
+    Raises
+    ------
+    InputError
+    """
+    family = model.family
+    choices = {*family.categories, *family.labels}
+    known = {*family.ranges, *family.fixed, *family.relations}
+
+    def convert(name: str, text: str) -> float | str:
+        if name in choices:
+            return text.strip()
+        if name not in known:
+            family.checked({name: text})  # says that it is unknown
+        return parse_value(name, text, family.unit(name))
+
+    return console.parse_pairs(pairs, convert)
+
+
+def parse_value(name: str, text: str, unit: str) -> float:
+    """Read a quantity with its unit, or a pure number where the unit is "".
+
+    Raises
+    ------
+    InputError
+    """
+    if unit:
+        return parse_quantity(text, unit, name)
+    try:
+        number: object = float(text)
+    except ValueError:
+        number = text
+    return parse_quantity(number, unit, name)
+
+
+def parse_limit(model: ComplianceModel, text: str) -> Limit:
+    """Read a limit on a response or dimension, like "axial_compliance <= 1.2e-9 m/N".
+
+    Raises
+    ------
+    InputError
+    """
+    found = _LIMIT.fullmatch(text)
+    if found is None:
+        raise InputError(
+            f"--limit: given {text!r}; allowed is NAME <= VALUE or NAME >= VALUE, like "
+            '"axial_compliance <= 1.2e-9 m/N".'
+        )
+    name = found["name"]
+    response = model.responses.get(name)
+    units = model.family.all_units
+    if response is None and name not in units:
+        meant = did_you_mean(name, (*model.responses, *units))
+        raise InputError(
+            f"--limit: given {name!r}; {meant}allowed are the responses {', '.join(model.responses)} and the "
+            f"dimensions {', '.join(units)}."
+        )
+    unit = units[name] if response is None else response.unit
+    bound = parse_value(name, found["value"], unit)
+    if found["sign"] == "<=":
+        return Limit((name,), at_most=bound, unit=unit)
+    return Limit((name,), at_least=bound, unit=unit)
+
+
+def parse_bound(option: str, text: str) -> float:
+    """Read a lower bound of a frequency, like ">= 40 Hz" or "40 Hz" [Hz].
+
+    Raises
+    ------
+    InputError
+    """
+    found = _BOUND.fullmatch(text)
+    if found is not None and found["sign"] == "<=":
+        raise InputError(
+            f'{option}: given {text!r}; allowed is at least a frequency, like ">= 40 Hz", because a '
+            "shaft is made stiffer to bring its frequency above the speeds."
+        )
+    value = parse_quantity(text if found is None else found["value"], "Hz", option)
+    if not value > 0.0:
+        raise InputError(f"{option}: given {text!r}; allowed is a frequency above 0 Hz.")
+    return value
+
+
+def dimensions_text(model: ComplianceModel, dimensions: Mapping[str, float | str]) -> list[str]:
+    """Write dimensions as NAME = VALUE."""
+    show = model.family.format_value
+    return [
+        f"{name} = {value if isinstance(value, str) else show(name, value)}"
+        for name, value in dimensions.items()
+    ]
+
+
+UNIT = re.compile(r"[a-zA-Z][^,\s]*(\s+[a-zA-Z][^,\s]*)*\s*$")
+
+
+def parse_quantities(text: str, unit: str, field: str) -> list[float]:
+    """Convert quantities between commas to SI numbers; a unit at the end applies to bare numbers too.
+
+    Parameters
+    ----------
+    text : str
+    unit : str
+        The SI unit to convert to.
+    field : str
+        Name of the option, for the message.
+
+    Raises
+    ------
+    InputError
+        If one cannot be read.
+
+    Examples
+    --------
+    >>> parse_quantities("0, -100, 0.5 kN", "N", "--pin-force")
+    [0.0, -100000.0, 500.0]
+    """
+    parts = [part.strip() for part in text.split(",")]
+    last = UNIT.search(parts[-1])
+    words = [
+        f"{part} {last.group()}" if last is not None and _is_number(part) else part
+        for part in parts
+    ]
+    return [parse_quantity(word, unit, field) for word in words]
+
+
+def parse_pin_force(text: str) -> list[float]:
+    """Return the force on a pin in the throw frame, x, y, z [N]; one number is Z towards the shaft.
+
+    A bare 0 needs no unit.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> parse_pin_force("0, -100 kN, 0"), parse_pin_force("100 kN")
+    ([0.0, -100000.0, 0.0], [0.0, -100000.0, 0.0])
+    """
+    from fem.end_reactions import LARGEST_LOAD
+
+    parts = text.split(",")
+    if any(UNIT.search(part) for part in parts):
+        parts = [f"{part} N" if part.strip() == "0" else part for part in parts]
+    found = parse_quantities(",".join(parts), "N", "--pin-force")
+    if len(found) == 2 and re.search(r"\d,\d", text):
+        raise InputError(
+            f"--pin-force: given {text!r}, two numbers; allowed is one, with a decimal point, like "
+            f'"{text.strip().replace(",", ".", 1)}", or three, x, y, z.'
+        )
+    if len(found) not in (1, 3) or not max(map(abs, found)) <= LARGEST_LOAD:
+        raise InputError(
+            f'--pin-force: given {text!r}; allowed is one radial force, like "100 kN", or x, y, z, like '
+            f'"40, -100, 0 kN", none beyond {LARGEST_LOAD:g} N.'
+        )
+    return found if len(found) == 3 else [0.0, 0.0 - found[0], 0.0]
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def write_columns(path: Path, columns: Mapping[str, FloatArray], heading: str = "") -> None:
+    """Write columns of equal length to 12 digits, units in their names; see `write_rows`."""
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    write_rows(path, list(columns), ([f"{value:.12g}" for value in row] for row in rows), heading)
+
+
+def write_rows(
+    path: Path, names: Sequence[str], rows: Iterable[Sequence[object]], heading: str = ""
+) -> None:
+    """Write rows below the names of their columns.
+
+    Parameters
+    ----------
+    path : Path
+    names : sequence of n str
+    rows : iterable of sequences of n cells
+    heading : str, optional
+        Content of the first line after a number sign; no such line if empty.
+    """
+    with atomic_file(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
+        if heading:
+            file.write(f"# {heading}\n")
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        writer.writerows(rows)
+
+
+def law_throw(
+    pairs: Sequence[str], engine: str | None = None, quiet: bool = False
+) -> tuple[CrankThrow, Material]:
+    """Make a throw of NAME=VALUE pairs, or of an engine's throw that they change.
+
+    Raises
+    ------
+    InputError
+        If a name is not a dimension, a value is not allowed, or they are not a possible throw.
+    """
+    given = console.parse_pairs(pairs, _convert)
+    if engine is None:
+        return CrankThrow(**given), STEEL
+    throw, material = select_throw(engine, quiet=quiet)
+    return throw.changed(**given), material
+
+
+def throw_text(throw: CrankThrow) -> list[str]:
+    """Write the dimensions of a throw as NAME = VALUE, those that are there."""
+    values = ((name, getattr(throw, name)) for name in type(throw).model_fields)
+    return [
+        f"{name} = {format_quantity(value, field_unit(name) or '')}"
+        for name, value in values
+        if isinstance(value, float) and value != 0.0
+    ]
+
+
+def _convert(name: str, text: str) -> Any:
+    choices = [one for one in CrankThrow.model_fields if field_unit(one) is not None]
+    if name == "web_outline":
+        return text.strip()
+    if name not in choices:
+        raise InputError(
+            f"{name}: unknown dimension; {did_you_mean(name, choices)}allowed are web_outline, "
+            f"{', '.join(choices)}; parts of a throw come with --throw ENGINE.toml."
+        )
+    field = CrankThrow.model_fields[name]
+    return parse_quantity(text, field_unit(name) or "", name, range_text(field), limits_of(field))
+
+
+def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) -> list[float]:
+    """Return the shaft angle at which each cylinder fires [deg]; none without options.
+
+    Parameters
+    ----------
+    order : str or None
+        Numbers of the cylinders as they fire, at even steps over the cycle.
+    angles : str or None
+        With a unit each, or one at the end for all.
+    strokes : int
+        Per cycle, 2 or 4.
+
+    Raises
+    ------
+    InputError
+        If both are given, or one cannot be read.
+
+    Examples
+    --------
+    >>> firing_angles_deg("1-3-4-2", None, strokes=4)
+    [0.0, 540.0, 180.0, 360.0]
+    >>> firing_angles_deg(None, "0, 90 deg", strokes=2)
+    [0.0, 90.0]
+    """
+    if order is not None and angles is not None:
+        raise InputError(
+            f"--firing-order: given {order!r} with --firing-angles; allowed is one of them, because each "
+            "defines when the cylinders fire."
+        )
+    if angles is not None:
+        return _angles(angles)
+    return [] if order is None else _even_angles(order, cycle_degrees(strokes))
+
+
+def _even_angles(order: str, cycle: float) -> list[float]:
+    try:
+        numbers = firing_order_from_text(order)
+    except InputError as error:
+        raise InputError(f"--firing-order:{str(error).removeprefix('firing_order:')}") from None
+    count = len(numbers)
+    if count > MOST_CYLINDERS or sorted(numbers) != list(range(1, count + 1)):
+        raise InputError(
+            f"--firing-order: given {order!r}; allowed is each number from 1 to that of the last cylinder, "
+            f'at most {MOST_CYLINDERS}, once, like "1-3-4-2", because each cylinder fires once in a cycle.'
+        )
+    return [cycle * numbers.index(number) / count for number in range(1, count + 1)]
+
+
+def _angles(text: str) -> list[float]:
+    # Rounding takes away what the way over radians adds.
+    angles = [
+        round(math.degrees(angle), 9) for angle in parse_quantities(text, "rad", "--firing-angles")
+    ]
+    if len(angles) > MOST_CYLINDERS:
+        raise InputError(
+            f"--firing-angles: given {len(angles)} angles; allowed are at most {MOST_CYLINDERS}, one for "
+            "each cylinder."
+        )
+    return angles

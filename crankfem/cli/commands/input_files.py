@@ -1,0 +1,217 @@
+"""`crankfem check`, `new` and `fields`: input files."""
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from crankbase.checks.choices import allowed_names
+from crankbase.errors import InputError
+from crankfem.cli import console
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import Output, with_output
+from crankfem.cli.console import print_json, print_table
+
+
+@with_output(files=True, units=True)
+def check(
+    file: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE.toml",
+            help="Engine, throw, hinge or chain file, or the name of a shipped one.",
+            autocompletion=completion.any_input,
+        ),
+    ],
+    picture: Annotated[
+        Path | None,
+        typer.Option(metavar="THROW.svg", help="Also draw the throw with its dimensions."),
+    ] = None,
+    *,
+    out: Output,
+) -> None:
+    """Check a file: show how it is read, what is assumed, and which commands can use it."""
+    from crankbase.errors import InputError
+    from crankfem.analyses.file_check import check_file, check_record
+    from crankfem.cli.tables.throw_tables import print_check
+
+    checked = check_file(file)
+    record = check_record(checked)
+    if picture is not None:
+        from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
+        from crankfem.jobs.outputs import check_writable
+
+        if checked.throw is None:
+            raise InputError(
+                f"--picture: given with a {checked.kind} file; allowed is a file with a throw, because "
+                "that is drawn."
+            )
+        check_drawing_ending(picture)
+        check_writable(picture, "picture", checked.path)
+        record["picture"] = str(write_drawing(checked.throw, picture, checked.path.stem))
+    if out.json:
+        print_json(record)
+        return
+    print_check(record, out.units)
+    if picture is not None:
+        console.print_line(f"{picture} written.")
+
+
+CYLINDERS, STROKES = 6, 4
+# What serves a file best, by its kind.
+NEXT = {
+    "engine": "run",
+    "mechanism": "mechanism",
+    "throw": "throw",
+    "hinge": "hinge",
+    "chain": "vibration",
+}
+
+
+@with_output(files=True)
+def new(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="ENGINE.toml", help="The file to write.")
+    ] = None,
+    source: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="NAME",
+            help="Copy this shipped engine, hinge or chain in place of the template.",
+            autocompletion=completion.shipped,
+        ),
+    ] = None,
+    cylinders: Annotated[
+        int | None,
+        typer.Option(
+            help="Cylinders in line of the template, 1 to 8.", show_default=str(CYLINDERS)
+        ),
+    ] = None,
+    strokes: Annotated[
+        int | None, typer.Option(help="Its strokes per cycle, 2 or 4.", show_default=str(STROKES))
+    ] = None,
+    listed: Annotated[bool, typer.Option("--list", help="List what is shipped.")] = False,
+    *,
+    out: Output,
+) -> None:
+    """Write an example engine file with explanations, ready to run, or copy a shipped one."""
+    from crankfem.jobs.outputs import check_writable
+
+    if listed:
+        if file is not None or source is not None:
+            raise InputError(
+                "--list: given with a file; allowed is --list alone, because it writes none."
+            )
+        _list(out.json)
+        return
+    if file is None:
+        raise InputError(
+            "new: given no file; allowed is the name of one to write, like `crankfem new mine.toml`, or "
+            "--list."
+        )
+    if os.path.lexists(file) and not out.force:
+        raise InputError(f"{file}: exists already; give a new file name, or --force to replace it.")
+    check_writable(file, "input file")
+    if source is None:
+        kind = "engine"
+        _write_template(file, cylinders, strokes)
+    else:
+        for option, value in (("--cylinders", cylinders), ("--strokes", strokes)):
+            if value is not None:
+                raise InputError(
+                    f"{option}: given {value} with --from; allowed is one of the two, because a copy has "
+                    "its own cylinders."
+                )
+        kind = _copy(source, file)
+    command = f"crankfem {NEXT[kind]} {file}"
+    if out.json:
+        print_json({"file": str(file), "from": source, "kind": kind, "next": command})
+        return
+    console.print_line(
+        f"{file} written. Replace its values with yours (those marked assumed first), check them with "
+        f"`crankfem check {file}`, then: {command}"
+    )
+
+
+def _write_template(file: Path, cylinders: int | None, strokes: int | None) -> None:
+    from crankbase.outputs import write_user_file
+    from crankfem.files.engine.file_kinds import engine_template
+
+    text = engine_template(
+        file.name,
+        CYLINDERS if cylinders is None else cylinders,
+        STROKES if strokes is None else strokes,
+    )
+    write_user_file(file, text.encode(), "input file")
+
+
+def _copy(source: str, file: Path) -> str:
+    """Copy a shipped file; return its kind."""
+    from crankbase.outputs import write_user_file
+    from crankfem.files.engine.file_kinds import shipped_files
+    from crankfem.jobs.outputs import check_writable
+
+    known = {one.name: one for one in shipped_files()}
+    found = known.get(source.removesuffix(".toml"))
+    if found is None:
+        raise InputError(
+            f"--from: given {source!r}; {allowed_names(source, known)}, because these are shipped."
+        )
+    check_writable(file, "input file", found.path)
+    write_user_file(file, found.path.read_bytes(), "input file")
+    return found.kind
+
+
+def _list(json: bool) -> None:
+    from crankbase.tables.table import Column, Table
+    from crankfem.analyses.record import attributes
+    from crankfem.files.engine.file_kinds import shipped_files
+
+    if json:
+        print_json(
+            {
+                "shipped": [
+                    attributes(one, "name", "kind", "about") | {"file": str(one.path)}
+                    for one in shipped_files()
+                ]
+            }
+        )
+        return
+    console.print_table(
+        Table(
+            "Shipped files, for `crankfem new MY.toml --from NAME` or by name in place of a file",
+            [Column(name, words=True) for name in ("name", "kind", "about")],
+            [[one.name, one.kind, one.about] for one in shipped_files()],
+        )
+    )
+
+
+@with_output()
+def fields(
+    section: Annotated[
+        str | None,
+        typer.Argument(
+            help="Section of an engine file, such as throw, or chain for a chain file; by default all "
+            "sections of an engine file.",
+            autocompletion=completion.sections,
+        ),
+    ] = None,
+    *,
+    out: Output,
+) -> None:
+    """List the fields of an engine or chain file: meaning, unit, allowed range, default."""
+    from dataclasses import asdict, astuple
+
+    from crankbase.tables.table import Column, Table
+    from crankfem.files.engine.field_tables import section_tables
+
+    found = section_tables(section)
+    if out.json:
+        print_json({"sections": [asdict(table) for table in found]})
+        return
+    for table in found:
+        columns = [Column(name, words=True) for name in ("field", "unit", "allowed", "meaning")]
+        rows = [list(astuple(row)) for row in table.rows]
+        print_table(Table(f"{table.title} ({table.need})", columns, rows))

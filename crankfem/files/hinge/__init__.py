@@ -1,1 +1,0 @@
-"""Hinge files: a crosshead engine and its elastic hinge."""

@@ -1,1 +1,0 @@
-"""The section [study], and the user's designs from CSV files."""

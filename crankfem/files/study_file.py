@@ -1,0 +1,369 @@
+"""A study in a file: its sections, its design, its values."""
+
+import csv
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
+
+from pydantic import Field, StrictBool, field_validator, model_validator
+
+from crankbase.errors import InputError
+from crankbase.input_file import CSV, LARGEST_TABLE_FILE, InputFile
+from crankbase.model import InputModel, quantity_field
+from crankbase.units.quantity import parse_quantity
+from crankfem.files.reading.toml_file import TomlFile
+from crankfem.files.sections.crank_throws import Throws, throw_of_name
+from fem.material import Material
+from fem.wished_accuracy import COMPLIANCE_ACCURACY
+from geometry.throw import CrankThrow
+from regression.plans.designs import LARGEST_DESIGN, ROMAN, TAKERS, DesignChoice, DesignKind
+from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
+from regression.plans.plan import StudyPlan
+
+
+def read_design(
+    file: InputFile, factors: tuple[Factor, ...], throw: CrankThrow
+) -> tuple[tuple[Factor, ...], tuple[tuple[float, ...], ...]]:
+    """Read the runs of a CSV file, and the factors from its columns if the study names none.
+
+    The first line names the factors. A unit stands there, as in ``web_width [mm]``, or in each cell, as
+    in ``270 mm``.
+
+    Parameters
+    ----------
+    file : InputFile
+    factors : tuple of Factor
+        Of the study; may be empty.
+    throw : CrankThrow
+
+    Returns
+    -------
+    factors : tuple of Factor
+        Those of the study, or those of the columns with the ranges that the runs span.
+    rows : tuple of tuple of float
+        One run each [SI], of choices the labels' indices.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or does not fit the factors; the message names the line.
+    """
+    given = file.path.name
+    header, lines = _read_csv(file)
+    names = [_column(cell)[0] for cell in header]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"study.file: {name} is twice in {given}; allowed is once.")
+    wanted = {factor.name: factor for factor in factors}
+    if wanted and set(names) != set(wanted):
+        raise InputError(
+            f"study.file: given the columns {', '.join(names)} in {given}; allowed are the factors "
+            f"{', '.join(wanted)}, or no section [study.factors]."
+        )
+    fields = throw_fields(throw)
+    columns = {}
+    for place, cell in enumerate(header):
+        texts = [(number, line[place].strip()) for number, line in lines]
+        name, unit = _column(cell)
+        if name not in fields and unit:
+            raise InputError(
+                f"study.file: {name} in {given} is an unknown throw dimension; "
+                f"{unknown_field(name, fields, throw)}."
+            )
+        values, factor = _read_column(cell, texts, given, fields, wanted)
+        columns[name] = (values, factor)
+    ordered = factors or tuple(factor for _, factor in columns.values())
+    rows = zip(*(columns[factor.name][0] for factor in ordered), strict=True)
+    return ordered, tuple(rows)
+
+
+def _read_csv(file: InputFile) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    path = file.path
+    try:
+        text = file.text(LARGEST_TABLE_FILE, "a table of designs", "a table (CSV)", CSV)
+    except InputError as error:
+        raise InputError(f"study.file: {error}") from None
+    delimiter = ";" if ";" in text.partition("\n")[0] else ","
+    reader = csv.reader(text.splitlines(), delimiter=delimiter)
+    try:
+        lines = [(reader.line_num, line) for line in reader if any(cell.strip() for cell in line)]
+    except csv.Error as error:
+        raise InputError(f"study.file: given {path.name!r}, which is no table ({error}).") from None
+    if len(lines) < 2:
+        raise InputError(
+            f"study.file: given {path.name!r} without any run; allowed is a line of factor names and a "
+            "line for each run."
+        )
+    header = [cell.strip() for cell in lines[0][1]]
+    for number, line in lines[1:]:
+        if len(line) != len(header):
+            raise InputError(
+                f"study.file: given {len(line)} cells in line {number} of {path.name}; allowed are "
+                f"{len(header)}, as in its first line."
+            )
+    return header, lines[1:]
+
+
+def _column(cell: str) -> tuple[str, str]:
+    """Split a column's head into name and unit: "web_width [mm]"."""
+    name, bracket, unit = cell.partition("[")
+    return name.strip(), unit.strip().removesuffix("]").strip() if bracket else ""
+
+
+def _read_column(
+    cell: str,
+    texts: Sequence[tuple[int, str]],
+    file: str,
+    fields: Mapping[str, ThrowField],
+    wanted: Mapping[str, Factor],
+) -> tuple[list[float], Factor]:
+    name, unit_text = _column(cell)
+    found = fields.get(name)
+    if found is not None and found.choices:
+        labels = list(dict.fromkeys(text for _, text in texts))
+        factor = wanted.get(name) or Factor.of_labels(name, labels)
+        for number, text in texts:
+            if text not in factor.labels:
+                raise InputError(
+                    f"study.file: given {name} = {text!r} in line {number} of {file}; allowed are "
+                    f"{', '.join(factor.labels)}."
+                )
+        return [float(factor.labels.index(text)) for _, text in texts], factor
+    unit = "" if found is None else found.unit
+    values = [
+        _cell(text, unit, unit_text, f"study.file: {name} in line {number} of {file}")
+        for number, text in texts
+    ]
+    return values, wanted.get(name) or Factor(name, unit, min(values), max(values))
+
+
+def _cell(text: str, unit: str, unit_text: str, name: str) -> float:
+    if unit:
+        return parse_quantity(f"{text} {unit_text}" if unit_text else text, unit, name)
+    try:
+        number: object = float(text)
+    except ValueError:
+        number = text
+    return parse_quantity(number, "", name)
+
+
+class StudySection(InputModel):
+    """Factors of a study, their ranges and the design."""
+
+    section: ClassVar[str] = "study"
+    choices = frozenset(
+        {"held_out", "seed", "accuracy", "stresses", "constraints", "factors", "relations"}
+    )
+
+    design: DesignKind = Field("full factorial", description="which designs are run and fitted")
+    runs: int | None = quantity_field(
+        "number of runs of a Latin hypercube or a Sobol sequence",
+        "",
+        minimum=1,
+        maximum=LARGEST_DESIGN,
+        default=None,
+    )
+    resolution: Literal["III", "IV", "V", "VI", "VII", "VIII"] | None = Field(
+        None, description="of a fractional factorial, or of the corners of a central composite"
+    )
+    generators: str | None = Field(
+        None, description='of a fractional factorial in place of a resolution, like "a b c abc"'
+    )
+    face: Literal["faced", "inscribed", "circumscribed"] | None = Field(
+        None, description="position of the star points of a central composite"
+    )
+    file: str | None = Field(
+        None, description="CSV file of your own runs, in the folder of the study file"
+    )
+    held_out: int = quantity_field(
+        "number of further designs that judge the fits",
+        "",
+        minimum=1,
+        maximum=1000,
+        default=StudyPlan.held_out,
+    )
+    seed: int = quantity_field(
+        "seed of all random draws", "", minimum=0, maximum=2**31 - 1, default=StudyPlan.seed
+    )
+    accuracy: float = quantity_field(
+        "relative accuracy of each design's axial compliance",
+        "",
+        minimum=COMPLIANCE_ACCURACY.least,
+        maximum=COMPLIANCE_ACCURACY.most,
+        default=StudyPlan.accuracy,
+    )
+    stresses: StrictBool = Field(
+        StudyPlan.stresses,
+        description="whether to compute the largest stress concentration factor at the fillets too",
+    )
+    constraints: tuple[Any, ...] = Field(
+        default_factory=tuple,
+        description='comparisons that every design fulfills, like "web_thickness >= 0.25 * pin_diameter"',
+    )
+    factors: dict[str, Any] = Field(
+        default_factory=dict, description="section [study.factors] of levels and ranges"
+    )
+    relations: dict[str, Any] = Field(
+        default_factory=dict,
+        description="section [study.relations] of dimensions that follow from others",
+    )
+    throw: str | None = Field(
+        None, description="which of several throws varies; by default the one at the free end"
+    )
+
+    @field_validator("design", mode="before")
+    @classmethod
+    def _in_small_letters(cls, given: object) -> object:
+        return given.casefold() if isinstance(given, str) else given
+
+    @model_validator(mode="after")
+    def _fits_the_design(self) -> Self:
+        for option, kinds in TAKERS.items():
+            value = getattr(self, option)
+            if value is not None and self.design not in kinds:
+                raise InputError(
+                    f"study.{option}: given {value!r} with the design {self.design!r}; allowed is it "
+                    f"with {' and '.join(kinds)} only."
+                )
+        for option in ("runs", "file"):
+            if getattr(self, option) is None and self.design in TAKERS[option]:
+                raise InputError(
+                    f"study.{option}: missing; the design {self.design!r} needs the "
+                    f"{type(self).model_fields[option].description}."
+                )
+        if self.resolution is not None and self.generators is not None:
+            raise InputError(
+                "study.generators: given together with study.resolution; allowed is one of the two, because "
+                "generators fix the resolution."
+            )
+        return self
+
+
+RANGE_KEYS = ("from", "to", "levels", "spacing")
+RESOLUTIONS = {roman: number for number, roman in ROMAN.items()}
+
+
+def study_plan(
+    content: TomlFile, throws: Throws, default: str, material: Material
+) -> StudyPlan | None:
+    """Read the plan of a study; None if the file has no section [study].
+
+    Parameters
+    ----------
+    content : TomlFile
+    throws : mapping
+        Of the same file, by name.
+    default : str
+        Name of the throw that varies where the section names none.
+    material : Material
+
+    Raises
+    ------
+    InputError
+        If something is unknown or out of range. Whether its designs can be built is found out when they
+        are listed, by `StudyPlan.planned`.
+    """
+    values = content.sections.get("study")
+    if values is None:
+        return None
+    given = StudySection.from_text(values)
+    throw = throw_of_name(throws, given.throw, "study.throw", default)
+    factors, rows = _factors(given.factors, throw), None
+    if given.file is not None:
+        factors, rows = read_design(content.files.named("study.file", given.file), factors, throw)
+    return StudyPlan(
+        throw=throw,
+        factors=factors,
+        design=DesignChoice(
+            kind=given.design,
+            runs=given.runs,
+            resolution=RESOLUTIONS[given.resolution] if given.resolution else None,
+            generators=given.generators,
+            face=given.face,
+            rows=rows,
+        ),
+        relations=dict(_paths(given.relations)),
+        constraints=given.constraints,
+        held_out=given.held_out,
+        seed=given.seed,
+        material=material,
+        accuracy=given.accuracy,
+        stresses=given.stresses,
+    )
+
+
+def _factors(table: Mapping[str, Any], throw: CrankThrow) -> tuple[Factor, ...]:
+    fields = throw_fields(throw)
+
+    def is_range(path: str, given: Mapping[str, Any]) -> bool:
+        part = any(known.startswith(f"{path}.") for known in fields)
+        return not given or (not part and bool(set(given) & set(RANGE_KEYS)))
+
+    return tuple(_factor(path, given, fields, throw) for path, given in _paths(table, is_range))
+
+
+def _paths(
+    table: Mapping[str, Any],
+    ends_at: Callable[[str, Mapping[str, Any]], bool] | None = None,
+    prefix: str = "",
+) -> Iterator[tuple[str, Any]]:
+    """Separate entries of tables of parts, such as [study.factors.counterweight]."""
+    for name, given in table.items():
+        path = prefix + name
+        if isinstance(given, dict) and not (ends_at and ends_at(path, given)):
+            yield from _paths(given, ends_at, f"{path}.")
+        else:
+            yield path, given
+
+
+def _factor(
+    path: str, given: object, fields: Mapping[str, ThrowField], throw: CrankThrow
+) -> Factor:
+    name, found = f"study.factors.{path}", fields.get(path)
+    if found is not None and found.choices:
+        if not isinstance(given, list) or not all(isinstance(label, str) for label in given):
+            raise InputError(
+                f"{name}: given {given!r}; allowed is a list of {', '.join(found.choices)}."
+            )
+        return Factor.of_labels(path, given)
+    if found is None and _has_text(given):
+        # A name that relations use is a pure number, so this is meant as a field.
+        raise InputError(f"{name}: unknown throw dimension; {unknown_field(path, fields, throw)}.")
+    unit = "" if found is None else found.unit
+    if isinstance(given, dict):
+        return _range(path, given, unit)
+    if not isinstance(given, list):
+        raise InputError(
+            f'{name}: given {given!r}; allowed is a list of levels, like ["270 mm", "300 mm", '
+            '"330 mm"], or a range, like { from = "270 mm", to = "330 mm" }.'
+        )
+    levels = [parse_quantity(text, unit, f"{name}[{place}]") for place, text in enumerate(given)]
+    return Factor.of_levels(path, unit, levels)
+
+
+def _has_text(given: object) -> bool:
+    items: list[object] = []
+    if isinstance(given, dict):
+        items = [value for key, value in given.items() if key != "spacing"]
+    elif isinstance(given, list):
+        items = given
+    return any(isinstance(item, str) for item in items)
+
+
+def _range(path: str, given: Mapping[str, Any], unit: str) -> Factor:
+    name = f"study.factors.{path}"
+    for key in given:
+        if key not in RANGE_KEYS:
+            raise InputError(f"{name}.{key}: unknown field; allowed are {', '.join(RANGE_KEYS)}.")
+    for key in ("from", "to"):
+        if key not in given:
+            raise InputError(f"{name}.{key}: missing; a range needs both from and to.")
+    low = parse_quantity(given["from"], unit, f"{name}.from")
+    high = parse_quantity(given["to"], unit, f"{name}.to")
+    if "levels" in given:
+        return Factor.spread(path, unit, low, high, given["levels"], given.get("spacing", "even"))
+    if "spacing" in given:
+        raise InputError(
+            f"{name}.spacing: given without levels; allowed beside it is a number of levels, which it "
+            "spreads over the range."
+        )
+    return Factor(path, unit, low, high)

@@ -1,1 +1,0 @@
-"""What finite elements found, drawn on the axes of a diagram."""

@@ -1,1 +1,0 @@
-"""Diagrams of studies, equations and formulas."""
