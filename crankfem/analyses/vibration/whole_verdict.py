@@ -237,8 +237,11 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
     elif worst.passed:  # not acceptable by what is not told above
         refused = (*whole.barred, *whole.started_through)
         ranges = "".join(f" ({one.sentence})" for one in refused if not one.allowed)
+    by_chain = {check.limit.name for check in whole.checks if id(check.curve) in by_chains}
+    apart = "".join(f" ({name} by the axial chain alone)" for name in by_chain)
     return (
-        f"The whole crankshaft held against the same limits: {limit_at(worst.limit.name, worst.curve.name)}, "
+        f"The whole crankshaft held against the same limits{apart}: "
+        f"{limit_at(worst.limit.name, worst.curve.name)}, "
         f'{use}; with the values used, {agrees}, "{whole.status}"{ranges}.'
     )
 
