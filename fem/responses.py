@@ -16,13 +16,13 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.stopwatch import Stopwatch
 from fem.analysis import Mesher, Problem, solve_to_accuracy
 from fem.angle_law import effective_angle_law
 from fem.correction import error_bars
 from fem.fillet_stress import fillet_stresses
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
+from fem.solver import Stopwatch
 from fem.superelement import RX, RY, Superelement, checked_superelement, combine_classes
 from fem.supports import Neighbors, Support, all_end_motions, support_throw
 from fem.symmetry import SHARED, degree_of, symmetry_classes

@@ -135,12 +135,6 @@ def register_designs(results: ResultStore, plan: StudyPlan, planned: PlannedStud
     results.register_study(plan.key, plan.as_record(), listed)
 
 
-def is_design(plan: StudyPlan, key: str, shown: Mapping[str, Any]) -> bool:
-    """Whether a registered design's key is that of its factor values."""
-    values = _values(plan, shown)
-    return values is not None and [d.key for d in _added(plan, np.array([values]))] == [key]
-
-
 def is_list_sound(results: ResultStore, plan: StudyPlan) -> bool:
     """Whether a store lists the designs of a study as they were registered."""
     listed = [_as_listed(plan, design) for design in registered_designs(results, plan).designs]
@@ -327,17 +321,6 @@ def _run_on_dask(
 
 def _silent(_: str) -> None:
     """Ignore a note."""
-
-
-def current_plans(store: str | Path) -> tuple[StudyPlan, ...]:
-    """Return the plans in a store that are sound and of this version of the finite element model."""
-    with ResultStore(store, readonly=True) as results:
-        recorded = results.studies()
-    return tuple(
-        StudyPlan.from_record(plan)
-        for key, plan in recorded.items()
-        if plan is not None and content_key(plan) == key and plan["model_version"] == MODEL_VERSION
-    )
 
 
 def read_study(store: str | Path, study: str | None = None) -> StudyTable:

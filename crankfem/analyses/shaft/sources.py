@@ -23,11 +23,10 @@ from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.engine_sections import VibrationSettings
 from dynamics.assessment.uncertainty import Spread
 from fem.material import Material
-from fem.shaft import ShaftCompliances, shaft_compliances
+from fem.superelement import ShaftCompliances, shaft_compliances
 from geometry.throw import CrankThrow
-from regression.formulas.arguments import fold_angle_deg
 from regression.formulas.axial_formulas import axial_formulas
-from regression.formulas.case import FormulaValue
+from regression.formulas.case import FormulaValue, fold_angle_deg
 from regression.formulas.torsional_formulas import torsional_formulas
 from regression.models.angle import between_values
 from regression.models.compliance_model import ComplianceModel

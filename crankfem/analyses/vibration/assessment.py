@@ -50,7 +50,7 @@ from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import within
 from dynamics.response.forced import forced_response
 from dynamics.response.series import synthesis
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:

@@ -41,7 +41,7 @@ from dynamics.crankshaft.surroundings import UX, UY
 from dynamics.critical import critical_speeds
 from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import at_most
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
 KINDS = ("axial", "torsional")

@@ -63,7 +63,7 @@ from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, DampedChain
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import refined_speeds
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 
 # Shares of the rated speed at which the load is told, beside lowest, rated and highest speed.
 TOLD = (0.25, 0.5, 0.75)

@@ -60,7 +60,7 @@ from dynamics.response.loads import (
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import PeakCause, peak_cause
 from dynamics.response.series import OrderSeries
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:

@@ -34,7 +34,7 @@ from dynamics.critical import (
     vector_sums,
 )
 from dynamics.plots.mode_shapes import draw_chain_shapes
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:

@@ -48,7 +48,7 @@ from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.excitation.axial_forces import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
 from regression.models.compliance_model import ComplianceModel
 

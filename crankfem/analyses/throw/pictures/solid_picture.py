@@ -12,8 +12,12 @@ from crankbase.errors import InputError
 from crankbase.outputs import copy_file
 from crankbase.processes import scratch_folder
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
-from crankfem.analyses.throw.pictures.scene import Scene
-from crankfem.analyses.throw.pictures.surface import outside_corners, outside_facets, whole_points
+from crankfem.analyses.throw.pictures.stress_picture import (
+    outside_corners,
+    outside_facets,
+    whole_points,
+)
+from crankfem.analyses.throw.pictures.stress_rendering import Scene
 from fem.unit_loads import whole_facets, whole_nodes
 from geometry.crankshaft import Crankshaft
 from geometry.mesher import Throw, mesh_isolated
