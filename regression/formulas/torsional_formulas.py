@@ -19,14 +19,15 @@ from collections.abc import Mapping
 from crankbase.units.quantity import format_quantity
 from fem.material import Material
 from geometry.throw import CrankThrow
-from regression.formulas.arguments import OfThrow, throw_and_material
 from regression.formulas.case import (
     FormulaValue,
+    OfThrow,
     Reading,
     Remark,
     ThrowCase,
     reading_value,
     round_inertia,
+    throw_and_material,
 )
 
 _TEXTBOOK = (

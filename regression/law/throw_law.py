@@ -17,7 +17,6 @@ from crankbase.checks.arrays import finite_array
 from crankbase.checks.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
-from geometry.mass import check_density
 from geometry.throw import CrankThrow
 from regression.law.networks import TIERS, networks, plain_inputs, real_inputs
 from regression.law.ratios import (
@@ -452,6 +451,8 @@ def mass_law(throw: CrankThrow, *, density: float = 7850.0) -> MassLaw:
     >>> print(f"{mass_law(throw).mass:.1f} kg")
     194.1 kg
     """
+    from geometry.mass import check_density  # loads the mesher's modules
+
     check_density(density)
     webs = {"left_web.": throw.left_web, "right_web.": throw.right_web}
     for name, holder in {"": throw, **webs}.items():
