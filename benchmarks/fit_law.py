@@ -72,12 +72,12 @@ def table(tier: str, samples: tuple[str, ...]) -> tuple[Array, Array, Array, Arr
     """Samples (n,), inputs (n, d), logarithms of answers (n, k), whether throws are in the law's range."""
     names, dimensions, answers = throws()
     some = np.isin(names, samples)
-    found = ratios({name: values[some] for name, values in dimensions.items()})
+    throw_ratios = ratios({name: values[some] for name, values in dimensions.items()})
     inside = np.ones(some.sum(), dtype=bool)
     for name, (low, high) in RANGES.items():
-        inside &= (found[name] >= low) & (found[name] <= high)
+        inside &= (throw_ratios[name] >= low) & (throw_ratios[name] <= high)
     logs = np.log(np.array([answers[name][some] for name in OUTPUTS]))
-    return names[some], INPUTS[tier](found).T, logs.T, inside
+    return names[some], INPUTS[tier](throw_ratios).T, logs.T, inside
 
 
 class Network:
@@ -115,14 +115,14 @@ class Network:
     def derivatives(self, x: Array) -> tuple[Array, Array]:
         """Answers (n,), and their derivatives (n, weights)."""
         a, b, c, d, last, direct, constant = self.parts()
-        one = np.tanh(x @ a.T + b)
-        two = np.tanh(one @ c.T + d)
+        near = np.tanh(x @ a.T + b)
+        two = np.tanh(near @ c.T + d)
         by_two = (1.0 - two**2) * last
-        by_one = (by_two @ c) * (1.0 - one**2)
+        by_one = (by_two @ c) * (1.0 - near**2)
         columns = [
             (by_one[:, :, None] * x[:, None, :]).reshape(len(x), -1),
             by_one,
-            (by_two[:, :, None] * one[:, None, :]).reshape(len(x), -1),
+            (by_two[:, :, None] * near[:, None, :]).reshape(len(x), -1),
             by_two,
             two,
             x,
@@ -224,14 +224,14 @@ class Network:
                 matrix = square.copy()
                 matrix[np.diag_indices_from(matrix)] += LIFT_HELD + damping
                 weights = self.weights + cho_solve(cho_factor(matrix, lower=True), downhill)
-                found = state(weights)
-                if found[2] < cost:
+                after = state(weights)
+                if after[2] < cost:
                     break
                 damping *= 4.0
             else:
                 break
             self.weights, damping = weights, max(damping / 4.0, 1e-8)
-            error, missing, cost = found
+            error, missing, cost = after
 
     def _weighed(
         self, error: Array, slopes: Array, held: Array, precision: float
@@ -253,7 +253,7 @@ def fit(tier: str, x: Array, y: Array, steps: int, ends: tuple[Array, Array]) ->
     """Fit a network to each answer: the arrays of `Networks`, without bands."""
     low, high = ends
     scaled = 2.0 * (x - low) / (high - low) - 1.0
-    found: list[list[Array]] = []
+    parts: list[list[Array]] = []
     for name in OUTPUTS:
         column = y[:, OUTPUTS.index(name)]
         middle = column.mean()
@@ -262,17 +262,20 @@ def fit(tier: str, x: Array, y: Array, steps: int, ends: tuple[Array, Array]) ->
         if name == "axial_pinned":
             points, bars = rungs(tier, ends)
             best.lift(scaled, column - middle, points, bars * np.exp(-middle))
-        found.append([*best.parts()[:-1], best.parts()[-1][0] + middle])
+        parts.append([*best.parts()[:-1], best.parts()[-1][0] + middle])
         error = column - middle - best.values(scaled)
         print(f"{tier} {name}: rms {100 * error.std():.3f} %, largest {100 * abs(error).max():.2f} %,"
               f" noise {100 * best.noise:.3f} %", flush=True)  # fmt: skip
-    return stacked(found, low, high)
+    return stacked(parts, low, high)
 
 
-def stacked(found: list[list[Array]], low: Array, high: Array) -> dict[str, Array]:
+def stacked(networks: list[list[Array]], low: Array, high: Array) -> dict[str, Array]:
     """Weights of some networks as the arrays of `Networks`."""
     names = ("first", "first_constant", "second", "second_constant", "last", "direct", "constant")
-    parts = {name: np.array([one[place] for one in found]) for place, name in enumerate(names)}
+    parts = {
+        name: np.array([parts_of[place] for parts_of in networks])
+        for place, name in enumerate(names)
+    }
     return {"low": low, "high": high, **parts}
 
 
@@ -292,17 +295,17 @@ def rungs(tier: str, ends: tuple[Array, Array]) -> tuple[Array, Array]:
     random, (low, high) = np.random.default_rng(4), ends
     shortest, longest = (PLAIN if tier == "plain" else REAL)["main_journal_length"]
     lengths = np.geomspace(shortest, longest, LEVELS)
-    found, bars = [], []
-    while len(found) < LADDERS:
+    ladders, bars = [], []
+    while len(ladders) < LADDERS:
         kind = tier if random.random() < 0.75 or tier == "plain" else "wide"
         try:
             throw = CrankThrow(**FIELDS[kind](Sample(kind, 0), random.random(DRAWN)))
         except InputError:
             continue
-        own = ratios(throw_dimensions(throw) | {"main_journal_length": lengths})
-        found.append(2.0 * (INPUTS[tier](own).T - low) / (high - low) - 1.0)
-        bars.append(4.0 / np.pi * np.diff(lengths) / (1.0 - own["main_journal_bore"] ** 2))
-    return np.array(found), np.array(bars)
+        ratios_at = ratios(throw_dimensions(throw) | {"main_journal_length": lengths})
+        ladders.append(2.0 * (INPUTS[tier](ratios_at).T - low) / (high - low) - 1.0)
+        bars.append(4.0 / np.pi * np.diff(lengths) / (1.0 - ratios_at["main_journal_bore"] ** 2))
+    return np.array(ladders), np.array(bars)
 
 
 def teachers(samples: Array) -> Array:
@@ -326,24 +329,24 @@ def fit_real(samples: Array, x: Array, y: Array, steps: int) -> dict[str, Array]
     chosen = teachers(samples)
     scaled, far = (2.0 * (some - low) / (high - low) - 1.0 for some in (x[chosen], between))
     both = np.concatenate([scaled, far])
-    found: list[list[Array]] = []
+    kept: list[list[Array]] = []
     for name, column in zip(OUTPUTS, y[chosen].T[:, :, None], strict=True):
         through = process(scaled, column)
         known = 0.5 * (through.values(scaled) + column)
         taught = np.concatenate([known, through.values(far)])[:, 0]
         middle = taught.mean()
         tries = [Network(both.shape[1], HIDDEN["real"], seed) for seed in (0, 1)]
-        for one in tries:
-            one.follow(both, taught - middle, steps)
-        best = min(tries, key=lambda one: (taught - middle - one.values(both)).std())
+        for network in tries:
+            network.follow(both, taught - middle, steps)
+        best = min(tries, key=lambda network: (taught - middle - network.values(both)).std())
         if name == "axial_pinned":
             points, bars = rungs("real", (low, high))
             best.lift(both, taught - middle, points, bars * np.exp(-middle))
         parts = best.parts()
-        found.append([*parts[:-1], parts[-1][0] + middle])
+        kept.append([*parts[:-1], parts[-1][0] + middle])
         print(f"{name}: network beside the process {100 * (taught - middle - best.values(both)).std():.2f} %",
               flush=True)  # fmt: skip
-    return stacked(found, low, high)
+    return stacked(kept, low, high)
 
 
 def fit_plain(samples: Array, x: Array, y: Array, steps: int) -> dict[str, Array]:
@@ -358,7 +361,7 @@ def plain_bands(made: dict[str, Array], samples: Array, x: Array, y: Array, insi
     first = fit("plain", x[samples == "plain-train"], y[samples == "plain-train"], STEPS["plain"],
                 ends=(made["low"], made["high"]))  # fmt: skip
     errors, scaled = beside(first, x[held], y[held])
-    return np.array([band("plain", scaled, one, scaled, one) for one in errors.T])
+    return np.array([band("plain", scaled, error, scaled, error) for error in errors.T])
 
 
 def real_bands(made: dict[str, Array], samples: Array, x: Array, y: Array, inside: Array) -> Array:
@@ -368,15 +371,15 @@ def real_bands(made: dict[str, Array], samples: Array, x: Array, y: Array, insid
     chosen = teachers(samples)
     _, scaled = beside(made, x[chosen], y[chosen])
     judged = inside[chosen] & ~np.char.startswith(samples[chosen], "plain")
-    found = []
+    bands = []
     for place, column in enumerate(y[chosen].T[:, :, None]):
         through = process(scaled, column)
         misfit = beside(made, x[chosen], through.values(scaled), place)[0][:, 0]
         errors = np.hypot(through.left[:, 0], misfit)[judged]
-        found.append(band("real", scaled[judged], errors, places, unseen[:, place]))
+        bands.append(band("real", scaled[judged], errors, places, unseen[:, place]))
         print(f"{OUTPUTS[place]}: processes of other throws rms {100 * through.left[judged].std():.2f} %",
               flush=True)  # fmt: skip
-    return np.array(found)
+    return np.array(bands)
 
 
 def beside(
@@ -424,11 +427,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--tier", choices=FITS, nargs="*", default=list(FITS))
     parser.add_argument("--only", choices=["bands"])
-    given = parser.parse_args()
+    options = parser.parse_args()
     kept = dict(np.load(FILE)) if FILE.exists() else {}
-    for tier in given.tier:
+    for tier in options.tier:
         samples, x, y, inside = table(tier, SAMPLES[tier])
-        if given.only:
+        if options.only:
             made = {name: kept[f"{tier}_{name}"] for name in Networks.__annotations__}
         else:
             made = FITS[tier](samples, x, y, STEPS[tier])

@@ -303,12 +303,6 @@ def files_listed(folder: Path) -> list[Path]:
     ]
 
 
-def list_existing_file(path: Path, kind: Kind) -> None:
-    """List a file that an earlier release wrote, as one of a run."""
-    with recording_run_files(), _folder_lock(path.parent):
-        _list_file(path, kind, _checksum(path))
-
-
 def is_regular_file(path: Path) -> bool:
     """Whether a path is that of a regular file, neither a link nor anything else."""
     try:

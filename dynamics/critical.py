@@ -33,8 +33,6 @@ class TwoMassCheck:
         C_np, torsional stiffness of the shaft [N m/rad].
     angular_frequency : float
         w_c1, natural angular frequency [rad/s].
-    order : float
-        Order considered, in cycles per crankshaft revolution.
     harmonics : Harmonics or None
         Those of the exciting torque [N m], if given.
     """
@@ -91,15 +89,6 @@ class TwoMassCheck:
 def solid_shaft_stiffness(diameter: float, length: float, shear_modulus: float) -> float:
     """Return the torsional stiffness of a solid round shaft.
 
-    Parameters
-    ----------
-    diameter : float
-        d_b, diameter of the equivalent shaft [m].
-    length : float
-        L_np, length of the equivalent shaft [m].
-    shear_modulus : float
-        G [Pa].
-
     Returns
     -------
     float
@@ -124,8 +113,6 @@ def two_mass_frequency(stiffness: float, inertia_1: float, inertia_2: float) -> 
     ----------
     stiffness : float
         C_np [N m/rad].
-    inertia_1, inertia_2 : float
-        J_MAX and J_np: flywheel and united inertia of the throws [kg m^2].
 
     Returns
     -------
@@ -164,15 +151,8 @@ def two_mass_check(
         G [Pa].
     inertia_1, inertia_2 : float
         J_MAX and J_np [kg m^2].
-    order : float
-        Order to consider, in cycles per crankshaft revolution.
     harmonics : Harmonics, optional
         Those of the exciting torque [N m], to check whether they resolve the order.
-
-    Returns
-    -------
-    TwoMassCheck
-        Stiffness, natural frequency, resonant speed, and whether the torque resolves the order.
 
     Raises
     ------
@@ -211,8 +191,6 @@ class CriticalSpeed:
         Natural frequency [Hz].
     order : float
         Order of the excitation, in cycles per crankshaft revolution.
-    speed : float
-        Speed of the crankshaft [rad/s].
     """
 
     mode: int
@@ -248,11 +226,6 @@ def engine_orders(strokes: int, highest: float) -> FloatArray:
         Strokes per cycle: 4 gives 0.5, 1, 1.5 ..., 2 gives 1, 2, 3 ...
     highest : float
         Highest order, in cycles per crankshaft revolution.
-
-    Returns
-    -------
-    ndarray of shape (K,)
-        Orders, ascending.
 
     Raises
     ------
@@ -363,13 +336,6 @@ def vector_sums(
 
 def major_orders(orders: ArrayLike, firing_angles: ArrayLike) -> FloatArray:
     """Return those orders at which all cylinders act in phase.
-
-    Parameters
-    ----------
-    orders : array_like of shape (K,)
-        Orders to select from, in cycles per crankshaft revolution.
-    firing_angles : array_like of shape (J,)
-        Crank angle in the cycle at which each cylinder fires [rad].
 
     Returns
     -------

@@ -57,8 +57,6 @@ class Harmonics:
         A_k and B_k of A_k cos(order x) + B_k sin(order x), in the unit of the samples.
     mean : float
         M_0, in the unit of the samples.
-    strokes : int
-        Strokes per cycle, 2 or 4.
     samples : int
         Number of samples that the harmonics were found from, without a closing sample.
 
@@ -89,13 +87,7 @@ class Harmonics:
         return bool(np.any(np.isclose(self.orders, order, rtol=1e-9, atol=0.0)))
 
     def index_of(self, order: float) -> int:
-        """Return the index of the order in `orders`.
-
-        Raises
-        ------
-        InputError
-            If the order is not among them.
-        """
+        """Return the index of the order in `orders`."""
         if not self.resolves(order):
             step = order_step(self.strokes)
             raise InputError(
@@ -106,11 +98,6 @@ class Harmonics:
 
     def up_to(self, highest_order: float) -> "Harmonics":
         """Return the harmonics without the orders above a highest one.
-
-        Parameters
-        ----------
-        highest_order : float
-            In cycles per crankshaft revolution.
 
         Returns
         -------
@@ -147,16 +134,6 @@ class Harmonics:
         ----------
         crank_angle_deg : array_like of any shape
             Crank angle x [deg].
-
-        Returns
-        -------
-        ndarray of the same shape
-            Values in the unit of the samples.
-
-        Raises
-        ------
-        InputError
-            If an angle is not a finite number, or they are radians.
         """
         return np.asarray(self.each_at(crank_angle_deg=crank_angle_deg).sum(axis=0) + self.mean)
 
@@ -172,11 +149,6 @@ class Harmonics:
         -------
         ndarray of shape (K, ...)
             M_k sin(order x + a_k) in the unit of the samples.
-
-        Raises
-        ------
-        InputError
-            If an angle is not a finite number, or they are radians.
         """
         arguments = np.multiply.outer(self.orders, radians_of("crank_angle_deg", crank_angle_deg))
         cosine, sine = (
@@ -196,18 +168,9 @@ class Harmonics:
 
         Parameters
         ----------
-        unit : str, optional
-            Of the samples, such as "N m".
-        highest_order : float, optional
-            Highest order drawn; all by default.
         show : {"amplitudes", "curves"}
             "curves": each harmonic over the crank angle, with its amplitude and phase, the six
             largest if there are more.
-
-        Raises
-        ------
-        InputError
-            If no order is left, or `show` is unknown.
         """
         check_choice("show", show, SHOWN, "these are drawn of harmonics")
         shown = self if highest_order is None else self.up_to(highest_order)
@@ -217,13 +180,7 @@ class Harmonics:
         return draw_harmonics(axes, shown.orders, bars, f"amplitude [{unit}]", title="Harmonics")
 
     def to_pandas(self, unit: str = "unit of the samples") -> DataFrame:
-        """Return one row for each order: amplitude, phase, cosine and sine part.
-
-        Parameters
-        ----------
-        unit : str, optional
-            Of the samples.
-        """
+        """Return one row for each order: amplitude, phase, cosine and sine part."""
         return table(
             {
                 "order": (self.orders, "1"),
@@ -345,14 +302,8 @@ class TorqueTable:
 
     Parameters
     ----------
-    crank_angle_deg : ndarray of shape (m,)
-        Crank angle of the samples [deg].
-    torque : ndarray of shape (m,)
-        Torque [N m].
     source : str
         The comment lines of the file, without their number sign.
-    strokes : int
-        Strokes per cycle, 2 or 4.
     """
 
     crank_angle_deg: FloatArray

@@ -22,8 +22,6 @@ class TableKind:
 
     Parameters
     ----------
-    name : str
-        Name of the file, such as "torque table".
     angle_names, value_names : tuple of str
         Allowed names of the first and of the second column.
     headers : str
@@ -45,8 +43,6 @@ class SampleRows:
 
     Parameters
     ----------
-    path : Path
-        The file.
     angle_name, value_name : str
         The two names of the header.
     angles, values : ndarray of shape (m,)

@@ -69,15 +69,15 @@ class Limit:
 
     def __post_init__(self) -> None:
         shown = self.name or ", ".join(self.quantities)
-        given = [bound for bound in (self.at_most, self.at_least) if bound is not None]
-        if len(given) != 1 or not is_number(given[0]):
+        bounds = [bound for bound in (self.at_most, self.at_least) if bound is not None]
+        if len(bounds) != 1 or not is_number(bounds[0]):
             raise InputError(
                 f"limit on {shown}: given at most {self.at_most}, at least {self.at_least}; allowed is "
                 "one finite bound, because each limit is checked by itself."
             )
-        if given[0] != 0.0 and not SMALLEST <= abs(given[0]) <= LARGEST:
+        if bounds[0] != 0.0 and not SMALLEST <= abs(bounds[0]) <= LARGEST:
             raise InputError(
-                f"limit on {shown}: given {given[0]:g}; allowed is zero, or {SMALLEST:g} to {LARGEST:g} of "
+                f"limit on {shown}: given {bounds[0]:g}; allowed is zero, or {SMALLEST:g} to {LARGEST:g} of "
                 "either sign, because others leave what a computer can calculate."
             )
         if isinstance(self.quantities, str) or not self.quantities:
@@ -189,15 +189,15 @@ def _applied(limit: Limit, values: list[Any]) -> Any:
     if limit.function is None:
         return values[0]
     arrays = np.broadcast_arrays(*values)
-    found = np.array(
+    reached = np.array(
         [limit.function(*map(float, point)) for point in zip(*map(np.ravel, arrays), strict=True)]
     ).reshape(arrays[0].shape)
-    if not np.all(np.isfinite(found)):
+    if not np.all(np.isfinite(reached)):
         raise InputError(
-            f"{limit.name}: given a function that returns {found[~np.isfinite(found)].flat[0]}; "
+            f"{limit.name}: given a function that returns {reached[~np.isfinite(reached)].flat[0]}; "
             "allowed are finite numbers."
         )
-    return found
+    return reached
 
 
 Array = NDArray[np.float64]
@@ -236,11 +236,11 @@ class SearchSpace:
 
     def exact_numbers(self, place: Array) -> dict[str, float]:
         """Factors at one point, the ends of ranges to the last digit."""
-        found = {name: float(value) for name, value in self.numbers(place).items()}
+        exact = {name: float(value) for name, value in self.numbers(place).items()}
         for (name, (low, high)), where in zip(self.ranges.items(), place, strict=True):
             if min(where, 1.0 - where) < _AT_END:
-                found[name] = low if where < 0.5 else high
-        return found
+                exact[name] = low if where < 0.5 else high
+        return exact
 
     @property
     def _order(self) -> tuple[str, ...]:
@@ -300,7 +300,9 @@ def search_space(model: ComplianceModel, fixed: Mapping[str, float | str]) -> Se
         model=model,
         ranges={name: ends for name, ends in family.ranges.items() if name not in numbers},
         fixed=numbers,
-        choices={name: found for name, found in family.categories.items() if name not in labels},
+        choices={
+            name: labels_of for name, labels_of in family.categories.items() if name not in labels
+        },
         labels=labels,
         constraints=tuple(constraints),
     )
@@ -378,7 +380,7 @@ class Optimum:
             f"{name} {value if isinstance(value, str) else f'{value:.6g}'}"
             for name, value in self.factors.items()
         )
-        active = ", ".join(one.limit.name for one in self.limits if one.active)
+        active = ", ".join(check.limit.name for check in self.limits if check.active)
         limits = f", at the limit of {active}" if active else ""
         return (
             f"Optimum({self.minimized} {self.value:.6g} {self.unit}".rstrip() + f" at {at}{limits})"
@@ -433,7 +435,9 @@ class Optimum:
             (name, "factor" if name in self.factors else "dimension", value, field_unit(name) or "")
             for name, value in {**self.factors, **self.dimensions}.items()
         ]
-        rows += [(name, "response", one.value, one.unit) for name, one in self.lookups.items()]
+        rows += [
+            (name, "response", answer.value, answer.unit) for name, answer in self.lookups.items()
+        ]
         names, kinds, values, units = zip(*rows, strict=True)
         return table(
             {
@@ -538,18 +542,20 @@ def find_optimum(
         for labels in choices
     ]
     try:
-        found = [_search(problem) for problem in problems]
+        searched = [_search(problem) for problem in problems]
     except RuntimeError as error:
         # The optimizer takes every ValueError for one of its own.
         if isinstance(error.__cause__, InputError):
             raise error.__cause__ from None
         raise
-    feasible = [n for n, one in enumerate(found) if one.broken <= SPARE]
+    feasible = [n for n, search in enumerate(searched) if search.broken <= SPARE]
     if not feasible:
-        nearest = min(range(len(found)), key=lambda n: found[n].broken)
-        raise InputError(_infeasible(problems[nearest], found[nearest]))
-    best = min(feasible, key=lambda n: found[n].objective)
-    return _make_optimum(problems[best], found[best], sum(one.evaluations for one in found))
+        nearest = min(range(len(searched)), key=lambda n: searched[n].broken)
+        raise InputError(_infeasible(problems[nearest], searched[nearest]))
+    best = min(feasible, key=lambda n: searched[n].objective)
+    return _make_optimum(
+        problems[best], searched[best], sum(search.evaluations for search in searched)
+    )
 
 
 def _search(problem: _Problem) -> _SearchResult:
@@ -587,11 +593,11 @@ def _search(problem: _Problem) -> _SearchResult:
         candidates = [nearest, _nearest(problem, nearest)]
         candidates += [_polished(problem, place) for place in tuple(candidates)]
     rated = [(_evaluate(problem, place), place) for place in candidates]
-    kept = [one for one in rated if one[0][1] <= SPARE]
+    kept = [trial for trial in rated if trial[0][1] <= SPARE]
     if kept:
-        (value, broken), place = min(kept, key=lambda one: one[0][0])
+        (value, broken), place = min(kept, key=lambda trial: trial[0][0])
     else:
-        (value, broken), place = min(rated, key=lambda one: one[0][1])
+        (value, broken), place = min(rated, key=lambda trial: trial[0][1])
     return _SearchResult(place, value, broken, count)
 
 
@@ -604,7 +610,7 @@ def _evaluate(problem: _Problem, place: Array) -> tuple[float, float]:
 def _polished(problem: _Problem, start: Array) -> Array:
     """Move a design to its limits by sequential quadratic programming."""
     size = abs(float(problem.objective(start))) or 1.0
-    found = _optimize.minimize(
+    polished = _optimize.minimize(
         lambda place: float(problem.objective(place)) / size,
         start,
         method="SLSQP",
@@ -613,13 +619,13 @@ def _polished(problem: _Problem, start: Array) -> Array:
         constraints={"type": "ineq", "fun": lambda place: -problem.excess(place)},
         options={"ftol": 1e-13, "maxiter": 200},
     )
-    return np.asarray(np.clip(found.x, 0.0, 1.0))
+    return np.asarray(np.clip(polished.x, 0.0, 1.0))
 
 
 def _nearest(problem: _Problem, start: Array) -> Array:
     """Find the design whose largest violation is least."""
     worst = float(np.max(problem.excess(start)))
-    found = _optimize.minimize(
+    nearest = _optimize.minimize(
         lambda extended: extended[-1],
         np.append(start, worst),
         method="SLSQP",
@@ -630,7 +636,7 @@ def _nearest(problem: _Problem, start: Array) -> Array:
         },
         options={"ftol": 1e-12, "maxiter": 200},
     )
-    return np.asarray(np.clip(found.x[:-1], 0.0, 1.0))
+    return np.asarray(np.clip(nearest.x[:-1], 0.0, 1.0))
 
 
 def _checks(problem: _Problem, points: Points) -> tuple[LimitCheck, ...]:
@@ -643,9 +649,9 @@ def _checks(problem: _Problem, points: Points) -> tuple[LimitCheck, ...]:
     return tuple(checks)
 
 
-def _make_optimum(problem: _Problem, found: _SearchResult, evaluations: int) -> Optimum:
+def _make_optimum(problem: _Problem, search: _SearchResult, evaluations: int) -> Optimum:
     model, space = problem.model, problem.space
-    factors = problem.factors(found.place)
+    factors = problem.factors(search.place)
     points = Points(model, factors)
     known = model.family.completed(factors)
     throw, remarks = space.throw(known)
@@ -667,7 +673,7 @@ def _make_optimum(problem: _Problem, found: _SearchResult, evaluations: int) -> 
         dimensions=known,
         factors=factors,
         limits=_checks(problem, points),
-        at_ends=space.at_ends(found.place),
+        at_ends=space.at_ends(search.place),
         lookups={name: model.lookup(name, **asked) for name in model.responses},
         throw=throw,
         remarks=tuple(remarks),
@@ -675,9 +681,9 @@ def _make_optimum(problem: _Problem, found: _SearchResult, evaluations: int) -> 
     )
 
 
-def _infeasible(problem: _Problem, found: _SearchResult) -> str:
+def _infeasible(problem: _Problem, search: _SearchResult) -> str:
     """State that no throw keeps the limits, and the nearest one."""
-    factors = problem.factors(found.place)
+    factors = problem.factors(search.place)
     show = problem.model.family.format_value
     at = ", ".join(
         f"{name} {value if isinstance(value, str) else show(name, value)}"

@@ -97,38 +97,38 @@ def throw_values(throw: CrankThrow, *, spelled_out: bool = False) -> dict[str, f
     >>> list(throw_values(throw))[-3:]
     ['web_thickness', 'fillet_radius', 'web_outline']
     """
-    found: dict[str, float | str] = {}
-    _collect(throw, "", found)
+    values: dict[str, float | str] = {}
+    _collect(throw, "", values)
     for name, (other, share) in DEFAULTS.items():
-        base = found.get(other)
-        given = found.get(name)
-        if spelled_out or not isinstance(given, float) or not isinstance(base, float):
+        base = values.get(other)
+        value = values.get(name)
+        if spelled_out or not isinstance(value, float) or not isinstance(base, float):
             continue
-        if same_dimension(given, share * base):
-            del found[name]
+        if same_dimension(value, share * base):
+            del values[name]
     for name, info in CrankThrow.model_fields.items():
-        if field_extra(info, "feature") and found.get(name) == 0.0:
-            del found[name]
-    return found
+        if field_extra(info, "feature") and values.get(name) == 0.0:
+            del values[name]
+    return values
 
 
-def _collect(record: InputModel, prefix: str, found: dict[str, float | str]) -> None:
+def _collect(record: InputModel, prefix: str, values: dict[str, float | str]) -> None:
     for name in type(record).model_fields:
         value = getattr(record, name)
         if isinstance(value, InputModel):
-            _collect(value, f"{prefix}{name}.", found)
+            _collect(value, f"{prefix}{name}.", values)
         elif isinstance(value, tuple):
             for place, item in enumerate(value):
-                _collect(item, f"{prefix}{name}.{place}.", found)
+                _collect(item, f"{prefix}{name}.{place}.", values)
         elif isinstance(value, str):
-            found[prefix + name] = value
+            values[prefix + name] = value
         elif value is not None:
-            found[prefix + name] = float(value)
+            values[prefix + name] = float(value)
 
 
-def same_dimension(one: float, other: float) -> bool:
+def same_dimension(first: float, second: float) -> bool:
     """Whether two numbers are the same dimension."""
-    return abs(one - other) <= SAME * max(abs(one), abs(other))
+    return abs(first - second) <= SAME * max(abs(first), abs(second))
 
 
 PAPER_SYMBOL = re.compile(r"[A-Za-z](_[a-z]+)?")
@@ -177,8 +177,8 @@ def factor_text(name: str) -> str:
 def term_text(name: str) -> str:
     """Write the papers' symbols in a term such as "ln(L_shm)^2 h" in math notation, free names in words."""
 
-    def word(found: re.Match[str]) -> str:
-        text = found[0]
+    def word(matched: re.Match[str]) -> str:
+        text = matched[0]
         return math_symbol(text) if PAPER_SYMBOL.fullmatch(text) else text.replace("_", " ")
 
     return re.sub(r"[A-Za-z][\w.]*", word, name)

@@ -6,7 +6,6 @@ and report follow, and only what the new results name is ever shown. What runs h
 the folder, see `crankbase.outputs`; nothing else is replaced or removed.
 """
 
-import json
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
@@ -20,16 +19,12 @@ from crankbase.outputs import (
     atomic_file,
     check_output,
     files_listed,
-    is_listed,
-    is_regular_file,
-    list_existing_file,
     protected,
     recording_run_files,
     write_text,
 )
 from crankfem.analyses.record import json_text
 from crankfem.report.figures import PLOTS
-from regression.models.model_file import is_model
 from regression.records import Outcome
 from regression.runs.store import Claims
 
@@ -43,16 +38,10 @@ ENDINGS: dict[str, tuple[Kind, tuple[str, ...]]] = {
 }
 # What files of pictures are called, but for their endings; a file so called stands in a run's way.
 PICTURED = frozenset({*PLOTS, "throw_mesh", "throw_deformed", "stress-radial", "stress-torsion"})
-# Of what earlier releases wrote: the start of a report, and of a mesh by the package that writes it.
-REPORT_MARKS = (b"<!DOCTYPE html>", b": crankshaft vibration</title>")
-MESH_MARKS = (b"<VTKFile", b"created by meshio")
-START = 2000  # bytes in which they stand
 
 
 def check_folder(folder: Path, *, study: bool, inputs: tuple[Path, ...] = ()) -> None:
     """Refuse a folder with files in the way that crankfem did not write.
-
-    Files of a run of an earlier release are listed first.
 
     Parameters
     ----------
@@ -76,7 +65,6 @@ def check_folder(folder: Path, *, study: bool, inputs: tuple[Path, ...] = ()) ->
             f"{pictures}: is a link; allowed is a folder of the run's own, because files written there would "
             "go elsewhere."
         )
-    list_older_run(folder)
     files: list[tuple[Path, Kind]] = [
         (folder / RESULTS, "results"),
         (folder / REPORT, "report"),
@@ -91,49 +79,6 @@ def check_folder(folder: Path, *, study: bool, inputs: tuple[Path, ...] = ()) ->
     with recording_run_files(), protected(*inputs):
         for path, kind in files:
             check_output(path, kind)
-
-
-def list_older_run(folder: Path) -> None:
-    """List the files of a run of an earlier release in a folder: it kept no list.
-
-    Only files are taken for a run's whose content says so, and pictures that its results name.
-    """
-    results = folder / RESULTS
-    if is_listed(results) or not is_regular_file(results):
-        return
-    try:
-        found = json.loads(results.read_text(encoding="utf-8"))
-        if found["about"]["program"] != "crankfem" or not {"throw", "formulas"} <= found.keys():
-            return
-        named = list(_named(folder / PICTURES, found))
-    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
-        return
-    for path, kind in named:
-        list_existing_file(path, kind)
-    for name, kind, marks in ((REPORT, "report", REPORT_MARKS), (MESH_FILE, "mesh", MESH_MARKS)):
-        if is_regular_file(folder / name) and _begins_with(folder / name, marks):
-            list_existing_file(folder / name, kind)
-    if is_regular_file(folder / MODEL) and is_model(folder / MODEL):
-        list_existing_file(folder / MODEL, "model")
-    list_existing_file(results, "results")
-
-
-def _named(place: Path, results: Mapping[str, Any]) -> Iterator[tuple[Path, Kind]]:
-    """The pictures and plots of a run that results name; any other file is not the run's."""
-    if place.is_symlink():
-        return
-    for key, (kind, endings) in ENDINGS.items():
-        for name in results.get(key, {}).values():
-            path = place / name
-            known = path.name == name and path.stem in PICTURED and path.suffix in endings
-            if known and is_regular_file(path):
-                yield path, kind
-
-
-def _begins_with(path: Path, marks: tuple[bytes, ...]) -> bool:
-    with path.open("rb") as file:
-        start = file.read(START)
-    return all(mark in start for mark in marks)
 
 
 def make_folder(folder: Path) -> Path:

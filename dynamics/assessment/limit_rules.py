@@ -279,11 +279,6 @@ def crankshaft_material_factors(
         Specified minimum strengths [Pa].
     alloy : bool
         Whether the steel is low-alloy; carbon steel otherwise.
-
-    Raises
-    ------
-    InputError
-        If a strength is not above zero, or the yield strength above the tensile one.
     """
     strength = positive_number("tensile_strength", tensile, "Pa", "it is that of a steel")
     limit = positive_number("yield_strength", yielding, "Pa", "it is that of a steel")

@@ -329,13 +329,7 @@ def axial_force_limit(
 
 
 def checked_running_range(running_range: tuple[float, float]) -> tuple[float, float]:
-    """Return the lowest and the highest running speed [rad/s].
-
-    Raises
-    ------
-    InputError
-        If they are not two speeds above zero, the lowest first.
-    """
+    """Return the lowest and the highest running speed [rad/s]."""
     allowed = (
         "the lowest and then the highest running speed, because limits and margins refer to both"
     )
@@ -353,11 +347,6 @@ def positive_range(
     ends : array_like of shape (2,)
     unit, of, allowed : str
         Their unit, why they are positive, what the two ends are and why.
-
-    Raises
-    ------
-    InputError
-        If they are not two such numbers, or the first is the larger.
     """
     pair = positive_vector(field, ends, unit, of)
     if pair.size != 2 or not pair[0] <= pair[1]:
@@ -367,25 +356,14 @@ def positive_range(
 
 
 def checked_rated_speed(rated_speed: float) -> float:
-    """Return the rated speed [rad/s].
-
-    Raises
-    ------
-    InputError
-        If it is not above zero.
-    """
+    """Return the rated speed [rad/s]."""
     return positive_number(
         "rated_speed", rated_speed, "rad/s", "limits are stated for shares of it"
     )
 
 
 def check_findings(findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]]) -> None:
-    """Refuse findings that are not pairs of a limit and an amplitude curve.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse findings that are not pairs of a limit and an amplitude curve."""
     if not findings:
         raise InputError(
             "findings: given none; allowed are one or more, because a verdict needs a limit and an "

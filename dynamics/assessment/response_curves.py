@@ -124,11 +124,6 @@ def with_resonances(excitation: OrderExcitation, chain: Chain) -> OrderExcitatio
     OrderExcitation
         Adds the speeds, between the first and the last one given, at which an order meets a damped natural
         frequency; forces there are interpolated linearly.
-
-    Raises
-    ------
-    InputError
-        If the chain has fewer nodes than the excitation.
     """
     orders, speeds, forces = excitation.orders, excitation.speeds, excitation.forces
     count = chain.inertia.size

@@ -99,11 +99,6 @@ def separation_margin(
         1 - high / lowest running speed below the range, low / highest running speed - 1 above it,
         0 where they overlap. At a given speed this is also the distance between natural frequency
         and excitation as a share of the latter.
-
-    Raises
-    ------
-    InputError
-        If a speed is negative, or the running range is reversed.
     """
     least = nonnegative_vector("low", low, "rad/s", "it is a speed")
     most = nonnegative_vector("high", high, "rad/s", "it is a speed")
@@ -247,11 +242,6 @@ def major_criticals(
     cylinders, strokes : int
         Of an engine in line.
     drives : {"propeller", "generator"}
-
-    Raises
-    ------
-    InputError
-        If the speed is not above zero.
 
     Notes
     -----

@@ -123,11 +123,6 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
     spreads : sequence of p Spread
         They state what each factor acts on; a value with two factors gets both.
     factors : array_like of shape (p,)
-
-    Raises
-    ------
-    InputError
-        If an element or node does not exist, or a factor is not above zero.
     """
     sizes = positive_vector("factors", factors, "", "it is a factor on a positive value")
     scales = scale_factors(chain, spreads, sizes[np.newaxis])
@@ -312,11 +307,6 @@ def sampled_factors(
     ndarray of shape (N, p)
         Uniform over the logarithm, so that a compliance and its reciprocal stiffness have the same
         distribution.
-
-    Raises
-    ------
-    InputError
-        If there is no spread, fewer than two samples, or the seed is negative.
     """
     if not spreads:
         raise InputError(
@@ -341,9 +331,8 @@ def frequency_samples(
 
     Parameters
     ----------
-    spreads : sequence of p Spread
-    samples, seed : int
-        See `sampled_factors`.
+    spreads, samples, seed
+        As for `sampled_factors`.
 
     Returns
     -------
@@ -452,11 +441,10 @@ def chain_samples(
 
     Parameters
     ----------
-    spreads : sequence of p Spread
     result : callable
         Chain to a number or an array of the same shape for every chain.
-    samples, seed : int
-        See `sampled_factors`.
+    spreads, samples, seed
+        As for `sampled_factors`.
 
     Notes
     -----
@@ -484,11 +472,6 @@ def function_samples(
         Kinds and elements are interpreted by the function.
     samples, seed : int
         See `sampled_factors`.
-
-    Raises
-    ------
-    InputError
-        As `sampled_factors`, and if there are too many samples for individual calculation.
     """
     factors = sampled_factors(spreads, samples, seed)
     if samples > MOST_CALCULATED:

@@ -113,13 +113,10 @@ class Balance:
 
     Parameters
     ----------
-    engine : EngineLayout
     speed : float
         Of the shaft [rad/s]; forces are proportional to its square.
     about : float
         Point of the shaft axis about which moments are taken [m].
-    model : str
-        "rigid" or "two-mass".
     rows : tuple of OrderBalance
         One for each order.
     """
@@ -131,13 +128,7 @@ class Balance:
     rows: tuple[OrderBalance, ...]
 
     def of(self, order: int) -> OrderBalance:
-        """Return one order.
-
-        Raises
-        ------
-        InputError
-            If the balance does not include it.
-        """
+        """Return one order."""
         for row in self.rows:
             if row.order == order:
                 return row
@@ -149,19 +140,10 @@ class Balance:
     def plot(self, axes: Axes | None = None, *, show: Literal["force", "moment"] = "force") -> Axes:
         """Draw the residual forces or moments, a curve for each order that is not balanced.
 
-        Parameters
-        ----------
-        show : {"force", "moment"}, optional
-
         Returns
         -------
         matplotlib.axes.Axes
             Seen from the free end: y up, x to the left; thin lines are the cylinders' axes.
-
-        Raises
-        ------
-        InputError
-            If it is neither.
         """
         check_choice("show", show, ("force", "moment"), "inertia leaves these over")
         curves = unbalanced(self, show)
@@ -219,10 +201,6 @@ def balance(
     ----------
     engine : EngineLayout
         With `rotating` masses for counterweights and the unbalance of the throws.
-    speed : float
-        Of the shaft [rad/s].
-    orders : sequence of int, optional
-        Cycles per revolution of the shaft.
     about : float, optional
         Point of the shaft axis about which moments are taken [m]; by default the middle of the cylinders.
     model : str, optional
@@ -386,8 +364,6 @@ class HingedRodEffects:
 
     Parameters
     ----------
-    order : int
-        Cycles per revolution of the shaft.
     side_by_side : Hodograph
         Each hinged rod replaced by a copy of the main rod, and its reciprocating mass by that of
         the main rod's cylinder.
@@ -446,10 +422,6 @@ def hinged_rod_effects(
     ----------
     engine : EngineLayout
         With at least one hinged rod.
-    speed : float
-        Of the shaft [rad/s].
-    orders : sequence of int, optional
-        Cycles per revolution of the shaft.
     cylinders : sequence of int, optional
         Numbers of the cylinders whose forces are added, such as the two of one throw; all by
         default.

@@ -130,11 +130,6 @@ class Hodograph:
     def amplitude_along(self, *, angle_deg: float) -> float:
         """Return the amplitude of the component in a direction [deg].
 
-        Raises
-        ------
-        InputError
-            If the direction is not a finite number.
-
         Notes
         -----
         Re(F exp(-i angle)) has the coefficient P exp(-i angle) + conj(Q) exp(i angle).
@@ -154,13 +149,7 @@ class Hodograph:
         return np.asarray(self.forward * turn + self.backward / turn)
 
     def points(self, count: int = 181) -> tuple[FloatArray, FloatArray]:
-        """Return x and y of points along the closed curve, each real of shape (count,).
-
-        Raises
-        ------
-        InputError
-            If the count is not a whole number of 1 or more.
-        """
+        """Return x and y of points along the closed curve, each real of shape (count,)."""
         count = whole_number("count", count, 1, "so many points are wanted")
         vectors = self.at(
             shaft_angle_deg=np.degrees(np.linspace(0.0, 2.0 * np.pi / self.order, count))
@@ -185,11 +174,6 @@ class Hodograph:
         -------
         matplotlib.axes.Axes
             A dot marks the vector at shaft angle zero, an arrowhead the direction of motion.
-
-        Raises
-        ------
-        InputError
-            If the quantity is unknown.
         """
         check_choice("quantity", quantity, ("force", "moment"), "the axes have the unit of one")
         labels = FORCE_LABELS if quantity == "force" else MOMENT_LABELS
@@ -197,20 +181,7 @@ class Hodograph:
         return draw_hodographs(axes, {name: self}, labels, title=f"{quantity} of {name}")
 
     def to_pandas(self, unit: str = "N", count: int = 181) -> DataFrame:
-        """Return the vector at evenly spaced shaft angles over one revolution, both ends included.
-
-        Parameters
-        ----------
-        unit : str, optional
-            N, or N m for a moment.
-        count : int, optional
-            Two or more.
-
-        Raises
-        ------
-        InputError
-            If the count is not a whole number of 2 or more.
-        """
+        """Return the vector at evenly spaced shaft angles over one revolution, both ends included."""
         most = whole_number("count", count, 2, "a turn has two ends")
         angles = np.linspace(0.0, 360.0, most)
         vector = self.at(shaft_angle_deg=angles)
@@ -246,8 +217,6 @@ def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph,
     ----------
     vectors : complex array_like of shape (m,)
         y - i x at m shaft angles, evenly over one revolution from zero, without the closing one.
-    orders : sequence of int
-        Cycles per revolution of the shaft.
 
     Returns
     -------
@@ -314,10 +283,6 @@ class MovingMasses:
 
 def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
     """Return the masses of each cylinder's moving parts.
-
-    Returns
-    -------
-    tuple of n MovingMasses
 
     Notes
     -----
@@ -423,8 +388,6 @@ def reciprocating_forces(
     ----------
     masses : sequence of n float
         One for each cylinder [kg].
-    speed : float
-        Of the shaft [rad/s].
 
     Returns
     -------

@@ -45,11 +45,6 @@ class Dashpot:
         Nodes, from 0.
     damping : float
         Torque or force per relative speed [N m s/rad or N s/m].
-
-    Raises
-    ------
-    InputError
-        If the damping is not a finite number above zero.
     """
 
     left: int
@@ -187,17 +182,6 @@ def check_connected(parts: NDArray[np.int64], dashpots: Sequence[Dashpot]) -> No
             f"connections: given ones that do not join node {', '.join(map(str, apart))} to node 0; "
             "allowed is one connected chain, because separate parts do not move each other."
         )
-
-
-def gear_groups(gears: Sequence[Gear], count: int) -> FloatArray:
-    """Return T of shape (n, q): motion of the nodes per motion of the q that gears leave free.
-
-    Each group of nodes coupled by gears moves with its first node.
-    """
-    groups, ratios = speed_ratios((), gears, count)
-    expand = np.zeros((count, int(groups.max()) + 1))
-    expand[np.arange(count), groups] = ratios
-    return expand
 
 
 # Residual that the modes must keep, relative to the largest eigenvalue; round-off leaves 1e-14.
@@ -359,7 +343,10 @@ class Chain:
 
     def expansion(self) -> FloatArray:
         """Return T of shape (n, q): node motions per motion of the unknowns that gears leave free."""
-        return gear_groups(self.gears, self.inertia.size)
+        groups, ratios = speed_ratios((), self.gears, self.inertia.size)
+        expand = np.zeros((self.inertia.size, int(groups.max()) + 1))
+        expand[np.arange(self.inertia.size), groups] = ratios
+        return expand
 
     def elongations(self) -> FloatArray:
         """Return the twist (lengthening) of each element per motion of each node, shape (e, n)."""

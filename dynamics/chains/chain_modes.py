@@ -51,7 +51,6 @@ class Modes:
         Share of each of the e elements, then of each connection to ground, in the mode's strain
         energy, in the order of `strain_names`; columns sum to 1, those of rigid-body modes are 0. It
         is also the relative change of the squared frequency per relative change of that stiffness.
-    node_names : tuple of n str
     connections : tuple of e pairs of int
         Nodes that each element joins.
     """
@@ -94,20 +93,10 @@ class Modes:
     def plot(self, axes: Axes | None = None, *, count: int = 3) -> Axes:
         """Draw the shapes of the first elastic modes over the nodes.
 
-        Parameters
-        ----------
-        count : int, optional
-            How many modes.
-
         Returns
         -------
         matplotlib.axes.Axes
             Lines join nodes connected by an element; a cross marks a node of vibration.
-
-        Raises
-        ------
-        InputError
-            If the count is not a whole number of 1 or more.
         """
         most = whole_number("count", count, 1, "a diagram shows some modes")
         shown = slice(self.rigid, self.rigid + most)

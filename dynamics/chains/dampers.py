@@ -53,13 +53,7 @@ class TorsionalRing:
             )
 
     def attached(self, chain: Chain, node: str | int, name: str) -> Chain:
-        """Return the chain with this body on a node, as its last node, of the given name.
-
-        Raises
-        ------
-        InputError
-            If the node is unknown, or the name is taken.
-        """
+        """Return the chain with this body on a node, as its last node, of the given name."""
         return add_node(
             chain,
             name,
@@ -83,8 +77,6 @@ class ViscousDamper:
         Torque per relative speed of ring and housing [N m s/rad].
     hub_inertia : float, optional
         Of the housing, which turns with the shaft [kg m^2].
-    name : str, optional
-        Of the ring's node.
 
     Raises
     ------
@@ -109,13 +101,7 @@ class ViscousDamper:
         return TorsionalRing(self.ring_inertia, damping=self.damping)
 
     def attached(self, chain: Chain, node: str | int) -> Chain:
-        """Return the chain with this damper on a node; its ring is the last node.
-
-        Raises
-        ------
-        InputError
-            If the node is unknown, or the ring's name is taken.
-        """
+        """Return the chain with this damper on a node; its ring is the last node."""
         return self.ring.attached(with_inertia(chain, node, self.hub_inertia), node, self.name)
 
 
@@ -135,8 +121,6 @@ class RubberDamper:
         Viscous damping parallel to it [N m s/rad].
     hub_inertia : float, optional
         Of the hub, which turns with the shaft [kg m^2].
-    name : str, optional
-        Of the ring's node.
 
     Raises
     ------
@@ -171,13 +155,7 @@ class RubberDamper:
         return float((self.stiffness / self.ring_inertia) ** 0.5)
 
     def attached(self, chain: Chain, node: str | int) -> Chain:
-        """Return the chain with this damper on a node; its ring is the last node.
-
-        Raises
-        ------
-        InputError
-            If the node is unknown, or the ring's name is taken.
-        """
+        """Return the chain with this damper on a node; its ring is the last node."""
         return self.ring.attached(with_inertia(chain, node, self.hub_inertia), node, self.name)
 
 
@@ -212,13 +190,7 @@ class AxialDamper:
         nonnegative_number("axial_damper.mass", self.mass, "kg", "it adds to that of the shaft")
 
     def attached(self, chain: Chain, node: str | int) -> Chain:
-        """Return the chain with this damper between a node and ground.
-
-        Raises
-        ------
-        InputError
-            If the node is unknown.
-        """
+        """Return the chain with this damper between a node and ground."""
         held = with_ground(chain, node, self.stiffness, damping=self.damping)
         return with_inertia(held, node, self.mass)
 
@@ -312,16 +284,6 @@ def untuned_optimum(mass_ratio: float) -> AbsorberOptimum:
 def tuned_optimum(mass_ratio: float) -> AbsorberOptimum:
     """Return the absorber with spring and viscous damping after Den Hartog.
 
-    Parameters
-    ----------
-    mass_ratio : float
-        mu, inertia of the absorber over that of the main system.
-
-    Raises
-    ------
-    InputError
-        If the ratio is not above zero.
-
     Notes
     -----
     With f the tuning, g = w / w_n, x = g^2 and z = c / (2 I_a w_n)
@@ -348,16 +310,6 @@ def tuned_optimum(mass_ratio: float) -> AbsorberOptimum:
 def rubber_optimum(mass_ratio: float) -> AbsorberOptimum:
     """Return the absorber whose damping is the loss factor of its spring.
 
-    Parameters
-    ----------
-    mass_ratio : float
-        mu, inertia of the absorber over that of the main system.
-
-    Raises
-    ------
-    InputError
-        If the ratio is not above zero.
-
     Notes
     -----
     With the loss factor h, h f^2 replaces the 2 z g of a viscous absorber, see `tuned_optimum`:
@@ -380,11 +332,6 @@ def rubber_optimum(mass_ratio: float) -> AbsorberOptimum:
 
 def main_inertia(chain: Chain, node: str | int, mode: int = 1) -> tuple[float, float]:
     """Return the modal inertia of one mode at a node, and the mode's angular frequency.
-
-    Parameters
-    ----------
-    mode : int, optional
-        Elastic mode, from 1.
 
     Returns
     -------
@@ -427,14 +374,8 @@ def viscous_damper_for(
     ----------
     chain : Chain
         Torsional, without the damper but with its hub.
-    node : str or int
-        Node of the damper.
     ring_inertia : float
         [kg m^2]
-    mode : int, optional
-        Elastic mode to damp, from 1.
-    hub_inertia, name : optional
-        Of the damper; see `ViscousDamper`.
 
     Raises
     ------

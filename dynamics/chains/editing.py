@@ -54,17 +54,11 @@ def add_node(
 
     Parameters
     ----------
-    name : str
-        Of the new node.
     inertia : float
         [kg m^2] or [kg].
-    to : str or int
-        Node to join it to.
     stiffness : float, optional
         Of the element between the two [N m/rad] or [N/m]. Without stiffness and `ratio`, a
         dashpot of the given damping joins them.
-    damping, loss_factor, distributed_inertia : float, optional
-        Those of the element.
     ratio : float, optional
         Joins the new node by a gear instead: its motion per motion of the other node.
 
@@ -108,20 +102,14 @@ def join_chains(
     ----------
     chain : Chain
         Its nodes and elements keep their numbers and names.
-    at : str or int
-        Node of `chain`.
     other : Chain
         Chain to join; its nodes follow.
-    other_at : str or int, optional
-        Node of `other`; its first by default.
     stiffness, damping, loss_factor : float, optional
         Of an element between the two nodes [N m/rad] or [N/m]. Without stiffness, damping
         and ratio the two nodes become one: inertias and connections to ground add up,
         and the name is that in `chain`.
     ratio : float, optional
         Gear between the two nodes: motion of the node of `other` per motion of the node of `chain`.
-    prefix : str, optional
-        Prefix of the names of the other's nodes.
 
     Raises
     ------
@@ -169,13 +157,7 @@ def with_element(
     loss_factor: float = 0.0,
     distributed_inertia: float = 0.0,
 ) -> Chain:
-    """Return the chain with one more element between two of its nodes, its last.
-
-    Raises
-    ------
-    InputError
-        If a node is unknown, both are the same, or a value is not allowed.
-    """
+    """Return the chain with one more element between two of its nodes, its last."""
     values = _values_of(chain)
     ends = find_node(chain, left, "left"), find_node(chain, right, "right")
     _link(values, *ends, (stiffness, damping, loss_factor, distributed_inertia), None)
@@ -195,25 +177,13 @@ def with_dashpot(chain: Chain, left: str | int, right: str | int, damping: float
 
 
 def with_gear(chain: Chain, driver: str | int, driven: str | int, ratio: float) -> Chain:
-    """Return the chain with one more gear between two of its nodes.
-
-    Raises
-    ------
-    InputError
-        If a node is unknown, both are the same, the ratio is zero, or gears contradict each other.
-    """
+    """Return the chain with one more gear between two of its nodes."""
     link = Gear(find_node(chain, driver, "driver"), find_node(chain, driven, "driven"), ratio)
     return replace(chain, gears=(*chain.gears, link))
 
 
 def with_inertia(chain: Chain, node: str | int, added: float) -> Chain:
-    """Return the chain with inertia [kg m^2] or mass [kg] added to one of its nodes.
-
-    Raises
-    ------
-    InputError
-        If the node is unknown, or the addition is negative.
-    """
+    """Return the chain with inertia [kg m^2] or mass [kg] added to one of its nodes."""
     value = nonnegative_number("added", added, "", "it adds to the node's own inertia")
     return replace(chain, inertia=_added_at(chain, node, chain.inertia, value))
 
@@ -237,24 +207,12 @@ def with_ground(
 
 
 def with_damper(chain: Chain, node: str | int, damper: Attachable) -> Chain:
-    """Return the chain with a damper on one of its nodes.
-
-    Raises
-    ------
-    InputError
-        If the node is unknown, or the name of the damper's ring exists already.
-    """
+    """Return the chain with a damper on one of its nodes."""
     return damper.attached(chain, node)
 
 
 def with_names(chain: Chain, names: Sequence[str]) -> Chain:
-    """Return the chain with its nodes renamed.
-
-    Raises
-    ------
-    InputError
-        If there is not exactly one distinct name for each node.
-    """
+    """Return the chain with its nodes renamed."""
     return replace(chain, names=tuple(names))
 
 

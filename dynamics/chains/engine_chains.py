@@ -47,8 +47,6 @@ class EngineChain:
 
     Parameters
     ----------
-    chain : Chain
-        Inertias and stiffnesses; its nodes have names.
     kind : {"axial", "torsional"}
         Kind of motion of the chain, which sets its units.
     throw_nodes : tuple of int
@@ -98,13 +96,7 @@ class EngineChain:
         return modes.rigid + int(shaft_modes[0]) if shaft_modes.size else None
 
     def with_chain(self, chain: Chain) -> "EngineChain":
-        """Return the same engine with its chain changed by the functions that edit chains.
-
-        Raises
-        ------
-        InputError
-            If nodes of the old chain are missing or have moved.
-        """
+        """Return the same engine with its chain changed by the functions that edit chains."""
         if chain.names[: len(self.chain.names)] != self.chain.names:
             raise InputError(
                 f"chain: given nodes {', '.join(chain.names)}; allowed are ones that begin with "
@@ -155,8 +147,6 @@ def axial_chain(
         Hysteretic damping of each throw, or of all.
     section_damping : float or array_like of shape (n + 1,), optional
         Viscous (absolute) damping of each section, or of all, to ground [N s/m].
-    damper : AxialDamper, optional
-        At the free end.
     shaft_line : Chain, optional
         Axial chain of the shaft line behind the flywheel; its first node becomes section n.
 
@@ -252,8 +242,6 @@ def torsional_chain(
     cylinders : int or sequence of n int, optional
         Number of cylinders on each throw, or on all. If it is one everywhere the nodes are
         called "cylinder 1" and so on, otherwise "throw 1" and so on.
-    damper : ViscousDamper or RubberDamper, optional
-        At the free end; its hub's inertia is added there.
     shaft_line : Chain, optional
         Torsional chain of the shaft line behind the flywheel; its first node becomes the flywheel.
 
@@ -420,8 +408,6 @@ def throw_inertias(
 
     Parameters
     ----------
-    engine : EngineLayout
-        Cylinders with rods, hinged ones too, and pistons.
     solid_inertias : float or array_like of shape (t,)
         Moment of inertia of each solid throw about the shaft axis, counterweights included, or of
         all [kg m^2].
@@ -459,7 +445,16 @@ def throw_inertias(
         "every throw has inertia",
         zero_allowed=False,
     )
-    inertias = _half_shares(engine) if reciprocating == "half" else _means(engine)
+    angles = even_angles(2.0 * np.pi, MEAN_ANGLES)
+    inertias = []
+    for number, cylinder in enumerate(engine.cylinders, start=1):
+        rod = cylinder.rod
+        if reciprocating == "half":
+            at_piston = rod.mass * rod.center_distance / rod.length
+            moving = cylinder.piston_mass + at_piston
+            inertias.append((rod.mass - at_piston + moving / 2.0) * engine.crank_radius**2)
+        else:
+            inertias.append(float(np.mean(cylinder_inertia(engine, number, rod, angles))))
     shares = [sum(inertias[number - 1] for number in group) for group in groups]
     return np.asarray(solids + np.array(shares))
 
@@ -484,24 +479,6 @@ def cylinder_inertia(
     inertia = engine.cylinders[number - 1].piston_mass * np.abs(motion.piston.first) ** 2
     inertia += rod.mass * np.abs(motion.rod_point(rod.center).first) ** 2
     return np.asarray(inertia + rod.inertia * motion.rod.first**2)
-
-
-def _half_shares(engine: EngineLayout) -> list[float]:
-    shares = []
-    for cylinder in engine.cylinders:
-        rod = cylinder.rod
-        at_piston = rod.mass * rod.center_distance / rod.length
-        moving = cylinder.piston_mass + at_piston
-        shares.append((rod.mass - at_piston + moving / 2.0) * engine.crank_radius**2)
-    return shares
-
-
-def _means(engine: EngineLayout) -> list[float]:
-    angles = even_angles(2.0 * np.pi, MEAN_ANGLES)
-    return [
-        float(np.mean(cylinder_inertia(engine, number, cylinder.rod, angles)))
-        for number, cylinder in enumerate(engine.cylinders, start=1)
-    ]
 
 
 def _masses(field: str, masses: ArrayLike) -> FloatArray:

@@ -38,8 +38,6 @@ class DrivenMachine:
         Hysteretic damping of the coupling: its stiffness is k (1 + i loss factor).
     damping : float, optional
         Absolute damping of the machine, torque per speed of vibration [N m s/rad].
-    name : str, optional
-        Of its node.
     on : str, optional
         Name of the node with the coupling; the flywheel by default.
 
@@ -103,8 +101,6 @@ class Propeller:
         Torque per speed of torsional vibration [N m s/rad].
     axial_damping : float, optional
         Force per speed of axial vibration [N s/m].
-    name : str, optional
-        Of its node.
 
     Raises
     ------
@@ -230,7 +226,6 @@ class ShaftCone:
         A proportional bore is a constant share of the outer diameter.
     material : optional
         Anything with youngs_modulus, shear_modulus and density; steel by default.
-    name : str, optional
 
     Raises
     ------
@@ -304,13 +299,7 @@ class ShaftCone:
         return math.pi / 16.0 * (outer**4 - inner**4) / outer
 
     def divided(self, parts: int) -> tuple["ShaftCone", ...]:
-        """Return the piece divided into equally long ones, at most 10,000.
-
-        Raises
-        ------
-        InputError
-            If the number is not such a number.
-        """
+        """Return the piece divided into equally long ones, at most 10,000."""
         why = "a piece of a shaft is cut into some parts"
         parts = whole_within("parts", parts, 1, MOST_PARTS, why)
         step = (self.right_diameter - self.left_diameter) / parts
@@ -390,15 +379,6 @@ def shaft_cylinder(
     ----------
     length, diameter : float
         [m]
-    bore : float, optional
-        Diameter of the bore [m].
-    material : optional
-        Anything with youngs_modulus, shear_modulus and density; steel by default.
-
-    Raises
-    ------
-    InputError
-        If a size is not above zero, or the bore leaves no wall.
     """
     outer = positive_number("shaft.diameter", diameter, "m", "a shaft has a cross section")
     return ShaftCone(length, outer, outer, bore, "cylindrical", material, name)
@@ -417,15 +397,6 @@ def shaft_flange(
     ----------
     thickness, diameter : float
         [m]
-    bore : float, optional
-        Diameter of the bore [m].
-    material : optional
-        Anything with youngs_modulus, shear_modulus and density; steel by default.
-
-    Raises
-    ------
-    InputError
-        If a size is not above zero, or the bore leaves no wall.
 
     Notes
     -----
@@ -453,7 +424,6 @@ class Coupling:
     loss_factor : float, optional
         Hysteretic damping: the stiffness is k (1 + i loss_factor). Data sheets give the relative
         damping psi, the energy lost in a cycle over the largest stored: loss_factor = psi / (2 pi).
-    name : str, optional
 
     Raises
     ------
@@ -490,13 +460,7 @@ class Coupling:
             nonnegative_number(f"coupling.{field}", getattr(self, field), unit, why)
 
     def stiffness(self, kind: Motion) -> float:
-        """Return the stiffness for one kind of motion.
-
-        Raises
-        ------
-        InputError
-            If it is not given.
-        """
+        """Return the stiffness for one kind of motion."""
         value = self.torsional_stiffness if kind == "torsional" else self.axial_stiffness
         if value is None:
             raise InputError(
@@ -516,8 +480,6 @@ class RigidBody:
         Polar moment of inertia [kg m^2].
     mass : float
         [kg]
-    name : str
-        Of its node.
 
     Raises
     ------
@@ -590,13 +552,7 @@ class ShaftLine:
 
     @property
     def section_modulus(self) -> float:
-        """Smallest torsional section modulus of its pieces of shaft [m^3].
-
-        Raises
-        ------
-        InputError
-            If there is no piece of shaft.
-        """
+        """Smallest torsional section modulus of its pieces of shaft [m^3]."""
         if not self._shafts:
             raise InputError(
                 "pieces: given no piece of shaft; allowed are one or more, because stress belongs to a "
@@ -605,13 +561,7 @@ class ShaftLine:
         return min(piece.section_modulus for piece in self._shafts)
 
     def compliance(self, kind: Motion) -> float:
-        """Return the compliance from end to end [rad/(N m)] or [m/N].
-
-        Raises
-        ------
-        InputError
-            If the kind is unknown, or a coupling has no stiffness.
-        """
+        """Return the compliance from end to end [rad/(N m)] or [m/N]."""
         check_choice("kind", kind, get_args(Motion), "a chain is one of them")
         return sum(_compliance(piece, kind) for piece in self.pieces)
 
@@ -627,7 +577,6 @@ class ShaftLine:
 
         Parameters
         ----------
-        kind : {"torsional", "axial"}, optional
         parts : int, optional
             Number of elements for each piece of shaft.
         inertia : {"consistent", "lumped"}, optional

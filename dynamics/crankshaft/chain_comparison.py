@@ -125,11 +125,6 @@ def matching_modes(
     -------
     tuple of ModeMatch
         As `match_modes`.
-
-    Raises
-    ------
-    InputError
-        If the chain has another number of throws, or the frequency is not above zero.
     """
     positive_number("highest_frequency", highest_frequency, "Hz", "modes are compared up to it")
     modes = chain.chain.modes()
@@ -144,20 +139,8 @@ def match_modes(
 ) -> tuple[ModeMatch, ...]:
     """Find for some modes of a chain the most similar modes of the whole shaft.
 
-    Parameters
-    ----------
-    shaft, modes, chain, wanted
-        As for `mode_likeness`.
-
-    Returns
-    -------
-    tuple of ModeMatch
-        With the largest products of share and likeness in all; no mode of the shaft stands for two.
-
-    Raises
-    ------
-    InputError
-        If the chain has another number of throws.
+    Arguments are those of `mode_likeness`. The products of share and likeness are largest in all; no mode of
+    the shaft stands for two.
     """
     share = modes.shares[CLASSES.index(chain.kind)]
     likeness = mode_likeness(shaft, modes, chain, wanted)
@@ -198,11 +181,6 @@ def mode_likeness(
     ndarray of shape (w, q)
         Squared cosine between both shapes, weighted by the chain's masses; 0 beyond twice the frequency
         of the chain's mode and below half of it.
-
-    Raises
-    ------
-    InputError
-        As `match_modes`.
     """
     if chain.throws != shaft.section_count - 1:
         raise InputError(
@@ -612,11 +590,6 @@ def matching_response(
         Of the chain, under the same forces.
     running_range : tuple of two floats, optional
         As in `ResponseMatch`.
-
-    Raises
-    ------
-    InputError
-        If orders or speeds differ.
     """
     same = np.array_equal(coupled.speeds, answer.speeds)
     if coupled.further is None:
@@ -649,11 +622,6 @@ def chain_verdict(
     ----------
     modes : sequence of ModeMatch
         From `matching_modes`, of one kind.
-
-    Raises
-    ------
-    InputError
-        If there is no mode.
 
     Notes
     -----

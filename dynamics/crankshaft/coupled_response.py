@@ -68,11 +68,6 @@ def shaft_excitation(
     OrderExcitation
         On the points of the system.
 
-    Raises
-    ------
-    InputError
-        If there is not one pin for each cylinder, or a pin does not exist.
-
     Notes
     -----
     Forces of several cylinders on one pin act at its middle and add up: rods side by side load it off the
@@ -102,11 +97,6 @@ def pins_of_cylinders(
         Throw of each cylinder.
     pins : sequence of c int, optional
         As for `shaft_excitation`.
-
-    Raises
-    ------
-    InputError
-        As `shaft_excitation`.
     """
     if pins is None:
         if len(set(pin_throws)) != len(pin_throws):
@@ -186,16 +176,6 @@ class CoupledResponse:
             If there is no such point.
         """
         return self.total.motion[:, :, self.crankshaft.point(point)]
-
-    def elastic_motion(self, point: str) -> ComplexArray:
-        """Return the motion (K, S) of a point under all forces without rigid-body motion.
-
-        Raises
-        ------
-        InputError
-            If there is no such point.
-        """
-        return self._elastic(self.total, point)
 
     def _elastic(self, response: ForcedResponse, point: str) -> ComplexArray:
         rigid = self.crankshaft.system.rigid.shape[1]
@@ -400,11 +380,8 @@ def coupled_response(
         By order, speed and cylinder.
     pins : sequence of int, optional
         Pin of each cylinder, as for `shaft_excitation`.
-    magnifier : float or None
-        Magnifier of every elastic mode, added to the damping of the system; by default the measured
-        one of `DEFAULT_MAGNIFIER`. None adds nothing.
-    modal_damping : float or array_like, optional
-        Alternatively, share of critical damping of every elastic mode.
+    magnifier, modal_damping
+        As for `forced_response`, the first by default `DEFAULT_MAGNIFIER`; None adds nothing.
     further : OrderExcitation, optional
         Other forces on the points of the shaft, at the same speeds; orders may differ.
 

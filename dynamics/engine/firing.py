@@ -190,11 +190,6 @@ def least_uneven_order(
 ) -> tuple[tuple[int, ...], tuple[float, ...]] | None:
     """Return the firing order whose intervals differ least for the same cranks, and its intervals.
 
-    Parameters
-    ----------
-    firing_angles : sequence of n float
-        Shaft angle at which each cylinder fires now [rad].
-
     Returns
     -------
     order : tuple of int
@@ -279,13 +274,7 @@ def check_order_of_angles(
 def firing_order_of_angles(
     firing_angles: Sequence[float], strokes: int, first: int
 ) -> tuple[int, ...]:
-    """Return the cylinder numbers in the order in which they fire.
-
-    Parameters
-    ----------
-    firing_angles : sequence of n float
-        Shaft angle at which each cylinder fires, in any cycle [rad].
-    """
+    """Return the cylinder numbers in the order in which they fire."""
     cycle, start = math.radians(cycle_degrees(strokes)), firing_angles[first - 1]
     later = [round(_angle_after(start, angle, cycle), 9) for angle in firing_angles]
     others = (number for number in range(1, len(firing_angles) + 1) if number != first)

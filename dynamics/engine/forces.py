@@ -41,15 +41,10 @@ class MechanismForces:
 
     Parameters
     ----------
-    engine : EngineLayout
-    shaft_angles_deg : ndarray of shape (m,)
-        [deg]
     speed : ndarray of shape (m,)
         Of the shaft at these angles [rad/s].
     crank_acceleration : ndarray of shape (m,)
         [rad/s^2]
-    model : str
-        Of the rods' masses.
     gas : ndarray of shape (n, m)
         On the piston, towards the shaft.
     side : ndarray of shape (n, m)
@@ -104,13 +99,7 @@ class MechanismForces:
         return self.engine.crank_radius * self.tangential
 
     def plot(self, axes: Axes | None = None, cylinder: int = 1) -> Axes:
-        """Draw gas force, tangential force and side force of a cylinder over its cycle.
-
-        Raises
-        ------
-        InputError
-            If there is no such cylinder.
-        """
+        """Draw gas force, tangential force and side force of a cylinder over its cycle."""
         place = whole_within("cylinder", cylinder, 1, len(self.gas), "the engine has that many") - 1
         since_firing = (
             np.radians(self.shaft_angles_deg) - np.radians(self.engine.firing_deg[place])
@@ -171,10 +160,6 @@ def mechanism_forces(
         Of the shaft [rad/s].
     gas : array_like of shape (n, m), (m,) or a number
         Force on each piston towards the shaft [N].
-    shaft_angles_deg : array_like of shape (m,)
-        [deg]
-    model : str, optional
-        One of `ROD_MODELS`.
     friction : array_like of shape (n, m), (m,) or a number
         Force on each piston along its axis, positive away from the shaft [N].
     crank_acceleration : float or ndarray of shape (m,), optional
@@ -242,12 +227,7 @@ def mechanism_forces(
 
 
 def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: str) -> FloatArray:
-    """Return finite values as an array, broadcast to a shape.
-
-    Parameters
-    ----------
-    values : number or array_like
-    """
+    """Return finite values as an array, broadcast to a shape."""
     array = finite_array(field, values)
     try:
         return np.array(np.broadcast_to(array, shape))
@@ -305,13 +285,20 @@ def summed(forces: MechanismForces, cylinders: Sequence[int]) -> ComplexArray:
     return np.asarray(forces.crankpin[[number - 1 for number in cylinders]].sum(axis=0))
 
 
-class Pressure(Protocol):
-    """A pressure over the working cycle."""
+class Cyclic(Protocol):
+    """What repeats with the working cycle."""
 
     @property
     def strokes(self) -> int:
         """Strokes per cycle, 2 or 4."""
         ...
+
+
+Curve = TypeVar("Curve", bound=Cyclic)
+
+
+class Pressure(Cyclic, Protocol):
+    """A pressure over the working cycle."""
 
     def at(self, *, angle_deg: ArrayLike) -> FloatArray:
         """Return the absolute pressure [Pa] at angles [deg] from the firing top."""
@@ -333,8 +320,6 @@ def gas_forces(
         One for all cylinders, each counted from its own firing top, or one for each cylinder.
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa].
-    shaft_angles_deg : array_like of shape (m,)
-        [deg]
 
     Returns
     -------
@@ -348,24 +333,37 @@ def gas_forces(
     """
     angles = radians_of("shaft_angles_deg", shaft_angles_deg, vector=True)
     under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
+    return np.array(
+        [
+            cylinder.area * (curve.at(angle_deg=np.degrees(angles - firing)) - under)
+            for cylinder, firing, curve in zip(
+                engine.cylinders,
+                np.radians(engine.firing_deg),
+                pressure_of_each("pressure", pressure, engine),
+                strict=True,
+            )
+        ]
+    )
+
+
+def pressure_of_each(
+    field: str, pressure: Curve | Sequence[Curve], engine: EngineLayout
+) -> list[Curve]:
+    """Return the pressure in each cylinder of an engine, each over a cycle of the engine's strokes."""
     count = len(engine.cylinders)
     pressures = list(pressure) if isinstance(pressure, Sequence) else [pressure] * count
     if len(pressures) != count:
         raise InputError(
-            f"pressure: given {len(pressures)} for {count} cylinders; allowed is one for all, or one "
-            "for each cylinder, because each piston has its own force."
+            f"{field}: given {len(pressures)} for {count} cylinders; allowed is one for all, or one for "
+            "each cylinder, because each piston has its own force."
         )
-    forces = []
-    for cylinder, firing, curve in zip(
-        engine.cylinders, np.radians(engine.firing_deg), pressures, strict=True
-    ):
+    for curve in pressures:
         if curve.strokes != engine.strokes:
             raise InputError(
-                f"pressure: given a cycle of {curve.strokes} strokes; allowed is {engine.strokes}, because "
+                f"{field}: given a cycle of {curve.strokes} strokes; allowed is {engine.strokes}, because "
                 "that is the engine's."
             )
-        forces.append(cylinder.area * (curve.at(angle_deg=np.degrees(angles - firing)) - under))
-    return np.array(forces)
+    return pressures
 
 
 def piston_position(engine: EngineLayout, number: int) -> Position:
@@ -376,11 +374,6 @@ def piston_position(engine: EngineLayout, number: int) -> Position:
     callable
         Angles [rad] of shape (m,) to positions of the piston pin along the cylinder axis, away from the
         shaft [m], as required by `gas_cycle`.
-
-    Raises
-    ------
-    InputError
-        If the engine has no such cylinder.
     """
     checked = checked_cylinder(engine, number)
     firing = np.radians(engine.firing_deg[checked - 1])

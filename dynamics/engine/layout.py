@@ -86,7 +86,6 @@ class EngineCylinder:
         [m]
     piston_mass : float
         Piston with rings and pin, and crosshead and piston rod if present [kg].
-    rod : ConnectingRod
     crank_angle_deg : float, optional
         Angle of its crankpin about +z, counted from +y, when the shaft angle is zero [deg].
     bank_angle_deg : float, optional
@@ -213,8 +212,6 @@ class EngineLayout:
         Cylinder 1 first.
     firing_order : sequence of n int, or str
         Cylinder numbers in the order of firing, or as text like ``"1-5-3-6-2-4"``; each fires at its top.
-    strokes : int, optional
-        Strokes per cycle, 2 or 4.
     firing_angles_deg : sequence of n float, optional
         Shaft angle at which each cylinder fires [deg], if the order does not determine it: cylinders
         that fire together, or a top skipped on purpose. In any cycle, in the firing order. This holds
@@ -287,24 +284,12 @@ class EngineLayout:
         return cycle_degrees(self.strokes)
 
     def main_of(self, number: int) -> int:
-        """Return the number of the cylinder whose rod is on the crankpin: its own or the main one.
-
-        Raises
-        ------
-        InputError
-            If there is no such cylinder.
-        """
+        """Return the number of the cylinder whose rod is on the crankpin: its own or the main one."""
         pin = self.cylinder(number).slave_pin
         return number if pin is None else pin.main_cylinder
 
     def cylinder(self, number: int) -> EngineCylinder:
-        """Return a cylinder by its number, from 1.
-
-        Raises
-        ------
-        InputError
-            If there is no such cylinder.
-        """
+        """Return a cylinder by its number, from 1."""
         why = "the cylinders are numbered from 1"
         return self.cylinders[whole_within("number", number, 1, len(self.cylinders), why) - 1]
 

@@ -28,8 +28,6 @@ class LoadDiagram:
 
     Parameters
     ----------
-    name : str
-        Of the crankpin or main bearing.
     angles_deg : ndarray of shape (m,)
         Shaft angles [deg], even over one cycle, closing sample left out.
     force : complex ndarray of shape (m,)
@@ -79,11 +77,6 @@ class LoadDiagram:
         ----------
         diameter, length : float
             Of the bearing surface [m].
-
-        Raises
-        ------
-        InputError
-            If a size is not above zero.
         """
         across = positive_number("bearing diameter", diameter, "m", "it is a length")
         along = positive_number("bearing length", length, "m", "it is a length")
@@ -114,11 +107,6 @@ class LoadDiagram:
             seen from the free end. By default the magnitude of the force over the shaft angle.
         mark_step_deg : float, optional
             Interval of the dots on the locus in shaft angle [deg]; only with a frame.
-
-        Raises
-        ------
-        InputError
-            If the frame is unknown, or the step out of range.
         """
         check_polar("crank" if frame is None else frame, mark_step_deg)
         if frame is None:
@@ -195,8 +183,6 @@ def main_bearing_loads(
 
     Parameters
     ----------
-    forces : MechanismForces
-        At even angles over one working cycle; a closing sample is left out.
     bearing_positions : array_like of shape (k,)
         Of the bearings' middles along the shaft, ascending [m].
 

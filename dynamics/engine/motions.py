@@ -55,18 +55,7 @@ class CylinderMotion:
 def cylinder_motion(
     engine: EngineLayout, number: int, *, shaft_angles_deg: ArrayLike
 ) -> CylinderMotion:
-    """Return the motion of a cylinder's parts.
-
-    Parameters
-    ----------
-    shaft_angles_deg : array_like of shape (m,)
-        [deg]
-
-    Raises
-    ------
-    InputError
-        If an angle is not a finite number, they are radians, or there is no such cylinder.
-    """
+    """Return the motion of a cylinder's parts."""
     return parts_motion(engine, number, radians_of("shaft_angles_deg", shaft_angles_deg))
 
 
@@ -103,8 +92,6 @@ def reduced_inertia(
     ----------
     models : tuple of n RodModel
         Of each cylinder's rod.
-    shaft_angles_deg : array_like of shape (m,)
-        [deg]
 
     Returns
     -------
@@ -206,8 +193,6 @@ def piston_acceleration(
     ----------
     number : int
         Of the cylinder, from 1; its rod may be hinged to another.
-    speed : float
-        Of the shaft [rad/s].
     angles_deg : array_like of shape (m,)
         Crank angle [deg], counted from the position in which the crank is along this cylinder's axis.
 
@@ -235,13 +220,6 @@ def acceleration_orders(
     engine: EngineLayout, number: int, speed: float, highest: int = 8
 ) -> Harmonics:
     """Return the orders of a piston's acceleration towards the shaft, exact to round-off.
-
-    Parameters
-    ----------
-    speed : float
-        Of the shaft [rad/s].
-    highest : int, optional
-        The highest order required.
 
     Returns
     -------

@@ -87,13 +87,7 @@ class ConnectingRod:
         return complex(self.center_distance, self.center_offset)
 
     def model(self, name: RodModelName = "rigid") -> "RodModel":
-        """Return a model of the rod's mass, one of `ROD_MODELS`.
-
-        Raises
-        ------
-        InputError
-            If there is no model of that name.
-        """
+        """Return a model of the rod's mass, one of `ROD_MODELS`."""
         check_choice("rod model", name, ROD_MODELS, "these are the models of a rod's mass")
         return _MAKERS[name](self)
 
@@ -105,10 +99,6 @@ class RodModel:
 
     Parameters
     ----------
-    name : str
-        Name of the model.
-    length : float
-        Of the rod [m].
     masses : tuple of n float
         Point masses [kg]; in some models negative.
     places : tuple of n complex

@@ -42,13 +42,7 @@ class PointMotion:
     second: ComplexArray
 
     def velocity(self, speed: float | FloatArray) -> ComplexArray:
-        """Return the velocity at a crank speed [rad/s], in m/s.
-
-        Raises
-        ------
-        InputError
-            If the speed is neither a finite number nor one for each position.
-        """
+        """Return the velocity at a crank speed [rad/s], in m/s."""
         return _at_places("speed", speed, self.first) * self.first
 
     def acceleration(
@@ -57,22 +51,11 @@ class PointMotion:
         """Return the acceleration at a crank speed [rad/s] and acceleration [rad/s^2], in m/s^2.
 
         Both may be arrays of shape (m,), one value for each position.
-
-        Raises
-        ------
-        InputError
-            If one is neither a finite number nor such an array.
         """
         return np.asarray(_acceleration(self, speed, crank_acceleration))
 
     def turned(self, *, angle_deg: float) -> "PointMotion":
-        """Return the motion turned by an angle [deg] in the sense of rotation.
-
-        Raises
-        ------
-        InputError
-            If the angle is not a finite number.
-        """
+        """Return the motion turned by an angle [deg] in the sense of rotation."""
         turn = np.exp(1j * np.radians(finite_array("angle_deg", angle_deg)))
         return PointMotion(turn * self.place, turn * self.first, turn * self.second)
 
@@ -258,18 +241,11 @@ class SliderCrank:
         along, across : float
             Distance from the crankpin's center towards the piston pin, and across the rod, positive
             to the side to which the crankpin moves as it passes the top [m].
-        angle_deg : array_like of shape (m,)
-            Crank angles [deg].
 
         Returns
         -------
         PointMotion
             s + i n with first and second derivatives by the crank angle.
-
-        Raises
-        ------
-        InputError
-            If a value is not a finite number.
         """
         place = finite_array("along, across", [along, across])
         return carried_point(

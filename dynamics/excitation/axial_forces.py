@@ -45,9 +45,6 @@ class AxialForceComparison:
 
     Parameters
     ----------
-    orders : ndarray of shape (K,)
-    speeds : ndarray of shape (S,)
-        [rad/s].
     alone : complex ndarray of shape (K, S, n)
         P_i = c_i Z_i / e_i: each throw loaded by its own pin alone [N].
     in_shaft : complex ndarray of shape (K, S, n)
@@ -85,13 +82,7 @@ class AxialForceComparison:
         return share
 
     def columns(self, speed_index: int) -> dict[str, FloatArray]:
-        """Return a table over the orders at one of the speeds, units in the names, each (K,).
-
-        Raises
-        ------
-        InputError
-            If there is no such speed.
-        """
+        """Return a table over the orders at one of the speeds, units in the names, each (K,)."""
         place = checked_speed_index(speed_index, self.speeds)
         table = {"order": self.orders}
         for throw in range(self.alone.shape[2]):
@@ -108,22 +99,10 @@ class AxialForceComparison:
     def plot(self, axes: Axes | None = None, throw: int = 1, *, main_orders: int = 3) -> Axes:
         """Draw the axial force of a throw by its main orders over the speed, by both methods.
 
-        Parameters
-        ----------
-        throw : int, optional
-            Its number, from 1 at the free end.
-        main_orders : int, optional
-            Number of orders, those with the largest peaks.
-
         Returns
         -------
         matplotlib.axes.Axes
             Full lines are those in the shaft, dashed ones those of the single throw.
-
-        Raises
-        ------
-        InputError
-            If there is no such throw, or the number of orders is not 1 or more.
         """
         whole_within("throw", throw, 1, self.alone.shape[2], "the shaft has that many")
         alone, in_shaft = (
@@ -167,8 +146,6 @@ def compare_axial_forces(
     own_compliances : array_like of shape (n,), optional
         e of each single throw [m/N] under the same support as its c; c and e of different supports are
         incompatible. By default `compliances`.
-    pins : array_like of c int, optional
-        Pin of each cylinder, from 0.
     shapes : array_like of shape (q, n + 1), optional
         Axial mode shapes at the sections, to show the effect of the difference on each mode.
 
@@ -202,8 +179,6 @@ class AxialForceOverCycle:
     ----------
     shaft_angles_deg : ndarray of shape (m,)
         Evenly spaced over the cycle, without the closing one [deg].
-    speed : float
-        [rad/s].
     throws : ndarray of shape (m, n)
         P_i, the force with which each throw pushes its ends apart [N].
     held : ndarray of shape (m,)
@@ -284,10 +259,6 @@ def axial_force_over_cycle(
 
     Parameters
     ----------
-    shaft_angles_deg : array_like of shape (m,)
-        [deg].
-    speed : float
-        [rad/s].
     pin_forces : array_like of shape (m, p, 2)
         Radial force Z, towards the shaft, and tangential force T on each pin [N].
     compliances : array_like of shape (n,)

@@ -60,14 +60,8 @@ def node_torques(
 
     Parameters
     ----------
-    engine_chain : EngineChain
-        Torsional.
     speed : number or array_like of shape (m,)
         Of the shaft at these angles [rad/s].
-    load : optional
-        As for `cylinder_forces`.
-    shaft_angle_deg : array_like of shape (m,)
-        [deg].
 
     Returns
     -------
@@ -137,8 +131,6 @@ def axial_excitation(
     ----------
     engine_chain : EngineChain
         Axial, with a section before and one after each throw.
-    compliances, influence, pins
-        As for `axial_throw_forces`.
 
     Returns
     -------
@@ -307,11 +299,6 @@ def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: f
         positive where it twists the part forwards [1/N]. It does not depend on where the shaft is
         held.
 
-    Raises
-    ------
-    InputError
-        If shapes do not fit.
-
     Notes
     -----
     A torque in the part between cranks j and j + 1 alone comes from -1 / R on pin j and 1 / R on
@@ -350,11 +337,6 @@ def tangential_towards_flywheel(
     ndarray of shape (n, p)
         The second layer of the influence in `axial_throw_forces`. It is valid if the
         flywheel keeps its speed and the shaft is far below its torsional resonances.
-
-    Raises
-    ------
-    InputError
-        If shapes do not fit.
 
     Notes
     -----

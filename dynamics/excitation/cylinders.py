@@ -61,24 +61,15 @@ class CylinderHarmonics:
 
     Parameters
     ----------
-    orders : ndarray of shape (K,)
-        In cycles per crankshaft revolution, ascending.
-    crank_radius : float
-        R [m].
-    throws : tuple of c int
-        Throw of each cylinder, from 0 at the free end.
     gas : tuple of c complex ndarrays of shape (D, K + 1, 2)
         Mean and phasors of T and Z for each of the cylinder's diagrams [N], at shaft angle zero.
     weights : tuple of c callables
         Speeds and load to the weight of each of these diagrams (S, D).
     inertia : complex ndarray of shape (K + 1, c, 2)
         Mean and phasors of T and Z of moving masses, per square of the speed [N s^2/rad^2].
-    takes_load : bool
-        Whether the gas depends on a load.
     one_diagram : str
         What is used at all speeds though it belongs to one: "pressure diagram", "torque diagram", or ""
         for nothing.
-    remarks : tuple of str
     """
 
     orders: FloatArray
@@ -123,10 +114,6 @@ class CylinderHarmonics:
         speed : number or array_like of shape (m,)
             Of the shaft [rad/s]: the inertia forces are proportional to its square, and a pressure map is
             evaluated at it.
-        load : optional
-            As for `phasors`, at each of these speeds.
-        shaft_angle_deg : array_like of shape (m,)
-            [deg].
 
         Returns
         -------
@@ -324,22 +311,10 @@ class CylinderForces:
     ) -> tuple[FloatArray, FloatArray]:
         """Return T and Z over shaft angles at one of the speeds, the sum of mean and all orders.
 
-        Parameters
-        ----------
-        speed_index : int
-            Which of the speeds, from 0.
-        shaft_angle_deg : array_like of shape (m,)
-            [deg].
-
         Returns
         -------
         tangential, radial : ndarray of shape (m, c)
             [N].
-
-        Raises
-        ------
-        InputError
-            If there is no such speed, or an angle is not a finite number.
         """
         place = checked_speed_index(speed_index, self.speeds)
         angles = radians_of("shaft_angle_deg", shaft_angle_deg, vector=True)
@@ -356,20 +331,7 @@ class CylinderForces:
         show: Literal["tangential", "radial"] = "tangential",
         main_orders: int = MAIN_ORDERS,
     ) -> Axes:
-        """Draw the amplitudes of T or Z of a cylinder's main orders over the speed.
-
-        Parameters
-        ----------
-        show : {"tangential", "radial"}, optional
-            Which of the forces on the crankpin.
-        main_orders : int, optional
-            Number of orders, those with the largest peaks.
-
-        Raises
-        ------
-        InputError
-            If there is no such cylinder or force, or the number of orders is not 1 or more.
-        """
+        """Draw the amplitudes of T or Z of a cylinder's main orders over the speed."""
         whole_within("cylinder", cylinder, 1, len(self.throws), "the engine has that many")
         check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
         most = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")

@@ -8,7 +8,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number
 from crankbase.errors import InputError
-from dynamics.engine.forces import Pressure
+from dynamics.engine.forces import Pressure, pressure_of_each
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import checked_cylinder
 from dynamics.excitation.pressure_map import Load, PressureMap
@@ -26,13 +26,8 @@ class GasSource:
 
     Parameters
     ----------
-    diagrams : tuple of D Pressure
     weights : callable
         Speeds (S,) [rad/s] and load to the weight of each diagram (S, D).
-    takes_load : bool
-        Whether a map is among the sources.
-    at_all_speeds : bool
-        Whether a single diagram for all speeds is among the sources.
     """
 
     diagrams: tuple[Pressure, ...]
@@ -84,19 +79,7 @@ def gas_sources(
 
 
 def _one_for_each(field: str, pressure: Pressures, engine: EngineLayout) -> list[GasSource]:
-    count = len(engine.cylinders)
-    pressures = list(pressure) if isinstance(pressure, Sequence) else [pressure] * count
-    if len(pressures) != count:
-        raise InputError(
-            f"{field}: given {len(pressures)} for {count} cylinders; allowed is one for all, or one for each "
-            "cylinder, because each piston has its own force."
-        )
-    for each in pressures:
-        if each.strokes != engine.strokes:
-            raise InputError(
-                f"{field}: given a cycle of {each.strokes} strokes; allowed is {engine.strokes}, because "
-                "that is the engine's."
-            )
+    pressures = pressure_of_each(field, pressure, engine)
     made = {id(each): _source(each) for each in pressures}
     return [made[id(each)] for each in pressures]
 

@@ -24,7 +24,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.critical import engine_orders
-from dynamics.cycle import cycle_radians, even_angles, order_step
+from dynamics.cycle import cycle_radians, even_angles, order_numbers, order_step
 from dynamics.gas.cycle_values import GasCycle
 from dynamics.gas.cylinder_volume import Position
 from dynamics.gas.gas_cycle import Solved, gas_cycle
@@ -33,16 +33,9 @@ from dynamics.plots.curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.quantities import MEGA
 from dynamics.response.order_excitation import checked_orders, checked_speeds
 
-# An order that was calculated is a multiple of the step within this share of it.
-ON_STEP = 1e-9
-
 
 def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
     """Return mean and phasors of even samples over a cycle, angles counted from the first.
-
-    Parameters
-    ----------
-    samples : ndarray of shape (..., m)
 
     Returns
     -------
@@ -65,14 +58,7 @@ def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> N
         In cycles per crankshaft revolution, above zero and ascending.
     """
     values, step = checked_orders(orders), order_step(strokes)
-    places = np.round(values / step)
-    between = np.flatnonzero(np.abs(values / step - places) > ON_STEP * places)
-    if between.size:
-        first = int(between[0])
-        raise InputError(
-            f"orders[{first}]: given {values[first]:g}; allowed are multiples of {step:g}, because "
-            f"a cycle of {strokes} strokes has no others."
-        )
+    places = order_numbers(values, strokes)
     highest = (samples - 1) // 2
     beyond = np.flatnonzero(places > highest)
     if beyond.size:
@@ -214,8 +200,6 @@ class PressureMap:
         propeller's curve.
     diagrams : tuple of a * b GasPressure
         Speed by speed, load by load within each.
-    method : {"cubic", "linear"}
-        Along either axis: cubic spline, or linear.
     load_of_speed : ndarray of shape (a,) or None
         Load of each speed's only diagram, where there is one.
 
@@ -262,8 +246,6 @@ class PressureMap:
 
         Parameters
         ----------
-        speeds : array_like of shape (S,)
-            [rad/s].
         load : number, array_like of shape (S,) or callable, optional
             In the measure of the map; none where it has a single load, or one at each speed.
 
@@ -304,13 +286,6 @@ class PressureMap:
         self, orders: ArrayLike, speeds: ArrayLike, load: Load | None = None
     ) -> NDArray[np.complex128]:
         """Return the complex harmonics of the pressure, counted from the cylinder's firing top.
-
-        Parameters
-        ----------
-        orders : array_like of shape (K,)
-            In cycles per crankshaft revolution.
-        speeds, load
-            As for `weights`.
 
         Returns
         -------
@@ -380,11 +355,6 @@ class PressureMap:
             Speed at which one diagram is interpolated [rad/s]; by default those of all speeds of the map.
         load : float, optional
             If the map has loads: any with a speed, one of the map's without; the highest by default.
-
-        Raises
-        ------
-        InputError
-            As `at`, or if the map has no diagrams at this load.
         """
         if speed is not None:
             axes = self.at(speed, load).plot(axes)
@@ -439,8 +409,6 @@ def pressure_map(
         Speed [rad/s], load in any measure, the same for all (share of the rated torque, mean
         effective pressure, power), and the diagram. Either every load at every speed, or one load
         at each speed, as along a propeller's curve.
-    method : {"cubic", "linear"}, optional
-        Interpolation between the diagrams, along either axis.
 
     Raises
     ------
@@ -544,8 +512,6 @@ def pressure_map_from_cycles(
         As for `gas_cycle`.
     speeds : array_like of shape (a,)
         [rad/s].
-    loads : array_like of shape (b,)
-        In any measure.
     heat : array_like of shape (a, b), optional
         Heat released in one cycle at each point [J], instead of the pressures below; 0 is a motored
         engine.
@@ -555,8 +521,6 @@ def pressure_map_from_cycles(
     intake_pressure, exhaust_pressure : array_like of shape (a, b), optional
         Absolute pressure at the end of the intake and during exhaust [Pa]; by default those of the
         cycle. With a turbocharger both rise together.
-    method : {"cubic", "linear"}, optional
-        Interpolation between the points.
 
     Raises
     ------

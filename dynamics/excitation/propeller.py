@@ -133,12 +133,8 @@ def propeller_excitation(
     ----------
     chain : Chain
         Torsional or axial, with node 0 in the crankshaft.
-    node : int
-        Of the propeller, from 0.
     speeds : array_like of shape (S,)
         Of the crankshaft [rad/s], ascending.
-    kind : {"torsional", "axial"}
-        Of the chain: its torque or its thrust acts.
     ratio : float, optional
         Speed of the propeller over that of the crankshaft, negative for the opposite sense.
         By default that of the node by the chain's gears. Required for an axial chain of a geared

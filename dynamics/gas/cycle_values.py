@@ -38,8 +38,6 @@ class GasCycle:
 
     Parameters
     ----------
-    strokes : int
-        Strokes per cycle, 2 or 4.
     compression_ratio : float
         Largest over smallest volume, geometric.
     intake_pressure : float
@@ -63,8 +61,6 @@ class GasCycle:
         Where the first valve or port opens and expansion ends [deg].
     overlap_begins_deg, overlap_ends_deg : float
         Interval in which the pressure passes from exhaust to intake [deg].
-    assumed : tuple of str
-        Names of the parameters above that were assumed, not given.
 
     Raises
     ------
@@ -156,15 +152,7 @@ class GasCycle:
 
 @dataclass(frozen=True)
 class UsualValue:
-    """A default value.
-
-    Parameters
-    ----------
-    value : callable
-        Function of the strokes and the values known so far.
-    reason : str
-        Why this value.
-    """
+    """A default value."""
 
     value: Callable[[int, Mapping[str, float]], float]
     reason: str
@@ -232,8 +220,6 @@ def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **known: float) 
 
     Parameters
     ----------
-    compression_ratio : float
-        Largest over smallest volume.
     **known : float
         Any other parameters of `GasCycle`: angles in degrees, the rest in SI units.
 

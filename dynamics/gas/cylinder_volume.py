@@ -41,8 +41,6 @@ class CylinderVolume:
         crank angles [rad].
     area : float
         Piston area [m^2].
-    compression_ratio : float
-        Largest over smallest volume.
     highest, lowest : float
         Highest and lowest position [m].
     top_angle_deg, bottom_angle_deg : float
@@ -196,13 +194,6 @@ def indicated_work(pressure: ArrayLike, volume_slope: ArrayLike, strokes: int = 
 def indicated_mean_effective_pressure(work: float, swept: float) -> float:
     """Return the work of one cycle per swept volume.
 
-    Parameters
-    ----------
-    work : float
-        Work of one cycle [J].
-    swept : float
-        Swept volume [m^3].
-
     Returns
     -------
     float
@@ -250,10 +241,6 @@ def motored_from_compression(
 
     Parameters
     ----------
-    pressure : GasPressure
-        Of the firing cylinder.
-    volume : CylinderVolume
-        Over its piston.
     fit_from_deg, fit_to_deg : float, optional
         Crank angles [deg] before the top between which the diagram shows pure compression.
 

@@ -58,8 +58,6 @@ class CycleSamples:
         Derivative of the volume by the crank angle [m^3/rad].
     swept : float
         Swept volume [m^3].
-    strokes : int
-        Strokes per cycle, 2 or 4.
     """
 
     motored: FloatArray
@@ -240,7 +238,7 @@ def checked_peak(peak: float, lowest: float) -> float:
     # The lowest peak is found to round-off, and it may be what is asked for.
     if not is_number(peak) or not lowest * (1.0 - 1e-12) <= peak <= HIGHEST_PEAK:
         raise InputError(
-            f"peak_pressure: given {format_mpa(peak)}; allowed are {mpa_rounded_up(lowest)} to "
+            f"peak_pressure: given {format_mpa(peak)}; allowed are {rounded_mpa(lowest, np.ceil)} to "
             f"{format_mpa(HIGHEST_PEAK)}, because compression alone gives the lowest and no piston engine "
             "withstands more than the highest."
         )
@@ -257,8 +255,8 @@ def heat_for_mean_pressure(state: CycleSamples, mean_pressure: float) -> float:
     if not inside or mean_pressure < lowest - 1e-12 * abs(lowest):
         raise InputError(
             f"mean_effective_pressure: given {format_mpa(mean_pressure)}; allowed are "
-            f"{mpa_rounded_up(lowest)} to "
-            f"{mpa_rounded_down(highest)}, because no heat gives the lowest and the highest "
+            f"{rounded_mpa(lowest, np.ceil)} to "
+            f"{rounded_mpa(highest, np.floor)}, because no heat gives the lowest and the highest "
             "drives the peak to "
             f"{format_mpa(HIGHEST_PEAK)}."
         )
@@ -273,21 +271,12 @@ def no_work_error(mean_pressure: float) -> InputError:
     )
 
 
-def mpa_rounded_up(pressure: float) -> str:
-    """Return a least pressure in MPa with four digits, rounded up, so that the printed value is allowed."""
-    return format_mpa(_rounded(pressure, np.ceil))
-
-
-def mpa_rounded_down(pressure: float) -> str:
-    """Return a largest pressure in MPa with four digits, rounded down."""
-    return format_mpa(_rounded(pressure, np.floor))
-
-
-def _rounded(pressure: float, to_whole: Callable[[float], float]) -> float:
+def rounded_mpa(pressure: float, to_whole: Callable[[float], float]) -> str:
+    """Return a pressure in MPa with four digits, a least one rounded up: what is printed is allowed."""
     if not pressure or not np.isfinite(pressure):
-        return pressure
+        return format_mpa(pressure)
     step = 10.0 ** (np.floor(np.log10(abs(pressure))) - 3)
-    return float(to_whole(pressure / step) * step)
+    return format_mpa(float(to_whole(pressure / step) * step))
 
 
 def format_mpa(pressure: float) -> str:
@@ -322,10 +311,6 @@ class GasCycleResult:
     ----------
     pressure : GasPressure
         Absolute pressure over the cycle; its remarks state what was solved and assumed.
-    cycle : GasCycle
-        The parameters, including those that were solved.
-    volume : CylinderVolume
-        The volume over the piston.
     heat : float
         Heat released in one cycle, less that lost to the walls [J].
     work : float
@@ -350,18 +335,7 @@ class GasCycleResult:
         *,
         show: Literal["indicator diagram", "pressure"] = "indicator diagram",
     ) -> Axes:
-        """Draw the indicator diagram, or the pressure over the crank angle.
-
-        Parameters
-        ----------
-        show : {"indicator diagram", "pressure"}, optional
-            Pressure over volume, or over the crank angle.
-
-        Raises
-        ------
-        InputError
-            If the plot is unknown.
-        """
+        """Draw the indicator diagram, or the pressure over the crank angle."""
         check_choice(
             "show",
             show,
@@ -409,8 +383,6 @@ def gas_cycle(
 
     Parameters
     ----------
-    cycle : GasCycle
-        Parameters of the cycle, as from `usual_gas_cycle`.
     position : callable
         Position of the piston along the cylinder axis from any origin, growing away from the
         shaft [m], for an array of crank angles [rad] from the nominal firing top. Any mechanism
@@ -424,8 +396,6 @@ def gas_cycle(
     mean_effective_pressure : float, optional
         Indicated mean effective pressure, gas exchange included [Pa]. With `peak_pressure` the
         parameter named in `solve_for` is found too.
-    solve_for : str, optional
-        "combustion_start_deg" or "combustion_duration_deg", when both pressures are given.
     samples : int, optional
         Even samples over the cycle, 360 a revolution or more; 1440 by default.
 
@@ -519,8 +489,6 @@ class FullLoad:
 
     Parameters
     ----------
-    compression_ratio : float
-        Largest over smallest volume.
     known : mapping of str to float
         Further parameters of `GasCycle`; the others are the usual ones.
     peak_pressure : float, optional
@@ -614,8 +582,9 @@ def _solved_combustion(
     below = np.flatnonzero((reached[:-1] >= peak) & (reached[1:] <= peak))
     if below.size == 0:
         raise InputError(
-            f"peak_pressure: given {format_mpa(peak)}; allowed are {mpa_rounded_up(np.min(reached))} to "
-            f"{mpa_rounded_down(np.max(reached))}, because with a mean effective pressure of "
+            f"peak_pressure: given {format_mpa(peak)}; allowed are "
+            f"{rounded_mpa(np.min(reached), np.ceil)} to {rounded_mpa(np.max(reached), np.floor)}, because "
+            "with a mean effective pressure of "
             f"{format_mpa(mean_pressure)} a {name} from {places[0]:.4g} to "
             f"{places[-1]:.4g} deg gives no others."
         )

@@ -41,19 +41,14 @@ class HingeMoment:
 
     Parameters
     ----------
-    engine : CrossheadEngine
     speed : float
         Of the crank, held constant [rad/s].
-    kinematics : str
-        "exact", "series" or "printed".
     angles_deg : ndarray
         Even crank angles from the top dead center [deg], without the closing one.
     gas_force : callable
         Force on the piston towards the shaft [N] at any angles, a function of radians.
     gas : ndarray
         That force at the angles [N].
-    reduced : ReducedCrank
-        The engine reduced to its crank at the angles.
     load : float
         M_r, constant moment of the driven machine [N m]: the mean of the gas moment.
     moment : ndarray
@@ -143,8 +138,6 @@ def hinge_moment(
         closing one.
     speed : float
         Of the crank [rad/s].
-    kinematics : str, optional
-        "exact", "series" or "printed"; see `reduced_crank`.
     samples : int, optional
         Number of angles over the revolution.
 

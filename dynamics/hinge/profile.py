@@ -115,8 +115,6 @@ class GasSpring:
         H, height of the gas column with both rollers at the initial radius [m].
     pressure : float
         p_0, initial pressure of the gas [Pa]; above `ambient`.
-    exponent : float, optional
-        n of the polytropic law p V^n = const.
     ambient : float, optional
         Pressure on the outer sides of the pistons [Pa]. The law of Zotov, Imaeva 2024 has none:
         they call p_0 an excess pressure and use it in the polytropic law, which holds for
@@ -162,34 +160,16 @@ class GasSpring:
         return self.pressure + self.ambient
 
     def gas_pressure(self, compression: ArrayLike) -> FloatArray:
-        """Return the pressure above ambient [Pa] when the column is z [m] shorter.
-
-        Raises
-        ------
-        InputError
-            If z is not a finite number below the height.
-        """
+        """Return the pressure above ambient [Pa] when the column is z [m] shorter."""
         share = 1.0 - self._within(compression) / self.height
         return np.asarray(self.absolute * share**-self.exponent - self.ambient)
 
     def force(self, compression: ArrayLike) -> FloatArray:
-        """Return the force on each piston, outwards [N], when the column is z [m] shorter.
-
-        Raises
-        ------
-        InputError
-            If z is not a finite number below the height.
-        """
+        """Return the force on each piston, outwards [N], when the column is z [m] shorter."""
         return self.piston_area * self.gas_pressure(compression)
 
     def work(self, compression: ArrayLike) -> FloatArray:
-        """Return the work that shortens the column by z [m], the integral of the force [J].
-
-        Raises
-        ------
-        InputError
-            If z is not a finite number below the height.
-        """
+        """Return the work that shortens the column by z [m], the integral of the force [J]."""
         shorter = self._within(compression)
         logarithm = -np.log1p(-shorter / self.height)
         less = self.exponent - 1.0
@@ -296,11 +276,8 @@ class ProfileCheck:
 
     Parameters
     ----------
-    name : str
-    met : bool
     value, limit : float
         The value and its limit, in `unit`; inf where a path has no hollow.
-    unit : str
     reason : str
         The condition, and why.
     """
@@ -348,7 +325,6 @@ class HingeProfile:
 
     Parameters
     ----------
-    spring : GasSpring
     start_radius : float
         rho_0, radius at the top dead center, where the spring has its initial height and pressure [m].
     roller_radius : float
@@ -420,20 +396,7 @@ class HingeProfile:
         return 2.0 * self.spring_force * self.slope
 
     def moment_at(self, pressure: float | None = None, *, angles_deg: ArrayLike) -> FloatArray:
-        """Return the hinge's moment on the crank, 2 F_pn d rho/d phi [N m].
-
-        Parameters
-        ----------
-        pressure : float, optional
-            Initial pressure of the spring [Pa], by default that of the design.
-        angles_deg : array_like of any shape
-            Crank angles [deg].
-
-        Raises
-        ------
-        InputError
-            If an angle is not a finite number, or they are radians.
-        """
+        """Return the hinge's moment on the crank, 2 F_pn d rho/d phi [N m]."""
         spring = self.spring if pressure is None else replace(self.spring, pressure=pressure)
         angles = radians_of("angles_deg", angles_deg)
         compression = 2.0 * (self.start_radius - self.curve(angles))
@@ -505,17 +468,7 @@ class HingeProfile:
     def plot(
         self, axes: Axes | None = None, *, show: Literal["guide", "moment", "radius"] = "guide"
     ) -> Axes:
-        """Draw the guide and the path of the rollers, or moment or radius over the crank angle.
-
-        Parameters
-        ----------
-        show : {"guide", "moment", "radius"}, optional
-
-        Raises
-        ------
-        InputError
-            If it is none of these.
-        """
+        """Draw the guide and the path of the rollers, or moment or radius over the crank angle."""
         check_choice("show", show, ("guide", "moment", "radius"), "these are known over the turn")
         title = f"Guides for {format_quantity(self.speed, 'rad/s', 5)}"
         if show != "guide":
@@ -575,12 +528,8 @@ def hinge_profile(
 
     Parameters
     ----------
-    moment : HingeMoment
-        Its M_h is required.
     start_radius : float
         rho_0 at the top dead center [m].
-    roller_radius : float, optional
-        [m]
 
     Returns
     -------

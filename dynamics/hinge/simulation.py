@@ -37,14 +37,8 @@ class SteadyHingeTurn:
     ----------
     angles_deg : ndarray of shape (m,)
         Even crank angles from the top dead center [deg].
-    speed : ndarray of shape (m,)
-        [rad/s]
-    mean_speed : float
-        Mean speed over time [rad/s].
     gain : float
         Energy surplus of the revolution [J]; zero except for integration error.
-    flywheel : float
-        Added inertia [kg m^2].
     """
 
     angles_deg: FloatArray
@@ -101,12 +95,8 @@ def steady_hinge_turn(
     ----------
     point : HingeMoment
         Engine, gas force, load and speed; its own hinge moment is not used.
-    hinge : HingeProfile, optional
-        Guides whose spring acts on the crank; none by default.
     pressure : float, optional
         Initial pressure of the spring [Pa], by default that of the design.
-    flywheel : float, optional
-        Inertia added [kg m^2].
     speed : float, optional
         Mean speed of the revolution [rad/s], by default that of `point`.
     top_speed : float, optional
@@ -153,14 +143,8 @@ def simulate_hinge(
 
     Parameters
     ----------
-    point, hinge, pressure, flywheel
-        As for `steady_hinge_turn`.
     start_speed : float, optional
         At the top [rad/s]; by default that of the periodic revolution at the speed of `point`.
-    turns : float, optional
-        Angle to integrate over.
-    samples : int, optional
-        Steps per revolution of the result.
 
     Raises
     ------
@@ -308,12 +292,8 @@ def flywheel_for(
 
     Parameters
     ----------
-    point : HingeMoment
-        Operating point, whose mean speed is kept.
     fluctuation : float
         Required coefficient, above zero.
-    hinge : HingeProfile, optional
-        A hinge that assists.
 
     Returns
     -------
@@ -364,12 +344,8 @@ def best_pressure(
     ----------
     point : HingeMoment
         Operating point, in general not the one for which the guides were designed.
-    hinge : HingeProfile
-        Given guides.
     bounds : tuple of two float, optional
         Smallest and largest pressure considered, as multiples of the design's.
-    flywheel : float, optional
-        Inertia added [kg m^2].
 
     Raises
     ------

@@ -124,39 +124,39 @@ def _draw_curves(
 COLUMNS = 600
 
 
-class RunCurve(NamedTuple):
-    """The motion or load of one element or node over time.
+class SelectedCurve(NamedTuple):
+    """The motion of a node or the load of an element over time or angle, for a diagram.
 
     Parameters
     ----------
     values : ndarray of shape (m,)
-        At all times, in the unit of the axis.
-    envelope_time, amplitude : ndarray of shape (w,)
-        Times [s] and amplitudes of the windows, the latter in the unit of the axis.
-    turns : int
-        Of the shaft in each window.
-    factor : float
-        Factor from SI to the unit of the axis.
-    label : str
-        Of the axis, with its unit.
+        In the unit of the axis.
+    number : int
+        Of the element or node.
     name : str
         Of the element or node.
+    label : str
+        Of the axis, with its unit.
+    factor : float
+        Factor from SI to the unit of the axis.
+    of_element : bool
+        Whether it is the load of an element.
     """
 
     values: FloatArray
-    envelope_time: FloatArray
-    amplitude: FloatArray
-    turns: int
-    factor: float
-    label: str
+    number: int
     name: str
+    label: str
+    factor: float
+    of_element: bool
 
 
 def plot_run(
     axes: Axes | None,
     time: FloatArray,
     speed: FloatArray,
-    curve: RunCurve,
+    curve: SelectedCurve,
+    windows: tuple[FloatArray, FloatArray, int],
     steady: tuple[ArrayLike, ArrayLike] | None,
 ) -> Axes:
     """Draw the motion or load of one element or node over time, on new axes by default.
@@ -165,13 +165,10 @@ def plot_run(
     ----------
     time, speed : ndarray of shape (m,)
         [s, rad/s]
+    windows : (times [s], amplitudes in SI, turns)
+        Amplitudes within windows of so many turns of the shaft.
     steady : (speeds [rad/s], amplitudes in SI) or None
         At constant speeds, ascending, drawn where the run passes these speeds.
-
-    Raises
-    ------
-    InputError
-        If steady is not a pair, its speeds do not ascend, or there is not an amplitude for each.
     """
     known = None if steady is None else _checked_steady(steady)
     axes = new_axes(axes)
@@ -181,8 +178,9 @@ def plot_run(
     low, high = np.minimum.reduceat(curve.values, starts), np.maximum.reduceat(curve.values, starts)
     label = "extremes"
     axes.fill_between(time[starts], low, high, color=BLUE, alpha=0.3, linewidth=0.0, label=label)
-    label = f"amplitude over {'each turn' if curve.turns == 1 else f'{curve.turns} turns'}"
-    axes.plot(curve.envelope_time, curve.amplitude, color=BLUE, linewidth=1.6, label=label)
+    middles, amplitude, turns = windows
+    label = f"amplitude over {'each turn' if turns == 1 else f'{turns} turns'}"
+    axes.plot(middles, curve.factor * amplitude, color=BLUE, linewidth=1.6, label=label)
     if known is not None:
         # Not a number outside of what is known: a gap.
         steadily = curve.factor * np.interp(speed, *known, left=np.nan, right=np.nan)

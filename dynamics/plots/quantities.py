@@ -104,11 +104,6 @@ def quantity_display(
     words : str, optional
         Label of the axis in this case.
 
-    Raises
-    ------
-    InputError
-        If the quantity is none of these.
-
     Examples
     --------
     >>> quantity_display("twist", "rad or m").label, quantity_display(None, "rad or m").label

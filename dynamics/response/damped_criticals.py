@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -268,22 +268,21 @@ def criticals_of(
     inside = within(maxima.speeds, *ends)
     scales = _largest(maxima, inside & np.isfinite(maxima.values), len(names))
     preferred = np.isin(names, list(first))
-    peaks: list[_Peak] = []
+    criticals: list[DampedCritical] = []
     met: set[tuple[float, int]] = set()
     if maxima.speeds.size:
         made = vibration.made(maxima.orders, maxima.places, maxima.speeds)
         # A mode may have its peak beyond the range, or one that is told with another mode's.
         makers = np.append(modes.numbers, 0)[made.mode]
         met = set(zip(response.orders[maxima.orders].tolist(), makers.tolist(), strict=True))
-        peaks = vibration.peaks(
+        criticals = vibration.peaks(
             maxima.chosen(inside), made.chosen(inside), scales, kinds, preferred, least
         )
-    criticals = [_critical(modes, peak, quantities) for peak in peaks]
-    met |= {(peak.order, number) for peak in peaks for number in peak.modes}
+    met |= {(peak.order, number) for peak in criticals for number in peak.modes}
     for order in response.orders.tolist():
         for number in range(1, modes.undamped.size + 1):
             if (order, number) not in met and _meets(modes, order, number, ends):
-                criticals.append(_critical(modes, _no_peak(order, number), quantities))
+                criticals.append(_critical(modes, order, number))
     return tuple(
         sorted(criticals, key=lambda critical: (critical.order, critical.mode, critical.speed))
     )
@@ -327,28 +326,6 @@ def _largest(maxima: _Maxima, counted: NDArray[np.bool_], places: int) -> FloatA
     largest = np.zeros(places)
     np.maximum.at(largest, maxima.places[counted], maxima.values[counted])
     return largest
-
-
-class _Peak(NamedTuple):
-    """A critical speed of an order: at the place told of, with its mode and what belongs to it."""
-
-    order: float
-    speed: float
-    amplitude: float
-    first_amplitude: float
-    place: int
-    others: tuple[int, ...]
-    spread: tuple[float, float]
-    number: int
-    modes: tuple[int, ...]
-    share: float
-    in_band: bool
-    severity: float
-
-
-def _no_peak(order: float, number: int) -> _Peak:
-    none = float("nan")
-    return _Peak(order, none, none, none, -1, (), (none, none), number, (), none, False, 0.0)
 
 
 def _checked_ends(
@@ -485,7 +462,7 @@ class _Vibration:
         kinds: FloatArray,
         preferred: NDArray[np.bool_],
         least: float | None,
-    ) -> list[_Peak]:
+    ) -> list[DampedCritical]:
         """Return the critical speeds of maxima, those of several places taken together."""
         if not maxima.speeds.size:
             return []
@@ -516,35 +493,38 @@ class _Vibration:
         there = self.made(chosen.orders, chosen.places, speeds)
         near = maxima.speeds.copy()
         near[main] = speeds
-        return [
-            _Peak(
-                float(self.response.orders[chosen.orders[row]]),
-                float(speeds[row]),
-                float(there.value[row]),
-                float(there.first[row]),
-                int(chosen.places[row]),
-                tuple(int(other) for other in maxima.places[group] if other != chosen.places[row]),
-                (float(np.min(near[group])), float(np.max(near[group]))),
-                int(numbers[mode := there.mode[row]]),
-                tuple(
-                    dict.fromkeys(
-                        number
-                        for number in (
-                            *numbers[
-                                there.mode[row : row + 1][there.of_mode[row : row + 1]]
-                            ].tolist(),
-                            *numbers[there.makers[row]].tolist(),
-                            *numbers[made.mode[group][made.of_mode[group]]].tolist(),
-                        )
-                        if number
-                    )
-                ),
-                float(there.shares[row, mode]),
-                bool(there.of_mode[row]),
-                float(np.max(share[group])),
+        names, places = self.quantities.names, chosen.places.tolist()
+        peaks = []
+        for row, group in enumerate(groups):
+            mode, there_too = (
+                there.mode[row],
+                there.mode[row : row + 1][there.of_mode[row : row + 1]],
             )
-            for row, group in enumerate(groups)
-        ]
+            makers = (there_too, there.makers[row], made.mode[group][made.of_mode[group]])
+            each = np.concatenate([numbers[some] for some in makers]).tolist()
+            peaks.append(
+                _critical(
+                    self.modes,
+                    float(self.response.orders[chosen.orders[row]]),
+                    int(numbers[mode]),
+                    speed=float(speeds[row]),
+                    amplitude=float(there.value[row]),
+                    first_amplitude=float(there.first[row]),
+                    place=names[places[row]],
+                    of_load=bool(self.quantities.loads[places[row]]),
+                    others=tuple(
+                        names[other]
+                        for other in maxima.places[group].tolist()
+                        if other != places[row]
+                    ),
+                    spread=(float(np.min(near[group])), float(np.max(near[group]))),
+                    modes=tuple(dict.fromkeys(number for number in each if number)),
+                    mode_share=float(there.shares[row, mode]),
+                    in_band=bool(there.of_mode[row]),
+                    severity=float(np.max(share[group])),
+                )
+            )
+        return peaks
 
     def _amplitudes(
         self, orders: NDArray[np.intp], places: NDArray[np.intp], speeds: FloatArray
@@ -617,32 +597,23 @@ def _meets(modes: ComplexModes, order: float, number: int, ends: tuple[float, fl
     return any(within(2.0 * np.pi * frequency / order, *ends) for frequency in known)
 
 
-def _critical(modes: ComplexModes, peak: _Peak, quantities: LinearQuantities) -> DampedCritical:
-    """Describe a peak, or state that a mode has none, with the frequencies of the mode."""
-    none, number, names = float("nan"), peak.number, quantities.names
-    places = np.flatnonzero(modes.numbers == number)
+def _critical(known: ComplexModes, order: float, number: int, **peak: Any) -> DampedCritical:
+    """Return a critical speed with the frequencies of its mode; no peak by default."""
+    none = float("nan")
+    places = np.flatnonzero(known.numbers == number)
 
     def met(frequencies: FloatArray | None) -> float:
         if frequencies is None or not number:
             return none
-        return 2.0 * np.pi * float(frequencies[number - 1]) / peak.order
+        return 2.0 * np.pi * float(frequencies[number - 1]) / order
 
+    unknown: dict[str, Any] = {"speed": none, "amplitude": none, "place": "", "mode_share": none}
     return DampedCritical(
-        order=peak.order,
+        order=order,
         mode=number,
-        speed=peak.speed,
-        amplitude=peak.amplitude,
-        place="" if peak.place < 0 else names[peak.place],
-        mode_share=peak.share,
-        in_band=peak.in_band,
-        mode_frequency=float(modes.frequencies[places[0]]) if places.size else none,
-        damping_ratio=float(modes.damping_ratios[places[0]]) if places.size else none,
-        undamped_speed=met(modes.undamped),
-        locked_speed=met(modes.locked),
-        severity=peak.severity,
-        of_load=peak.place >= 0 and bool(quantities.loads[peak.place]),
-        first_amplitude=peak.first_amplitude,
-        others=tuple(names[place] for place in peak.others),
-        spread=peak.spread,
-        modes=peak.modes,
+        mode_frequency=float(known.frequencies[places[0]]) if places.size else none,
+        damping_ratio=float(known.damping_ratios[places[0]]) if places.size else none,
+        undamped_speed=met(known.undamped),
+        locked_speed=met(known.locked),
+        **(unknown | {"in_band": False, "severity": 0.0} | peak),
     )

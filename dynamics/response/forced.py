@@ -118,8 +118,8 @@ class ForcedResponse:
         ----------
         node : int or str, optional
             By number from 0 or name.
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
+        quantity
+            As for `quantity_display`.
         elastic : bool, optional
             Whether rigid-body motion, which causes no strain, is left out.
         **drawn
@@ -141,10 +141,7 @@ class ForcedResponse:
     def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``motion``, ``elastic`` and ``unbounded`` over order, speed and node.
 
-        Parameters
-        ----------
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
+        `quantity`, for the unit of the axis, is that of `quantity_display`.
 
         Raises
         ------

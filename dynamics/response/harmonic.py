@@ -70,13 +70,6 @@ def harmonic_response(
         By damped modes, with a check of residuals and the other method as fallback; or by solving with
         the complex dynamic stiffness at every frequency.
 
-    Raises
-    ------
-    InputError
-        If the method is unknown.
-    SolveError
-        If neither method satisfies the equations.
-
     Notes
     -----
     (K + i H - w^2 M + i w C) x = f. In the coordinates y of the undamped modes and their

@@ -408,13 +408,7 @@ def of_elements(
     unit: str = UNIT,
     missing: float = 0.0,
 ) -> FloatArray:
-    """Return one value for each element (e,): from all, from single ones, or from one for all.
-
-    Raises
-    ------
-    InputError
-        If a value is negative, an element does not exist, or lengths do not fit.
-    """
+    """Return one value for each element (e,): from all, from single ones, or from one for all."""
     count = len(chain.connections)
     if values is None:
         return np.full(count, missing)

@@ -65,8 +65,8 @@ class ElementLoads:
         ----------
         element : int or str, optional
             By number from 0 or name; of nodes or dashpots for these parts.
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            Quantity of the values, for the unit of the axis; SI by default.
+        quantity
+            As for `quantity_display`.
         part : {"elastic", "elements", "ground", "dashpots"}, optional
             Which of the four series.
         **drawn
@@ -115,13 +115,7 @@ def element_loads(response: ForcedResponse) -> ElementLoads:
 
 
 def elastic_loads(response: ForcedResponse) -> ComplexArray:
-    """Return the strain-related part of each element's load, (K, S, e): `ElementLoads.elastic` alone.
-
-    Raises
-    ------
-    InputError
-        If the response is not that of a chain.
-    """
+    """Return the strain-related part of each element's load, (K, S, e): `ElementLoads.elastic` alone."""
     chain = chain_of(response)
     return np.asarray(response.motion @ (chain.elongations().T * chain.stiffness))
 
@@ -212,13 +206,7 @@ def alternating_stress(
 
 
 def chain_of(response: ForcedResponse) -> Chain:
-    """Return the chain of a response.
-
-    Raises
-    ------
-    InputError
-        If it is that of another system.
-    """
+    """Return the chain of a response."""
     if response.chain is None:
         raise InputError(
             "response: given that of a system of matrices; allowed is that of a chain, because matrices "
@@ -293,13 +281,7 @@ Rows = tuple[FloatArray, tuple[str, ...]]
 
 
 def load_rows(response: ForcedResponse, elements: Sequence[int | str] | None = None) -> Rows:
-    """Return the loads k d of elements, (p, q), and their names; of all elements by default.
-
-    Raises
-    ------
-    InputError
-        If there is no such element, or the response is not that of a chain.
-    """
+    """Return the loads k d of elements, (p, q), and their names; of all elements by default."""
     chain = chain_of(response)
     why = "a load is that of an element"
     chosen = range(len(chain.elements)) if elements is None else elements
@@ -311,13 +293,7 @@ def load_rows(response: ForcedResponse, elements: Sequence[int | str] | None = N
 
 
 def motion_rows(response: ForcedResponse, nodes: Sequence[int | str] | None = None) -> Rows:
-    """Return the motions of nodes relative to those of the rigid body, (p, q), and their names.
-
-    Raises
-    ------
-    InputError
-        If there is no such node.
-    """
+    """Return the motions of nodes relative to those of the rigid body, (p, q), and their names."""
     why = "an amplitude is that of a node"
     chosen = range(len(response.names)) if nodes is None else nodes
     places = [index_of_name("node", node, response.names, "nodes", why) for node in chosen]
@@ -329,13 +305,7 @@ def motion_rows(response: ForcedResponse, nodes: Sequence[int | str] | None = No
 
 
 def named_row(response: ForcedResponse, name: str) -> FloatArray:
-    """Return the load or the motion of the element or node of a name, (q,).
-
-    Raises
-    ------
-    InputError
-        If the response has no such element or node.
-    """
+    """Return the load or the motion of the element or node of a name, (q,)."""
     if response.chain is not None and name in response.chain.elements:
         return np.asarray(load_rows(response, [name])[0][0])
     if name in response.names:
@@ -516,13 +486,7 @@ def power_balance(response: ForcedResponse) -> PowerBalance:
 
 
 def checked_power_balance(response: ForcedResponse) -> PowerBalance:
-    """Return the result of `power_balance`, checked.
-
-    Raises
-    ------
-    SolveError
-        If power in and heat differ by more than a share of 1e-6.
-    """
+    """Return the result of `power_balance`, checked."""
     balance = power_balance(response)
     if not balance.error <= LARGEST_POWER_ERROR:
         raise SolveError(

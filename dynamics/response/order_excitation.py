@@ -127,7 +127,7 @@ class OrderExcitation:
         return np.outer(self.orders, self.speeds)
 
     def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> FloatArray:
-        """Return the forces at shaft angles, all orders together, without their mean.
+        """Return the forces at shaft angles, all orders together, without their mean, (m, n).
 
         Parameters
         ----------
@@ -135,10 +135,6 @@ class OrderExcitation:
             Which of the speeds, from 0.
         shaft_angle_deg : array_like of shape (m,)
             [deg].
-
-        Returns
-        -------
-        ndarray of shape (m, n)
 
         Raises
         ------
@@ -201,10 +197,7 @@ class OrderExcitation:
 
         Units and errors are those of `crankbase.tables.frames.grid`.
 
-        Parameters
-        ----------
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
+        `quantity`, for the unit of the axis, is that of `quantity_display`.
         """
         unit = quantity_display(quantity, "N m or N").unit
         over = ("order", "speed", "node")
@@ -255,50 +248,27 @@ def at_angles(orders: FloatArray, phasors: ComplexArray, shaft_angles: FloatArra
 
 
 def checked_orders(orders: ArrayLike) -> FloatArray:
-    """Return orders (K,), above zero and ascending.
-
-    Raises
-    ------
-    InputError
-        If they are not.
-    """
+    """Return orders (K,), above zero and ascending."""
     values = positive_vector("orders", orders, "", "they count cycles per crankshaft revolution")
     check_ascending("orders", values, "", "each order counts once")
     return values
 
 
 def checked_speeds(speeds: ArrayLike) -> FloatArray:
-    """Return speeds (S,) [rad/s], above zero and ascending.
-
-    Raises
-    ------
-    InputError
-        If they are not.
-    """
+    """Return speeds (S,) [rad/s], above zero and ascending."""
     values = positive_vector("speeds", speeds, "rad/s", "an order of a shaft at rest is no motion")
     check_ascending("speeds", values, " rad/s", "a speed range runs from the lowest to the highest")
     return values
 
 
 def checked_speed_index(speed_index: int, speeds: FloatArray) -> int:
-    """Return the index of a speed, from 0.
-
-    Raises
-    ------
-    InputError
-        If there is no such index.
-    """
+    """Return the index of a speed, from 0."""
     reason = f"there are {speeds.size} speeds"
     return whole_within("speed_index", speed_index, 0, speeds.size - 1, reason)
 
 
 def check_ascending(field: str, values: FloatArray, unit: str, why: str) -> None:
-    """Refuse values that do not ascend, or are empty.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse values that do not ascend, or are empty."""
     if values.size == 0:
         raise InputError(f"{field}: given no values; allowed are one or more, because {why}.")
     falling = np.flatnonzero(np.diff(values) <= 0.0)

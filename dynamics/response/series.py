@@ -46,12 +46,6 @@ def checked_limits(
         In SI; inf where none is stated.
     speed_count : int
         S.
-
-    Raises
-    ------
-    InputError
-        If it is not a mapping, or a limit is neither a number nor one for each speed, below zero or not
-        a number.
     """
     if limits is None:
         return {}
@@ -80,13 +74,7 @@ def checked_limits(
 
 
 def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return barred ranges of speed [rad/s].
-
-    Raises
-    ------
-    InputError
-        If one is not a pair of finite numbers of zero or more, the lower first.
-    """
+    """Return barred ranges of speed [rad/s]."""
     if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
         raise InputError(
             f"barred: given {quoted(barred)}; allowed are pairs of speeds in rad/s, because each "
@@ -168,11 +156,6 @@ def synthesis(
     unbounded : ndarray of shape (K, S), bool, optional
         Where there is no steady vibration.
 
-    Raises
-    ------
-    InputError
-        If the orders have no common period.
-
     Notes
     -----
     A sum of orders up to N times the lowest common one is a trigonometric polynomial of degree N.
@@ -223,11 +206,6 @@ def common_order(orders: FloatArray) -> tuple[NDArray[np.int64], float]:
     multiples : ndarray of shape (K,), int
     common : float
         The vibration repeats after 1/common revolutions.
-
-    Raises
-    ------
-    InputError
-        If there is none, or the highest order is too large a multiple of it.
     """
     multiples, common = _common_order(tuple(orders.tolist()))
     return multiples.copy(), common
@@ -389,7 +367,7 @@ class OrderSeries:
         return int(np.argmax(np.max(self.synthesis.amplitude, axis=0)))
 
     def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> FloatArray:
-        """Return the values over shaft angles, all orders together, without their mean.
+        """Return the values over shaft angles, all orders together, without their mean, (m, p).
 
         Parameters
         ----------
@@ -397,10 +375,6 @@ class OrderSeries:
             Which of the speeds, from 0.
         shaft_angle_deg : array_like of shape (m,)
             [deg].
-
-        Returns
-        -------
-        ndarray of shape (m, p)
 
         Raises
         ------
@@ -432,8 +406,8 @@ class OrderSeries:
         ----------
         place : int or str, optional
             The location, by number from 0 or name.
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
+        quantity
+            As for `quantity_display`.
         **drawn
             As `DrawnBeside` says: limits, barred, main_orders.
 
@@ -505,10 +479,7 @@ class OrderSeries:
     def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``values`` and ``unbounded`` over order, speed and location.
 
-        Parameters
-        ----------
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
+        `quantity`, for the unit of the axis, is that of `quantity_display`.
 
         Raises
         ------

@@ -142,13 +142,7 @@ PLACES = ("pin fillet", "journal fillet", "oil hole")
 
 
 def check_ranges(web: CrankWeb) -> None:
-    """Refuse a web for which the rule has no factors of stress concentration.
-
-    Raises
-    ------
-    InputError
-        With the ratio that is outside.
-    """
+    """Refuse a web for which the rule has no factors of stress concentration."""
     for name in RANGES:
         if web.semi_built and name == "journal_fillet_radius":
             continue
@@ -159,12 +153,7 @@ def check_ranges(web: CrankWeb) -> None:
 
 
 def check_ratio(what: str, name: str, value: float, lowest: float | None = None) -> None:
-    """Refuse a ratio outside its range, or below the `lowest` of one factor.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a ratio outside its range, or below the `lowest` of one factor."""
     symbol, low, high = RANGES[name]
     low = low if lowest is None else lowest
     slack = 1e-12

@@ -21,7 +21,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
-from dynamics.cycle import checked_strokes, order_step
+from dynamics.cycle import checked_strokes, order_numbers
 from dynamics.engine.forces import spread_array
 from dynamics.engine.layout import EngineLayout
 from dynamics.indices import grouped
@@ -90,13 +90,7 @@ class Star:
         return "balanced" if self.share <= FULL_SUM_TOLERANCE else "minor"
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the star: firing at shaft angle zero points up, angles turn clockwise.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-            In lengths of the longest vector, without ticks.
-        """
+        """Draw the star: firing at shaft angle zero points up, angles turn clockwise."""
         axes = new_axes(axes, width=3.2, height=3.6)
         draw_star(axes, self, f"order {self.order:g}")
         finish_stars(axes)
@@ -128,14 +122,10 @@ def star_diagram(
 
     Parameters
     ----------
-    engine : EngineLayout, optional
-        The engine, or instead `firing_angles_deg`.
     orders : array_like of shape (K,) or number, optional
         Orders, or the highest of all orders of the cycle.
     firing_angles_deg : array_like of shape (n,), optional
         Shaft angle at which each cylinder fires [deg], if no engine is given.
-    strokes : int, optional
-        Per cycle, 2 or 4: the engine's own; for firing angles with a highest order 4 by default.
     amplitudes : array_like of shape (n,) or (K, n), optional
         Of the cylinders' harmonics, where they differ; 1 by default.
     phases_deg : array_like of shape (n,) or (K, n), optional
@@ -214,25 +204,12 @@ def _requested_orders(orders: ArrayLike | float, strokes: int | None) -> FloatAr
         return np.asarray(engine_orders(4 if strokes is None else strokes, highest))
     asked = positive_vector("orders", orders, "", "they count cycles per revolution")
     if strokes is not None:
-        step = order_step(strokes)
-        between = np.flatnonzero(np.abs(asked / step - np.round(asked / step)) > 1e-9)
-        if between.size:
-            first = int(between[0])
-            raise InputError(
-                f"orders[{first}]: given {asked[first]:g}; allowed are multiples of {step:g}, because "
-                f"a cycle of {strokes} strokes has no others."
-            )
+        order_numbers(asked, strokes)
     return asked
 
 
 def leading_stars(stars: Sequence[Star]) -> tuple[Star, ...]:
-    """Return the major orders, or if there is none, as with uneven firing, the largest ones.
-
-    Raises
-    ------
-    InputError
-        If no star is given.
-    """
+    """Return the major orders, or if there is none, as with uneven firing, the largest ones."""
     if not stars:
         raise InputError("stars: given none; allowed are one or more, because one is to lead.")
     majors = tuple(star for star in stars if star.kind == "major")

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal, TypeGuard
 
 import numpy as np
@@ -159,10 +159,6 @@ class PinForceHarmonics:
 
     Parameters
     ----------
-    number : int
-        Of the cylinder.
-    firing_angle_deg : float
-        Shaft angle of its firing top [deg].
     tangential_gas, tangential_inertia, tangential : Harmonics
         T, in the sense of rotation: of the gas, of moving masses, of both. Crank radius times T is
         the torque.
@@ -186,20 +182,7 @@ class PinForceHarmonics:
         show: Literal["tangential", "radial"] = "tangential",
         highest_order: float | None = None,
     ) -> Axes:
-        """Draw the amplitudes of T or Z by order: of the gas, of moving masses, of both.
-
-        Parameters
-        ----------
-        show : {"tangential", "radial"}, optional
-            Which of the forces on the crankpin.
-        highest_order : float, optional
-            Highest order drawn; all by default.
-
-        Raises
-        ------
-        InputError
-            If there is no such force, or no order is left.
-        """
+        """Draw the amplitudes of T or Z by order: of the gas, of moving masses, of both."""
         check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
         series = {
             name: getattr(self, show + ending)
@@ -214,21 +197,12 @@ class PinForceHarmonics:
     def to_pandas(self) -> DataFrame:
         """Return one row for each order: amplitude and phase of T and Z by cause."""
         columns: dict[str, tuple[FloatArray, str]] = {"order": (self.tangential.orders, "1")}
-        for name in CAUSES:
+        for cause in fields(self)[2:]:
+            name = cause.name
             spectrum: Harmonics = getattr(self, name)
             columns[name] = (spectrum.amplitude, "N")
             columns[f"{name}_phase"] = (spectrum.phase, "rad")
         return table(columns)
-
-
-CAUSES = (
-    "tangential_gas",
-    "tangential_inertia",
-    "tangential",
-    "radial_gas",
-    "radial_inertia",
-    "radial",
-)
 
 
 def pin_force_harmonics(
@@ -249,10 +223,6 @@ def pin_force_harmonics(
         As for `engine_torque`.
     highest_order : float, optional
         Highest order; the samples must resolve it.
-
-    Returns
-    -------
-    tuple of n PinForceHarmonics
 
     Raises
     ------
@@ -294,9 +264,6 @@ class EngineTorque:
 
     Parameters
     ----------
-    engine : EngineLayout
-    speed : float
-        Constant speed of the shaft [rad/s].
     shaft_angles_deg : ndarray of shape (m,)
         Evenly over the cycle from zero, without the closing sample [deg].
     gas, inertia : ndarray of shape (n, m)
@@ -370,43 +337,20 @@ class EngineTorque:
         return difference / exchanged if exchanged > 0.0 else difference
 
     def harmonics(self, throw: int | None = None) -> Harmonics:
-        """Return the harmonics of the engine's torque, or of one throw's, counted from 1.
-
-        Raises
-        ------
-        InputError
-            If there is no such throw.
-        """
+        """Return the harmonics of the engine's torque, or of one throw's, counted from 1."""
         if throw is None:
             return harmonics(self.total, self.engine.strokes)
         return harmonics(self.per_throw[self._checked_throw(throw)], self.engine.strokes)
 
     def cylinder_harmonics(self, number: int) -> Harmonics:
-        """Return the harmonics of one cylinder's torque, phases counted from its own firing top.
-
-        Raises
-        ------
-        InputError
-            If there is no such cylinder.
-        """
+        """Return the harmonics of one cylinder's torque, phases counted from its own firing top."""
         place = checked_cylinder(self.engine, number) - 1
         return from_firing_top(
             self.engine, place, np.radians(self.shaft_angles_deg), self.per_cylinder[place]
         )
 
     def plot(self, axes: Axes | None = None, throw: int | None = None) -> Axes:
-        """Draw the torque of the engine with its mean, or that of one throw by source, over the cycle.
-
-        Parameters
-        ----------
-        throw : int, optional
-            Number of the throw, from 1 at the free end; by default the whole engine.
-
-        Raises
-        ------
-        InputError
-            If there is no such throw.
-        """
+        """Draw the torque of the engine with its mean, or that of one throw by source, over the cycle."""
         colors: tuple[str, ...] = (BLUE, ORANGE)
         if throw is None:
             title = "Torque of the engine"
@@ -477,15 +421,11 @@ def engine_torque(
 
     Parameters
     ----------
-    speed : float
-        Of the shaft, constant [rad/s].
     pressure : GasPressure, sequence of n GasPressure, array_like or None
         Pressures as for `gas_forces`, or forces on the pistons towards the shaft at the
         samples (n, samples) [N]; None for no gas force.
     samples : int, optional
         Number of samples over one cycle; they resolve orders up to half their number per revolution.
-    model : str, optional
-        Of the rods, one of `ROD_MODELS`.
     throws : sequence of n int, optional
         Throw of each cylinder, 0 next to the free end. Without it, cylinders of different banks
         with equal crank angles and nearly equal positions share one.

@@ -270,11 +270,6 @@ class OrderForces:
         """Return the forces on modes, inputs (n, q) taking forces on nodes to those on modes.
 
         Between the speeds of the excitation they are interpolated as by `at_speeds`.
-
-        Raises
-        ------
-        InputError
-            If there is not one force for each node.
         """
         if excitation.forces.shape[2] != len(inputs):
             raise InputError(
@@ -287,12 +282,7 @@ class OrderForces:
         return cls(excitation.orders, over_speed, np.ascontiguousarray(both))
 
     def check_speeds(self, lowest: float, highest: float) -> None:
-        """Refuse speeds for which the forces are unknown.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse speeds for which the forces are unknown."""
         known = self.over_speed.speeds[[0, -1]]
         if lowest < known[0] * (1.0 - SAME_SPEED) or highest > known[1] * (1.0 + SAME_SPEED):
             asked = f"{lowest:g}" if lowest == highest else f"{lowest:g} to {highest:g}"
@@ -322,13 +312,7 @@ class OrderForces:
 
 
 def checked_step(step: float, orders: FloatArray, highest_speed: float) -> float:
-    """Return a step [s] that resolves the orders.
-
-    Raises
-    ------
-    InputError
-        If it covers more than `WIDEST_REACH` of the highest order.
-    """
+    """Return a step [s] that resolves the orders."""
     fastest = float(orders[-1]) * highest_speed
     if step * fastest > WIDEST_REACH * (1.0 + 1e-9):
         raise InputError(
@@ -339,13 +323,7 @@ def checked_step(step: float, orders: FloatArray, highest_speed: float) -> float
 
 
 def cycle_turns(orders: FloatArray) -> int:
-    """Return the least number of revolutions after which all orders repeat.
-
-    Raises
-    ------
-    InputError
-        If there is none up to `MOST_TURNS`.
-    """
+    """Return the least number of revolutions after which all orders repeat."""
     for turns in range(1, MOST_TURNS + 1):
         cycles = orders * turns
         if np.all(np.abs(cycles - np.round(cycles)) <= 1e-9 * np.maximum(cycles, 1.0)):
@@ -462,14 +440,7 @@ class AppliedForces:
         loads: Sequence[LoadStep],
         inputs: FloatArray,
     ) -> "AppliedForces":
-        """Return the forces; arguments as for `transient_motion`.
-
-        Raises
-        ------
-        InputError
-            If times do not ascend within the run, a node does not exist, or forces are unknown at
-            the speeds at which they act.
-        """
+        """Return the forces; arguments as for `transient_motion`."""
         for place, load in enumerate(loads):
             node_index(f"loads[{place}].node", load.node, len(inputs))
         in_turn = _successive_excitations(excitation, changes, curve, inputs)

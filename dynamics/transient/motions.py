@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +18,7 @@ from crankbase.units.units import RPM
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name, node_index
 from dynamics.plots.curves import (
-    RunCurve,
+    SelectedCurve,
     draw_named_curves,
     draw_over_angle,
     draw_over_time,
@@ -29,33 +29,6 @@ from dynamics.transient.propagator import ViscousSystem
 
 Moving: TypeAlias = Literal["torque", "force", "twist", "displacement"]
 OF_ELEMENTS = ("torque", "force")
-
-
-class SelectedCurve(NamedTuple):
-    """The curve of a diagram.
-
-    Parameters
-    ----------
-    values : ndarray of shape (m,)
-        In the unit of the axis.
-    number : int
-        Of the element or node.
-    name : str
-        Of the element or node.
-    label : str
-        Of the axis, with its unit.
-    factor : float
-        Factor from SI to the unit of the axis.
-    of_element : bool
-        Whether it is the load of an element, not the motion of a node.
-    """
-
-    values: FloatArray
-    number: int
-    name: str
-    label: str
-    factor: float
-    of_element: bool
 
 
 def select_curve(
@@ -71,11 +44,6 @@ def select_curve(
         Number from 0, or name.
     motion : ndarray of shape (m, n)
     torque : ndarray of shape (m, e)
-
-    Raises
-    ------
-    InputError
-        If there is no chain, no such quantity, or no such element or node.
     """
     if chain is None or not isinstance(quantity, str) or quantity not in MOVING:
         raise InputError(
@@ -104,11 +72,6 @@ def units_of(quantity: Moving | None) -> tuple[str, str]:
     ----------
     quantity : {"torque", "force", "twist", "displacement"} or None
         That of a torsional or of an axial chain; None for a chain of unknown kind.
-
-    Raises
-    ------
-    InputError
-        If it is none of these.
 
     Examples
     --------
@@ -144,11 +107,6 @@ def motion_grid(
         Quantity of the motion.
     **more
         Other arrays of the dataset, for `grid`.
-
-    Raises
-    ------
-    InputError
-        If there is no such quantity.
     """
     (axis,) = over
     moved, loaded = units_of(quantity)
@@ -238,20 +196,9 @@ def envelope_over(
     torque: FloatArray,
     turns: int,
 ) -> Envelope:
-    """Return the envelope of a motion sampled over time.
+    """Return the envelope of a motion sampled at times [s], speeds [rad/s] and shaft angles [rad], (m,).
 
-    Parameters
-    ----------
-    time, speed, shaft_angle : ndarray of shape (m,)
-        [s, rad/s, rad]
-    motion, torque : ndarray of shape (m, n) and (m, e)
-    turns : int
-        Revolutions of the shaft in one window: those after which the orders repeat, or more.
-
-    Raises
-    ------
-    InputError
-        If the motion is shorter than one window, or the number is not whole.
+    A window has the revolutions after which the orders repeat, or more.
 
     Notes
     -----
@@ -337,13 +284,7 @@ class CycleMotion:
         return self._half_way(self.torque)
 
     def phasors(self, orders: ArrayLike) -> ComplexArray:
-        """Return X_k of the motion, mean + Re sum X_k exp(i k phi), shape (K, n).
-
-        Raises
-        ------
-        InputError
-            If an order does not repeat with the cycle, or the samples cannot show it.
-        """
+        """Return X_k of the motion, mean + Re sum X_k exp(i k phi), shape (K, n)."""
         return self._phasors(orders, self.motion)
 
     def torque_phasors(self, orders: ArrayLike) -> ComplexArray:
@@ -361,11 +302,6 @@ class CycleMotion:
             Element, or node for "twist" and "displacement", by number from 0 or name.
         quantity : {"torque", "force", "twist", "displacement"}, optional
             Torque or force in the spring of an element, or twist or displacement of a node.
-
-        Raises
-        ------
-        InputError
-            If it is not the motion of a chain, an element, node or quantity is unknown, or it is unbounded.
         """
         chain, speed = self._chain_and_speed()
         shown = format_quantity(speed, "rad/s", 5)
@@ -425,13 +361,7 @@ class ShaftRun:
     system: ViscousSystem
 
     def envelope(self, turns: int | None = None) -> Envelope:
-        """Return the amplitudes in windows of whole revolutions; by default as the run repeats.
-
-        Raises
-        ------
-        InputError
-            If the run is shorter than one window.
-        """
+        """Return the amplitudes in windows of whole revolutions; by default as the run repeats."""
         return self._envelope(self.motion, turns)
 
     def _envelope(self, motion: FloatArray, turns: int | None) -> Envelope:
@@ -465,26 +395,12 @@ class ShaftRun:
             Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
         turns : int, optional
             Revolutions of the shaft for one amplitude; by default those after which the run repeats.
-
-        Raises
-        ------
-        InputError
-            If it is not the run of a chain, an element, node or quantity is unknown, the run is shorter than
-            one window of its envelope, or steady amplitudes do not fit their speeds.
         """
         picked = select_curve(self.system.chain, quantity, place, self.motion, self.torque)
         envelope = self.envelope(turns)
         both = envelope.torque if picked.of_element else envelope.motion
-        curve = RunCurve(
-            picked.values,
-            envelope.time,
-            picked.factor * both[:, picked.number],
-            envelope.turns,
-            picked.factor,
-            picked.label,
-            picked.name,
-        )
-        return plot_run(axes, self.time, self.shaft_speed, curve, steady)
+        windows = (envelope.time, both[:, picked.number], envelope.turns)
+        return plot_run(axes, self.time, self.shaft_speed, picked, windows, steady)
 
     def _grid(self, quantity: Moving | None, **more: Any) -> Dataset:
         """Return the data common to all runs and `more`, over time, node and element."""

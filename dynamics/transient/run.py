@@ -93,11 +93,7 @@ class SteadyMotion(CycleMotion):
     def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return motions and torques over shaft angle, node and element.
 
-        Parameters
-        ----------
-        quantity : {"torque", "force", "twist", "displacement"}, optional
-            Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
-            one. A chain does not determine it: by default units are "rad or m" and "N m or N".
+        `quantity` is that of the values, see `units_of`: a chain does not determine it.
 
         Raises
         ------
@@ -258,8 +254,8 @@ class TransientMotion(ShaftRun):
         motion.
     rigid_motion : ndarray of shape (m, n)
         Of a free system, due to the forces alone [rad or m]; zero where the system is held.
-    torque : ndarray of shape (m, e)
-        Of the spring of each element of a chain [N m or N]; e is 0 for other systems.
+    torque, system
+        As in `SteadyMotion`.
     complete : bool
         False if the run was interrupted; the arrays then end there.
     step : float
@@ -269,9 +265,6 @@ class TransientMotion(ShaftRun):
         relative to the largest force on each mode. All else is exact.
     orders : ndarray of shape (K,)
         Orders of all excitations.
-    system : ViscousSystem
-        The vibrating system.
-    notes : tuple of str
     """
 
     time: FloatArray
@@ -318,11 +311,7 @@ class TransientMotion(ShaftRun):
     def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return speed, angle, motions and torques over time, node and element.
 
-        Parameters
-        ----------
-        quantity : {"torque", "force", "twist", "displacement"}, optional
-            Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
-            one. A chain does not determine it: by default units are "rad or m" and "N m or N".
+        `quantity` is that of the values, see `units_of`: a chain does not determine it.
 
         Raises
         ------

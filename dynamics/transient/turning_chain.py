@@ -100,11 +100,6 @@ def throw_inertia_curves(
         Throw of each cylinder, from 0.
     model : str, optional
         Of the rods.
-
-    Raises
-    ------
-    InputError
-        If there is no such model, or a rod is so short that its harmonics do not decay.
     """
     models = rod_models(engine, model)
 
@@ -406,13 +401,7 @@ def turning_chain(
 def assemble_turning_chain(
     system: ViscousSystem, curves: ThrowCurves, nodes: ArrayLike, load_node: int
 ) -> TurningChain:
-    """Assemble the turning chain with curves on given nodes (t,).
-
-    Raises
-    ------
-    InputError
-        If a node of a throw has no inertia left besides rods and pistons, or turns at another speed.
-    """
+    """Assemble the turning chain with curves on given nodes (t,)."""
     chain, linear = system.chain, system.system
     assert chain is not None
     if linear.natural.size == linear.rigid.shape[1]:
@@ -446,13 +435,7 @@ def assemble_turning_chain(
 
 
 def _even_turning(rigid: FloatArray, relative: FloatArray) -> FloatArray:
-    """Return the motion that neither springs nor relative damping resist, (q,).
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
+    """Return the motion that neither springs nor relative damping resist, (q,)."""
     if rigid.shape[1] == 1:
         return rigid[:, 0]
     values, vectors = np.linalg.eigh(rigid.T @ relative @ rigid)
@@ -573,11 +556,6 @@ class TurningState:
 
 
 def check_method(method: str) -> None:
-    """Refuse an unknown method of integration.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an unknown method of integration."""
     why = "the equations are smooth and may be stiff"
     check_choice("method", method, get_args(IntegrationMethod), why)

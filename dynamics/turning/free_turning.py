@@ -70,12 +70,8 @@ class FreeTurning:
 
     Parameters
     ----------
-    time : ndarray of shape (m,)
-        [s]
     angle_deg : ndarray of shape (m,)
         Of the shaft [deg].
-    speed : ndarray of shape (m,)
-        [rad/s]
     acceleration : ndarray of shape (m,)
         [rad/s^2]
     kinetic_energy : ndarray of shape (m,)
@@ -115,17 +111,7 @@ class FreeTurning:
     def plot(
         self, axes: Axes | None = None, *, show: Literal["speed", "moment", "work"] = "speed"
     ) -> Axes:
-        """Draw the speed over the time, or the moments or works of all causes.
-
-        Parameters
-        ----------
-        show : {"speed", "moment", "work"}, optional
-
-        Raises
-        ------
-        InputError
-            If it is unknown.
-        """
+        """Draw the speed over the time, or the moments or works of all causes."""
         check_choice("show", show, ("speed", "moment", "work"), "these are known over the time")
         axes = new_axes(axes)
         if show == "speed":
@@ -175,8 +161,6 @@ def turn_freely(
     ----------
     engine : EngineLayout
         Its shaft_inertia includes the flywheel and the driven parts.
-    start_angle_deg : float
-        Of the shaft [deg].
     start_speed : float
         Zero or above [rad/s].
     duration : float
@@ -191,8 +175,6 @@ def turn_freely(
         Braking moment on the shaft [N m], or a callable (speed [rad/s], angle [rad]) -> moment.
     gravity : float, optional
         Acceleration of gravity along -y [m/s^2].
-    model : str, optional
-        Of the rods, one of `ROD_MODELS`.
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa]; for pressures only.
     times : array_like of shape (m,), optional
@@ -405,8 +387,6 @@ def turn_steadily(
         Angle of one cycle divided by its time [rad/s].
     engine, gas, friction, gravity, model, crankcase_pressure
         As for `turn_freely`.
-    samples : int, optional
-        Steps per revolution.
 
     Returns
     -------

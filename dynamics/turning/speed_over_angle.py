@@ -86,15 +86,6 @@ def checked_moment(
 
     Cheap enough for every step of an integration, which would never end with a value that is not
     finite.
-
-    Parameters
-    ----------
-    given : float
-        [N m]
-    speed, angle : float
-        Where the function was asked [rad/s, rad].
-    largest : float, optional
-        [N m]
     """
     moment = _number(returned)
     if not (math.isfinite(moment) and abs(moment) <= largest):
@@ -230,10 +221,6 @@ class SpeedOverAngle:
 
     Parameters
     ----------
-    angle_deg : ndarray of shape (m,)
-        [deg]
-    speed : ndarray of shape (m,)
-        [rad/s]
     time : ndarray of shape (m,)
         From the first angle [s].
     energy : ndarray of shape (m,)
@@ -308,8 +295,6 @@ def speed_over_angle(
         Above zero [rad/s].
     turns : float
         Length of the integration, in revolutions of the shaft.
-    samples : int, optional
-        Steps per revolution of the result, both ends included.
 
     Returns
     -------
@@ -517,8 +502,6 @@ def steady_turning(
         Angle of the period divided by its time [rad/s].
     turns : float
         Period of inertia and moment, in revolutions of the shaft: 2 for a four-stroke engine.
-    samples : int, optional
-        Per turn.
 
     Raises
     ------

@@ -509,17 +509,17 @@ class ExpectedErrors:
 def expected_errors(equation: JudgedEquation) -> ExpectedErrors:
     """Return the expected errors of an equation at its points."""
     form = equation.fit.fitted
-    own, lacking = form.terms, lacking_terms(equation.fit)
+    present, lacking = form.terms, lacking_terms(equation.fit)
 
     def columns(x: Array) -> tuple[Array, Array]:
         coded = code(x, form.center, form.half_range, form.log_factors)
-        return design_matrix(own, coded), design_matrix(lacking, coded)
+        return design_matrix(present, coded), design_matrix(lacking, coded)
 
     known, further = columns(equation.runs)
     ratio, variance = _likeliest(known, further, equation.target)
     matrix = np.hstack([known, further])
     normal = matrix.T @ matrix
-    normal[np.diag_indices_from(normal)] += ratio * (np.arange(len(normal)) >= len(own))
+    normal[np.diag_indices_from(normal)] += ratio * (np.arange(len(normal)) >= len(present))
     noise = variance * ratio / equation.sizes**2
     rows = np.hstack(columns(equation.places)) / equation.sizes[:, None]
     return ExpectedErrors(rows @ np.linalg.inv(normal) * (variance * ratio), rows, noise)
@@ -533,8 +533,8 @@ def lacking_terms(fit: Fit) -> tuple[Term, ...]:
     terms = polynomial_terms(len(form.factors), degree + 1, indicators=indicators)
     if len(terms) > MOST_TERMS:
         terms = polynomial_terms(len(form.factors), degree, indicators=indicators)
-    own = set(form.terms)
-    return tuple(term for term in terms if term not in own)
+    present = set(form.terms)
+    return tuple(term for term in terms if term not in present)
 
 
 def _likeliest(known: Array, further: Array, target: Array) -> tuple[float, float]:
@@ -560,11 +560,11 @@ def worst_places(equations: Sequence[JudgedEquation], count: int) -> list[int]:
 
     Each counts as a run before the next is chosen.
     """
-    found = [expected_errors(equation) for equation in equations]
+    judged = [expected_errors(equation) for equation in equations]
     chosen: list[int] = []
     for _ in range(count):
-        total = np.sum([one.squares for one in found], axis=0)
+        total = np.sum([errors.squares for errors in judged], axis=0)
         total[chosen] = -np.inf
         chosen.append(int(np.argmax(total)))
-        found = [one.after_run(chosen[-1]) for one in found]
+        judged = [errors.after_run(chosen[-1]) for errors in judged]
     return chosen

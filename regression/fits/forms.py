@@ -224,7 +224,7 @@ class FittedForm:
         """Return centers and half ranges in the columns' units, as fractions."""
         sizes = list(factor_sizes) if factor_sizes is not None else [1.0] * len(self.factors)
         logged = self.log_factors
-        shifts = [natural_shift(*given) for given in zip(self.center, sizes, logged, strict=True)]
+        shifts = [natural_shift(*coding) for coding in zip(self.center, sizes, logged, strict=True)]
         spans = [
             Fraction(half) if log else Fraction(half) / Fraction(size)
             for half, size, log in zip(self.half_range, sizes, logged, strict=True)
@@ -307,9 +307,9 @@ def group_encoding(
             f"groups: given the factor {odd[0]}; allowed are the main dimensions of the throw and "
             "ratios, because groups are made of these."
         )
-    found = group_values({name: column for name, column in dimensions.items() if is_length(name)})
-    chosen = independent_groups(found, len(numbers))
-    others = [name for name, column in found.items() if name not in chosen and _varies(column)]
+    groups = group_values({name: column for name, column in dimensions.items() if is_length(name)})
+    chosen = independent_groups(groups, len(numbers))
+    others = [name for name, column in groups.items() if name not in chosen and _varies(column)]
     if others or not chosen:
         raise InputError(
             f"groups: given {len(numbers)} factors that make {len(chosen) + len(others)} groups vary, "
@@ -337,10 +337,10 @@ def _category_columns(factor: Factor, column: Array) -> list[str]:
 
 def constant_groups(dimensions: Mapping[str, Array]) -> dict[str, float]:
     """Return the groups that are constant over all designs, with their value; absent features have none."""
-    found = group_values({name: column for name, column in dimensions.items() if is_length(name)})
+    groups = group_values({name: column for name, column in dimensions.items() if is_length(name)})
     return {
         name: float(column[0])
-        for name, column in found.items()
+        for name, column in groups.items()
         if column[0] and not _varies(column)
     }
 
@@ -399,14 +399,14 @@ def _independent(terms: Sequence[Term], coded: Array) -> list[Term]:
     left_out: set[Term] = set()
     for place, term in enumerate(terms):
         column = columns[:, place]
-        own = column.copy()
+        rest = column.copy()
         for _ in range(2):  # twice, or round-off would pass for an own part
-            own -= directions @ (directions.T @ own)
-        length = float(np.linalg.norm(own))
+            rest -= directions @ (directions.T @ rest)
+        length = float(np.linalg.norm(rest))
         dependent = length <= 1e2 * DEPENDENT_COLUMN * float(np.linalg.norm(column))
         if dependent or not left_out.isdisjoint(divisors(term)):
             left_out.add(term)
             continue
         kept.append(term)
-        directions = np.column_stack([directions, own / length])
+        directions = np.column_stack([directions, rest / length])
     return kept

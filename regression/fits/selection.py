@@ -283,9 +283,9 @@ def left_out_predictions(matrix: Array, y: Array, terms: Sequence[Term]) -> Arra
     if runs <= len(terms) or float(np.max(leverage)) >= FULL_LEVERAGE:
         return None
     # Without run i, by the formula of Sherman and Morrison: (A'A - a a')^-1 and with it the pseudoinverse.
-    own = (whole @ whole.T @ matrix.T).T  # (n, p): (A'A)^-1 a of every run
+    influence = (whole @ whole.T @ matrix.T).T  # (n, p): (A'A)^-1 a of every run
     mixed = (matrix @ whole) / (1.0 - leverage)[:, None]
-    inverses = whole[None] + own[:, :, None] * mixed[:, None, :]
+    inverses = whole[None] + influence[:, :, None] * mixed[:, None, :]
     inverses[np.arange(runs), :, np.arange(runs)] = 0.0
     inverses = _drop(inverses, matrix, y, terms, np.arange(runs)[:, None])
     predicted: Array = np.einsum("ip,ipn,n->i", matrix, inverses, y, optimize=True)
@@ -309,7 +309,7 @@ def _drop(
     np.put_along_axis(taking_part, left_out, 0.0, axis=1)
     residuals = taking_part * (y - (inverses @ y) @ matrix.T)
     leverage = np.einsum("np,mpn->mn", matrix, inverses)
-    divides = np.array([[one in divisors(term) for term in terms] for one in terms])
+    divides = np.array([[divisor in divisors(term) for term in terms] for divisor in terms])
     high = np.array([len(term) > 1 for term in terms])
     kept = np.ones((fits, len(terms)), dtype=bool)
     press = _press(residuals, 1.0 - leverage)

@@ -75,7 +75,7 @@ def elasticities(model: Model, factors: Sequence[Factor], nominal: Sequence[floa
     return [float(slope) for slope in slopes / values[0]]
 
 
-def nominal_values(factors: Sequence[Factor], given: Sequence[float | None]) -> list[float]:
+def nominal_values(factors: Sequence[Factor], base: Sequence[float | None]) -> list[float]:
     """Point at which elasticities are evaluated.
 
     The base throw's value of a factor if it is within its range, else the middle of the range; of a
@@ -85,7 +85,7 @@ def nominal_values(factors: Sequence[Factor], given: Sequence[float | None]) -> 
         float(value)
         if value is not None and factor.lowest <= value <= factor.highest
         else (0.0 if factor.labels else 0.5 * (factor.lowest + factor.highest))
-        for factor, value in zip(factors, given, strict=True)
+        for factor, value in zip(factors, base, strict=True)
     ]
 
 
@@ -127,13 +127,13 @@ def sobol_indices(
     if len(factors) == 1:  # all of the variance is its own; scipy fails on one factor
         return SobolIndices(names, (1.0,), (1.0,), points)
     # Compliances are so small that squares of them lose digits: divided by their size.
-    found = stats.sobol_indices(
+    indices = stats.sobol_indices(
         func=lambda x: model(x.T) / size, n=points, dists=distributions, rng=seed
     )
     return SobolIndices(
         names,
-        tuple(np.atleast_1d(found.first_order).ravel().tolist()),
-        tuple(np.atleast_1d(found.total_order).ravel().tolist()),
+        tuple(np.atleast_1d(indices.first_order).ravel().tolist()),
+        tuple(np.atleast_1d(indices.total_order).ravel().tolist()),
         points,
     )
 
@@ -175,7 +175,7 @@ def region_sample(
 
     def anew(points: Array, free: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
         """Draw the free factors of each point again; also return which were not found."""
-        found, left = points.copy(), np.arange(len(points))
+        moved, left = points.copy(), np.arange(len(points))
         for _ in range(TRIES):
             if not len(left):
                 break
@@ -183,9 +183,9 @@ def region_sample(
                 free[left], _in_box(factors, rng.random((len(left), width))), points[left]
             )
             kept = inside(drawn)
-            found[left[kept]] = drawn[kept]
+            moved[left[kept]] = drawn[kept]
             left = left[~kept]
-        return found, left
+        return moved, left
 
     points, lost = anew(np.empty((count, width)), np.ones((count, width), dtype=bool))
     if 2 * len(lost) > count:

@@ -40,12 +40,12 @@ def polynomial_terms(
     """
     terms: list[Term] = []
     for size in range(degree + 1):
-        found = [
+        longer = [
             term
             for term in itertools.combinations_with_replacement(range(columns), size)
             if all(term.count(number) < 2 for number in indicators)
         ]
-        terms += sorted(found, key=lambda term: (len(set(term)), term))
+        terms += sorted(longer, key=lambda term: (len(set(term)), term))
     return tuple(terms)
 
 
@@ -230,11 +230,11 @@ def group_named(name: str) -> Group:
 
 def group_names(dimensions: Iterable[str]) -> tuple[str, ...]:
     """Return the groups of these dimensions: those of the catalogue, then other lengths."""
-    given = tuple(dimensions)
-    known = [name for name, group in GROUPS.items() if set(group.dimensions) <= set(given)]
-    if "pin_diameter" not in given:
+    lengths = tuple(dimensions)
+    known = [name for name, group in GROUPS.items() if set(group.dimensions) <= set(lengths)]
+    if "pin_diameter" not in lengths:
         return tuple(known)
-    return (*known, *(f"{name}{_OTHER}" for name in given if name not in _COVERED))
+    return (*known, *(f"{name}{_OTHER}" for name in lengths if name not in _COVERED))
 
 
 def group_values(dimensions: Dimensions) -> dict[str, Array]:
@@ -264,12 +264,12 @@ def independent_groups(values: Mapping[str, Array], limit: int) -> tuple[str, ..
     }
     chosen: list[str] = []
     while varying and len(chosen) < limit:
-        own = {name: float(np.linalg.norm(column)) for name, column in varying.items()}
+        left = {name: float(np.linalg.norm(column)) for name, column in varying.items()}
         # Of equals the first: at the start all have the length 1.
-        best = max(own, key=lambda name: round(own[name], 6))
-        if own[best] < _OWN_SHARE:
+        best = max(left, key=lambda name: round(left[name], 6))
+        if left[best] < _OWN_SHARE:
             break
         chosen.append(best)
-        direction = varying.pop(best) / own[best]
+        direction = varying.pop(best) / left[best]
         varying = {name: c - direction * (direction @ c) for name, c in varying.items()}
     return tuple(name for name in values if name in chosen)

@@ -19,14 +19,15 @@ from collections.abc import Mapping
 from crankbase.units.quantity import format_quantity
 from fem.material import Material
 from geometry.throw import CrankThrow
-from regression.formulas.arguments import OfThrow, throw_and_material
 from regression.formulas.case import (
     FormulaValue,
+    OfThrow,
     Reading,
     Remark,
     ThrowCase,
     reading_value,
     round_inertia,
+    throw_and_material,
 )
 
 _TEXTBOOK = (
@@ -191,8 +192,8 @@ def torsional_formulas(
     >>> round(torsional_formulas(throw)["Carter"].value * 1e8, 3)
     4.234
     """
-    own, used = throw_and_material(throw, material)
-    case = ThrowCase(own, 180.0, used.youngs_modulus, used.shear_modulus, {}, frozenset())
+    crank, used = throw_and_material(throw, material)
+    case = ThrowCase(crank, 180.0, used.youngs_modulus, used.shear_modulus, {}, frozenset())
     return {
         name: reading_value(reading, case, f"{source}; {_TEXTBOOK}", "rad/(N m)", "textbook")
         for name, (reading, source) in _FORMULAS.items()

@@ -26,10 +26,10 @@ from regression.law.ratios import FILLETS, REAL, Ratios, is_plain, ratios, throw
 SOURCE = "crankfem: beams fitted to finite-element answers of plain filleted throws (docs/law.md)"
 
 
-def hand_parts(found: Ratios) -> tuple[Any, Any, Any]:
+def hand_parts(shape: Ratios) -> tuple[Any, Any, Any]:
     """Parts of e E D for ratios of one or more throws: the pin's bending, the webs, and tension."""
-    radius, pin, journal_length, pin_length, width, thickness = (found[name] for name in REAL)
-    fillet = 0.5 * (found[FILLETS[0]] + found[FILLETS[1]])
+    radius, pin, journal_length, pin_length, width, thickness = (shape[name] for name in REAL)
+    fillet = 0.5 * (shape[FILLETS[0]] + shape[FILLETS[1]])
     overlap = 0.5 * (1.0 + pin) - radius
     bent = radius**2 * (pin_length + 0.45 * thickness - 1.36 * fillet) * 64.0 / (np.pi * pin**4)
     webs = 39.3 * radius * np.exp(-1.74 * fillet) / (thickness**2.16 * width**0.5 * pin**0.45)
@@ -37,9 +37,9 @@ def hand_parts(found: Ratios) -> tuple[Any, Any, Any]:
     return bent, webs, 1.16 * (journal_length + pin_length / pin**2) * 4.0 / np.pi
 
 
-def hand_value(found: Ratios) -> Any:
+def hand_value(shape: Ratios) -> Any:
     """Value e E D of the formula for ratios of one or more throws."""
-    bent, webs, tension = hand_parts(found)
+    bent, webs, tension = hand_parts(shape)
     return bent + webs + tension
 
 
@@ -76,10 +76,10 @@ def hand_formula(throw: CrankThrow, *, youngs_modulus: float = 2.1e11) -> Formul
             f"youngs_modulus: given {quoted(youngs_modulus)}; allowed is a positive number of Pa, "
             "because a throw without stiffness has no compliance."
         )
-    found = ratios(throw_dimensions(throw))
-    valid = bool(is_plain(found))
+    shape = ratios(throw_dimensions(throw))
+    valid = bool(is_plain(shape))
     remarks = () if valid else (
         "The throw is not a plain one within the range that the formula was fitted to (docs/law.md).",
     )  # fmt: skip
-    value = float(hand_value(found)) / (youngs_modulus * throw.main_journal_diameter)
+    value = float(hand_value(shape)) / (youngs_modulus * throw.main_journal_diameter)
     return FormulaValue(value, valid, remarks, SOURCE, "m/N", "corrected")

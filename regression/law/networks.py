@@ -76,12 +76,12 @@ class Networks:
         scaled = self.scaled(inputs)
         parts = []
         for start in range(0, inputs.shape[1], BLOCK):
-            given = scaled[:, start : start + BLOCK]
-            hidden = np.tanh(first @ given + first_constant).reshape(count, units, -1)
+            block = scaled[:, start : start + BLOCK]
+            hidden = np.tanh(first @ block + first_constant).reshape(count, units, -1)
             hidden = np.tanh(self.second @ hidden + second_constant)
-            parts.append((last @ hidden)[:, 0] + self.direct @ given)
-        found = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
-        return np.exp(found + constant), np.exp(middle + slopes @ scaled)
+            parts.append((last @ hidden)[:, 0] + self.direct @ block)
+        logs = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+        return np.exp(logs + constant), np.exp(middle + slopes @ scaled)
 
     def scaled(self, inputs: Array) -> Array:
         """Inputs (d, n) between -1 and 1."""
@@ -118,25 +118,25 @@ def networks(tier: str, names: tuple[str, ...] = OUTPUTS) -> Networks:
 SMALLEST_BORE = 0.1  # of the training throws, over the diameter
 
 
-def plain_inputs(found: Ratios) -> Array:
+def plain_inputs(shape: Ratios) -> Array:
     """Inputs (8, ...) of the networks of plain throws."""
-    rows = _rows([*(found[name] for name in (*REAL, FILLETS[0])), _overlap(found)])
+    rows = _rows([*(shape[name] for name in (*REAL, FILLETS[0])), _overlap(shape)])
     rows[:-1] = np.log(rows[:-1])
     return rows
 
 
-def real_inputs(found: Ratios) -> Array:
+def real_inputs(shape: Ratios) -> Array:
     """Inputs (29, ...) of the networks of real throws."""
-    lengths = [found[name] for name in REAL]
+    lengths = [shape[name] for name in REAL]
     radius, pin, _, _, width, _ = lengths
-    fillet, pin_fillet = (found[name] for name in FILLETS)
-    bore, pin_bore = found["main_journal_bore"], found["pin_bore"]
+    fillet, pin_fillet = (shape[name] for name in FILLETS)
+    bore, pin_bore = shape["main_journal_bore"], shape["pin_bore"]
     # The offset of a bore that vanishes means nothing.
-    offset = found["main_journal_bore_offset"] * _opened(bore)
-    pin_offset = found["pin_bore_offset"] * _opened(pin_bore)
-    half, rectangle = 0.5 * width, found["rectangle"]
-    foot_end, tip_end = (half * found[f"web_{end}_end"] for end in ("journal", "pin"))
-    corner = half * found["web_corner"]
+    offset = shape["main_journal_bore_offset"] * _opened(bore)
+    pin_offset = shape["pin_bore_offset"] * _opened(pin_bore)
+    half, rectangle = 0.5 * width, shape["rectangle"]
+    foot_end, tip_end = (half * shape[f"web_{end}_end"] for end in ("journal", "pin"))
+    corner = half * shape["web_corner"]
     # Half widths at the axes: of the hull of two circles, or of a rectangle less its corners.
     sine = np.minimum(np.maximum((foot_end - tip_end) / radius, -0.95), 0.95)
     cosine = np.sqrt(1.0 - sine * sine)
@@ -145,14 +145,14 @@ def real_inputs(found: Ratios) -> Array:
         + (1.0 - rectangle) * np.minimum(end / cosine, half)
         for end in (foot_end, tip_end)
     )
-    tip, foot = 1.0 - found["web_tip_thickness"], 1.0 - found["web_foot_thickness"]
+    tip, foot = 1.0 - shape["web_tip_thickness"], 1.0 - shape["web_foot_thickness"]
     begin = 0.5 + fillet + COLLAR_MARGIN
     far_begin = radius - (0.5 + COLLAR_MARGIN) * pin - pin_fillet
-    step = 0.5 * np.log(found["thickness_step"])
+    step = 0.5 * np.log(shape["thickness_step"])
     tip_left = 2.0 * at_tip / width - pin_bore * pin / width
     foot_left = 2.0 * at_foot / width - bore / width
     pin_left = _inertia_left(pin_bore, pin_offset / pin)
-    bent, webs, tension = hand_parts(found)
+    bent, webs, tension = hand_parts(shape)
     bent, webs = bent / pin_left, webs * (tip_left * foot_left) ** -0.25
     # How far each bore's edge lies within the other journal's outline, where force would go straight.
     inner = radius + pin_offset - 0.5 * pin_bore * pin
@@ -166,7 +166,7 @@ def real_inputs(found: Ratios) -> Array:
             _inertia_left(bore, offset),
             bent + webs + tension,
             bent / webs,
-            _overlap(found),
+            _overlap(shape),
             fillet,
             pin_fillet,
             offset * bore,
@@ -189,10 +189,10 @@ def real_inputs(found: Ratios) -> Array:
     return rows
 
 
-def _overlap(found: Ratios) -> Any:
+def _overlap(shape: Ratios) -> Any:
     """Overlap of main journal and pin over the web's thickness, its large values compressed."""
-    overlap = 0.5 * (1.0 + found["pin_diameter"]) - found["crank_radius"]
-    return np.arcsinh(overlap / found["web_thickness"])
+    overlap = 0.5 * (1.0 + shape["pin_diameter"]) - shape["crank_radius"]
+    return np.arcsinh(overlap / shape["web_thickness"])
 
 
 def _opened(bore: Any) -> Any:

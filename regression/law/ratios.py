@@ -123,23 +123,23 @@ def throw_dimensions(throw: CrankThrow) -> dict[str, Any]:
     """
     check_kind("throw", throw, CrankThrow, "a CrankThrow")
     for name in ("further_pins", "oil_holes"):
-        if given := getattr(throw, name):
+        if features := getattr(throw, name):
             raise InputError(
-                f"throw.{name}: given {len(given)}; allowed for the law is none, because its training "
+                f"throw.{name}: given {len(features)}; allowed for the law is none, because its training "
                 "throws have none."
             )
-    found = {name: getattr(throw, name) for name in (*PLAIN_FIELDS, *MORE_FIELDS)}
-    found["rectangle"] = float(throw.web_outline == "rectangle")
-    found["thickness_step"] = 1.0
+    dimensions = {name: getattr(throw, name) for name in (*PLAIN_FIELDS, *MORE_FIELDS)}
+    dimensions["rectangle"] = float(throw.web_outline == "rectangle")
+    dimensions["thickness_step"] = 1.0
     if throw.left_web is None and throw.right_web is None:
-        return found
+        return dimensions
     for table in ("left_web", "right_web"):
-        own = getattr(throw, table)
-        for name in () if own is None else Web.model_fields:
+        web_table = getattr(throw, table)
+        for name in () if web_table is None else Web.model_fields:
             common = getattr(throw, f"web_{name}", None)
-            if name not in WEB_FIELDS and getattr(own, name) not in (None, common):
+            if name not in WEB_FIELDS and getattr(web_table, name) not in (None, common):
                 raise InputError(
-                    f"throw.{table}.{name}: given {getattr(own, name)}; allowed for the law is only "
+                    f"throw.{table}.{name}: given {getattr(web_table, name)}; allowed for the law is only "
                     f"{common}, as of both webs, because it covers webs that differ in thickness alone."
                 )
     left, right = (
@@ -150,12 +150,12 @@ def throw_dimensions(throw: CrankThrow) -> dict[str, Any]:
         for table in ("left_web", "right_web")
     )
     mean = (left["thickness"] * right["thickness"]) ** 0.5
-    found["web_thickness"] = mean
-    found["thickness_step"] = right["thickness"] / left["thickness"]
+    dimensions["web_thickness"] = mean
+    dimensions["thickness_step"] = right["thickness"] / left["thickness"]
     for name in ("tip_thickness", "foot_thickness"):
         shares = [(web[name] or web["thickness"]) / web["thickness"] for web in (left, right)]
-        found[f"web_{name}"] = 0.5 * mean * sum(shares)
-    return found
+        dimensions[f"web_{name}"] = 0.5 * mean * sum(shares)
+    return dimensions
 
 
 def ratios(dimensions: Mapping[str, Any]) -> dict[str, Any]:
@@ -164,55 +164,55 @@ def ratios(dimensions: Mapping[str, Any]) -> dict[str, Any]:
     These are fields of `CrankThrow` [m], with its defaults; also "rectangle", 1 or 0, and
     "thickness_step", the right web's thickness over the left one's.
     """
-    given = {name: value for name, value in dimensions.items() if value is not None}
-    diameter = given["main_journal_diameter"]
-    found = {name: given[name] / diameter for name in REAL}
-    fillet = given.get("fillet_radius", 0.0)
+    lengths = {name: value for name, value in dimensions.items() if value is not None}
+    diameter = lengths["main_journal_diameter"]
+    shape = {name: lengths[name] / diameter for name in REAL}
+    fillet = lengths.get("fillet_radius", 0.0)
     for name in FILLETS:
-        found[name] = given.get(name, fillet) / diameter
+        shape[name] = lengths.get(name, fillet) / diameter
     for name in ("main_journal_bore", "main_journal_bore_offset", "pin_bore_offset"):
-        found[name] = given.get(name, 0.0) / diameter
-    found["pin_bore"] = given.get("pin_bore", 0.0) / given["pin_diameter"]
-    half = 0.5 * given["web_width"]
+        shape[name] = lengths.get(name, 0.0) / diameter
+    shape["pin_bore"] = lengths.get("pin_bore", 0.0) / lengths["pin_diameter"]
+    half = 0.5 * lengths["web_width"]
     for name in ("web_pin_end", "web_journal_end"):
-        found[name] = given.get(name, half) / half
-    corner = CHAMFER_OF_RADIUS * given.get("web_corner_radius", 0.0)
-    found["web_corner"] = (corner + given.get("web_corner_chamfer", 0.0)) / half
-    found["rectangle"] = given.get("rectangle", 0.0)
-    thickness = given["web_thickness"]
+        shape[name] = lengths.get(name, half) / half
+    corner = CHAMFER_OF_RADIUS * lengths.get("web_corner_radius", 0.0)
+    shape["web_corner"] = (corner + lengths.get("web_corner_chamfer", 0.0)) / half
+    shape["rectangle"] = lengths.get("rectangle", 0.0)
+    thickness = lengths["web_thickness"]
     for name in ("web_tip_thickness", "web_foot_thickness"):
-        found[name] = given.get(name, thickness) / thickness
-    found["thickness_step"] = given.get("thickness_step", 1.0)
-    return found
+        shape[name] = lengths.get(name, thickness) / thickness
+    shape["thickness_step"] = lengths.get("thickness_step", 1.0)
+    return shape
 
 
-def is_plain(found: Ratios) -> Any:
+def is_plain(shape: Ratios) -> Any:
     """Whether throws of these ratios are plain, within their range: bool or array."""
-    journal, pin = (found[name] for name in FILLETS)
+    journal, pin = (shape[name] for name in FILLETS)
     plain = abs(journal - pin) <= ROUND_OFF
     for name in FEATURE_FADES:
-        plain = plain & (abs(found[name] - FEATURES[name][2]) <= ROUND_OFF)
+        plain = plain & (abs(shape[name] - FEATURES[name][2]) <= ROUND_OFF)
     for name, (low, high) in PLAIN.items():
-        ratio = journal if name == "fillet_radius" else found[name]
+        ratio = journal if name == "fillet_radius" else shape[name]
         plain = plain & (ratio >= low * (1.0 - ROUND_OFF)) & (ratio <= high * (1.0 + ROUND_OFF))
     return plain
 
 
-def nearest_plain(found: Ratios) -> dict[str, Any]:
+def nearest_plain(shape: Ratios) -> dict[str, Any]:
     """Ratios of the plain throws within their range that are nearest to others."""
-    fillet = _within(0.5 * (found[FILLETS[0]] + found[FILLETS[1]]), *PLAIN["fillet_radius"])
+    fillet = _within(0.5 * (shape[FILLETS[0]] + shape[FILLETS[1]]), *PLAIN["fillet_radius"])
     return {
         **{name: usual for name, (*_, usual) in FEATURES.items()},
-        **{name: _within(found[name], *PLAIN[name]) for name in REAL},
+        **{name: _within(shape[name], *PLAIN[name]) for name in REAL},
         **dict.fromkeys(FILLETS, fillet),
     }
 
 
-def plain_share(found: Ratios, plain: Ratios, fades: Mapping[str, float]) -> Any:
+def plain_share(shape: Ratios, plain: Ratios, fades: Mapping[str, float]) -> Any:
     """Share of plain throws' networks in an answer: 1 at a plain throw, falling smoothly to 0 over fades."""
     share = 1.0
     for name, fade in fades.items():
-        far = abs(found[name] - plain[name]) / fade
+        far = abs(shape[name] - plain[name]) / fade
         if type(far) is float and far >= 1.0:
             return 0.0
         far = far * (far < 1.0) + (far >= 1.0)
@@ -233,17 +233,17 @@ def real_ranges() -> dict[str, tuple[float, float]]:
 RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(real_ranges())
 
 
-def check_range(found: Ratios) -> None:
+def check_range(shape: Ratios) -> None:
     """Refuse ratios outside the law's range: `InputError` with the ratio, its value and its range."""
-    for bore, unit in (("main_journal_bore", 1.0), ("pin_bore", found["pin_diameter"])):
-        thinnest = np.min(0.5 * (1.0 - found[bore]) - abs(found[f"{bore}_offset"]) / unit)
+    for bore, unit in (("main_journal_bore", 1.0), ("pin_bore", shape["pin_diameter"])):
+        thinnest = np.min(0.5 * (1.0 - shape[bore]) - abs(shape[f"{bore}_offset"]) / unit)
         if thinnest < THINNEST_WALL - ROUND_OFF:
             raise InputError(
                 f"{bore}: leaves a wall of {thinnest:.3g} diameters at its thinnest; allowed for the law is "
                 f"{THINNEST_WALL:g} or more, because its training throws have that."
             )
     for name, (low, high) in RANGES.items():
-        values = found[name]
+        values = shape[name]
         if type(values) is float and low - ROUND_OFF <= values <= high + ROUND_OFF:
             continue  # one throw is asked for far more often than many
         beyond = (values < low - ROUND_OFF) | (values > high + ROUND_OFF) | (values != values)

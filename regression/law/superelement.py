@@ -82,7 +82,7 @@ def law_reactions(
             "covers only webs that are alike."
         )
     answers = LawAnswers.of_throw(throw, 1.0, poisson_ratio)
-    numbers, widths = (one.ravel() for one in answers.values(NUMBERS))
+    numbers, widths = (answer.ravel() for answer in answers.values(NUMBERS))
     middle, band = _loads(throw, numbers, force, support), np.zeros(12)
     for place, width in enumerate(widths):
         ends = (
@@ -90,7 +90,7 @@ def law_reactions(
             for end in (numbers[place] * (1.0 - width), numbers[place] * (1.0 + width))
         )
         band += np.maximum(*(np.abs(end - middle) for end in ends))
-    told = (
+    words = (
         support
         if isinstance(support, str)
         else (f"between neighbors at {support.left_deg:g} and {support.right_deg:g} deg")
@@ -98,7 +98,7 @@ def law_reactions(
     return ReactionLookup(
         *both_ends(middle),
         band=Reactions(*both_ends(band)),
-        support=told,
+        support=words,
         inside=np.array(True),
         remarks=(),
     )
@@ -119,12 +119,12 @@ def _loads(throw: CrankThrow, numbers: Array, force: Array, support: "Support") 
     # Lengths in D: forces stay, moments are F D.
     loads = np.zeros((1, 12, 6))
     loads[0, :, :2] = pin_loads
-    found = reactions(
+    reacting = reactions(
         Superelement(stiffness, loads, np.zeros((6, 6)), RADIAL[None]),
         support,
         loads[0, :, :3] @ force,
     )
-    ends = [(end.force, end.moment * diameter) for end in (found.left, found.right)]
+    ends = [(end.force, end.moment * diameter) for end in (reacting.left, reacting.right)]
     return np.concatenate([part for end in ends for part in end])
 
 

@@ -17,7 +17,6 @@ from crankbase.checks.arrays import finite_array
 from crankbase.checks.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
-from geometry.mass import check_density
 from geometry.throw import CrankThrow
 from regression.law.networks import TIERS, networks, plain_inputs, real_inputs
 from regression.law.ratios import (
@@ -163,24 +162,24 @@ def axial_law(
     >>> print(f"{axial_law(throw).pinned:.2e} m/N")
     1.28e-09 m/N
     """
-    found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
-    return AxialLaw(**found.results(AXIAL)[0])
+    answers = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
+    return AxialLaw(**answers.results(AXIAL)[0])
 
 
 def torsional_law(
     throw: CrankThrow, *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO
 ) -> TorsionalLaw:
     """Torsional compliance of a throw by the law; parameters and errors as `axial_law`."""
-    found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
-    return TorsionalLaw(**found.results(TORSIONAL)[0])
+    answers = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
+    return TorsionalLaw(**answers.results(TORSIONAL)[0])
 
 
 def throw_laws(
     throw: CrankThrow, *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO
 ) -> tuple[AxialLaw, TorsionalLaw]:
     """Both laws of a throw in the time of one; parameters and errors as `axial_law`."""
-    found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
-    axial, torsional = found.results(AXIAL, TORSIONAL)
+    answers = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
+    axial, torsional = answers.results(AXIAL, TORSIONAL)
     return AxialLaw(**axial), TorsionalLaw(**torsional)
 
 
@@ -213,16 +212,16 @@ def axial_laws(
     >>> law.pinned.shape
     (3,)
     """
-    found = LawAnswers(_given(dimensions), youngs_modulus, poisson_ratio)
-    return AxialLaw(**found.results(AXIAL)[0])
+    answers = LawAnswers(_given(dimensions), youngs_modulus, poisson_ratio)
+    return AxialLaw(**answers.results(AXIAL)[0])
 
 
 def torsional_laws(
     *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO, **dimensions: ArrayLike
 ) -> TorsionalLaw:
     """Torsional compliance of many throws by the law; parameters and errors as `axial_laws`."""
-    found = LawAnswers(_given(dimensions), youngs_modulus, poisson_ratio)
-    return TorsionalLaw(**found.results(TORSIONAL)[0])
+    answers = LawAnswers(_given(dimensions), youngs_modulus, poisson_ratio)
+    return TorsionalLaw(**answers.results(TORSIONAL)[0])
 
 
 class LawAnswers:
@@ -277,7 +276,7 @@ class LawAnswers:
         """Fields of each law: values in SI units, errors, tier and the nearest limit."""
         values, widths = self.values(tuple([name for kind in kinds for name, _ in kind.values()]))
         every, errors = (
-            iter(one if self.shape else one[:, 0].tolist()) for one in (values, widths)
+            iter(rows if self.shape else rows[:, 0].tolist()) for rows in (values, widths)
         )
         nearest = "" if self.shape else _nearest(self.ratios)
         shared = {"tier": self.tier, "nearest_limit": nearest}
@@ -292,16 +291,20 @@ class LawAnswers:
         ]
 
 
-def _of_plain(names: tuple[str, ...], found: Ratios, shape: tuple[int, ...]) -> tuple[Array, Array]:
+def _of_plain(
+    names: tuple[str, ...], of_throw: Ratios, shape: tuple[int, ...]
+) -> tuple[Array, Array]:
     """Outputs (k, n) for ratios of n throws of a shape, and half widths, by the networks of plain throws."""
-    return _of_tier("plain", names, found, shape)
+    return _of_tier("plain", names, of_throw, shape)
 
 
-def _of_real(names: tuple[str, ...], found: Ratios, shape: tuple[int, ...]) -> tuple[Array, Array]:
+def _of_real(
+    names: tuple[str, ...], of_throw: Ratios, shape: tuple[int, ...]
+) -> tuple[Array, Array]:
     """The same by the networks of real throws, corrected by what these miss of plain ones nearby."""
-    answers, widths = _of_tier("real", names, found, shape)
-    plain = nearest_plain(found)
-    share = plain_share(found, plain, FADES)
+    answers, widths = _of_tier("real", names, of_throw, shape)
+    plain = nearest_plain(of_throw)
+    share = plain_share(of_throw, plain, FADES)
     if type(share) is float and share == 0.0:
         return answers, widths
     close: Any = slice(None)
@@ -309,28 +312,28 @@ def _of_real(names: tuple[str, ...], found: Ratios, shape: tuple[int, ...]) -> t
         close = np.broadcast_to(share, shape).ravel() > 0.0
         if not close.any():
             return answers, widths
-        found, plain = (_picked(some, shape, close) for some in (found, plain))
-        share, shape = plain_share(found, plain, FADES), (close.sum(),)
+        of_throw, plain = (_picked(some, shape, close) for some in (of_throw, plain))
+        share, shape = plain_share(of_throw, plain, FADES), (close.sum(),)
     known, least = _of_tier("plain", names, plain, shape)
     answers[:, close] *= (known / _of_tier("real", names, plain, shape)[0]) ** share
-    share = share * plain_share(found, plain, LENGTH_FADES)
+    share = share * plain_share(of_throw, plain, LENGTH_FADES)
     widths[:, close] = share * least + (1.0 - share) * widths[:, close]
     return answers, widths
 
 
 def _of_tier(
-    tier: str, names: tuple[str, ...], found: Ratios, shape: tuple[int, ...]
+    tier: str, names: tuple[str, ...], of_throw: Ratios, shape: tuple[int, ...]
 ) -> tuple[Array, Array]:
     some, count = networks(tier, names), math.prod(shape)
-    inputs = INPUTS[tier](found).reshape(len(some.low), -1)
+    inputs = INPUTS[tier](of_throw).reshape(len(some.low), -1)
     if inputs.shape[1] != count:
         inputs = np.repeat(inputs, count, axis=1)
     return some.evaluate(inputs)
 
 
-def _picked(found: Ratios, shape: tuple[int, ...], where: NDArray[np.bool_]) -> dict[str, Any]:
+def _picked(of_throw: Ratios, shape: tuple[int, ...], where: NDArray[np.bool_]) -> dict[str, Any]:
     """Ratios of some throws of a shape, flat."""
-    return {name: np.broadcast_to(value, shape).ravel()[where] for name, value in found.items()}
+    return {name: np.broadcast_to(value, shape).ravel()[where] for name, value in of_throw.items()}
 
 
 def check_material(youngs_modulus: float, poisson_ratio: float) -> None:
@@ -357,37 +360,41 @@ def _given(dimensions: Mapping[str, ArrayLike]) -> dict[str, Any]:
     for name in PLAIN_FIELDS:
         if name not in dimensions and name != "fillet_radius":
             raise InputError(f"{name}: missing; it must be given, because the law needs its ratio.")
-    found: dict[str, Any] = {
+    checked: dict[str, Any] = {
         name: finite_array(name, value) for name, value in dimensions.items() if value is not None
     }
     for name in PLAIN_FIELDS:
-        if name in found and not np.all(found[name] > 0.0):
+        if name in checked and not np.all(checked[name] > 0.0):
             raise InputError(
-                f"{name}: given {float(np.min(found[name])):g}; allowed is a positive length in m."
+                f"{name}: given {float(np.min(checked[name])):g}; allowed is a positive length in m."
             )
-    for name, value in found.items():
+    for name, value in checked.items():
         if value.size == 0:
             raise InputError(
                 f"{name}: given no values; allowed is one for each throw, or one for all."
             )
     try:
-        np.broadcast_shapes(*(value.shape for value in found.values()))
+        np.broadcast_shapes(*(value.shape for value in checked.values()))
     except ValueError:
-        shapes = ", ".join(f"{name} {value.shape}" for name, value in found.items() if value.shape)
+        shapes = ", ".join(
+            f"{name} {value.shape}" for name, value in checked.items() if value.shape
+        )
         raise InputError(
             f"dimensions: given arrays of the shapes {shapes}; allowed are shapes that can be broadcast "
             "together."
         ) from None
-    return found
+    return checked
 
 
-def _nearest(found: Mapping[str, Any]) -> str:
+def _nearest(shape: Mapping[str, Any]) -> str:
     """The ratio nearest to an end of its range relative to its width, among lengths over D."""
     name, low, high = min(
-        ((name, *RANGES[name]) for name in found if name in PLAIN_FIELDS),
-        key=lambda one: min(found[one[0]] - one[1], one[2] - found[one[0]]) / (one[2] - one[1]),
+        ((name, *RANGES[name]) for name in shape if name in PLAIN_FIELDS),
+        key=lambda limit: (
+            min(shape[limit[0]] - limit[1], limit[2] - shape[limit[0]]) / (limit[2] - limit[1])
+        ),
     )
-    return f"{ratio_text(name)} = {found[name]:.3g} of {low:g} to {high:g}"
+    return f"{ratio_text(name)} = {shape[name]:.3g} of {low:g} to {high:g}"
 
 
 def _band(value: Any, error: Any) -> tuple[Any, Any]:
@@ -444,15 +451,17 @@ def mass_law(throw: CrankThrow, *, density: float = 7850.0) -> MassLaw:
     >>> print(f"{mass_law(throw).mass:.1f} kg")
     194.1 kg
     """
+    from geometry.mass import check_density  # loads the mesher's modules
+
     check_density(density)
     webs = {"left_web.": throw.left_web, "right_web.": throw.right_web}
-    for name, own in {"": throw, **webs}.items():
-        if own is not None and own.counterweight is not None:
+    for name, holder in {"": throw, **webs}.items():
+        if holder is not None and holder.counterweight is not None:
             raise InputError(
                 f"throw.{name}counterweight: given one; allowed for the law's mass is none, because it gives "
                 "the mass of throws without counterweights alone: use analyze_throw for others."
             )
-    found = LawAnswers.of_throw(throw, 1.0, POISSON_RATIO)
-    values, widths = found.values(("volume",))
+    answers = LawAnswers.of_throw(throw, 1.0, POISSON_RATIO)
+    values, widths = answers.values(("volume",))
     volume = float(values[0, 0]) * throw.main_journal_diameter**3
-    return MassLaw(density * volume, float(widths[0, 0]), found.tier)
+    return MassLaw(density * volume, float(widths[0, 0]), answers.tier)

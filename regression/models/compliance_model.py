@@ -163,24 +163,24 @@ def plot_section(
             f"over: given {over!r}; allowed are {', '.join((*family.ranges, ANGLE))}, because the model is "
             "evaluated over these."
         )
-    given = gamma_deg if factor == ANGLE else dimensions.get(factor)
-    check_not_given(factor, given, f"over={factor}", "the diagram sweeps it over its whole range")
+    swept = gamma_deg if factor == ANGLE else dimensions.get(factor)
+    check_not_given(factor, swept, f"over={factor}", "the diagram sweeps it over its whole range")
     low, high = (0.0, 180.0) if factor == ANGLE else family.ranges[factor]
     values = np.linspace(low, high, POINTS)
     asked = {key: v for key, v in middle(family).items() if key != factor} | dict(dimensions)
-    found: list[Lookup] = [
+    points: list[Lookup] = [
         lookup(response, **{**asked, ANGLE: gamma_deg, factor: value}) for value in values.tolist()
     ]
-    size = display_unit(found[0].unit)[1]
+    size = display_unit(points[0].unit)[1]
     axes = new_axes(axes)
     unit = family.unit(factor) if factor != ANGLE else "deg"
     x = values / (1.0 if factor == ANGLE else factor_size(unit, ()))
-    y = np.array([one.value for one in found]) / size
+    y = np.array([point.value for point in points]) / size
     axes.plot(x, y, color=BLUE, label="equation")
-    band = np.array([(one.lower, one.upper) for one in found], dtype=np.float64) / size
+    band = np.array([(point.lower, point.upper) for point in points], dtype=np.float64) / size
     if np.isfinite(band).all(axis=1).any():
         axes.fill_between(x, *band.T, color=BLUE, alpha=0.2, linewidth=0.0, label="error band")
-    outside = np.array([not one.inside for one in found])
+    outside = np.array([not point.inside for point in points])
     if outside.any():
         beyond = np.where(outside, y, np.nan)
         axes.plot(x, beyond, color=RED, linestyle="--", label="outside the range of the fit")
@@ -188,8 +188,8 @@ def plot_section(
         angle_axis(axes)
     else:
         label_factor_axis(axes, factor, unit, ())
-    axes.set_ylabel(response_text(found[0].symbol.partition("(")[0], found[0].unit))
-    write_title(axes, f"{response.replace('_', ' ')}, {found[0].support}".rstrip(", "))
+    axes.set_ylabel(response_text(points[0].symbol.partition("(")[0], points[0].unit))
+    write_title(axes, f"{response.replace('_', ' ')}, {points[0].support}".rstrip(", "))
     axes.legend(
         frameon=False, title=_others(family, asked, gamma_deg), title_fontsize=8, fontsize=8
     )
@@ -201,7 +201,7 @@ def response_table(responses: Mapping[str, ResponseModel]) -> Any:
     columns: dict[str, tuple[Any, str]] = {"response": (list(responses), "")}
     for names, unit in ((WORDS, ""), (ERRORS, "1"), (("equation",), "")):
         for name in names:
-            columns[name] = ([getattr(one, name) for one in responses.values()], unit)
+            columns[name] = ([getattr(response, name) for response in responses.values()], unit)
     return table(columns)
 
 
@@ -216,11 +216,11 @@ def response_grid(
 ) -> Any:
     """Return responses on a grid of factors as an xarray dataset; see `ComplianceModel.to_xarray`."""
     most = whole_number("points", points, 2, "a factor's range has two ends")
-    given: dict[str, Any] = dict(dimensions)
+    sizes: dict[str, Any] = dict(dimensions)
     if gamma_deg is not None:
-        given[ANGLE] = gamma_deg
-    sides = {name: np.asarray(value) for name, value in given.items() if np.ndim(value) == 1}
-    fixed = {name: value for name, value in given.items() if name not in sides}
+        sizes[ANGLE] = gamma_deg
+    sides = {name: np.asarray(value) for name, value in sizes.items() if np.ndim(value) == 1}
+    fixed = {name: value for name, value in sizes.items() if name not in sides}
     if not sides:
         sides = {
             name: np.array([rounded(value) for value in np.linspace(*ends, most).tolist()])
@@ -238,9 +238,9 @@ def response_grid(
     variables = {}
     for name in names or tuple(responses):
         values = np.broadcast_to(value(name, **asked), [len(v) for v in sides.values()])
-        one = responses[name]
-        words = f"{name.replace('_', ' ')}, {one.support}".rstrip(", ")
-        variables[name] = (tuple(sides), values, one.unit or "1", words)
+        response = responses[name]
+        words = f"{name.replace('_', ' ')}, {response.support}".rstrip(", ")
+        variables[name] = (tuple(sides), values, response.unit or "1", words)
     coordinates = {
         name: (values, "deg" if name == ANGLE else family.unit(name) or "1", name.replace("_", " "))
         for name, values in sides.items()
@@ -344,10 +344,10 @@ class ComplianceModel(ModelValues):
             As in `axial_compliance`; if the model lacks the response; for an array.
         """
         asked: dict[str, Any] = {**dimensions, "gamma_deg": gamma_deg}
-        for name, given in asked.items():
-            if not (given is None or isinstance(given, float | str)) and np.ndim(given):
+        for name, number in asked.items():
+            if not (number is None or isinstance(number, float | str)) and np.ndim(number):
                 raise InputError(
-                    f"{name}: given an array of shape {np.shape(given)}; allowed is one number, "
+                    f"{name}: given an array of shape {np.shape(number)}; allowed is one number, "
                     "because `lookup` is for one throw: `lookups` takes arrays."
                 )
         if gamma_deg is None:
@@ -390,17 +390,17 @@ class ComplianceModel(ModelValues):
         parts = (response,) if gamma_deg is None else self.angle_law(response)
         answers = {part: self._answered(part, dimensions, strict) for part in parts}
         compiled = self._compiled
-        found = [
+        answered = [
             make_lookups(self.responses[part], compiled.bands[part], answer, compiled.remarks)
             for part, answer in answers.items()
         ]
         if gamma_deg is None:
-            return found[0]
+            return answered[0]
         known = self.responses.get(response)
         return make_lookups_between_neighbors(
             fold_angle(gamma_deg),
-            found,
-            found[0].symbol if known is None else known.symbol,
+            answered,
+            answered[0].symbol if known is None else known.symbol,
             self._compiled.angle_law_remarks,
         )
 
@@ -487,19 +487,19 @@ class ComplianceModel(ModelValues):
             For each response that cannot be evaluated while others can.
         """
         asked = self.dimensions_of(throw)
-        found: dict[str, Lookup] = {}
+        lookups: dict[str, Lookup] = {}
         refused: dict[str, InputError] = {}
         for name in self.responses:
             angle = gamma_deg if name in ANGLE_LAWS else None
             try:
-                found[name] = self.lookup(name, gamma_deg=angle, strict=strict, **asked)
+                lookups[name] = self.lookup(name, gamma_deg=angle, strict=strict, **asked)
             except InputError as error:
                 refused[name] = error
-        if not found:
+        if not lookups:
             raise next(iter(refused.values()))
         for name, reason in refused.items():
             warnings.warn(f"{name} is left out: {reason}", stacklevel=2)
-        return found
+        return lookups
 
     def plot(
         self,

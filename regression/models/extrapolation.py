@@ -206,7 +206,7 @@ def find_out_of_range(
         return None
     outside = (at_study < low) | (at_study > high)
     place = int(np.argmax(np.maximum(lowest - at_study, at_study - highest)))
-    value, scale = (float(np.broadcast_to(one, outside.shape)[place]) for one in (values, size))
+    value, scale = (float(np.broadcast_to(part, outside.shape)[place]) for part in (values, size))
     number = int(np.count_nonzero(outside))
     return OutOfRange(name, value, number, lowest * scale, highest * scale, unit), outside
 
@@ -223,7 +223,7 @@ def related(
     has the SI unit of every name. `InputError` if an expression has no value for the known dimensions.
     """
     values = dict(known)
-    found: dict[str, Any] = {}
+    following: dict[str, Any] = {}
     for name, names, value in _compiled(tuple(relations.items()), tuple(units.items())):
         if name in known or not names <= values.keys():
             continue
@@ -234,8 +234,8 @@ def related(
                 f"{name}: given dimensions for which {relations[name]} has no value; allowed are "
                 "those for which it has one, because this model needs it."
             )
-        found[name] = values[name] = result if np.ndim(result) else float(result)
-    return found
+        following[name] = values[name] = result if np.ndim(result) else float(result)
+    return following
 
 
 @lru_cache(maxsize=100)
@@ -304,29 +304,29 @@ class StudyConstraint:
         if np.all(held):
             return None
         place = int(np.argmin(held))
-        one = {
+        first = {
             name: np.broadcast_to(value, held.shape).reshape(-1)[place]
             for name, value in used.items()
         }
-        (reason,) = constraint_violations(self.read, one, self.units, 1)
+        (reason,) = constraint_violations(self.read, first, self.units, 1)
         broken = ~held
-        found = BrokenConstraint(
+        finding = BrokenConstraint(
             self.read.text, reason or "", int(np.count_nonzero(broken)), alone=held.ndim == 0
         )
-        return found, broken if held.ndim else True
+        return finding, broken if held.ndim else True
 
 
-def worst(found: Sequence[Finding]) -> list[Finding]:
+def worst(findings: Sequence[Finding]) -> list[Finding]:
     """Join findings of pieces of one array: one for each name, with the farthest value."""
     joined: dict[str, Finding] = {}
-    for one in found:
-        other = joined.get(one.name)
+    for finding in findings:
+        other = joined.get(finding.name)
         if other is None:
-            joined[one.name] = one
-        if other is None or one.alone:  # each piece finds the same number
+            joined[finding.name] = finding
+        if other is None or finding.alone:  # each piece finds the same number
             continue
         far = other
-        if isinstance(one, OutOfRange) and isinstance(other, OutOfRange):
-            far = one if one.distance > other.distance else other
-        joined[one.name] = replace(far, number=one.number + other.number)
+        if isinstance(finding, OutOfRange) and isinstance(other, OutOfRange):
+            far = finding if finding.distance > other.distance else other
+        joined[finding.name] = replace(far, number=finding.number + other.number)
     return list(joined.values())

@@ -74,40 +74,40 @@ class Family:
         names = {*self.ranges, *self.fixed, *self.relations}
         return {name: self.unit(name) for name in names}
 
-    def checked(self, given: Mapping[str, Given]) -> dict[str, Given]:
+    def checked(self, query: Mapping[str, Given]) -> dict[str, Given]:
         """The given values as floats, arrays and labels.
 
         `InputError` if a name is unknown, a number is not finite or of an impossible sign, or a label
         is none of its category's.
         """
-        found: dict[str, Given] = {}
-        for name, value in given.items():
+        checked: dict[str, Given] = {}
+        for name, value in query.items():
             if name in self.categories:
-                found[name] = _checked_labels(name, value, self.categories[name])
+                checked[name] = _checked_labels(name, value, self.categories[name])
             elif name in self.labels:
-                found[name] = _checked_labels(name, value, (self.labels[name],))
+                checked[name] = _checked_labels(name, value, (self.labels[name],))
             elif name in self.ranges or name in self.fixed or name in self.relations:
-                found[name] = _checked_numbers(name, value, self._lower_limit(name), self)
+                checked[name] = _checked_numbers(name, value, self._lower_limit(name), self)
             else:
                 known = (*self.factors, *self.relations, *self.fixed, *self.labels)
                 raise InputError(
                     f"{named(name)}: unknown dimension; {did_you_mean(name, known)}allowed are "
                     f"{', '.join(self.factors)}, the factors of this model."
                 )
-        return found
+        return checked
 
-    def size(self, given: Mapping[str, Given]) -> Given:
+    def size(self, query: Mapping[str, Given]) -> Given:
         """Size of the given throw relative to the study's throws.
 
         From its first fixed length. If no length is fixed, the size nearest to 1 at which the lengths are in
         their ranges, and if there is none, at which some are and the others are beyond one end.
         """
-        for name, value in given.items():
+        for name, value in query.items():
             if self.fixed.get(name) and self.unit(name) == "m" and np.all(value):
                 return value / self.fixed[name]
         if self._fixes_a_length:
             return 1.0
-        lengths = [(given[n], ends) for n, ends in self._varied_lengths.items() if n in given]
+        lengths = [(query[n], ends) for n, ends in self._varied_lengths.items() if n in query]
         for value, (low, high) in lengths:
             least, most = smallest_and_largest(value)
             if least < low or most > high:
@@ -131,50 +131,50 @@ class Family:
         ranges = self.ranges.items()
         return {name: ends for name, ends in ranges if self.unit(name) == "m" and ends[0] > 0.0}
 
-    def completed(self, given: Mapping[str, Given], size: Given = 1.0) -> dict[str, Given]:
+    def completed(self, query: Mapping[str, Given], size: Given = 1.0) -> dict[str, Given]:
         """Add fixed values, and those that follow by the relations from known ones.
 
         `InputError` if one has no value.
 
         `size` is that of the throw: the relations are between its lengths divided by this.
         """
-        known = {**self.fixed, **self.labels, **given}
-        if self.relations.keys() - given.keys():
-            known |= self._related(given, size)
+        known = {**self.fixed, **self.labels, **query}
+        if self.relations.keys() - query.keys():
+            known |= self._related(query, size)
         return known
 
-    def check_fixed(self, given: Mapping[str, Given]) -> None:
+    def check_fixed(self, query: Mapping[str, Given]) -> None:
         """Refuse a fixed dimension of another value (`InputError`)."""
-        for name in given.keys() & self.fixed.keys():
-            self._check_equal(name, given[name], self.fixed[name], "it is fixed in this model")
+        for name in query.keys() & self.fixed.keys():
+            self._check_equal(name, query[name], self.fixed[name], "it is fixed in this model")
 
-    def check_related(self, given: Mapping[str, Given], size: Given = 1.0) -> None:
+    def check_related(self, query: Mapping[str, Given], size: Given = 1.0) -> None:
         """Refuse a dimension that violates its relation, if that can be calculated (`InputError`)."""
-        targets = given.keys() & self.relations.keys()
+        targets = query.keys() & self.relations.keys()
         if not targets:
             return
-        others = {name: value for name, value in given.items() if name not in targets}
+        others = {name: value for name, value in query.items() if name not in targets}
         expected = self._related(others, size)
         for name in targets & expected.keys():
             reason = f"in this model {name} = {self.relations[name]}"
-            self._check_equal(name, given[name], expected[name], reason)
+            self._check_equal(name, query[name], expected[name], reason)
 
-    def _related(self, given: Mapping[str, Given], size: Given) -> dict[str, Given]:
+    def _related(self, query: Mapping[str, Given], size: Given) -> dict[str, Given]:
         from regression.models.extrapolation import related
 
         units = self.all_units
-        numbers = {name: value for name, value in given.items() if name in units}
+        numbers = {name: value for name, value in query.items() if name in units}
         at_study_size = {
             name: value / size if units[name] == "m" else value for name, value in numbers.items()
         }
-        found = related(self.relations, {**self.fixed, **at_study_size}, units)
-        return {n: value * size if units[n] == "m" else value for n, value in found.items()}
+        following = related(self.relations, {**self.fixed, **at_study_size}, units)
+        return {n: value * size if units[n] == "m" else value for n, value in following.items()}
 
-    def _check_equal(self, name: str, given: Given, expected: Given, reason: str) -> None:
-        plain = given.__class__ is float and expected.__class__ is float
-        if plain and abs(given - expected) <= SAME * abs(expected):
+    def _check_equal(self, name: str, number: Given, expected: Given, reason: str) -> None:
+        plain = number.__class__ is float and expected.__class__ is float
+        if plain and abs(number - expected) <= SAME * abs(expected):
             return
-        values, wanted = np.broadcast_arrays(given, expected)
+        values, wanted = np.broadcast_arrays(number, expected)
         wrong = np.abs(values - wanted) > SAME * np.abs(wanted)
         if not np.any(wrong):
             return
@@ -240,7 +240,7 @@ def _checked_labels(name: str, value: object, labels: tuple[str, ...]) -> Any:
     if array.dtype.kind == "U" and array.size and np.all(np.isin(array, labels)):
         return array if array.ndim else str(array)
     others = array.ravel().tolist() if array.dtype.kind == "U" else [value]
-    wrong = next((one for one in others if one not in labels), value)
+    wrong = next((label for label in others if label not in labels), value)
     raise InputError(f"{name}: given {wrong!r}; allowed is {' or '.join(labels)}.")
 
 
@@ -271,21 +271,21 @@ def query_for_throw(
     `study_throw` is the throw that the study varied, as a record; None: the model's throws have only
     the dimensions of the family. `InputError` if the throw has a feature that these lack, or lacks one.
     """
-    found = throw_values(throw)
+    dimensions = throw_values(throw)
     study = {} if study_throw is None else throw_values(CrankThrow(**study_throw))
     numbers = {*family.ranges, *family.fixed, *family.relations}
     asked: dict[str, float | str] = {}
     for name in numbers:
-        value = found.get(name)
+        value = dimensions.get(name)
         if value is None and declaration(name) is not None:
-            value = _absent(name, found)
+            value = _absent(name, dimensions)
         if isinstance(value, float):
             asked[name] = value
     for name in (*family.categories, *family.labels):
-        label = found.get(name)
+        label = dimensions.get(name)
         if label is not None:
             asked[name] = label
-    others = {name: value for name, value in found.items() if name not in asked}
+    others = {name: value for name, value in dimensions.items() if name not in asked}
     expected = {name: value for name, value in study.items() if name not in asked}
     size = family.size({name: value for name, value in asked.items() if name in numbers})
     for name in dict.fromkeys((*others, *expected)):
@@ -293,31 +293,33 @@ def query_for_throw(
     return asked | _free_factors(family, asked, size)
 
 
-def _absent(name: str, found: Mapping[str, float | str]) -> float | None:
+def _absent(name: str, dimensions: Mapping[str, float | str]) -> float | None:
     """Default value of a dimension that is not given, or 0 for a feature."""
     if name in DEFAULTS:
         other, share = DEFAULTS[name]
-        base = found.get(other)
+        base = dimensions.get(other)
         return share * base if isinstance(base, float) else None
     info = declaration(name)
     return 0.0 if info is not None and field_extra(info, "feature") else None
 
 
 def _check_same(
-    name: str, given: float | str | None, expected: float | str | None, size: float
+    name: str, own_value: float | str | None, expected: float | str | None, size: float
 ) -> None:
     """Refuse differences from the study's throw; lengths are compared at the study's size."""
     info = declaration(name)
-    if expected is None and info is not None and given == info.default:
+    if expected is None and info is not None and own_value == info.default:
         return
     wanted = expected
     if isinstance(expected, float) and field_unit(name) == "m":
         wanted = expected * size
-    numbers = isinstance(given, float) and isinstance(wanted, float)
-    if given == wanted or (numbers and same_dimension(cast(float, given), cast(float, wanted))):
+    numbers = isinstance(own_value, float) and isinstance(wanted, float)
+    if own_value == wanted or (
+        numbers and same_dimension(cast(float, own_value), cast(float, wanted))
+    ):
         return
     raise InputError(
-        f"throw.{name}: given {_format_dimension(name, given)}; allowed is "
+        f"throw.{name}: given {_format_dimension(name, own_value)}; allowed is "
         f"{_format_dimension(name, wanted)}, because the "
         "throws that the model was fitted to were so."
     )
@@ -348,14 +350,14 @@ def _free_factors(
         for name, value in asked.items()
         if isinstance(value, float)
     }
-    found: dict[str, float] = {}
+    solved: dict[str, float] = {}
     for _ in free:
         for target, names in uses.items():
-            unknown = [name for name in free if name in names and name not in found]
+            unknown = [name for name in free if name in names and name not in solved]
             if len(unknown) != 1 or target not in known:
                 continue
             name = unknown[0]
-            others = {n: v for n, v in known.items() if n != target} | found
+            others = {n: v for n, v in known.items() if n != target} | solved
             if not uses[target] <= {*others, name}:
                 continue
             relation = {target: family.relations[target]}
@@ -365,8 +367,8 @@ def _free_factors(
                 known[target],
             )
             if solution is not None:
-                found[name] = solution
-    return {name: value * size if units[name] == "m" else value for name, value in found.items()}
+                solved[name] = solution
+    return {name: value * size if units[name] == "m" else value for name, value in solved.items()}
 
 
 def _related_value(
@@ -402,11 +404,11 @@ def _solution(
 
         width = high - low
         if inside:
-            found = optimize.brentq(miss, low, high, xtol=_ROUNDING * width)
+            root = optimize.brentq(miss, low, high, xtol=_ROUNDING * width)
         else:
-            found = optimize.newton(miss, low, x1=high, tol=_ROUNDING * width, rtol=_ROUNDING)
+            root = optimize.newton(miss, low, x1=high, tol=_ROUNDING * width, rtol=_ROUNDING)
     except (InputError, RuntimeError):  # beyond the range there may be no value, or no end of steps
         return None
     # Where the ends have values on the same side, a solution inside has another one beside it.
-    certain = same_dimension(value(found), target) and inside == (low < found < high)
-    return float(found) if certain else None
+    certain = same_dimension(value(root), target) and inside == (low < root < high)
+    return float(root) if certain else None

@@ -148,7 +148,7 @@ def make_lookup(
         unit=response.unit,
         support=response.support,
         inside=inside,
-        remarks=(*(one.remark for one in answer.outside), *remarks),
+        remarks=(*(finding.remark for finding in answer.outside), *remarks),
         error=response.largest_heldout_error,
         equation=response.equation,
         lower=lower,
@@ -172,7 +172,7 @@ def make_lookups(
         lower=lower,
         upper=upper,
         inside=inside,
-        remarks=(*(one.remark for one in answer.outside), *remarks),
+        remarks=(*(finding.remark for finding in answer.outside), *remarks),
         unit=response.unit,
         support=response.support,
         symbol=response.symbol,
@@ -236,8 +236,8 @@ def make_lookup_between_neighbors(
 
 
 def _law_band(parts: Sequence[Lookup | Lookups]) -> str:
-    told = "; ".join(f"{part.symbol}: {part.band}" for part in parts)
-    return f"angle law at the ends of the bands of its three numbers: {told}"
+    bands = "; ".join(f"{part.symbol}: {part.band}" for part in parts)
+    return f"angle law at the ends of the bands of its three numbers: {bands}"
 
 
 def _largest(errors: Iterable[float | None]) -> float | None:
@@ -321,11 +321,11 @@ def look_reactions_up(
             f"there need {', '.join(NEEDED[kind])}: run and fit its study again, because this release has "
             "studies keep them."
         )
-    found = {name: lookups(name, strict=strict, **dimensions) for name in NEEDED[kind]}
-    inside = np.logical_and.reduce([one.inside for one in found.values()])
+    looked_up = {name: lookups(name, strict=strict, **dimensions) for name in NEEDED[kind]}
+    inside = np.logical_and.reduce([answer.inside for answer in looked_up.values()])
     _check_shapes(force, inside)
     lengths = throw_lengths(model.family, dimensions)
-    values: dict[str, Any] = {name: one.value for name, one in found.items()}
+    values: dict[str, Any] = {name: answer.value for name, answer in looked_up.items()}
 
     # One number for both ends, if they are alike.
     twins = {} if angle_law_remarks(model.family, model.throw) else RIGHT_MOMENTS
@@ -337,11 +337,11 @@ def look_reactions_up(
 
     middle = loads()
     band = np.zeros_like(middle)
-    for name, one in found.items():
+    for name, answer in looked_up.items():
         if name in twins.values():
             continue
-        open_ended = ~(np.isfinite(one.lower) & np.isfinite(one.upper))
-        ends = (np.where(open_ended, one.value, end) for end in (one.lower, one.upper))
+        open_ended = ~(np.isfinite(answer.lower) & np.isfinite(answer.upper))
+        ends = (np.where(open_ended, answer.value, end) for end in (answer.lower, answer.upper))
         band += np.maximum(*(np.abs(loads(name, end) - middle) for end in ends))
         band[np.broadcast_to(open_ended, band.shape[:-1])] = np.inf
     return ReactionLookup(
@@ -349,13 +349,15 @@ def look_reactions_up(
         band=Reactions(*both_ends(band)),
         support=support_words(kind, gamma),
         inside=np.broadcast_to(inside, middle.shape[:-1]),
-        remarks=tuple(dict.fromkeys(remark for one in found.values() for remark in one.remarks)),
+        remarks=tuple(
+            dict.fromkeys(remark for answer in looked_up.values() for remark in answer.remarks)
+        ),
     )
 
 
-def throw_lengths(family: Family, given: Mapping[str, ArrayLike | str]) -> ThrowLengths:
+def throw_lengths(family: Family, query: Mapping[str, ArrayLike | str]) -> ThrowLengths:
     """Lengths of throws of a family, from given and fixed ones; `InputError` if one is unknown."""
-    checked = family.checked(given)
+    checked = family.checked(query)
     known = family.completed(checked, family.size(checked))
     needed = ("crank_radius", "main_journal_length", "pin_length", "web_thickness")
     missing = [name for name in needed if name not in known]
@@ -379,9 +381,9 @@ def both_ends(loads: Array) -> tuple[EndReaction, EndReaction]:
     return left, right
 
 
-def checked_force(given: ArrayLike) -> Array:
+def checked_force(pin_force: ArrayLike) -> Array:
     """Forces (..., 3) on a pin, across the shaft [N]; `InputError` for others."""
-    force = finite_array("pin_force", given)
+    force = finite_array("pin_force", pin_force)
     if force.shape[-1:] != (3,):
         raise InputError(
             f"pin_force: given an array of shape {force.shape}; allowed are x, y and z in the throw frame "

@@ -237,8 +237,8 @@ class ModelContent(InputModel):
     def __getstate__(self) -> dict[Any, Any]:
         """Leave the compiled equations out of what goes to other processes."""
         state = super().__getstate__()
-        own = {name: value for name, value in state["__dict__"].items() if name != "_compiled"}
-        return state | {"__dict__": own}
+        kept = {name: value for name, value in state["__dict__"].items() if name != "_compiled"}
+        return state | {"__dict__": kept}
 
 
 class CompiledModel:
@@ -247,7 +247,7 @@ class CompiledModel:
     def __init__(self, model: ModelContent) -> None:
         responses = model.responses
         self.family = Family(
-            **{one.name: getattr(model, one.name) for one in fields(Family)}
+            **{part.name: getattr(model, part.name) for part in fields(Family)}
             | {"ranges": model.ranges or _column_ranges(responses)}
         )
         self.bands = {name: error_band(response) for name, response in responses.items()}

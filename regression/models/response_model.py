@@ -215,7 +215,7 @@ class ResponseModel(InputModel):
     @property
     def fitted(self) -> FittedForm:
         """The equation as a function of its columns."""
-        return FittedForm(**{one.name: getattr(self, one.name) for one in fields(FittedForm)})
+        return FittedForm(**{part.name: getattr(self, part.name) for part in fields(FittedForm)})
 
     @classmethod
     def from_fit(

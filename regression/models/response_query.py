@@ -201,7 +201,7 @@ class ResponseQuery:
         """Lower limit of the response: 0 by nature, or none."""
         return 0.0 if is_positive_response(self.name) else -math.inf
 
-    def evaluate(self, given: Mapping[str, Given]) -> ResponseValues:
+    def evaluate(self, query: Mapping[str, Given]) -> ResponseValues:
         """Evaluate any query of dimensions and labels, numbers or arrays that can be broadcast together.
 
         Raises
@@ -210,11 +210,11 @@ class ResponseQuery:
             If something is missing, unknown or unusable, a fixed dimension or ratio differs from
             the study, or the equation has no finite or a physically impossible value.
         """
-        known, shape = self._used(given)
-        found: list[Finding] = []
+        known, shape = self._used(query)
+        findings: list[Finding] = []
         values: Any
         if shape == ():
-            least, inside = self._piece(known, self.equation.scalar, found)
+            least, inside = self._piece(known, self.equation.scalar, findings)
             values, finite = least, math.isfinite(least)
         else:
             values, inside = np.empty(shape), np.ones(shape, dtype=bool)
@@ -222,13 +222,15 @@ class ResponseQuery:
             with np.errstate(all="ignore"):
                 for start, piece in pieces(known, shape):
                     place = slice(start, start + PIECE)
-                    flat[place], flat_inside[place] = self._piece(piece, self.equation.array, found)
+                    flat[place], flat_inside[place] = self._piece(
+                        piece, self.equation.array, findings
+                    )
             least, finite = float(np.min(values)), bool(np.isfinite(values).all())
-        outside = tuple(worst(found))
+        outside = tuple(worst(findings))
         for finding in outside:
             finding.check_distance()
         if not finite:
-            beyond = "far outside the range of the fit" if found else "small or large"
+            beyond = "far outside the range of the fit" if findings else "small or large"
             raise InputError(
                 f"dimensions: given ones so {beyond} that its equation has no finite value; allowed are "
                 "those near the range, because beyond it the equation is meaningless."
@@ -249,10 +251,10 @@ class ResponseQuery:
         family = self.family
         return {name: (*ends, family.unit(name)) for name, ends in family.ranges.items()}
 
-    def _used(self, given: Mapping[str, Given]) -> tuple[dict[str, Given], tuple[int, ...]]:
+    def _used(self, query: Mapping[str, Given]) -> tuple[dict[str, Given], tuple[int, ...]]:
         """Check and complete the query, with the throw's size; also return its shape."""
         family = self.family
-        checked = family.checked(given)
+        checked = family.checked(query)
         shape = _common_shape(checked)
         size: Any = 1.0
         if self.scale is None:
@@ -275,7 +277,7 @@ class ResponseQuery:
         self,
         known: Mapping[str, Given],
         evaluate: Callable[[Sequence[Any]], Any],
-        found: list[Finding],
+        findings: list[Finding],
     ) -> tuple[Any, Any]:
         """Evaluate one piece (or one point), and collect values outside, and where all are inside."""
         for ratio in self.ratios:
@@ -283,7 +285,7 @@ class ResponseQuery:
         columns = [column.read(known) for column in self.columns]
         inside: Any = True
         for finding, where in self._outside(known, columns):
-            found.append(finding)
+            findings.append(finding)
             inside = inside & np.logical_not(where)
         try:
             value = evaluate(columns)
@@ -303,8 +305,8 @@ class ResponseQuery:
             ]
         else:  # factors that are not given: the equation's own columns are what is known
             asked = [
-                (one.name, values, one.lowest, one.highest, one.unit, 1.0)
-                for one, values in zip(self.columns, columns, strict=True)
+                (column.name, values, column.lowest, column.highest, column.unit, 1.0)
+                for column, values in zip(self.columns, columns, strict=True)
             ]
         for values in asked:
             if (beyond := find_out_of_range(*values)) is not None:
@@ -335,10 +337,10 @@ def _check_ratio(ratio: Ratio, values: Any) -> None:
     if ratio.value - margin <= least and most <= ratio.value + margin:
         return
     differences = np.atleast_1d(np.abs(values - ratio.value))
-    given = float(np.atleast_1d(values)[int(np.argmax(differences))])
-    share = f", {100.0 * (given / ratio.value - 1.0):+.3g} %" if ratio.value else ""
+    worst_ratio = float(np.atleast_1d(values)[int(np.argmax(differences))])
+    share = f", {100.0 * (worst_ratio / ratio.value - 1.0):+.3g} %" if ratio.value else ""
     raise InputError(
-        f"{ratio.name}: given {given:.6g}{share}; allowed is {ratio.value:.6g}, because this ratio did "
+        f"{ratio.name}: given {worst_ratio:.6g}{share}; allowed is {ratio.value:.6g}, because this ratio did "
         "not vary in the study, so the equation does not contain its effect."
     )
 
@@ -378,7 +380,7 @@ def make_response_query(
         )
     )
     needed = dict.fromkeys(name for _, names, _ in readers for name in names)
-    needed |= dict.fromkeys(name for one in constraints for name in one.read.names)
+    needed |= dict.fromkeys(name for constraint in constraints for name in constraint.read.names)
     equation = compile_equation(response.fitted)
     if response.basis == "factors":
         return ResponseQuery(name, family, columns, (), tuple(needed), equation, None, constraints)
@@ -418,14 +420,14 @@ def _ratios(
     """Ratios that must agree with the study so that a throw of another size is of its family."""
     fixed = family.fixed
     groups = [group for group in GROUPS.values() if set(group.dimensions) <= fixed.keys()]
-    found = {
+    fixed_ratios = {
         group.name: Ratio(group.name, group.dimensions, group.value, group.value(fixed))
         for group in groups
     }
     for name, value in constant_groups.items():
         group = group_named(name)
         groups.append(group)
-        found.setdefault(name, Ratio(name, group.dimensions, group.value, value))
+        fixed_ratios.setdefault(name, Ratio(name, group.dimensions, group.value, value))
     names = [name for group in groups for name in group.dimensions]
     covered = {name for name in names if fixed.get(name)}
     reference = (
@@ -439,15 +441,15 @@ def _ratios(
         if name in covered or name == reference or name in names:
             continue
         if family.unit(name) != "m" or reference is None:
-            found[name] = Ratio(name, (name,), itemgetter(name), value)
+            fixed_ratios[name] = Ratio(name, (name,), itemgetter(name), value)
         else:
             below = fixed[reference]
             read = _ratio_reader(name, reference)
             shown = "D_shm" if reference == "pin_diameter" else reference
             ratio = Ratio(f"{name}/{shown}", (name, reference), read, value / below)
-            found[ratio.name] = ratio
+            fixed_ratios[ratio.name] = ratio
             names += [name, reference]
-    return tuple(found.values()), tuple(dict.fromkeys((*names, *fixed)))
+    return tuple(fixed_ratios.values()), tuple(dict.fromkeys((*names, *fixed)))
 
 
 def _ratio_reader(above: str, below: str) -> Reader:

@@ -54,9 +54,9 @@ class Factor:
 
     def __post_init__(self) -> None:
         name = f"study.factors.{self.name}"
-        given = (self.lowest, self.highest, *(self.levels or ()))
-        if not all(is_number(value) for value in given):
-            raise InputError(f"{name}: given {quoted(given)}; allowed are finite numbers.")
+        numbers = (self.lowest, self.highest, *(self.levels or ()))
+        if not all(is_number(value) for value in numbers):
+            raise InputError(f"{name}: given {quoted(numbers)}; allowed are finite numbers.")
         if self.labels and (
             len(set(self.labels)) != len(self.labels)
             or self.levels != tuple(map(float, range(len(self.labels))))
@@ -211,17 +211,17 @@ def _choices(annotation: Any) -> tuple[str, ...]:
     """Labels of a Literal, also within an optional one."""
     if get_origin(annotation) is Literal:
         return get_args(annotation)
-    return next((found for item in get_args(annotation) if (found := _choices(item))), ())
+    return next((labels for item in get_args(annotation) if (labels := _choices(item))), ())
 
 
 def field_value(record: Mapping[str, Any], path: str) -> Any:
     """Return the value at a path of a throw's record, None where the part is missing."""
-    found: Any = record
+    part: Any = record
     for step in path.split("."):
-        if found is None:
+        if part is None:
             return None
-        found = found[int(step)] if isinstance(found, list) else found.get(step)
-    return found
+        part = part[int(step)] if isinstance(part, list) else part.get(step)
+    return part
 
 
 def changed_record(record: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -262,5 +262,5 @@ def unknown_field(path: str, fields: Mapping[str, ThrowField], throw: CrankThrow
             break
         if not any(name.startswith(f"{part}.") for name in fields):
             return f"the throw has no {part} to vary; give it in [throw]"
-    own = [name for name in fields if "." not in name or getattr(throw, name.split(".")[0])]
-    return f"{did_you_mean(path, fields)}allowed are {', '.join(own)}"
+    offered = [name for name in fields if "." not in name or getattr(throw, name.split(".")[0])]
+    return f"{did_you_mean(path, fields)}allowed are {', '.join(offered)}"

@@ -17,12 +17,12 @@ from regression.plans.designs import (
     SPACE_FILLING,
     DesignChoice,
     check_ranges,
+    draw_feasible_points,
     fixed_design,
     space_filling_points,
     space_filling_statement,
     values_at,
 )
-from regression.plans.designs_space import draw_feasible_points
 from regression.plans.factors import (
     FREE_NAME,
     Factor,
@@ -89,9 +89,9 @@ class Variants:
         for path in relations:
             _check_target(path, fields, throw, names)
         units = {
-            path: found.unit
-            for path, found in fields.items()
-            if not found.choices and (field_value(record, path) is not None or path in relations)
+            path: entry.unit
+            for path, entry in fields.items()
+            if not entry.choices and (field_value(record, path) is not None or path in relations)
         } | {factor.name: factor.unit for factor in factors if not factor.categorical}
         read = {
             path: read_expression(text, f"study.relations.{path}", units)
@@ -115,10 +115,10 @@ class Variants:
         reasons: list[str | None] = [None] * count
         known = self._quantities(values)
         for path, expression in self.relations.items():
-            found = np.broadcast_to(
+            results = np.broadcast_to(
                 evaluate_expression(expression, known, self.units, self.units[path]), (count,)
             )
-            known[path] = np.array([rounded(value) for value in found.tolist()])
+            known[path] = np.array([rounded(value) for value in results.tolist()])
             for place in np.flatnonzero(~np.isfinite(known[path])).tolist():
                 reasons[place] = reasons[place] or (
                     f"the relation {path} = {expression.text!r} has no finite value"
@@ -150,7 +150,10 @@ class Variants:
             if not factor.categorical
         }
         used = used_names(
-            (*self.relations.values(), *(side for one in self.constraints for side in one.sides))
+            (
+                *self.relations.values(),
+                *(side for constraint in self.constraints for side in constraint.sides),
+            )
         )
         base = {
             path: np.array(float(field_value(self.record, path)))
@@ -202,16 +205,16 @@ def _check_target(
 def _check_factor(
     factor: Factor, fields: Mapping[str, ThrowField], throw: CrankThrow, used: set[str]
 ) -> None:
-    name, found = f"study.factors.{factor.name}", fields.get(factor.name)
-    if found is not None:
-        unfit = next((label for label in factor.labels if label not in found.choices), None)
-        if unfit is not None or bool(factor.labels) != bool(found.choices):
-            given = unfit or factor.range_text
-            allowed = ", ".join(found.choices) or f"a range or levels in {found.unit or 'no unit'}"
-            raise InputError(f"{name}: given {given}; allowed is {allowed}.")
-        if factor.unit != found.unit:
+    name, entry = f"study.factors.{factor.name}", fields.get(factor.name)
+    if entry is not None:
+        unfit = next((label for label in factor.labels if label not in entry.choices), None)
+        if unfit is not None or bool(factor.labels) != bool(entry.choices):
+            chosen = unfit or factor.range_text
+            allowed = ", ".join(entry.choices) or f"a range or levels in {entry.unit or 'no unit'}"
+            raise InputError(f"{name}: given {chosen}; allowed is {allowed}.")
+        if factor.unit != entry.unit:
             raise InputError(
-                f"{name}: given in {factor.unit or 'no unit'}; allowed is {found.unit or 'no unit'}."
+                f"{name}: given in {factor.unit or 'no unit'}; allowed is {entry.unit or 'no unit'}."
             )
         return
     if factor.name not in used or factor.labels or factor.unit:
@@ -325,13 +328,13 @@ class StudyPlan:
             throw=CrankThrow(**record["throw"]),
             factors=tuple(
                 Factor(
-                    **given
+                    **factor
                     | {
-                        "levels": None if given["levels"] is None else tuple(given["levels"]),
-                        "labels": tuple(given["labels"]),
+                        "levels": None if factor["levels"] is None else tuple(factor["levels"]),
+                        "labels": tuple(factor["labels"]),
                     }
                 )
-                for given in record["factors"]
+                for factor in record["factors"]
             ),
             design=DesignChoice(
                 **design | {"rows": None if rows is None else tuple(map(tuple, rows))}
@@ -456,15 +459,15 @@ def _draw_feasible_designs(
         made = variants.at(values_at(plan.factors, points))
         return np.array([variant.throw is not None for variant in made])
 
-    found = draw_feasible_points(draw, possible, count, in_order=kind == "sobol")
-    if found is None:
+    drawn = draw_feasible_points(draw, possible, count, in_order=kind == "sobol")
+    if drawn is None:
         first = next(variant.reason for variant in made if variant.throw is None)
         raise InputError(
             f"study.factors: fewer than {count} of the points drawn for the designs ({role}) can be "
             f"used; reason for the first excluded design: {first.rstrip('.')}."
         )
     # A design that can be built but was not taken belongs to neither.
-    points, taken, impossible = found
+    points, taken, impossible = drawn
     kept = np.flatnonzero(taken | impossible)
     values = values_at(plan.factors, points)[kept]
     designs, excluded = _split(plan, role, values, [made[place] for place in kept])

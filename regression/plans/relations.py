@@ -131,15 +131,15 @@ def _check_powers(tokens: list[tuple[str, str]], text: str, field: str) -> None:
 def _tokens(text: str, field: str) -> list[tuple[str, str]]:
     tokens, place = [], 0
     while place < len(text):
-        found = TOKEN.match(text, place)
-        if found is None:
+        token = TOKEN.match(text, place)
+        if token is None:
             raise InputError(
                 f"{field}: given {text!r}, with {text[place]!r} in it; allowed are numbers with a "
                 "decimal point, units, names, + - * / ** and brackets."
             )
-        if found.lastgroup != "space":
-            tokens.append((str(found.lastgroup), found[0]))
-        place = found.end()
+        if token.lastgroup != "space":
+            tokens.append((str(token.lastgroup), token[0]))
+        place = token.end()
     return tokens
 
 
@@ -183,14 +183,14 @@ def evaluate_expression(
 
     `unit` is the SI unit of the result, "" for a pure number; `InputError` if it is of another one.
     """
-    found = calculated(expression, values, units)
+    quantity = calculated(expression, values, units)
     wanted = unit_registry().Quantity(1.0, unit)
-    if not same_kind(found, wanted):
+    if not same_kind(quantity, wanted):
         raise InputError(
-            f"{expression.field}: given {expression.text!r}, which is {kind_of(found)}; allowed is "
+            f"{expression.field}: given {expression.text!r}, which is {kind_of(quantity)}; allowed is "
             f"{kind_of(wanted)}."
         )
-    return np.asarray(found.to(unit).magnitude, dtype=np.float64)
+    return np.asarray(quantity.to(unit).magnitude, dtype=np.float64)
 
 
 def calculated(expression: Expression, values: Values, units: Units) -> Any:
@@ -204,9 +204,11 @@ def calculated(expression: Expression, values: Values, units: Units) -> Any:
     }
     try:
         with np.errstate(all="ignore"):
-            found = registry.Quantity(registry.parse_expression(expression.prepared, **quantities))
-        if not np.iscomplexobj(found.magnitude):
-            return found
+            quantity = registry.Quantity(
+                registry.parse_expression(expression.prepared, **quantities)
+            )
+        if not np.iscomplexobj(quantity.magnitude):
+            return quantity
         reason = "it takes a root of a negative number"
     except ZeroDivisionError:
         reason = "it divides by zero"
@@ -326,8 +328,8 @@ def constraint_violations(
 
     Sides that differ by less than one part in 1e9 count as equal.
     """
-    unit, found = _sides(constraint, values, units)
-    sides = np.array([np.broadcast_to(side, (count,)) for side in found], dtype=float)
+    unit, both = _sides(constraint, values, units)
+    sides = np.array([np.broadcast_to(side, (count,)) for side in both], dtype=float)
     reasons: list[str | None] = [None] * count
     for sign, left, right in zip(constraint.signs, sides[:-1], sides[1:], strict=True):
         kept = holds(sign, left, right)
@@ -355,9 +357,9 @@ def constraint_excess(constraint: Constraint, values: Values, units: Units) -> N
 
 def _sides(constraint: Constraint, values: Values, units: Units) -> tuple[str, list[Any]]:
     """Return the unit in which to compare, and the sides in it."""
-    found = [calculated(side, values, units) for side in constraint.sides]
-    unit = shown_unit(found[0])
-    return unit, [side.to(unit).magnitude for side in found]
+    sides = [calculated(side, values, units) for side in constraint.sides]
+    unit = shown_unit(sides[0])
+    return unit, [side.to(unit).magnitude for side in sides]
 
 
 def holds(sign: str, left: Any, right: Any) -> NDArray[np.bool_]:
@@ -400,10 +402,10 @@ def compile_expression(expression: Expression) -> Compiled:
 
     def value(known: Known) -> Any:
         try:
-            found = evaluate(known)
+            result = evaluate(known)
         except ArithmeticError:
             return math.nan
-        return math.nan if isinstance(found, complex) else found
+        return math.nan if isinstance(result, complex) else result
 
     return value
 
@@ -413,9 +415,9 @@ def compile_constraint(constraint: Constraint) -> Compiled:
     sides = [compile_expression(side) for side in constraint.sides]
 
     def test(known: Known) -> Any:
-        found = [side(known) for side in sides]
+        both = [side(known) for side in sides]
         kept: Any = True
-        for sign, left, right in zip(constraint.signs, found, found[1:], strict=False):
+        for sign, left, right in zip(constraint.signs, both, both[1:], strict=False):
             kept = kept & _compared(sign, left, right)
         return kept
 

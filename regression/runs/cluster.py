@@ -183,10 +183,10 @@ def compute_design(
 
     A worker of another model version, or release, computes nothing and returns its identity alone.
     """
-    own = identity()
-    if any(own[name] != coordinator[name] for name in ("model_version", "crankfem")):
-        return {"identity": own}
-    return shared_process_pool().compute(run, request, limits) | {"identity": own}
+    here = identity()
+    if any(here[name] != coordinator[name] for name in ("model_version", "crankfem")):
+        return {"identity": here}
+    return shared_process_pool().compute(run, request, limits) | {"identity": here}
 
 
 async def end_run(run: str) -> None:
@@ -221,20 +221,22 @@ class _Dispatch:
     def collect(self) -> list[tuple[Outcome | None, Task]]:
         """Settle the tasks that are done, lost or overdue."""
         settled = []
-        for place, one in list(self.given.items()):
-            if one.task.done():
-                outcome = self._fetch(place, one)
+        for place, running in list(self.given.items()):
+            if running.task.done():
+                outcome = self._fetch(place, running)
             elif place not in self._places:
-                outcome = self._lose(place, one, "the cluster lost the worker")
-            elif time.monotonic() - one.since > self.limits.seconds + GRACE:
-                waited = time.monotonic() - one.since
+                outcome = self._lose(place, running, "the cluster lost the worker")
+            elif time.monotonic() - running.since > self.limits.seconds + GRACE:
+                waited = time.monotonic() - running.since
                 self._set_aside[place] = time.monotonic() + self.limits.seconds
                 self.note(f"worker {place} has not answered for {waited:.0f} s: set aside")
-                outcome = self._lose(place, one, f"the worker did not answer for {waited:.0f} s")
+                outcome = self._lose(
+                    place, running, f"the worker did not answer for {waited:.0f} s"
+                )
             else:
                 continue
             del self.given[place]
-            settled.append((outcome, one.task))
+            settled.append((outcome, running.task))
         return settled
 
     def assign_designs(self) -> None:
@@ -260,29 +262,29 @@ class _Dispatch:
             task = self.cluster.submit(place, request, self.limits)
             self.given[place] = _RunningDesign(request["key"], task)
 
-    def _fetch(self, place: str, one: _RunningDesign) -> Outcome | None:
+    def _fetch(self, place: str, running: _RunningDesign) -> Outcome | None:
         try:
-            found = one.task.result()
+            answer = running.task.result()
         except TaskLostError as error:
-            return self._lose(place, one, str(error))
+            return self._lose(place, running, str(error))
         except InputError as error:
             self.refusal = self.refusal or error
             return None
-        if "answer" not in found and "lost" not in found:
-            self.refusal = self.refusal or InputError(_mismatch(place, found["identity"]))
+        if "answer" not in answer and "lost" not in answer:
+            self.refusal = self.refusal or InputError(_mismatch(place, answer["identity"]))
             return None
-        self._compare(place, found["identity"])
-        if "lost" in found:
-            return self.work.lost(one.key, found["lost"], found["seconds"], found["worker"])
-        return self.work.outcome(found["answer"], found["worker"])
+        self._compare(place, answer["identity"])
+        if "lost" in answer:
+            return self.work.lost(running.key, answer["lost"], answer["seconds"], answer["worker"])
+        return self.work.outcome(answer["answer"], answer["worker"])
 
-    def _lose(self, place: str, one: _RunningDesign, reason: str) -> Outcome | None:
-        return self.work.lost(one.key, reason, time.monotonic() - one.since, place)
+    def _lose(self, place: str, running: _RunningDesign, reason: str) -> Outcome | None:
+        return self.work.lost(running.key, reason, time.monotonic() - running.since, place)
 
-    def _compare(self, place: str, found: Mapping[str, Any]) -> None:
+    def _compare(self, place: str, there: Mapping[str, Any]) -> None:
         """Warn once of a worker whose libraries differ, and with them the last digits."""
-        own = identity()["libraries"]
-        other = [f"{n} {v}" for n, v in found["libraries"].items() if own.get(n) != v]
+        here = identity()["libraries"]
+        other = [f"{n} {v}" for n, v in there["libraries"].items() if here.get(n) != v]
         if other and place not in self._warned:
             self._warned.add(place)
             self.note(
@@ -329,16 +331,16 @@ def run_on_cluster(
             if not settled:
                 cluster.wait(WAKE)
     finally:
-        for one in dispatch.given.values():
-            one.task.release()
+        for running in dispatch.given.values():
+            running.task.release()
 
 
-def _mismatch(place: str, found: Mapping[str, Any]) -> str:
-    own = identity()
+def _mismatch(place: str, there: Mapping[str, Any]) -> str:
+    here = identity()
     return (
-        f"dask: given a cluster whose worker {place} has crankfem {found['crankfem']} with model version "
-        f"{found['model_version']}; allowed is the coordinator's crankfem {own['crankfem']} with model "
-        f"version {own['model_version']}, because results of different models must not be mixed."
+        f"dask: given a cluster whose worker {place} has crankfem {there['crankfem']} with model version "
+        f"{there['model_version']}; allowed is the coordinator's crankfem {here['crankfem']} with model "
+        f"version {here['model_version']}, because results of different models must not be mixed."
     )
 
 
@@ -409,8 +411,8 @@ def silence_dask_log() -> None:
 
 def check_address(address: object) -> str:
     """Address of a Dask scheduler if it has the form of one, ``tcp://10.0.0.1:8786``; else `InputError`."""
-    found = ADDRESS.fullmatch(address) if isinstance(address, str) else None
-    if not isinstance(address, str) or found is None or not 1 <= int(found[1]) <= 65535:
+    matched = ADDRESS.fullmatch(address) if isinstance(address, str) else None
+    if not isinstance(address, str) or matched is None or not 1 <= int(matched[1]) <= 65535:
         raise InputError(
             f"dask: given {address!r}; allowed is the address of a running Dask scheduler, like "
             "tcp://10.0.0.1:8786: a host and a port, with tcp, tls, ucx, ws or wss in front."

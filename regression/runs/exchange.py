@@ -81,21 +81,21 @@ def read_lines(path: Path) -> list[list[str]]:
 
 def read_columns(file: str, headers: list[str], plan: StudyPlan) -> list[ImportedColumn]:
     """Columns of a table, by their headers; `InputError` if one is unusable."""
-    found: list[ImportedColumn] = []
+    columns: list[ImportedColumn] = []
     for number, header in enumerate(headers, start=1):
         where = f"{file}, line 1, column {number} ({header.strip()!r})"
         column = _column(header, where, plan)
         if column.kind != "ignored" and any(
-            (one.kind, one.name) == (column.kind, column.name) for one in found
+            (earlier.kind, earlier.name) == (column.kind, column.name) for earlier in columns
         ):
             raise InputError(f"{where}: given twice; allowed is each column once.")
-        found.append(column)
-    if not any(column.kind == "response" for column in found):
+        columns.append(column)
+    if not any(column.kind == "response" for column in columns):
         raise InputError(
             f"{file}, line 1: given no response; allowed are {', '.join(RESPONSES)}, each with its "
             "unit, like axial_compliance_pinned [m/N]."
         )
-    return found
+    return columns
 
 
 def _column(header: str, where: str, plan: StudyPlan) -> ImportedColumn:
@@ -141,26 +141,28 @@ def _choice(choices: tuple[str, ...]) -> Callable[[str, str], str]:
     return read
 
 
-def _reader(where: str, unit: str, given: str | None) -> Callable[[str, str], float]:
+def _reader(where: str, unit: str, header_unit: str | None) -> Callable[[str, str], float]:
     """Make the function that reads the numbers of a column in a given unit."""
-    if (given or "") == unit:
+    if (header_unit or "") == unit:
         return _number
-    if given is None:
+    if header_unit is None:
         raise InputError(f"{where}: given without a unit; write it in brackets, like [{unit}].")
     if not unit:
-        raise InputError(f"{where}: given in {given}; allowed is a plain number without a unit.")
-    parse_quantity(f"1 {given}", unit, where)  # refuses a unit of another kind
+        raise InputError(
+            f"{where}: given in {header_unit}; allowed is a plain number without a unit."
+        )
+    parse_quantity(f"1 {header_unit}", unit, where)  # refuses a unit of another kind
 
     def read(cell: str, place: str) -> float:
         _number(cell, place)
-        return parse_quantity(f"{cell} {given}", unit, place)
+        return parse_quantity(f"{cell} {header_unit}", unit, place)
 
     return read
 
 
-def _response_reader(where: str, name: str, given: str | None) -> Callable[[str, str], float]:
+def _response_reader(where: str, name: str, header_unit: str | None) -> Callable[[str, str], float]:
     """Make the function that reads a response; most are above zero by nature."""
-    read = _reader(where, RESPONSES[name].unit, given)
+    read = _reader(where, RESPONSES[name].unit, header_unit)
 
     def read_positive(cell: str, place: str) -> float:
         value = read(cell, place)
@@ -213,12 +215,12 @@ def columns(table: StudyTable) -> tuple[Column, ...]:
         for place, factor in enumerate(table.plan.factors)
         if factor.name not in CrankThrow.model_fields
     ]
-    found = [
+    listed = [
         Column("role", "", [row.role for row in rows]),
         Column("status", "", [row.status for row in rows]),
         Column("source", "", [row.source or None for row in rows]),
     ]
-    found += [
+    listed += [
         Column(factor.name, factor.unit, [_factor_cell(row, place, factor) for row in rows])
         for place, factor in factors
     ]
@@ -232,17 +234,17 @@ def columns(table: StudyTable) -> tuple[Column, ...]:
     for part, unit, ending in parts:
         entries = [getattr(row, part) for row in rows]
         names = dict.fromkeys(name for entry in entries for name in entry if name not in shown)
-        found += [
+        listed += [
             Column(name + ending, unit(name) or "", [entry.get(name) for entry in entries])
             for name in names
         ]
-    found += [
+    listed += [
         Column("seconds", "s", [None if row.source else row.seconds for row in rows]),
         Column("unknowns", "", [row.unknowns for row in rows]),
         Column("model_version", "", [None if row.source else MODEL_VERSION for row in rows]),
         Column("reason", "", [row.reason or None for row in rows]),
     ]
-    return tuple(found)
+    return tuple(listed)
 
 
 def _factor_cell(row: StudyRow, place: int, factor: Factor) -> Cell:
@@ -316,17 +318,19 @@ def _parquet() -> tuple[Any, Any]:
     return pyarrow, parquet
 
 
-def is_in_range(factor: Factor, given: Any) -> bool:
+def is_in_range(factor: Factor, setting: Any) -> bool:
     """Whether a value of a factor lies in the study's range; rounding must not put it outside."""
     if factor.labels:
-        return given in factor.labels
-    inside = factor.lowest <= given <= factor.highest
-    return inside or same_dimension(given, factor.lowest) or same_dimension(given, factor.highest)
+        return setting in factor.labels
+    inside = factor.lowest <= setting <= factor.highest
+    return (
+        inside or same_dimension(setting, factor.lowest) or same_dimension(setting, factor.highest)
+    )
 
 
-def factor_value(factor: Factor, given: Any) -> float:
+def factor_value(factor: Factor, setting: Any) -> float:
     """Return the value of a factor as in designs: for a label, its index."""
-    return float(factor.labels.index(given)) if factor.labels else float(given)
+    return float(factor.labels.index(setting)) if factor.labels else float(setting)
 
 
 @dataclass(frozen=True)
@@ -343,11 +347,11 @@ class StoreResults:
 
 def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> StoreResults:
     """Find the results of another store for a study with these designs; `InputError` without any."""
-    own = set(keys)
+    keys_here = set(keys)
     finished, rows, left_out = [], list(store.extra_rows(plan.key)), 0
     others = 0  # of another version of the model
     for role, outcome, version in store.results():
-        if outcome.key in own:
+        if outcome.key in keys_here:
             finished.append(outcome)
             continue
         row = _row_of(outcome, role, plan, store.path.name) if version == MODEL_VERSION else None
@@ -373,14 +377,14 @@ def _row_of(outcome: Outcome, role: str, plan: StudyPlan, source: str) -> ExtraR
     if outcome.responses is None or not same:
         return None
     try:
-        given = {name: field_value(inputs["throw"], name) for name in plan.names}
+        settings = {name: field_value(inputs["throw"], name) for name in plan.names}
     except IndexError:  # a pin that the other throw does not have
         return None
     for factor in plan.factors:
-        value = given[factor.name]  # None also for a ratio that only relations use
+        value = settings[factor.name]  # None also for a ratio that only relations use
         if value is None or not is_in_range(factor, value):
             return None
-    values = tuple(factor_value(factor, given[factor.name]) for factor in plan.factors)
+    values = tuple(factor_value(factor, settings[factor.name]) for factor in plan.factors)
     variant = plan.variants().at(np.array([values]))[0]
     if variant.throw is None or variant.throw != inputs["throw"]:
         return None
@@ -423,8 +427,8 @@ def read_rows(path: Path, plan: StudyPlan, *, alone: bool = False) -> tuple[Extr
     if not lines or not any(cell.strip() for cell in lines[0]):
         raise InputError(f"{path.name}, line 1: empty; the first line must name the columns.")
     listed = read_columns(path.name, lines[0], plan)
-    given = tuple(column.name for column in listed if column.kind == "response")
-    reader = _RowReader(path.name, plan, given if alone else None)
+    responses = tuple(column.name for column in listed if column.kind == "response")
+    reader = _RowReader(path.name, plan, responses if alone else None)
     rows = []
     for number, cells in enumerate(lines[1:], start=2):
         if not any(cell.strip() for cell in cells):
@@ -497,13 +501,13 @@ class _RowReader:
             source=about.get("source", line),
         )
 
-    def _values(self, given: Mapping[str, Any]) -> tuple[float, ...] | None:
+    def _values(self, cells: Mapping[str, Any]) -> tuple[float, ...] | None:
         """Values of the study's factors; None unless all are given, with known labels."""
-        if not all(name in given for name in self._plan.names):
+        if not all(name in cells for name in self._plan.names):
             return None
-        if any(f.labels and given[f.name] not in f.labels for f in self._plan.factors):
+        if any(f.labels and cells[f.name] not in f.labels for f in self._plan.factors):
             return None  # a choice that the study does not have
-        return tuple(factor_value(factor, given[factor.name]) for factor in self._plan.factors)
+        return tuple(factor_value(factor, cells[factor.name]) for factor in self._plan.factors)
 
     def _measured_throw(
         self, line: str, values: tuple[float, ...] | None, fields: Mapping[str, Any]
@@ -522,18 +526,18 @@ class _RowReader:
         return replace(self._variants, record=changed_record(self._variants.record, fields))
 
     def _check_ratios(
-        self, given: Mapping[str, Mapping[str, Any]], headers: Mapping[str, str]
+        self, cells: Mapping[str, Mapping[str, Any]], headers: Mapping[str, str]
     ) -> None:
         """Refuse a ratio together with a dimension that follows from it and has another value."""
-        record = self._variants_of(given["field"]).record
+        record = self._variants_of(cells["field"]).record
         for path, relation in self._variants.relations.items():
             ratios = [name for name in relation.names if name not in self._variants.fields]
-            if not ratios or path not in given["field"]:
+            if not ratios or path not in cells["field"]:
                 continue
             known: dict[str, Any] = {
-                name: given["factor"].get(name)
+                name: cells["factor"].get(name)
                 if name in ratios
-                else given["field"].get(name, field_value(record, name))
+                else cells["field"].get(name, field_value(record, name))
                 for name in relation.names
             }
             if any(value is None for value in known.values()):
@@ -541,10 +545,10 @@ class _RowReader:
             values = {name: np.array(float(value)) for name, value in known.items()}
             units = self._variants.units
             expected = float(evaluate_expression(relation, values, units, units[path]))
-            if not abs(given["field"][path] - expected) <= AGREE * abs(expected):
+            if not abs(cells["field"][path] - expected) <= AGREE * abs(expected):
                 listed = ", ".join(f"{name} = {known[name]:g}" for name in ratios)
                 raise InputError(
-                    f"{headers[path]}: given {format_value(path, given['field'][path])} beside {listed}; "
+                    f"{headers[path]}: given {format_value(path, cells['field'][path])} beside {listed}; "
                     f"allowed is {format_value(path, expected)}, which follows from it, or "
                     "one of the two alone."
                 )
@@ -553,28 +557,28 @@ class _RowReader:
         self,
         line: str,
         values: tuple[float, ...] | None,
-        given: Mapping[str, Mapping[str, Any]],
+        cells: Mapping[str, Mapping[str, Any]],
         headers: Mapping[str, str],
     ) -> dict[str, Any]:
         """The throw of the study with the line's factors; other values must agree with it."""
         for factor in self._plan.factors:
-            self._check_range(factor, given, headers)
+            self._check_range(factor, cells, headers)
         if values is None:
             missing = [
-                n for n in self._plan.names if n not in {**given["field"], **given["factor"]}
+                n for n in self._plan.names if n not in {**cells["field"], **cells["factor"]}
             ]
             raise InputError(
                 f"{line}: given no {', '.join(missing)}; a line that is fitted or held out must have all "
                 f"factors of the study ({', '.join(self._plan.names)})."
             )
-        lacking = [name for name in self._needed if name not in given["response"]]
+        lacking = [name for name in self._needed if name not in cells["response"]]
         if lacking:
             raise InputError(
                 f"{line}: given no {', '.join(lacking)}; a line that is fitted or held out must have all "
                 f"responses of {self._whose}, because its equations share their designs; others are "
                 f"'{MEASURED}'."
             )
-        version = given["about"].get("model_version", str(MODEL_VERSION))
+        version = cells["about"].get("model_version", str(MODEL_VERSION))
         if version != str(MODEL_VERSION):
             raise InputError(
                 f"{headers['model_version']}: given {version}; allowed is {MODEL_VERSION}, because "
@@ -583,14 +587,14 @@ class _RowReader:
         variant = self._variants.at(np.array([values]))[0]
         if variant.throw is None:
             raise InputError(f"{line}: no design of this study, because {variant.reason}.")
-        for name, value in given["field"].items():
+        for name, value in cells["field"].items():
             self._check_field(headers[name], name, value, variant.throw)
         return variant.throw
 
     def _check_range(
-        self, factor: Factor, given: Mapping[str, Mapping[str, Any]], headers: Mapping[str, str]
+        self, factor: Factor, cells: Mapping[str, Mapping[str, Any]], headers: Mapping[str, str]
     ) -> None:
-        value = given["field"].get(factor.name, given["factor"].get(factor.name))
+        value = cells["field"].get(factor.name, cells["factor"].get(factor.name))
         if value is None or is_in_range(factor, value):
             return
         shown = value if factor.labels else factor.format_value(value)

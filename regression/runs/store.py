@@ -19,16 +19,13 @@ from typing import Any, TypeVar
 from crankbase.errors import InputError
 from regression.records import MEASURED, ExtraRow, Outcome, StudyStoppedError, content_key
 from regression.runs.store_file import (
-    CHECKSUMS_SINCE,
     DAMAGED,
-    EXTRA_ROWS_SINCE,
     MADE_BY,
     check_place,
     damaged_store,
     error_cause,
     is_ours,
     open_store,
-    schema_version,
     transaction,
 )
 from regression.runs.store_rows import (
@@ -53,24 +50,19 @@ class ResultStore:
     Parameters
     ----------
     path : path
-        The file; created if missing, in an existing folder. A file of an earlier release is brought
-        up to date: its rows stay, and no study of this release uses results of another model version.
-        Rows of releases without checksums then get one for their content, if it can be read;
-        in read-only mode they are accepted without.
+        The file; created if missing, in an existing folder.
     readonly : bool
         Open an existing store without changing it.
 
     Attributes
     ----------
-    version : int
-        Of the layout of its tables.
     damaged : dict of str to str
         Rows skipped while reading, by design key or position, and their faults.
 
     Raises
     ------
     InputError
-        If the file is not such a store, or of a later release, or lacks a table.
+        If the file is not such a store, of another layout, or lacks a table.
     StudyStoppedError
         If the file, here or in any later call, cannot be written: a full disk, a read-only or locked
         file. What was recorded before is kept.
@@ -100,8 +92,6 @@ class ResultStore:
                 f"({error}); give a new file name."
             ) from None
         self._connection.row_factory = sqlite3.Row
-        self.version = schema_version(self._connection)
-        self._checked = self.version >= CHECKSUMS_SINCE
         self.damaged: dict[str, str] = {}
 
     def close(self) -> None:
@@ -222,7 +212,7 @@ class ResultStore:
     ) -> Row | None:
         """Read a row, or skip a damaged one and record the reason."""
         try:
-            return read(row, checked=self._checked)
+            return read(row)
         except DamagedRowError as error:
             self.damaged[place] = str(error)
             return None
@@ -237,7 +227,7 @@ class ResultStore:
             for row in map(dict, rows):
                 outcome = self._read_or_skip(row["key"], read_design, row)
                 if outcome is not None and outcome.responses is not None:
-                    yield row["role"], outcome, row.get("model_version")
+                    yield row["role"], outcome, row["model_version"]
 
     def every_outcome(self) -> Iterator[Outcome]:
         """List the sound rows of all designs, whether a study has them or not."""
@@ -270,14 +260,13 @@ class ResultStore:
             rows = self._connection.execute(
                 "SELECT * FROM study_designs WHERE study = ? ORDER BY place", (study,)
             ).fetchall()
-        read = [read_plan(row["factors"]) for row in map(dict, rows) if row.get("added")]
+        read = [read_plan(row["factors"]) for row in map(dict, rows) if row["added"]]
         return tuple(factors for factors in read if factors is not None)
 
     def study_designs(self, study: str) -> tuple[tuple[str, str, dict[str, Any]], ...]:
         """Return a study's designs as `register_study` was given them, in order.
 
-        A study of the first release, which did not keep factor values, has none; nor one
-        in which a row of them is damaged or missing.
+        A study in which a row of them is damaged or missing has none.
         """
         with self._reading():
             rows = self._connection.execute(
@@ -286,7 +275,7 @@ class ResultStore:
         listed = tuple(
             (row["role"], row["design"], read_plan(row["factors"]))
             for place, row in enumerate(map(dict, rows))
-            if row.get("factors") and row["place"] == place
+            if row["factors"] and row["place"] == place
         )
         sound = tuple((role, key, factors) for role, key, factors in listed if factors is not None)
         return sound if len(sound) == len(rows) else ()
@@ -312,8 +301,6 @@ class ResultStore:
 
     def extra_rows(self, study: str | None = None) -> tuple[ExtraRow, ...]:
         """Return the rows from elsewhere of a study, or of all, in the order of import."""
-        if self.version < EXTRA_ROWS_SINCE:
-            return ()
         with self._reading():
             rows = self._connection.execute(
                 "SELECT * FROM extra_rows WHERE ?1 IS NULL OR study = ?1 ORDER BY rowid", (study,)

@@ -10,7 +10,6 @@ from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.records import content_key
 from regression.runs.store import ResultStore
 from regression.runs.store_file import (
-    CHECKSUMS_SINCE,
     SCHEMA_VERSION,
     check_place,
     connect_readonly,
@@ -47,15 +46,12 @@ class StoreCheck:
         "done", "failed" and "lost" to the number of sound rows.
     damaged : dict
         Design, or position of an imported row, to the fault of its row.
-    without_checksums : bool
-        Whether the store is of a release whose rows have no checksums.
     """
 
     path: Path
     file: str = ""
     status: Mapping[str, int] = field(default_factory=dict)
     damaged: Mapping[str, str] = field(default_factory=dict)
-    without_checksums: bool = False
     studies: tuple[StudyCheck, ...] = ()
 
     @property
@@ -75,7 +71,7 @@ def check_store(path: str | Path) -> StoreCheck:
     Raises
     ------
     InputError
-        If there is no such file, or it is no result store, or of a later release.
+        If there is no such file, or it is no result store, or of another layout.
     StudyStoppedError
         If it cannot be opened now.
     """
@@ -90,9 +86,7 @@ def check_store(path: str | Path) -> StoreCheck:
             status[outcome.status] += 1
         studies = tuple(_check_study(store, *known) for known in store.studies().items())
         store.extra_rows()
-        return StoreCheck(
-            file, why, status, dict(store.damaged), store.version < CHECKSUMS_SINCE, studies
-        )
+        return StoreCheck(file, why, status, dict(store.damaged), studies)
 
 
 def _file_damage(path: Path) -> str:
@@ -101,7 +95,7 @@ def _file_damage(path: Path) -> str:
         with closing(connect_readonly(path)) as connection:
             found = [text for (text,) in connection.execute("PRAGMA integrity_check")]
             lacking = (
-                missing_parts(connection) if schema_version(connection) <= SCHEMA_VERSION else []
+                missing_parts(connection) if schema_version(connection) == SCHEMA_VERSION else []
             )
     except UnicodeDecodeError:  # what SQLite says of it quotes damaged text
         return "the names of its tables cannot be read"

@@ -11,22 +11,11 @@ import psutil
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
 from fem.responses import RESPONSES
-from regression.runs.store_rows import (
-    CHECKSUM,
-    EXTRA,
-    RECORDED,
-    DamagedRowError,
-    checksum,
-    read_design,
-    read_extra,
-)
 
 # Marks our files in SQLite's header: "crfm".
 APPLICATION_ID = 0x6372666D
-# In the header's user version: 0 is the first release's, raised whenever a table changes.
+# In the header's user version, raised whenever a table changes: stores of other layouts are refused.
 SCHEMA_VERSION = 4
-# The versions that brought rows from elsewhere, and checksums of rows.
-EXTRA_ROWS_SINCE, CHECKSUMS_SINCE = 2, 3
 
 # What the view shows as columns of its own; everything else is in its JSON columns.
 DIMENSIONS = (
@@ -94,15 +83,6 @@ TABLES = (
     )
     """,
 )
-# Those of the first release.
-FIRST_TABLES = ("designs", "study_designs", "studies")
-# Its designs do not tell their model version; the studies that hold them do.
-FILL_MODEL_VERSION = """
-    UPDATE designs SET model_version = (
-        SELECT CASE WHEN json_valid(s.plan) THEN json_extract(s.plan, '$.model_version') END
-        FROM study_designs d JOIN studies s ON s.study = d.study WHERE d.design = designs.key
-    ) WHERE model_version IS NULL
-"""
 
 
 def results_view() -> str:
@@ -125,72 +105,40 @@ def _extract(column: str, name: str) -> str:
 
 def missing_parts(connection: sqlite3.Connection) -> list[str]:
     """Name the missing tables and columns of one of our files."""
-    version, wanted = schema_version(connection), wanted_columns()
     missing = []
-    for table in FIRST_TABLES if version < CHECKSUMS_SINCE else wanted:
-        columns = _columns(connection, table)
-        if not columns:
+    for table, columns in _wanted_columns().items():
+        present = _columns(connection, table)
+        if not present:
             missing.append(f"table {table}")
-        elif version == SCHEMA_VERSION:
-            lacking = [name for name in wanted[table] if name not in columns]
+        else:
+            lacking = [name for name in columns if name not in present]
             missing += [f"column {name} in the table {table}" for name in lacking]
     return missing
 
 
-def wanted_columns() -> dict[str, dict[str, str]]:
-    """Columns that each table has in this release, with their types."""
+def _wanted_columns() -> dict[str, list[str]]:
+    """Columns that each table has."""
     with closing(sqlite3.connect(":memory:")) as made:
         for statement in TABLES:
             made.execute(statement)
-        return {table: _columns(made, table) for table in _tables(made)}
+        tables = made.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall()
+        return {table: _columns(made, table) for (table,) in tables}
 
 
-def _tables(connection: sqlite3.Connection) -> list[str]:
-    return [n for (n,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")]
-
-
-def _columns(connection: sqlite3.Connection, table: str) -> dict[str, str]:
-    return {row[1]: row[2] for row in connection.execute(f"PRAGMA table_info({table})")}
-
-
-def _add_checksums(connection: sqlite3.Connection) -> None:
-    """Give a checksum to each row that an earlier release wrote and that can be read."""
-    for table, columns, read in (
-        ("designs", RECORDED, read_design),
-        ("extra_rows", EXTRA, read_extra),
-    ):
-        for number, *values in connection.execute(
-            f"SELECT rowid, {', '.join(columns)} FROM {table}"
-        ).fetchall():
-            try:
-                read(dict(zip(columns, values, strict=True)), checked=False)
-            except DamagedRowError:
-                continue  # without a checksum it counts as damaged from now on
-            connection.execute(
-                f"UPDATE {table} SET {CHECKSUM} = ? WHERE rowid = ?", (checksum(values), number)
-            )
+def _columns(connection: sqlite3.Connection, table: str) -> list[str]:
+    return [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
 
 
 def prepare(connection: sqlite3.Connection) -> None:
-    """Make the tables of an empty file, or bring those of an earlier release up to date.
+    """Make the tables of an empty file, and the view of the responses that there are now.
 
     To be called within a transaction.
     """
-    version, tables = schema_version(connection), _tables(connection)
     view = connection.execute("SELECT sql FROM sqlite_master WHERE name = 'results'").fetchone()
-    if version == SCHEMA_VERSION and view == (results_view(),):
+    if view == (results_view(),):
         return
     for statement in TABLES:
         connection.execute(statement)
-    for table, columns in wanted_columns().items():
-        present = _columns(connection, table)
-        for name, kind in columns.items():
-            if name not in present:
-                connection.execute(f"ALTER TABLE {table} ADD COLUMN {name} {kind}")
-    if "designs" in tables and version < SCHEMA_VERSION:
-        connection.execute(FILL_MODEL_VERSION)
-        if version < CHECKSUMS_SINCE:
-            _add_checksums(connection)
     connection.execute("DROP VIEW IF EXISTS results")
     connection.execute(results_view())
     connection.execute(f"PRAGMA application_id={APPLICATION_ID}")
@@ -238,7 +186,7 @@ def damaged_store(path: Path, why: str) -> InputError:
     """Return the error that describes the fault of a store."""
     return InputError(
         f"store: given {str(path)!r}, which is damaged ({why}); allowed is a store as a study leaves it, "
-        f"so run crankfem doe --repair {path}, use a copy of it, or give a new file name."
+        "so use a copy of it, or give a new file name."
     )
 
 
@@ -268,7 +216,7 @@ def open_store(path: Path, readonly: bool) -> sqlite3.Connection:
     Raises
     ------
     InputError
-        If the file is that of another program, of a later release, or lacks a part.
+        If the file is that of another program, of another layout, or lacks a part.
     """
     if readonly or (path.exists() and path.stat().st_size > 0):
         connection = connect_readonly(path)
@@ -312,11 +260,11 @@ def _text(raw: bytes) -> str:
 
 
 def _check_ours(connection: sqlite3.Connection, path: Path, readonly: bool) -> None:
-    """Refuse a database of another program, or of a later release, before anything is written."""
+    """Refuse a database of another program, or of another layout, before anything is written."""
     (mark,) = connection.execute("PRAGMA application_id").fetchone()
     (tables,) = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
     version = schema_version(connection)
-    if mark == APPLICATION_ID and version <= SCHEMA_VERSION:
+    if mark == APPLICATION_ID and version == SCHEMA_VERSION:
         missing = missing_parts(connection)
         if missing:
             raise damaged_store(path, f"it has no {missing[0]}")
@@ -325,9 +273,8 @@ def _check_ours(connection: sqlite3.Connection, path: Path, readonly: bool) -> N
         return
     if mark == APPLICATION_ID:
         raise InputError(
-            f"store: given {str(path)!r}, whose layout {version} is of a later release; allowed is "
-            f"layout {SCHEMA_VERSION} or earlier, so "
-            f"{'use that release' if readonly else 'give a new file name'}."
+            f"store: given {str(path)!r}, whose layout {version} is of another release; allowed is "
+            f"layout {SCHEMA_VERSION}, so {'use that release' if readonly else 'give a new file name'}."
         )
     raise InputError(
         f"store: given {str(path)!r}, which is no result store but the file of another program; "
@@ -357,11 +304,11 @@ def is_database(path: Path) -> bool:
 
 
 def is_ours(path: Path) -> bool:
-    """Whether a file's header is that of a store of this release, even if the rest is damaged."""
+    """Whether a file's header is that of a store of this layout, even if the rest is damaged."""
     with path.open("rb") as file:
         header = file.read(100)
     version, mark = int.from_bytes(header[60:64]), int.from_bytes(header[68:72])
-    return is_database(path) and mark == APPLICATION_ID and version <= SCHEMA_VERSION
+    return is_database(path) and mark == APPLICATION_ID and version == SCHEMA_VERSION
 
 
 def _on_network(path: Path) -> bool:

@@ -98,15 +98,8 @@ def _json(numbers: Mapping[str, float]) -> str:
     return json.dumps(dict(numbers), allow_nan=False)
 
 
-def read_design(row: Mapping[str, Any], *, checked: bool = True) -> Outcome:
-    """Make an outcome of a design's row.
-
-    Parameters
-    ----------
-    row : mapping
-        Column to value; a file of an earlier release lacks some.
-    checked : bool
-        Whether the row must have a checksum: those of earlier releases have none.
+def read_design(row: Mapping[str, Any]) -> Outcome:
+    """Make an outcome of a design's row, a mapping of column to value.
 
     Raises
     ------
@@ -121,10 +114,10 @@ def read_design(row: Mapping[str, Any], *, checked: bool = True) -> Outcome:
         reason=row["reason"],
         seconds=row["seconds"],
         lost=row["status"] == "lost",
-        errors=_numbers(row.get("errors") or "{}", "errors"),
-        unknowns=row.get("unknowns"),
-        worker=row.get("worker") or "",
-        attempts=row.get("attempts") or 1,
+        errors=_numbers(row["errors"] or "{}", "errors"),
+        unknowns=row["unknowns"],
+        worker=row["worker"] or "",
+        attempts=row["attempts"] or 1,
     )
     if row["status"] == "done" and not responses:
         raise DamagedRowError("it is done, but has no responses")
@@ -134,12 +127,11 @@ def read_design(row: Mapping[str, Any], *, checked: bool = True) -> Outcome:
         )
     if not isinstance(outcome.seconds, float) or not 0.0 <= outcome.seconds < math.inf:
         raise DamagedRowError(f"its seconds are {outcome.seconds!r}")
-    if checked:
-        _check_sum(row, RECORDED)
+    _check_sum(row, RECORDED)
     return outcome
 
 
-def read_extra(row: Mapping[str, Any], *, checked: bool = True) -> ExtraRow:
+def read_extra(row: Mapping[str, Any]) -> ExtraRow:
     """Make a row from elsewhere from its stored values; otherwise as `read_design`."""
     values = None if row["factors"] is None else _content(row["factors"], "factors", list)
     if values is not None:
@@ -153,8 +145,7 @@ def read_extra(row: Mapping[str, Any], *, checked: bool = True) -> ExtraRow:
         errors=_numbers(row["errors"], "errors"),
         source=row["source"],
     )
-    if checked:
-        _check_sum(row, EXTRA)
+    _check_sum(row, EXTRA)
     return found
 
 

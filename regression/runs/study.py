@@ -101,9 +101,9 @@ def _added(plan: StudyPlan, values: NDArray[np.float64]) -> list[PlannedDesign]:
 def with_added(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
     """Return a plan's designs, and behind them those that were added in the store."""
     rows = [
-        found
+        settings
         for shown in results.added_designs(plan.key)
-        if (found := _values(plan, shown)) is not None
+        if (settings := _values(plan, shown)) is not None
     ]
     added = _added(plan, np.array(rows).reshape(-1, len(plan.factors)))
     return replace(plan.planned, designs=(*plan.planned.designs, *added))
@@ -131,14 +131,8 @@ def _as_listed(
 
 def register_designs(results: ResultStore, plan: StudyPlan, planned: PlannedStudy) -> None:
     """Record the designs of a study."""
-    own = [_as_listed(plan, design) for design in planned.designs if not design.added]
-    results.register_study(plan.key, plan.as_record(), own)
-
-
-def is_design(plan: StudyPlan, key: str, shown: Mapping[str, Any]) -> bool:
-    """Whether a registered design's key is that of its factor values."""
-    values = _values(plan, shown)
-    return values is not None and [d.key for d in _added(plan, np.array([values]))] == [key]
+    listed = [_as_listed(plan, design) for design in planned.designs if not design.added]
+    results.register_study(plan.key, plan.as_record(), listed)
 
 
 def is_list_sound(results: ResultStore, plan: StudyPlan) -> bool:
@@ -248,9 +242,9 @@ def run_plan(
         from regression.runs.cluster import check_address
 
         check_address(dask)
-    own = plan.planned  # a study that cannot be planned leaves no store behind
+    drawn = plan.planned  # a study that cannot be planned leaves no store behind
     with ResultStore(store) as results, Claims(results.path) as claims:
-        register_designs(results, plan, own)
+        register_designs(results, plan, drawn)
         planned = with_added(results, plan)
         unique = {design.key: design.inputs for design in planned.designs}
         known = {k: found for k, found in results.outcomes(unique).items() if not found.lost}
@@ -329,17 +323,6 @@ def _silent(_: str) -> None:
     """Ignore a note."""
 
 
-def current_plans(store: str | Path) -> tuple[StudyPlan, ...]:
-    """Return the plans in a store that are sound and of this version of the finite element model."""
-    with ResultStore(store, readonly=True) as results:
-        recorded = results.studies()
-    return tuple(
-        StudyPlan.from_record(plan)
-        for key, plan in recorded.items()
-        if plan is not None and content_key(plan) == key and plan["model_version"] == MODEL_VERSION
-    )
-
-
 def read_study(store: str | Path, study: str | None = None) -> StudyTable:
     """Read a study's results from its store without computing anything.
 
@@ -380,11 +363,11 @@ def _study_choice_text(
     results: ResultStore, study: str | None, plans: Mapping[str, Mapping[str, Any]]
 ) -> InputError:
     """List the studies of a store, so that one of them can be named."""
-    given = "none named" if study is None else f"given {study!r}"
+    chosen = "none named" if study is None else f"given {study!r}"
     usable = {k: p for k, p in plans.items() if p.get("model_version") == MODEL_VERSION}
     if not usable:
         return InputError(
-            f"study: {given}; {results.path} holds no study yet; allowed is a store in which one was run."
+            f"study: {chosen}; {results.path} holds no study yet; allowed is a store in which one was run."
         )
     digits = next(n for n in range(6, 25) if len({key[:n] for key in usable}) == len(usable))
     listed = "; ".join(
@@ -393,7 +376,7 @@ def _study_choice_text(
     )
     number = "1 study" if len(usable) == 1 else f"{len(usable)} studies"
     return InputError(
-        f"study: {given}; {results.path} holds {number}: {listed}; name one of them by the first "
+        f"study: {chosen}; {results.path} holds {number}: {listed}; name one of them by the first "
         "characters of its key."
     )
 
@@ -455,22 +438,22 @@ def import_results(
     if not path.is_file():
         raise InputError(f"import: given {str(path)!r}; there is no such file.")
     planned = known_designs(store, plan)
-    found, damaged = StoreResults((), (), 0), ""
+    imported, damaged = StoreResults((), (), 0), ""
     if is_database(path):
         with ResultStore(path, readonly=True) as other:
-            found = read_store(other, plan, {design.key for design in planned.designs})
+            imported = read_store(other, plan, {design.key for design in planned.designs})
             damaged = damaged_rows_warning(other.damaged, path) if other.damaged else ""
     else:
-        found = replace(found, rows=read_rows(path, plan, alone=alone))
+        imported = replace(imported, rows=read_rows(path, plan, alone=alone))
     with ResultStore(store) as results:
         register_designs(results, plan, planned)
-        known = results.outcomes(one.key for one in found.finished)
-        new = [one for one in found.finished if one.key not in known or known[one.key].lost]
+        known = results.outcomes(one.key for one in imported.finished)
+        new = [one for one in imported.finished if one.key not in known or known[one.key].lost]
         for outcome in new:
             results.record(outcome, MODEL_VERSION)
-        coinciding = _coinciding(results, planned, found.rows, alone)
-        added = results.add_extra_rows(plan.key, found.rows)
-        return ImportSummary(len(new), added, found.left_out, coinciding, damaged)
+        coinciding = _coinciding(results, planned, imported.rows, alone)
+        added = results.add_extra_rows(plan.key, imported.rows)
+        return ImportSummary(len(new), added, imported.left_out, coinciding, damaged)
 
 
 def _coinciding(
@@ -478,12 +461,12 @@ def _coinciding(
 ) -> int:
     """Count the computed rows at which the study has, or without `alone` will have, its own result."""
     outcomes = results.outcomes(design.key for design in planned.designs)
-    status = {key: found.status for key, found in outcomes.items()}
+    status = {key: outcome.status for key, outcome in outcomes.items()}
     others = {"failed", "lost", None} if alone else {"failed"}
-    own = np.array([d.values for d in planned.designs if status.get(d.key) not in others])
-    own = own.reshape(-1, len(planned.plan.factors))
+    points = np.array([d.values for d in planned.designs if status.get(d.key) not in others])
+    points = points.reshape(-1, len(planned.plan.factors))
     return sum(
-        bool(np.isclose(own, row.values, rtol=SAME, atol=0.0).all(axis=1).any())
+        bool(np.isclose(points, row.values, rtol=SAME, atol=0.0).all(axis=1).any())
         for row in rows
         if row.role != MEASURED and row.values is not None
     )

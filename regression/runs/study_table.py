@@ -181,14 +181,14 @@ class StudyTable:
         return table(columns | {"seconds": (self.seconds, "s")})
 
 
-def _one_of(argument: str, given: str | None, names: list[str]) -> str:
+def _one_of(argument: str, chosen: str | None, names: list[str]) -> str:
     """Return the given name, or the first one."""
-    if not names or (given is not None and given not in names):
+    if not names or (chosen is not None and chosen not in names):
         raise InputError(
-            f"{argument}: given {given!r}; allowed are {', '.join(names) or 'none'}, because the study "
+            f"{argument}: given {chosen!r}; allowed are {', '.join(names) or 'none'}, because the study "
             "has these."
         )
-    return names[0] if given is None else given
+    return names[0] if chosen is None else chosen
 
 
 def _cells(factor: Factor, values: Array) -> tuple[Any, str]:
@@ -232,8 +232,8 @@ def study_table(
     """
     damaged = dict(damaged or {})
     extra = tuple(extra)
-    own = [_own_row(design, outcomes.get(design.key), damaged) for design in designs]
-    taken = [row.values for row in own if row.status == DONE]
+    computed_rows = [_own_row(design, outcomes.get(design.key), damaged) for design in designs]
+    taken = [row.values for row in computed_rows if row.status == DONE]
     imported = []
     for row in extra:
         if row.role != MEASURED:
@@ -241,7 +241,7 @@ def study_table(
                 continue
             taken.append(row.values)
         imported.append(StudyRow(status=DONE, **vars(row)))
-    rows = (*own, *imported)
+    rows = (*computed_rows, *imported)
     good = [row for row in rows if row.status == DONE and row.role != MEASURED]
     return StudyTable(
         plan=plan,
@@ -254,7 +254,9 @@ def study_table(
         dimensions=_columns([row.dimensions for row in good]),
         outlines=_words([row.outlines for row in good]),
         seconds=np.array([row.seconds for row in good], dtype=float),
-        failures=tuple((row.role, row.values or (), row.reason) for row in own if row.reason),
+        failures=tuple(
+            (row.role, row.values or (), row.reason) for row in computed_rows if row.reason
+        ),
         excluded=tuple(excluded),
         computed=computed,
         added=sum(design.added for design in designs),
@@ -286,11 +288,11 @@ def _own_row(
     )
 
 
-def _equal(one: tuple[float, ...] | None, other: tuple[float, ...] | None) -> bool:
+def _equal(first: tuple[float, ...] | None, other: tuple[float, ...] | None) -> bool:
     return (
-        one is not None
+        first is not None
         and other is not None
-        and all(same_dimension(a, b) for a, b in zip(one, other, strict=True))
+        and all(same_dimension(a, b) for a, b in zip(first, other, strict=True))
     )
 
 

@@ -108,7 +108,7 @@ def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
 
 
 @pytest.mark.slow
-def test_doe_checks_a_store_and_repairs_it(call, study, tmp_path):
+def test_doe_checks_a_store_and_computes_a_damaged_row_again(call, study, tmp_path):
     assert call("doe", study).code == 0
     for line in (("runs.sqlite",), (study, "--store", "runs.sqlite")):
         sound = call("doe", "--check", *line)
@@ -126,20 +126,16 @@ def test_doe_checks_a_store_and_repairs_it(call, study, tmp_path):
     assert "11 done; 1 damaged." in damaged.out
     assert "its checksum does not fit its content." in damaged.out
     assert "12 designs, 1 without a result." in damaged.out
-    assert "Error: runs.sqlite is damaged; crankfem doe --repair runs.sqlite" in damaged.err
-    record = call("doe", "--repair", "runs.sqlite", "--json").json()
-    assert (record["sound"], record["kept"], record["computed_now"]) == (True, 11, 1)
+    assert "Error: runs.sqlite is damaged; the next run of a study computes" in damaged.err
+    assert "1 computed now" in call("doe", study).out
+    record = call("doe", "--check", "runs.sqlite", "--json").json()
+    assert record["sound"]
     assert record["designs"] == {"done": 12, "failed": 0, "lost": 0}
-    assert record["original"] == "runs.sqlite.damaged"
     (tmp_path / "runs.sqlite").write_bytes((tmp_path / "runs.sqlite").read_bytes()[:9000])
-    lost = call("doe", "--repair", "runs.sqlite")
-    assert lost.code == 0
-    assert (
-        "was damaged: 0 sound designs are kept; the damaged file is now runs.sqlite.d" in lost.out
-    )
-    assert "It holds no study: run one from its file" in lost.out
-    again = call("doe", "--repair", study)
-    assert "12 designs computed now." in again.out
+    for line in (("--check", "runs.sqlite"), (study,)):
+        lost = call("doe", *line)
+        assert lost.code == 2
+        assert "use a copy of it, or give a new file name." in " ".join(lost.err.split())
 
 
 @pytest.mark.slow
@@ -237,10 +233,9 @@ def test_doe_takes_earlier_and_measured_results_over(call, study, tmp_path):
         (["--mesh", "inp", "--export", "a.csv"], "--export: given a.csv with --mesh; allowed is a"),
         (
             ["--check", "--plan"],
-            "--check: given with another task; allowed are --check or --repair",
+            "--check: given with another task; allowed are --check and --store",
         ),
-        (["--repair", "--check"], "--check: given with another task"),
-        (["--repair", "--more", "2"], "--repair: given with another task"),
+        (["--check", "--more", "2"], "--check: given with another task"),
         (["--check"], "store: given 'runs.sqlite'; there is no such file"),
         (["--no-compute"], "store: given 'runs.sqlite'; there is no such file"),
     ],
@@ -423,14 +418,6 @@ def test_fit_tells_of_a_damaged_row_and_does_without(store, call, tmp_path, quie
 
 GROWTH_THROW = FILLETED
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.040, 0.100), "pin_length": (0.120, 0.158)}
-DESIGNS = {
-    "full factorial": {"levels": 3},
-    "fractional factorial": {"resolution": 3},
-    "central composite": {},
-    "box-behnken": {},
-    "latin hypercube": {"runs": 24},
-    "sobol": {"runs": 32},
-}
 
 
 def compliance(x):
@@ -438,18 +425,6 @@ def compliance(x):
     pin = 0.17**2 * (length + 0.33 * thickness) / (2.1e11 * math.pi * 0.18**4 / 64)
     web = 8 * 0.17**3 / (2.1e11 * width * (thickness**2 + 0.03**2) ** 1.5)
     return 0.6 * pin + 0.5 * web
-
-
-def plan_of(kind, seed=1, **others):
-    given = dict(DESIGNS[kind])
-    levels = given.pop("levels", None)
-    factors = tuple(
-        Factor(name, "m", *ends)
-        if levels is None
-        else Factor.spread(name, "m", *ends, levels, "even")
-        for name, ends in BOX.items()
-    )
-    return StudyPlan(GROWTH_THROW, factors, DesignChoice(kind, **given), seed=seed, **others)
 
 
 def test_added_runs_keep_constraints_and_relations_and_are_new(monkeypatch):
@@ -541,27 +516,23 @@ def test_numbers_that_no_study_grows_by(tmp_path, more):
 
 
 def test_too_few_throws_to_grow_by(monkeypatch):
-    plan = plan_of("latin hypercube")
+    factors = tuple(Factor(name, "m", *ends) for name, ends in BOX.items())
+    plan = StudyPlan(GROWTH_THROW, factors, DesignChoice("latin hypercube", runs=24))
     table = table_of_function(plan, compliance)
     monkeypatch.setattr(studies, "draw_feasible_points", lambda *_, **__: None)
     with pytest.raises(InputError, match=r"^more: given 10 further designs; allowed are as many"):
         worst_designs(table, fit_study(table), 10)
 
 
-EXPORT_STUDY = """
-[throw]
-crank_radius = "170 mm"
-main_journal_diameter = "220 mm"
-pin_diameter = "180 mm"
-main_journal_length = "120 mm"
-pin_length = "139 mm"
-web_width = "285 mm"
-web_thickness = "68 mm"
+EXPORT_STUDY = (
+    THROW
+    + """
 [study]
 held_out = 1
 [study.factors]
 pin_length = ["120 mm", "158 mm"]
 """
+)
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ from comparing import close
 from crankbase.diagrams import ON_PAPER, draw_curves
 from crankbase.errors import InputError
 from crankfem.analyses.study.response_fits import fit_study, predicted
-from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
+from crankfem.analyses.throw.formula_records import formulas_over_angle
 from crankfem.report.figures import STUDY
 from crankfem.report.interactive import vibration as vibration_plots
 from crankfem.report.interactive.mechanism import MECHANISM, developed_load, polar_load

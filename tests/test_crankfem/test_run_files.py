@@ -132,28 +132,6 @@ def test_a_folder_of_pictures_that_is_a_link_is_refused(tmp_path):
         check_folder(tmp_path / "run", study=False)
 
 
-@pytest.mark.slow
-def test_what_a_run_of_an_earlier_release_has_left_gives_way(
-    coarsely, call, least_engine, model_file, tmp_path
-):
-    (tmp_path / "one.toml").write_text(least_engine, encoding="utf-8")
-    assert call("run", "one.toml", "--output", "old").code == 0
-    folder = tmp_path / "old"
-    (folder / STORE).write_text("old", encoding="utf-8")
-    model_file.rename(folder / MODEL)
-    assert {REPORT, RESULTS, "throw.vtu", "drawing.svg"} <= set(files_of(folder))
-    for place in (folder, folder / "pictures"):
-        (place / LISTED).unlink()
-    (folder / "pictures" / "mine.svg").write_text("mine", encoding="utf-8")
-    # Named by the results or not: no run writes a picture of this name.
-    results = json.loads((folder / RESULTS).read_text(encoding="utf-8"))
-    results["pictures"]["mine"] = "mine.svg"
-    (folder / RESULTS).write_text(json.dumps(results), encoding="utf-8")
-    check_folder(folder, study=True)
-    replace_last_run(folder, {})
-    assert files_of(folder) == ["mine.svg", RESULTS, STORE]
-
-
 def test_without_space_for_new_results_the_last_run_stays_whole(finished, monkeypatch):
     before = files_of(finished)
     with monkeypatch.context() as patch:
@@ -351,14 +329,6 @@ def test_an_interrupt_is_no_picture_that_fails(pictures):
 
     with pytest.raises(KeyboardInterrupt):
         pictures.attempt("picture", interrupt)
-
-
-def test_with_the_traceback_asked_for_it_is_shown(pictures, monkeypatch, capsys):
-    pictures.attempt("picture", picture_fail)
-    assert "Traceback" not in capsys.readouterr().err
-    monkeypatch.setenv("CRANKFEM_TRACEBACK", "1")
-    pictures.attempt("picture", picture_fail)
-    assert "Traceback" in capsys.readouterr().err
 
 
 def test_rendered_pictures_come_into_the_folder_at_the_end_only(pictures, told, tmp_path):
@@ -657,15 +627,6 @@ def test_an_input_stays_even_if_forced(line, call, link):
         assert mine.read_bytes() == before
 
 
-def test_a_store_is_no_model(store, call):
-    before = store.read_bytes()
-    for options in ((), ("--force",)):
-        answer = call("fit", store.name, "--model", f"./{store.name}", *options)
-        assert (answer.code, answer.out) == (2, "")
-        assert "because this command reads that file" in answer.err
-        assert store.read_bytes() == before
-
-
 def test_another_store_is_no_model_either(store, call, tmp_path):
     shutil.copy(store, tmp_path / "other.sqlite")
     answer = call("fit", store.name, "--model", "other.sqlite", "--force")
@@ -740,3 +701,11 @@ def test_a_run_in_the_folder_of_its_file_leaves_the_rest(coarsely, call, tmp_pat
         assert answer.code == code, answer.err
         assert (tmp_path / "model.json").read_text(encoding="utf-8") == "precious"
     assert "<html" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_with_the_traceback_asked_for_it_is_shown(pictures, monkeypatch, capsys):
+    pictures.attempt("picture", picture_fail)
+    assert "Traceback" not in capsys.readouterr().err
+    monkeypatch.setenv("CRANKFEM_TRACEBACK", "1")
+    pictures.attempt("picture", picture_fail)
+    assert "Traceback" in capsys.readouterr().err

@@ -163,83 +163,24 @@ def test_measured_rows_stand_once_if_throw_and_numbers_are_the_same(tmp_path):
         assert store.extra_rows("s") == (renamed, repeated, more, other)
 
 
-# ------------------------------------------------------------------------------------ earlier releases
-
-FIRST_RELEASE = """
-CREATE TABLE designs (
-    key TEXT PRIMARY KEY, inputs TEXT NOT NULL, status TEXT NOT NULL, responses TEXT, reason TEXT,
-    seconds REAL NOT NULL, finished_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP
-);
-CREATE TABLE study_designs (
-    study TEXT NOT NULL, place INTEGER NOT NULL, role TEXT NOT NULL, design TEXT NOT NULL,
-    PRIMARY KEY (study, place)
-);
-CREATE TABLE studies (study TEXT PRIMARY KEY, plan TEXT NOT NULL);
-CREATE VIEW results AS
-    SELECT s.study, s.place, s.role, d.status, d.reason, d.inputs, d.responses, d.seconds
-    FROM study_designs s LEFT JOIN designs d ON d.key = s.design;
-INSERT INTO studies VALUES ('old', '{"model_version": 3}');
-INSERT INTO study_designs VALUES ('old', 0, 'run', 'k1');
-INSERT INTO designs (key, inputs, status, responses, seconds)
-    VALUES ('k1', '{"throw": {"web_width": 0.3}}', 'done', '{"axial_compliance_pinned": 2e-9}', 1.0);
-"""
-
-
-@pytest.fixture
-def old_store(tmp_path):
-    path = tmp_path / "old.sqlite"
-    connection = sqlite3.connect(path)
-    connection.executescript(FIRST_RELEASE)
-    connection.execute(f"PRAGMA application_id={store_file.APPLICATION_ID}")
-    connection.execute("PRAGMA journal_mode=WAL")
-    connection.close()
-    return path
-
-
-def test_a_store_of_the_first_release_is_brought_up_to_date_and_keeps_its_rows(old_store):
-    for _ in range(2):  # the second time there is nothing to do
-        with ResultStore(old_store) as store:
-            found = store.outcomes(["k1"])["k1"]
-            assert found.responses == {"axial_compliance_pinned": 2e-9}
-            assert (found.errors, found.unknowns) == ({}, None)
-            assert [(o.key, version) for _, o, version in store.results()] == [("k1", 3)]
-            store.record(DONE, 4)
-            store.add_extra_rows("old", [ROW])
-    connection = sqlite3.connect(old_store)
-    rows = connection.execute(
-        "SELECT study, axial_compliance_pinned, model_version FROM results"
-    ).fetchall()
-    connection.close()
-    assert rows == [("old", 2e-9, 3)]
-
-
-def test_a_store_of_the_first_release_can_be_read_without_a_change(old_store):
-    before = old_store.read_bytes()
-    with ResultStore(old_store, readonly=True) as store:
-        assert store.outcomes(["k1"])["k1"].responses == {"axial_compliance_pinned": 2e-9}
-        assert store.extra_rows("old") == ()
-        assert store.study_designs("old") == ()  # their factor values were not kept
-        assert [(o.key, version) for _, o, version in store.results()] == [("k1", None)]
-    assert old_store.read_bytes() == before
-
-
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="needs a folder that cannot be written")
 def test_a_store_in_a_folder_that_cannot_be_written_is_refused():
     with pytest.raises(InputError, match=r"cannot be made .*in a folder that can be written\."):
         ResultStore("/proc/runs.sqlite")
 
 
+@pytest.mark.parametrize("layout", [store_file.SCHEMA_VERSION - 1, store_file.SCHEMA_VERSION + 1])
 @pytest.mark.parametrize("readonly", [False, True])
-def test_a_store_of_a_later_release_is_refused_and_left_alone(tmp_path, readonly):
+def test_a_store_of_another_layout_is_refused_and_left_alone(tmp_path, layout, readonly):
     path = tmp_path / "runs.sqlite"
     with ResultStore(path):
         pass
     connection = sqlite3.connect(path)
-    connection.execute(f"PRAGMA user_version={store_file.SCHEMA_VERSION + 1}")
+    connection.execute(f"PRAGMA user_version={layout}")
     connection.close()
     before = path.read_bytes()
     with pytest.raises(
-        InputError, match=r"^store: given .*, whose layout 5 is of a later release; "
+        InputError, match=rf"^store: given .*, whose layout {layout} is of another release; "
     ):
         ResultStore(path, readonly=readonly)
     assert path.read_bytes() == before

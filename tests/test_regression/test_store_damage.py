@@ -1,4 +1,4 @@
-"""A store is checked row by row; damaged rows are left out, told of and repaired."""
+"""A store is checked row by row; damaged rows are left out, told of and computed again."""
 
 import shutil
 import sqlite3
@@ -6,19 +6,17 @@ import subprocess
 import sys
 from contextlib import closing
 
-import numpy as np
 import pytest
 
 from crankbase.errors import InputError
 from plans import SHARP, plan_of_levels
 from puppets import puppet
 from regression.plans.plan import plan_designs
-from regression.records import ExtraRow, Outcome, StudyStoppedError
-from regression.runs import store_file, workers
+from regression.records import ExtraRow, Outcome
+from regression.runs import workers
 from regression.runs.store import ResultStore
 from regression.runs.store_check import check_store
-from regression.runs.store_repair import rebuild_store
-from regression.runs.study import add_runs, import_results, read_study, run_plan
+from regression.runs.study import import_results, read_study, run_plan
 
 PLAN = plan_of_levels(SHARP, {"web_width": (0.280, 0.290, 0.300)}, held_out=37, accuracy=0.1)
 KEYS = [design.key for design in plan_designs(PLAN).designs]
@@ -77,28 +75,22 @@ def rows(path):
         ("DELETE FROM study_designs WHERE place = 3", "its list of designs"),
     ],
 )
-def test_every_kind_of_damage_is_found_and_repaired(store, statement, told):
+def test_every_kind_of_damage_is_found_and_computed_again(store, statement, told):
     before = rows(store)
     execute(store, statement.format(key=KEYS[0]))
     found = check_store(store)
     assert not found.sound
     reasons = [*found.damaged.values(), *(study.damaged for study in found.studies)]
     assert told in " ".join(reasons)
-    rebuilt = rebuild_store(store)
-    assert rebuilt.original.name == "runs.sqlite.damaged"
-    assert not check_store(rebuilt.original).sound
-    table = run_plan(PLAN, store)
-    assert table.computed == 40 - rebuilt.designs <= 1
-    again = check_store(store)
-    assert (again.sound, again.missing) == (True, 0)
+    assert run_plan(PLAN, store).computed == ("WHERE key" in statement)
+    studies = check_store(store).studies
+    assert [(study.damaged, study.missing) for study in studies] == [("", 0)]
     kept = rows(store)
     assert [key for key in KEYS if kept[key] != before[key]] in ([], KEYS[:1])
 
 
 @pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 0.98])
-def test_a_store_that_was_cut_keeps_every_row_that_can_be_read(store, share):
-    """Cut at any length it is damaged or no store, and what is left of it is kept byte for byte."""
-    before = rows(store)
+def test_a_store_that_was_cut_is_damaged_or_none(store, share):
     size = store.stat().st_size
     with store.open("r+b") as file:
         file.truncate(round(share * size))
@@ -109,25 +101,15 @@ def test_a_store_that_was_cut_keeps_every_row_that_can_be_read(store, share):
     found = check_store(store)
     assert not found.sound
     assert found.file
-    with pytest.raises(InputError, match=r"damaged .*crankfem doe --repair "):
+    with pytest.raises(InputError, match=r"damaged .*use a copy of it"):
         run_plan(PLAN, store)
-    rebuilt = rebuild_store(store)
-    assert rows(store).items() <= before.items()
-    assert len(rows(store)) == rebuilt.designs
-    assert rebuilt.designs > 0 or share < 0.7
-    assert run_plan(PLAN, store).computed == 40 - rebuilt.designs
-    assert check_store(store).sound
 
 
-def test_a_page_of_noise_costs_its_rows_alone(store):
-    before = rows(store)
+def test_a_page_of_noise_is_damage_of_the_file(store):
     with store.open("r+b") as file:
         file.seek(store.stat().st_size // 2 // 4096 * 4096)
         file.write(b"\xa5" * 4096)
     assert check_store(store).file
-    rebuilt = rebuild_store(store)
-    assert 20 < rebuilt.designs <= 40
-    assert rows(store).items() <= before.items()
 
 
 def test_a_store_whose_tables_have_no_readable_names_is_damaged(store):
@@ -136,24 +118,14 @@ def test_a_store_whose_tables_have_no_readable_names_is_damaged(store):
     store.write_bytes(content.replace(b"CREATE TABLE study_d", b"CREAXE TABLE study_d"))
     assert "names of its tables" in check_store(store).file
     for readonly in (True, False):
-        with pytest.raises(InputError, match=r"damaged .*crankfem doe --repair "):
+        with pytest.raises(InputError, match=r"damaged .*use a copy of it"):
             ResultStore(store, readonly=readonly)
-    rebuild_store(store)
-    run_plan(PLAN, store)
-    assert check_store(store).sound
 
 
-def test_rows_are_kept_under_names_of_columns_that_cannot_be_read(store):
-    before = rows(store)
+def test_columns_whose_names_cannot_be_read_are_missing(store):
     content = store.read_bytes().replace(b"attempts INTEGER,   ", b"a\xf5tempts INTEGER,   ")
-    content = content.replace(b"inputs TEXT NOT NULL, ", b"i nput TEXT NOT NULL, ")
-    assert content.count(b"a\xf5tempts") == content.count(b"i nput") == 1
-    store.write_bytes(content)
+    store.write_bytes(content.replace(b"inputs TEXT NOT NULL, ", b"i nput TEXT NOT NULL, "))
     assert not check_store(store).sound
-    rebuilt = rebuild_store(store)
-    assert (rebuilt.designs, rebuilt.extra_rows) == (40, 1)
-    assert rows(store) == before
-    assert check_store(store).sound
 
 
 def test_text_that_is_no_text_damages_no_more_than_itself(store):
@@ -161,53 +133,8 @@ def test_text_that_is_no_text_damages_no_more_than_itself(store):
     noise = "CAST(x'F572756E' AS TEXT)"
     execute(store, f"UPDATE study_designs SET role = {noise} WHERE place = 3")
     execute(store, f"UPDATE designs SET finished_at = {noise} WHERE rowid = 5")
-    assert rebuild_store(store).designs == 40
     assert run_plan(PLAN, store).computed == 0
     assert check_store(store).sound
-
-
-def test_a_repaired_store_keeps_added_runs_but_damaged_ones(store):
-    add_runs(PLAN, store, np.array([[0.281], [0.282]]))
-    assert run_plan(PLAN, store).computed == 2
-    execute(store, "UPDATE study_designs SET factors = replace(factors, '0.281', '0.284')")
-    assert [study.damaged for study in check_store(store).studies] == ["its list of designs"]
-    rebuild_store(store)
-    table = run_plan(PLAN, store)
-    assert (table.added, table.computed) == (1, 0)
-    assert check_store(store).sound
-
-
-def test_a_store_without_checksums_is_not_taken_for_checked(store):
-    execute(
-        store,
-        "ALTER TABLE designs DROP COLUMN checksum",
-        "ALTER TABLE extra_rows DROP COLUMN checksum",
-        f"PRAGMA user_version={store_file.CHECKSUMS_SINCE - 1}",
-    )
-    found = check_store(store)
-    assert (found.sound, found.without_checksums) == (True, True)
-    execute(store, "UPDATE designs SET responses = '{}'")
-    assert len(check_store(store).damaged) == 40
-    with pytest.raises(InputError, match="rows of others have no checksums"):
-        rebuild_store(store)
-
-
-def test_a_store_is_not_repaired_while_a_study_runs_in_it(store):
-    execute(store, "UPDATE designs SET seconds = 0.25")
-    before = store.read_bytes()
-    code = (
-        f"from regression.runs.store import *; c = Claims(Path({str(store)!r})); print(1, flush=True); "
-        "input()"
-    )
-    with subprocess.Popen(
-        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-    ) as other:
-        other.stdout.readline()
-        with pytest.raises(StudyStoppedError, match="another program works on it"):
-            rebuild_store(store)
-        other.communicate(b"\n")
-    assert store.read_bytes() == before
-    rebuild_store(store)
 
 
 # ------------------------------------------------------------------------------------------- claims
@@ -268,8 +195,6 @@ TAMPERED = {
     "unknown status": "status = 'good'",
     "no checksum": "checksum = NULL",
 }
-# Those that can be told without a checksum.
-PLAIN = ("a value less", "no responses", "NaN", "infinite", "text for a number", "cut", "failed")
 
 
 def damage_execute(path, *statements):
@@ -292,38 +217,6 @@ def path(tmp_path):
             store.record(outcome, 9)
         store.add_extra_rows("s", [ROW])
     return tmp_path / "runs.sqlite"
-
-
-@pytest.fixture
-def older(path):
-    """The same store as the release before wrote it, without checksums."""
-    damage_execute(
-        path,
-        "ALTER TABLE designs DROP COLUMN checksum",
-        "ALTER TABLE extra_rows DROP COLUMN checksum",
-        f"PRAGMA user_version={store_file.CHECKSUMS_SINCE - 1}",
-    )
-    return path
-
-
-def test_a_store_without_added_runs_keeps_its_checksums(path):
-    """One of the release before gets the column of added runs, and no checksum that hides damage."""
-    damage_execute(
-        path,
-        "DROP VIEW results",
-        "ALTER TABLE study_designs DROP COLUMN added",
-        f"PRAGMA user_version={store_file.CHECKSUMS_SINCE}",
-    )
-    tamper(path, "another value")
-    for readonly in (True, False):
-        with ResultStore(path, readonly=readonly) as store:
-            assert store.added_designs("s") == ()
-            assert store.outcomes([DONE.key, OTHER.key]) == {OTHER.key: OTHER}
-    with ResultStore(path) as store:
-        store.add_designs("s", [("run", "k", {"x": 1.0})])
-        store.register_study("s", {}, [("run", OTHER.key, {})])
-        assert store.added_designs("s") == ({"x": 1.0},)
-        assert store.study_designs("s") == (("run", OTHER.key, {}), ("run", "k", {"x": 1.0}))
 
 
 @pytest.mark.parametrize("readonly", [False, True])
@@ -360,16 +253,6 @@ def test_damage_keeps_nobody_from_reading_the_other_rows(path):
     rows = connection.execute("SELECT mass FROM results WHERE status = 'done' ORDER BY mass")
     assert rows.fetchall() == [(None,), (114.0,)]
     connection.close()
-
-
-@pytest.mark.parametrize("readonly", [False, True])
-@pytest.mark.parametrize("kind", PLAIN)
-def test_impossible_rows_of_an_earlier_release_are_left_out(older, kind, readonly):
-    tamper(older, kind)
-    for _ in range(2):  # and they stay damaged once the store is brought up to date
-        with ResultStore(older, readonly=readonly) as store:
-            assert store.outcomes([DONE.key, OTHER.key]) == {OTHER.key: OTHER}
-            assert list(store.damaged) == [DONE.key]
 
 
 @pytest.mark.parametrize("readonly", [False, True])

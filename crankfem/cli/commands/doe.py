@@ -11,13 +11,17 @@ from crankbase.units.quantity import parse_quantity
 from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import Output, WorkersOption, with_output
-from crankfem.cli.commands.store_check import check_or_repair
 from crankfem.cli.console import print_json
+from crankfem.jobs.exit_codes import EXIT_INPUT
 
 if TYPE_CHECKING:
     from regression.plans.plan import StudyPlan
+    from regression.runs.store_check import StoreCheck, StudyCheck
     from regression.runs.study_table import StudyTable
 
+# Damaged rows that are shown; --json has all.
+MOST_ROWS = 10
+ENGINE_FILE, STORE = ".toml", Path("runs.sqlite")
 # Fewer held-out designs leave most of the box unseen.
 FEW_HELD_OUT = 5
 
@@ -28,11 +32,11 @@ def doe(
         str,
         typer.Argument(
             metavar="STUDY.toml",
-            help="File with the sections throw and study; with --check or --repair also a store.",
+            help="File with the sections throw and study; with --check also a store.",
             autocompletion=completion.engines,
         ),
     ],
-    store: Annotated[Path, typer.Option(help="SQLite file of results.")] = Path("runs.sqlite"),
+    store: Annotated[Path, typer.Option(help="SQLite file of results.")] = STORE,
     workers: WorkersOption = 2,
     dask: Annotated[
         str | None,
@@ -85,14 +89,6 @@ def doe(
     check: Annotated[
         bool, typer.Option("--check", help="Verify the store's file and the checksum of each row.")
     ] = False,
-    repair: Annotated[
-        bool,
-        typer.Option(
-            "--repair",
-            help="Keep the store's sound rows, and compute what is damaged or missing; the damaged file is "
-            "kept beside it.",
-        ),
-    ] = False,
     *,
     out: Output,
 ) -> None:
@@ -108,22 +104,10 @@ def doe(
         "time_limit": _quantity(time_limit, "s", "--time-limit"),
         "memory_limit": _quantity(memory_limit, "byte", "--memory-limit"),
     }
-    if check or repair:
-        if (
-            (check and repair)
-            or plan
-            or no_compute
-            or more
-            or mesh
-            or export is not None
-            or import_
-        ):
-            raise InputError(
-                f"--{'check' if check else 'repair'}: given with another task; allowed are --check or "
-                "--repair, --store, and how designs are computed."
-            )
-        options = {"workers": workers, "dask": dask, **limits}
-        check_or_repair(study, store, out, repair=repair, options=options)
+    if check:
+        if plan or no_compute or more or mesh or export is not None or import_:
+            raise InputError("--check: given with another task; allowed are --check and --store.")
+        _check_store(study, store, out)
         return
     read = load_study(study)
     if plan and (export is not None or import_ or mesh or more):
@@ -303,3 +287,78 @@ def _run(
             "continues where it stopped."
         )
     return table
+
+
+def _check_store(study: str, store: Path, out: Output) -> None:
+    """Check a store, or that of a study file."""
+    from crankfem.files.engine.throw_file import load_study
+    from regression.runs.store_check import check_store
+
+    if (path := Path(study)).is_file() and path.suffix != ENGINE_FILE:
+        if store != STORE:
+            raise InputError(
+                f"--store: given {store} together with the store {path}; allowed is one of them."
+            )
+        store = path
+    else:
+        load_study(study)
+    check = check_store(store)
+    if out.json:
+        print_json(
+            {
+                "store": str(check.path),
+                "sound": check.sound,
+                "file_damage": check.file or None,
+                "designs": dict(check.status),
+                "damaged_rows": dict(check.damaged),
+                "studies": [
+                    {
+                        "study": known.study,
+                        "damaged": known.damaged or None,
+                        "designs": known.designs,
+                        "missing": known.missing,
+                    }
+                    for known in check.studies
+                ],
+            }
+        )
+    else:
+        _print_check(check)
+    if not check.sound:
+        remedy = (
+            "use a copy of it, or give a new file name"
+            if check.file
+            else "the next run of a study computes its damaged designs again"
+        )
+        console.exit_by_verdict(f"Error: {store} is damaged; {remedy}.", EXIT_INPUT)
+
+
+def _print_check(check: "StoreCheck") -> None:
+    if check.file:
+        console.print_line(f"SQLite cannot trust the file: {check.file}.")
+        return
+    counts = ", ".join(f"{number} {status}" for status, number in check.status.items() if number)
+    rows = f"{len(check.damaged)} damaged" if check.damaged else "no row damaged"
+    console.print_line(f"{check.path}: {counts or 'no design computed'}; {rows}.")
+    for place, why in list(check.damaged.items())[:MOST_ROWS]:
+        console.print_line(f"- {place}: {why}.")
+    if len(check.damaged) > MOST_ROWS:
+        console.print_line(f"... and {len(check.damaged) - MOST_ROWS} more; --json has them all.")
+    for study in check.studies:
+        console.print_line(_study_text(study))
+    if not check.studies:
+        console.print_line(
+            f"It holds no study: run one from its file, crankfem doe STUDY.toml --store {check.path}."
+        )
+
+
+def _study_text(study: "StudyCheck") -> str:
+    name = f"Study {study.study[:6]}"
+    if study.designs is None:
+        return (
+            f"{name}: its plan is damaged; run it from its file, and its finished designs are used."
+            if study.damaged
+            else f"{name}: of another version of the finite element model."
+        )
+    text = f"{name}: {study.designs} designs, {study.missing} without a result"
+    return f"{text}; {study.damaged} is damaged." if study.damaged else f"{text}."

@@ -110,7 +110,7 @@ def report(
     from jinja2 import TemplateError
 
     from crankbase.outputs import check_output, is_regular_file, protect, recording_run_files
-    from crankfem.jobs.run_files import PICTURES, REPORT, RESULTS, list_older_run
+    from crankfem.jobs.run_files import PICTURES, REPORT, RESULTS
     from crankfem.report.writing import render_report, write_report_text
 
     path = folder / RESULTS
@@ -119,7 +119,6 @@ def report(
             f"{folder}: has no {RESULTS}; give the folder that crankfem run has written."
         )
     protect(path)
-    list_older_run(folder)
     with recording_run_files():
         check_output(folder / REPORT, "report")
     content = path.read_bytes()
