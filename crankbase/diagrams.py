@@ -564,16 +564,16 @@ def draw_curves(axes: "Axes", curves: Curves) -> None:
 
 def draw_lines(axes: "Axes", x: Array, series: Iterable[Series]) -> None:
     """Draw the main ones of some series."""
-    for own in series:
-        if own.main:
-            color, dash, width = own.line_style
+    for curve in series:
+        if curve.main:
+            color, dash, width = curve.line_style
             axes.plot(
                 x,
-                own.values,
+                curve.values,
                 color=color,
                 linewidth=width,
                 linestyle=ON_PAPER[dash],
-                label=own.name,
+                label=curve.name,
             )
 
 

@@ -125,7 +125,7 @@ def draw_formula_bars(
     """
     from matplotlib.patches import Patch
 
-    draw_rows(axes, names, values, label, colors=[BLUE if one else PALE for one in valid])
+    draw_rows(axes, names, values, label, colors=[BLUE if usable else PALE for usable in valid])
     handles: list[Any] = [Patch(color=BLUE, label="applies to the throw")]
     if not all(valid):
         handles.append(Patch(color=PALE, label="does not apply"))

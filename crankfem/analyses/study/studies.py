@@ -125,7 +125,7 @@ def worst_designs(table: StudyTable, fits: Mapping[str, ResponseFits], count: in
         If too few throws in the ranges can be built.
     """
     places = _places(table, count)
-    equations = [_judged(table, found, places) for found in fits.values()]
+    equations = [_judged(table, response, places) for response in fits.values()]
     return places[worst_places(equations, count)]
 
 
@@ -148,33 +148,33 @@ def _places(table: StudyTable, count: int) -> Array:
         usable: NDArray[np.bool_] = np.array(made) & np.array(new)
         return usable
 
-    found = None
+    feasible = None
     for wanted in (max(PLACES, count), count):
-        found = found or draw_feasible_points(draw, possible, wanted, in_order=True)
-    if found is None:
+        feasible = feasible or draw_feasible_points(draw, possible, wanted, in_order=True)
+    if feasible is None:
         raise InputError(
             f"more: given {count} further designs; allowed are as many as there are throws in the study's "
             "ranges that can be built and keep its constraints, of which too few are found."
         )
-    points, _, impossible = found
+    points, _, impossible = feasible
     return np.unique(values_at(factors, points[~impossible]), axis=0)
 
 
-def _judged(table: StudyTable, found: ResponseFits, places: Array) -> JudgedEquation:
-    plan, fit = table.plan, found.chosen
+def _judged(table: StudyTable, response: ResponseFits, places: Array) -> JudgedEquation:
+    plan, fit = table.plan, response.chosen
     runs = ~table.held_out
-    values = table.responses[found.column][runs]
+    values = table.responses[response.column][runs]
     at_runs = {name: column[runs] for name, column in table.dimensions.items()}
-    at_places = needed_dimensions(plan, found, fit, places)
-    scale = fit_scale(plan, found.column, fit.basis, at_runs)
-    x = found.encodings[fit.basis].columns(plan.factors, places, at_places)
+    at_places = needed_dimensions(plan, response, fit, places)
+    scale = fit_scale(plan, response.column, fit.basis, at_runs)
+    x = response.encodings[fit.basis].columns(plan.factors, places, at_places)
     sizes = np.ones(len(places))
     if not fit.fitted.logarithmic:
         # Where an equation passes through zero, its relative error says nothing.
         sizes = np.maximum(np.abs(fit.predict(x)), np.min(np.abs(values / scale)))
     return JudgedEquation(
         fit=fit,
-        runs=found.encodings[fit.basis].columns(plan.factors, table.values[runs], at_runs),
+        runs=response.encodings[fit.basis].columns(plan.factors, table.values[runs], at_runs),
         target=np.log(values / scale) if fit.fitted.logarithmic else values / scale,
         places=x,
         sizes=sizes,
