@@ -88,13 +88,7 @@ def load_figures(results: Mapping[str, Any], folder: Path) -> tuple[dict[str, Fi
 
 
 def _own_file(folder: Path, name: str) -> Path:
-    """Return the path of a file that lies in the folder itself, and is no link out of it.
-
-    Raises
-    ------
-    OSError
-        If it does not; results that somebody else has made may name any file.
-    """
+    """Return the path of a file that lies in the folder itself, and is no link out of it."""
     path = folder / name
     if path.name != name or "\\" in name or folder.is_symlink() or not is_regular_file(path):
         raise FileNotFoundError(errno.ENOENT, "is no file of the run's", str(path))

@@ -193,7 +193,6 @@ class View:
 
     Parameters
     ----------
-    axes : matplotlib axes
     point : float
         What one point on paper stands for [m].
     """

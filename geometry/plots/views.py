@@ -64,8 +64,6 @@ def draw_oil_holes(view: View, parts: ThrowParts, axes: Array, hidden: bool) -> 
 
     Parameters
     ----------
-    view : View
-    parts : ThrowParts
     axes : (2, 3) array
         Right and up on paper, `SIDE` or `FROM_LEFT`.
     hidden : bool

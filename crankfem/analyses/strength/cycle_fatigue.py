@@ -280,10 +280,6 @@ def engine_fatigue(
     mechanism : MechanismFile, optional
         Of the same engine, if available.
 
-    Returns
-    -------
-    EngineFatigue
-
     Raises
     ------
     InputError

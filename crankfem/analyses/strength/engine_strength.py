@@ -140,9 +140,6 @@ def strength_remarks(
 
     Parameters
     ----------
-    vibration : EngineVibration
-    section : StrengthSection
-    loads : ShaftLoads
     webs : sequence of CrankWeb
         Of all throws.
     judged : sequence of CrankWeb
@@ -385,10 +382,6 @@ def engine_strength(
     stresses : mapping, optional
         Of each distinct throw by its name: factors by finite elements are reported with the formulas'.
         They are calculated, by Appendix III, if ``strength.factors`` selects them.
-
-    Returns
-    -------
-    EngineStrength
 
     Raises
     ------

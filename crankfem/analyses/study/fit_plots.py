@@ -122,15 +122,8 @@ def plot_fits(
 
     Parameters
     ----------
-    folder : Path
-    table : StudyTable
-    response : ResponseFits
     form : str, optional
         Form whose effects are drawn; by default the chosen one.
-
-    Returns
-    -------
-    list of Path
 
     Raises
     ------

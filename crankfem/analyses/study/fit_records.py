@@ -34,7 +34,6 @@ def compliance_model(
 
     Parameters
     ----------
-    table : StudyTable
     fits : mapping
         From `fit_study`.
     form : str, optional
@@ -146,8 +145,6 @@ def study_record(
 
     Parameters
     ----------
-    table : StudyTable
-    fits : mapping
     model : ComplianceModel, optional
         With it, imported measured values are compared with the equations.
     """

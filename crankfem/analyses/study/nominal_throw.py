@@ -307,7 +307,6 @@ def frequency_limit(
     Parameters
     ----------
     kind : {"axial", "torsional"}
-    frequencies : EngineFrequencies
     model : ComplianceModel
         With mass among its responses the axial frequency follows the mass of the throw too.
     at_least : float

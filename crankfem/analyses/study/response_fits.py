@@ -142,10 +142,6 @@ class ResponseFits:
         form : str, optional
             Whose effects, the chosen one's by default; errors are those of all forms.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError
@@ -287,10 +283,6 @@ MAIN_SUPPORT = "_pinned"
 
 def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
     """Fit all forms to all responses of a study.
-
-    Parameters
-    ----------
-    table : StudyTable
 
     Returns
     -------

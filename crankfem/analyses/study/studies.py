@@ -81,10 +81,6 @@ def run_grown(
         the same number again adds none, a larger one the difference, chosen where the equations,
         fitted to all runs so far, are worst. By default no run is added.
 
-    Returns
-    -------
-    StudyTable
-
     Raises
     ------
     InputError
@@ -109,10 +105,8 @@ def worst_designs(table: StudyTable, fits: Mapping[str, ResponseFits], count: in
 
     Parameters
     ----------
-    table : StudyTable
     fits : mapping
         As of `fit_study`.
-    count : int
 
     Returns
     -------
@@ -230,10 +224,6 @@ class StudyResult:
             Form for "parity" or "effects"; by default the chosen
             one.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError
@@ -314,10 +304,6 @@ def run_study(
     more : int
         Number of further runs beyond the plan, where the equations are worst, at most
         1000. The store records the added runs: the same number again adds none.
-
-    Returns
-    -------
-    StudyResult
 
     Raises
     ------
@@ -408,17 +394,11 @@ def export_designs(
 
     Parameters
     ----------
-    planned : PlannedStudy
-    folder : Path
     kind : str
         One of `KINDS`: the ending of a mesh's file, or "step". Whole throws, lengths in m; the meshes are
         second-order tetrahedra of the usual sizes.
     progress : callable
         Called with (finished, total).
-
-    Returns
-    -------
-    ExportedDesigns
 
     Raises
     ------

@@ -80,7 +80,6 @@ def holzer_table(chain: Chain, modes: Modes, mode: int) -> HolzerTable:
 
     Parameters
     ----------
-    chain : Chain
     modes : Modes
         Of this chain.
     mode : int

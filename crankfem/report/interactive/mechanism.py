@@ -55,11 +55,9 @@ def polar_load(load: LoadDiagram, frame: Frame, title: str) -> Figure:
 
     Parameters
     ----------
-    load : LoadDiagram
     frame : {"crank", "engine"}
         "crank": turning with the crank, which stands upright, tangential force to the right, radial
         force (towards the shaft) down. "engine": at rest, y up, seen from the free end.
-    title : str
 
     Returns
     -------

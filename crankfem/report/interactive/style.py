@@ -166,12 +166,10 @@ def line(
         In the units of the axes.
     name : str
         In the legend, shown as it is.
-    color : str
     hover : str
         What is told of a point, in plotly's template language, lines apart by ``<br>``.
     width : float
         In pixels.
-    dash : str
     **more
         Further entries of the trace.
     """

@@ -318,7 +318,6 @@ def throw_view(
     ----------
     folder : Path
         That is there.
-    analysis : ThrowAnalysis
     stresses : FilletStresses, optional
         Of the same throw; without them there are no views of stress.
 
@@ -349,11 +348,6 @@ class _View:
 
 def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None) -> Figure:
     """Draw the throw in several views, one of which a menu chooses.
-
-    Parameters
-    ----------
-    analysis : ThrowAnalysis
-    stresses : FilletStresses, optional
 
     Returns
     -------

@@ -273,11 +273,9 @@ def amplitudes_over_speed(
 
     Parameters
     ----------
-    series : OrderSeries
     place : int
         In the series, from 0.
     quantity : {"twist", "displacement", "torque", "force", "stress"}
-    limit : VibrationLimit or None
     barred : sequence of pairs of floats
         Ranges of speed [rad/s].
     running : tuple of two floats, optional
