@@ -208,13 +208,13 @@ def parse_limit(model: ComplianceModel, text: str) -> Limit:
     ------
     InputError
     """
-    found = _LIMIT.fullmatch(text)
-    if found is None:
+    match = _LIMIT.fullmatch(text)
+    if match is None:
         raise InputError(
             f"--limit: given {text!r}; allowed is NAME <= VALUE or NAME >= VALUE, like "
             '"axial_compliance <= 1.2e-9 m/N".'
         )
-    name = found["name"]
+    name = match["name"]
     response = model.responses.get(name)
     units = model.family.all_units
     if response is None and name not in units:
@@ -224,8 +224,8 @@ def parse_limit(model: ComplianceModel, text: str) -> Limit:
             f"dimensions {', '.join(units)}."
         )
     unit = units[name] if response is None else response.unit
-    bound = parse_value(name, found["value"], unit)
-    if found["sign"] == "<=":
+    bound = parse_value(name, match["value"], unit)
+    if match["sign"] == "<=":
         return Limit((name,), at_most=bound, unit=unit)
     return Limit((name,), at_least=bound, unit=unit)
 
@@ -237,13 +237,13 @@ def parse_bound(option: str, text: str) -> float:
     ------
     InputError
     """
-    found = _BOUND.fullmatch(text)
-    if found is not None and found["sign"] == "<=":
+    match = _BOUND.fullmatch(text)
+    if match is not None and match["sign"] == "<=":
         raise InputError(
             f'{option}: given {text!r}; allowed is at least a frequency, like ">= 40 Hz", because a '
             "shaft is made stiffer to bring its frequency above the speeds."
         )
-    value = parse_quantity(text if found is None else found["value"], "Hz", option)
+    value = parse_quantity(text if match is None else match["value"], "Hz", option)
     if not value > 0.0:
         raise InputError(f"{option}: given {text!r}; allowed is a frequency above 0 Hz.")
     return value
@@ -310,18 +310,18 @@ def parse_pin_force(text: str) -> list[float]:
     parts = text.split(",")
     if any(UNIT.search(part) for part in parts):
         parts = [f"{part} N" if part.strip() == "0" else part for part in parts]
-    found = parse_quantities(",".join(parts), "N", "--pin-force")
-    if len(found) == 2 and re.search(r"\d,\d", text):
+    forces = parse_quantities(",".join(parts), "N", "--pin-force")
+    if len(forces) == 2 and re.search(r"\d,\d", text):
         raise InputError(
             f"--pin-force: given {text!r}, two numbers; allowed is one, with a decimal point, like "
             f'"{text.strip().replace(",", ".", 1)}", or three, x, y, z.'
         )
-    if len(found) not in (1, 3) or not max(map(abs, found)) <= LARGEST_LOAD:
+    if len(forces) not in (1, 3) or not max(map(abs, forces)) <= LARGEST_LOAD:
         raise InputError(
             f'--pin-force: given {text!r}; allowed is one radial force, like "100 kN", or x, y, z, like '
             f'"40, -100, 0 kN", none beyond {LARGEST_LOAD:g} N.'
         )
-    return found if len(found) == 3 else [0.0, 0.0 - found[0], 0.0]
+    return forces if len(forces) == 3 else [0.0, 0.0 - forces[0], 0.0]
 
 
 def _is_number(text: str) -> bool:
@@ -369,11 +369,11 @@ def law_throw(
     InputError
         If a name is not a dimension, a value is not allowed, or they are not a possible throw.
     """
-    given = console.parse_pairs(pairs, _convert)
+    dimensions = console.parse_pairs(pairs, _convert)
     if engine is None:
-        return CrankThrow(**given), STEEL
+        return CrankThrow(**dimensions), STEEL
     throw, material = select_throw(engine, quiet=quiet)
-    return throw.changed(**given), material
+    return throw.changed(**dimensions), material
 
 
 def throw_text(throw: CrankThrow) -> list[str]:
@@ -387,7 +387,7 @@ def throw_text(throw: CrankThrow) -> list[str]:
 
 
 def _convert(name: str, text: str) -> Any:
-    choices = [one for one in CrankThrow.model_fields if field_unit(one) is not None]
+    choices = [field for field in CrankThrow.model_fields if field_unit(field) is not None]
     if name == "web_outline":
         return text.strip()
     if name not in choices:

@@ -209,8 +209,8 @@ def _exit_broken_pipe() -> NoReturn:
 
 def _stop(message: str, code: int) -> NoReturn:
     # Several errors of a file stand below each other.
-    told = "\n       ".join(map(with_short_quotes, message.split("\n")))
-    errors.print(Text("Error:", "bold red"), told, soft_wrap=True, highlight=False)
+    sentence = "\n       ".join(map(with_short_quotes, message.split("\n")))
+    errors.print(Text("Error:", "bold red"), sentence, soft_wrap=True, highlight=False)
     raise SystemExit(code)
 
 
@@ -327,20 +327,20 @@ def parse_pairs(
     InputError
         If a pair has no equals sign, a name is given twice, or a unit is apart from its number.
     """
-    found: dict[str, Value] = {}
-    given = list(pairs)
-    apart = split_quantity(given)
+    values: dict[str, Value] = {}
+    texts = list(pairs)
+    apart = split_quantity(texts)
     if apart is not None:
         pair, unit = apart
         raise InputError(
             f"{pair.partition('=')[0]}: given {pair} and {unit} as two words; write number and unit as one, "
             f'{pair}{unit}, or in quotes, "{pair} {unit}".'
         )
-    for pair in given:
+    for pair in texts:
         name, equals, text = pair.partition("=")
         if not equals or not name.strip():
             raise InputError(f"{pair}: given without a value; write name=value, like {example}.")
-        if name.strip() in found:
+        if name.strip() in values:
             raise InputError(f"{name.strip()}: given twice; give it once.")
-        found[name.strip()] = convert(name.strip(), text)
-    return found
+        values[name.strip()] = convert(name.strip(), text)
+    return values

@@ -3,6 +3,7 @@
 import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 from crankbase.errors import InputError
@@ -70,33 +71,33 @@ def write_class_document(
     OSError
         If a file cannot be written.
     """
-    told = progress or SilentProgress()
-    told.step("Reading the engine file")
+    reporter = progress or SilentProgress()
+    reporter.step("Reading the engine file")
     read = engine if isinstance(engine, EngineFile) else load_engine(engine)
     refuse_what_cannot_run(read)
     check_submission(read)
     with protected(*(file.path for file in engine_inputs(read))):
         folder = _checked_folder(output)
-        run = engine_vibration(read, step=told.step)
-        told.step("Calculating all cylinders failing")
+        run = engine_vibration(read, step=reporter.step)
+        reporter.step("Calculating all cylinders failing")
         parts = class_document(run)
-        told.step("Drawing diagrams")
+        reporter.step("Drawing diagrams")
         _take_last_away(folder)
         drawn = {}
         with recording_run_files():
-            for picture in (one for part in parts for one in part.pictures):
+            for picture in chain.from_iterable(part.pictures for part in parts):
                 drawn[picture.name] = folder / DIAGRAMS / f"{picture.name}.svg"
                 picture.draw(drawn[picture.name])
-        told.step("Writing the document")
+        reporter.step("Writing the document")
         created = moment(provenance_record()["created"])
         page = write_text(
             folder / PAGE, render_class_document(run, parts, drawn, created), "report"
         )
         with recording_run_files():
             tables = tuple(
-                _write_table(folder / TABLES / f"{one.name}.csv", one.table)
+                _write_table(folder / TABLES / f"{part_table.name}.csv", part_table.table)
                 for part in parts
-                for one in part.tables
+                for part_table in part.tables
             )
     return WrittenDocument(page, tables, run, parts)
 

@@ -201,8 +201,8 @@ class TimedProgress:
         Step to the time it took [s].
     """
 
-    def __init__(self, told: Progress) -> None:
-        self._told = told
+    def __init__(self, reporter: Progress) -> None:
+        self._told = reporter
         self._began: tuple[str, float] | None = None
         self.seconds: dict[str, float] = {}
 

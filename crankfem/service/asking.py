@@ -44,11 +44,11 @@ class ProblemError(Exception):
 
 def field_errors(error: InputError) -> list[dict[str, str]]:
     """Return the errors by field: "field", empty where a message names none, and "message"."""
-    found = []
+    errors = []
     for sentence in error.sentences:
         named = _FIELD.match(sentence)
-        found.append({"field": named["field"] if named else "", "message": sentence})
-    return found
+        errors.append({"field": named["field"] if named else "", "message": sentence})
+    return errors
 
 
 def problem(status: int, detail: str, errors: list[dict[str, str]] | None = None) -> dict[str, Any]:
@@ -129,8 +129,8 @@ class ThrowQuestion(InputModel):
         ------
         InputError
         """
-        given = self.material
-        return STEEL if given is None else read_record(Material, given, "material")
+        material = self.material
+        return STEEL if material is None else read_record(Material, material, "material")
 
 
 class OutlineQuestion(ThrowQuestion):
@@ -299,7 +299,7 @@ def read_record(kind: type[Asked], values: Mapping[str, Any], section: str) -> A
 
 def _texts(kind: type[InputModel], values: Mapping[str, Any]) -> dict[str, object]:
     """Give numbers their SI units, as a file must have them."""
-    found: dict[str, object] = {}
+    texts: dict[str, object] = {}
     for name, value in values.items():
         info = kind.model_fields.get(name)
         unit, part = (None, None) if info is None else (field_extra(info, "unit"), part_kind(info))
@@ -308,6 +308,9 @@ def _texts(kind: type[InputModel], values: Mapping[str, Any]) -> dict[str, objec
         elif part is not None and isinstance(value, Mapping):
             value = _texts(part, {n: v for n, v in value.items() if v is not None})
         elif part is not None and isinstance(value, list):
-            value = [_texts(part, one) if isinstance(one, Mapping) else one for one in value]
-        found[name] = value
-    return found
+            value = [
+                _texts(part, element) if isinstance(element, Mapping) else element
+                for element in value
+            ]
+        texts[name] = value
+    return texts

@@ -241,15 +241,15 @@ class JobRunner:
         """Have a process do a job, and return what is to be recorded of its end."""
         bounds, folder = self._bounds, str(self._store.place(name))
 
-        def tell(told: Mapping[str, Any]) -> None:
+        def tell(change: Mapping[str, Any]) -> None:
             try:
-                if "note" in told:
-                    self._store.note(name, told["note"])
+                if "note" in change:
+                    self._store.note(name, change["note"])
                 else:
-                    self._store.change(name, **told)
+                    self._store.change(name, **change)
             except StoreError:  # kept in `trouble`; the job goes on
-                if "note" in told:
-                    notes.append(told["note"])
+                if "note" in change:
+                    notes.append(change["note"])
 
         process.give(
             "crankfem.service.tasks:run_job", kind, question, folder, bounds.workers, remarks=True

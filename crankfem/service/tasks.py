@@ -146,7 +146,7 @@ def run_job(
     _JOBS[kind](question, Path(), workers, ToldProgress(on_remark))
 
 
-def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:
+def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldProgress) -> None:
     from crankfem.analyses.provenance import provenance_record
     from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.formula_records import formula_records
@@ -161,7 +161,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
 
     asked = AnalysisQuestion(**question)
     throw, material = asked.read_throw(), asked.read_material()
-    told.step("Meshing and solving")
+    reporter.step("Meshing and solving")
     analysis = analyze_throw(throw, material, asked.accuracy, mesher=mesh_here)
     record: dict[str, Any] = {
         "about": provenance_record(),
@@ -179,52 +179,56 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
         "fillet_note": None,
     }
     _write(folder, with_units(record))
-    told.step("Drawing the throw")
+    reporter.step("Drawing the throw")
     throw_view(folder, analysis)
     if asked.stress:
-        told.step("Calculating stresses at the fillets")
+        reporter.step("Calculating stresses at the fillets")
         stresses, record["fillet_note"] = stresses_or_reason(throw, material)
         if stresses is not None:
             record["fillets"] = stress_record(stresses)
             throw_view(folder, analysis, stresses)
         _write(folder, with_units(record))
-    told.step("Writing the solid")
+    reporter.step("Writing the solid")
     write_text(folder / SOLID, step_text(throw, "full"), "solid")
-    told.step("Drawing the dimensions")
+    reporter.step("Drawing the dimensions")
     write_drawing(throw, folder / THROW_DRAWING, "Crank throw")
 
 
-def _stress(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:
+def _stress(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldProgress) -> None:
     from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.stress import stress_record
     from fem.fillet_stress import fillet_stresses
 
     asked = StressQuestion(**question)
-    told.step("Calculating stresses at the fillets")
+    reporter.step("Calculating stresses at the fillets")
     stresses = fillet_stresses(asked.read_throw(), asked.read_material(), asked.accuracy)
     _write(folder, with_units(stress_record(stresses)))
 
 
-def _study(question: Mapping[str, Any], folder: Path, workers: int, told: ToldProgress) -> None:
+def _study(question: Mapping[str, Any], folder: Path, workers: int, reporter: ToldProgress) -> None:
     from crankfem.analyses.record import with_units
     from crankfem.analyses.study.fit_records import study_record
     from crankfem.analyses.study.studies import run_study
 
     content = read_upload(FileQuestion(**question))
     keep_upload(content, folder)
-    told.step("Running the study")
-    found = run_study(content, folder / "study.sqlite", workers, told.design, note=told.note)
-    found.model.save(folder / MODEL)
-    _write(folder, with_units(study_record(found.table, found.fits, found.model)))
+    reporter.step("Running the study")
+    study = run_study(
+        content, folder / "study.sqlite", workers, reporter.design, note=reporter.note
+    )
+    study.model.save(folder / MODEL)
+    _write(folder, with_units(study_record(study.table, study.fits, study.model)))
 
 
-def _engine(question: Mapping[str, Any], folder: Path, workers: int, told: ToldProgress) -> None:
+def _engine(
+    question: Mapping[str, Any], folder: Path, workers: int, reporter: ToldProgress
+) -> None:
     from crankfem.jobs.pipeline import run_engine
     from crankfem.jobs.run_files import results_text
 
     content = read_upload(FileQuestion(**question))
     keep_upload(content, folder)
-    made = run_engine(content, folder / "results", workers=workers, progress=told)
+    made = run_engine(content, folder / "results", workers=workers, progress=reporter)
     write_text(folder / RESULT, results_text(made.results), "results")
 
 

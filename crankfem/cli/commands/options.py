@@ -158,14 +158,23 @@ def with_output(*, units: bool = False, files: bool = False) -> Callable[[Comman
     def decorate(command: Command) -> Command:
         @wraps(command)
         def printing(
-            *, force: bool = False, units: str | None = None, json: bool, quiet: bool, **given: Any
+            *,
+            force: bool = False,
+            units: str | None = None,
+            json: bool,
+            quiet: bool,
+            **arguments: Any,
         ) -> None:
-            command(**given, out=Output(parse_output_units(units), json, quiet, force))
+            command(**arguments, out=Output(parse_output_units(units), json, quiet, force))
 
         signature = inspect.signature(command)
-        own = [one for name, one in signature.parameters.items() if name != "out"]
-        printing.__annotations__ = {one.name: one.annotation for one in [*own, *added]}
-        printing.__signature__ = signature.replace(parameters=[*own, *added])  # type: ignore[attr-defined]
+        parameters = [
+            parameter for name, parameter in signature.parameters.items() if name != "out"
+        ]
+        printing.__annotations__ = {
+            parameter.name: parameter.annotation for parameter in [*parameters, *added]
+        }
+        printing.__signature__ = signature.replace(parameters=[*parameters, *added])  # type: ignore[attr-defined]
         return printing
 
     return decorate

@@ -138,7 +138,7 @@ def check_load(
 
 def _check_covers(field: str, speeds: Sequence[float], engine: Engine) -> None:
     if min(speeds) > engine.lowest_speed or max(speeds) < engine.highest_speed:
-        given, allowed = (
+        listed, allowed = (
             f"{format_quantity(low, 'rad/s', 5)} to {format_quantity(high, 'rad/s', 5)}"
             for low, high in (
                 (min(speeds), max(speeds)),
@@ -146,7 +146,7 @@ def _check_covers(field: str, speeds: Sequence[float], engine: Engine) -> None:
             )
         )
         raise InputError(
-            f"{field}: given speeds from {given}; allowed are ones that cover the running range of "
+            f"{field}: given speeds from {listed}; allowed are ones that cover the running range of "
             f"{allowed}, because nothing is extrapolated beyond them."
         )
 
@@ -158,20 +158,20 @@ def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None
     ------
     InputError
     """
-    for kind, given, formulas in (
+    for kind, source, formulas in (
         ("axial", vibration.axial_source, AXIAL_FORMULA_NAMES),
         ("torsional", vibration.torsional_source, TORSIONAL_FORMULA_NAMES),
     ):
         fitted = study is not None or vibration.model is not None
         allowed = ["fe", "fe pinned", "law", *(["regression"] if fitted else []), *formulas]
-        if given.casefold() not in [name.casefold() for name in allowed]:
+        if source.casefold() not in [name.casefold() for name in allowed]:
             reason = (
                 ", because the file has neither a section [study] to fit nor a vibration.model"
-                if given.casefold() == "regression"
+                if source.casefold() == "regression"
                 else ""
             )
             raise InputError(
-                f"vibration.{kind}_source: given {given!r}; allowed are {', '.join(allowed)}{reason}."
+                f"vibration.{kind}_source: given {source!r}; allowed are {', '.join(allowed)}{reason}."
             )
 
 
@@ -506,20 +506,20 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         >>> engine.changed(rod={"length": 0.7}, flywheel={"inertia": 250.0}).rod.length
         0.7
         """
-        given = dict(sections)
-        throws = changed_throws(self.throws_by_name, given.pop("throws", {}))
+        values = dict(sections)
+        throws = changed_throws(self.throws_by_name, values.pop("throws", {}))
         made: dict[str, Any] = {
-            name: changed_section(self, name, section) for name, section in given.items()
+            name: changed_section(self, name, section) for name, section in values.items()
         }
-        told: list[Change] = [
+        changed: list[Change] = [
             change
             for name, section in made.items()
             for change in changes(getattr(self, name), section)
         ]
         for name in dict.fromkeys((*self.throws_by_name, *throws)):
             before, after = self.throws_by_name.get(name), throws.get(name)
-            told += changes(before, after, f"throws.{name}")
-        records, provenance = without_changed(self.records, self.provenance, told)
+            changed += changes(before, after, f"throws.{name}")
+        records, provenance = without_changed(self.records, self.provenance, changed)
         study = self._study_of(throws or {PLAIN: made.get("throw", self.throw)}, made)
         if throws and "throw" not in made:
             made["throw"] = throws[free_end_throw_name(throws, made.get("shaft", self.shaft))]
@@ -534,7 +534,9 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         study = self.study
         if study is None:
             return None
-        name = next((name for name, own in self.named_throws.items() if own == study.throw), None)
+        name = next(
+            (name for name, throw in self.named_throws.items() if throw == study.throw), None
+        )
         if name is None or name not in throws:
             return None
         material = made.get("material", self.material)
@@ -557,7 +559,7 @@ def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> 
     InputError
     """
     allowed = {
-        name: one.required if needed is None else name in needed for name, one in SECTIONS.items()
+        name: kind.required if needed is None else name in needed for name, kind in SECTIONS.items()
     }
     named = "throws" in content.sections
     content.check_sections(allowed | {"throw": allowed["throw"] and not named})
@@ -584,7 +586,11 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
     content = engine_sections(path)
     kind = file_kind(content)
     if kind == "throw":
-        needed = [f"[{name}]" for name, one in SECTIONS.items() if one.required and name != "throw"]
+        needed = [
+            f"[{name}]"
+            for name, section in SECTIONS.items()
+            if section.required and name != "throw"
+        ]
         raise InputError(
             f"{content.path.name}: describes a throw, not an engine; add the sections {', '.join(needed)}, "
             "or use it with a command for throws: `crankfem check` lists them."
@@ -594,7 +600,7 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
             f"{content.path.name}: describes a crank mechanism, not a whole engine; add the sections "
             "[flywheel] and [thrust_bearing], or use it with mechanism, harmonics, throw and draw."
         )
-    models = {name: one.model for name, one in SECTIONS.items() if name != "throws"}
+    models = {name: section.model for name, section in SECTIONS.items() if name != "throws"}
     with content.all_errors(models, {"throws": read_throws}):
         return _read_engine(content)
 
@@ -604,16 +610,16 @@ def _read_engine(content: TomlFile) -> EngineFile:
     throws: dict[str, CrankThrow] = {}
     sections: dict[str, Any] = {}
     kinds = section_kinds(EngineFile)
-    for own in fields(EngineFile):  # in this order the report shows them
-        if own.name == "throw":
+    for part in fields(EngineFile):  # in this order the report shows them
+        if part.name == "throw":
             throws = read_throws(content)
-        elif own.name == "torque_table":
-            sections[own.name] = torque_table_file(content)
-        elif own.name == "shaft_lines":
-            sections[own.name] = read_shaft_lines(content)
-        elif own.name in kinds:
-            model, _ = kinds[own.name]
-            sections[own.name] = content.model(model.section, model) or DEFAULTS.get(own.name)
+        elif part.name == "torque_table":
+            sections[part.name] = torque_table_file(content)
+        elif part.name == "shaft_lines":
+            sections[part.name] = read_shaft_lines(content)
+        elif part.name in kinds:
+            model, _ = kinds[part.name]
+            sections[part.name] = content.model(model.section, model) or DEFAULTS.get(part.name)
     first = free_end_throw_name(throws, sections["shaft"])
     return EngineFile(
         **sections,

@@ -157,9 +157,9 @@ class LoadSection(InputModel):
     @model_validator(mode="after")
     def _says_one_thing(self) -> Self:
         if (self.law is None) == (not self.points):
-            given = "neither it nor points" if self.law is None else "both it and points"
+            what = "neither it nor points" if self.law is None else "both it and points"
             raise InputError(
-                f"load.law: given {given}; allowed is one of the two, because each defines the load at all "
+                f"load.law: given {what}; allowed is one of the two, because each defines the load at all "
                 "speeds."
             )
         speeds = [point.speed for point in self.points]
@@ -338,12 +338,12 @@ def _between(speeds: FloatArray, known: FloatArray, values: Sequence[float]) -> 
 def _check_within(speeds: FloatArray, known: FloatArray) -> None:
     outside = (speeds < known[0] * (1.0 - SAME)) | (speeds > known[-1] * (1.0 + SAME))
     if np.any(outside):
-        given, low, high = (
+        outer, low, high = (
             format_quantity(float(speed), "rad/s", 5)
             for speed in (speeds[outside][0], known[0], known[-1])
         )
         raise InputError(
-            f"load.points: given none for {given}; allowed are speeds from {low} to {high}, because nothing "
+            f"load.points: given none for {outer}; allowed are speeds from {low} to {high}, because nothing "
             "is extrapolated beyond the points."
         )
 
