@@ -109,10 +109,6 @@ def select_throw(
         From `--throw`.
     quiet : bool
         Whether to omit notes.
-
-    Raises
-    ------
-    InputError
     """
     if name is None:
         first, *others = names_of_throws(engine)
@@ -138,10 +134,6 @@ def select_part(
         Names of the pins' faces, for STEP files.
     quiet : bool
         Whether to omit notes.
-
-    Raises
-    ------
-    InputError
     """
     if Path(engine).suffix.lower() not in STEP_ENDINGS:
         if pins:
@@ -165,12 +157,7 @@ _BOUND = re.compile(r"\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*")
 
 
 def model_dimensions(model: ComplianceModel, pairs: Sequence[str]) -> dict[str, float | str]:
-    """Read NAME=VALUE pairs: quantities with units, plain numbers, and labels of choices.
-
-    Raises
-    ------
-    InputError
-    """
+    """Read NAME=VALUE pairs: quantities with units, plain numbers, and labels of choices."""
     family = model.family
     choices = {*family.categories, *family.labels}
     known = {*family.ranges, *family.fixed, *family.relations}
@@ -186,12 +173,7 @@ def model_dimensions(model: ComplianceModel, pairs: Sequence[str]) -> dict[str, 
 
 
 def parse_value(name: str, text: str, unit: str) -> float:
-    """Read a quantity with its unit, or a pure number where the unit is "".
-
-    Raises
-    ------
-    InputError
-    """
+    """Read a quantity with its unit, or a pure number where the unit is ""."""
     if unit:
         return parse_quantity(text, unit, name)
     try:
@@ -202,12 +184,7 @@ def parse_value(name: str, text: str, unit: str) -> float:
 
 
 def parse_limit(model: ComplianceModel, text: str) -> Limit:
-    """Read a limit on a response or dimension, like "axial_compliance <= 1.2e-9 m/N".
-
-    Raises
-    ------
-    InputError
-    """
+    """Read a limit on a response or dimension, like "axial_compliance <= 1.2e-9 m/N"."""
     match = _LIMIT.fullmatch(text)
     if match is None:
         raise InputError(
@@ -231,12 +208,7 @@ def parse_limit(model: ComplianceModel, text: str) -> Limit:
 
 
 def parse_bound(option: str, text: str) -> float:
-    """Read a lower bound of a frequency, like ">= 40 Hz" or "40 Hz" [Hz].
-
-    Raises
-    ------
-    InputError
-    """
+    """Read a lower bound of a frequency, like ">= 40 Hz" or "40 Hz" [Hz]."""
     match = _BOUND.fullmatch(text)
     if match is not None and match["sign"] == "<=":
         raise InputError(
@@ -266,7 +238,6 @@ def parse_quantities(text: str, unit: str, field: str) -> list[float]:
 
     Parameters
     ----------
-    text : str
     unit : str
         The SI unit to convert to.
     field : str
@@ -295,10 +266,6 @@ def parse_pin_force(text: str) -> list[float]:
     """Return the force on a pin in the throw frame, x, y, z [N]; one number is Z towards the shaft.
 
     A bare 0 needs no unit.
-
-    Raises
-    ------
-    InputError
 
     Examples
     --------
@@ -345,9 +312,6 @@ def write_rows(
 
     Parameters
     ----------
-    path : Path
-    names : sequence of n str
-    rows : iterable of sequences of n cells
     heading : str, optional
         Content of the first line after a number sign; no such line if empty.
     """

@@ -30,10 +30,8 @@ def read_design(
 
     Parameters
     ----------
-    file : InputFile
     factors : tuple of Factor
         Of the study; may be empty.
-    throw : CrankThrow
 
     Returns
     -------
@@ -249,12 +247,10 @@ def study_plan(
 
     Parameters
     ----------
-    content : TomlFile
     throws : mapping
         Of the same file, by name.
     default : str
         Name of the throw that varies where the section names none.
-    material : Material
 
     Raises
     ------

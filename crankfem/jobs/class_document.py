@@ -31,15 +31,7 @@ PAGE, TABLES, DIAGRAMS = "class.html", "class-tables", "class-diagrams"
 
 @dataclass(frozen=True, eq=False)
 class WrittenDocument:
-    """Files that were written, and their inputs.
-
-    Attributes
-    ----------
-    page : Path
-    tables : tuple of Path
-    run : EngineVibration
-    parts : tuple of DocumentPart
-    """
+    """Files that were written, and their inputs."""
 
     page: Path
     tables: tuple[Path, ...]
@@ -60,7 +52,6 @@ def write_class_document(
         Engine file, or the name of a shipped engine.
     output : path
         Folder, which is made if it is not there: the page, its tables as CSV, and its diagrams.
-    progress : Progress, optional
 
     Raises
     ------
@@ -103,12 +94,7 @@ def write_class_document(
 
 
 def _checked_folder(output: str | Path) -> Path:
-    """Make the folders, refuse to replace files that crankfem did not write, and return the first folder.
-
-    Raises
-    ------
-    InputError
-    """
+    """Make the folders, refuse to replace files that crankfem did not write, and return the first folder."""
     folder = Path(output)
     if not str(output).strip() or folder.is_file():
         raise InputError(

@@ -16,7 +16,6 @@ def check_writable(
 
     Parameters
     ----------
-    file : Path
     kind : str
         What is to be written, as `crankbase.outputs.check_output` has it.
     *inputs : Path
@@ -45,10 +44,6 @@ def check_distinct_files(files: dict[str, Path | None]) -> None:
     ----------
     files : dict
         Option to file, None where it is not given.
-
-    Raises
-    ------
-    InputError
     """
     outputs = [(option, file.resolve()) for option, file in files.items() if file is not None]
     for (first, file), (second, other) in combinations(outputs, 2):
@@ -66,7 +61,6 @@ def check_outputs(
 
     Parameters
     ----------
-    csv : Path or None
     pictures : str or None
         As it stands on the command line.
     *inputs : Path
@@ -97,7 +91,6 @@ def make_output_folder(
 
     Parameters
     ----------
-    option : str
     path_given : str, Path or None
         As it stands on the command line.
     names : iterable of str

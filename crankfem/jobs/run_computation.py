@@ -29,7 +29,6 @@ class RunInputs:
 
     Attributes
     ----------
-    engine_file : EngineFile
     mechanism : MechanismFile
         Of the same file.
     torque : TorqueTable or None
@@ -111,7 +110,6 @@ class ThrowComputation:
 
     Attributes
     ----------
-    analysis : ThrowAnalysis
     stresses : FilletStresses or None
         At its fillets.
     fillet_note : str or None
@@ -129,14 +127,12 @@ class RunComputation:
 
     Attributes
     ----------
-    inputs : RunInputs
     throws : dict of str to ThrowComputation
         Of each distinct throw by its name, first that at the free end; "throw" is that of a file with one.
     mechanism : MechanismRun or None
         None without gas pressure.
     study : StudyResult or None
         None if the engine file has none.
-    vibration : EngineVibration
     harmonics : Harmonics or None
         Of the torque table.
     model : ComplianceModel or None

@@ -193,7 +193,6 @@ def draw_run(
     ----------
     folder : Path
         Of the run.
-    computed : RunComputation
     results : mapping
         All numbers of the run, as results.json holds them.
     renderings : Renderings

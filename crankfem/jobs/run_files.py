@@ -134,7 +134,6 @@ def replace_last_run(folder: Path, results: Mapping[str, Any]) -> None:
 
     Parameters
     ----------
-    folder : Path
     results : mapping
         All numbers of the new run; its pictures are not named yet.
 

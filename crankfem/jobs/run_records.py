@@ -44,10 +44,6 @@ NOT_DRAWN_YET = "The run ended before its pictures were drawn."
 def run_results(computed: RunComputation) -> dict[str, Any]:
     """Return the content of results.json, but for its pictures and how to repeat the run.
 
-    Parameters
-    ----------
-    computed : RunComputation
-
     Returns
     -------
     dict

@@ -46,10 +46,6 @@ SCRIPT = "text/javascript; charset=utf-8"
 def make_app(settings: Settings) -> tuple[ASGIApp, JobRunner]:
     """Make the application with its guard and its runner of jobs.
 
-    Parameters
-    ----------
-    settings : Settings
-
     Raises
     ------
     InputError
@@ -184,7 +180,6 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
 
     Parameters
     ----------
-    settings : Settings
     tell : callable
         Called with the address when it accepts requests.
 

@@ -31,10 +31,8 @@ class ProblemError(Exception):
 
     Parameters
     ----------
-    status : int
     detail : str
         A sentence.
-    headers : dict, optional
     """
 
     def __init__(self, status: int, detail: str, headers: dict[str, str] | None = None) -> None:
@@ -114,21 +112,11 @@ class ThrowQuestion(InputModel):
     material: dict[str, Any] | None = Field(None, description="of the throw; steel by default")
 
     def read_throw(self) -> CrankThrow:
-        """Return the throw.
-
-        Raises
-        ------
-        InputError
-        """
+        """Return the throw."""
         return read_record(CrankThrow, self.throw, "throw")
 
     def read_material(self) -> Material:
-        """Return the material.
-
-        Raises
-        ------
-        InputError
-        """
+        """Return the material."""
         material = self.material
         return STEEL if material is None else read_record(Material, material, "material")
 
@@ -164,12 +152,7 @@ class NeighborsQuestion(InputModel):
     )
 
     def read_neighbors(self) -> Neighbors | None:
-        """Return the support by neighbors, None without an angle.
-
-        Raises
-        ------
-        InputError
-        """
+        """Return the support by neighbors, None without an angle."""
         if self.gamma_deg is None:
             if self.left_gamma_deg is None:
                 return None
@@ -192,12 +175,7 @@ class ReactionsQuestion(NeighborsQuestion):
     )
 
     def read_support(self) -> Support:
-        """Return the support.
-
-        Raises
-        ------
-        InputError
-        """
+        """Return the support."""
         neighbors = self.read_neighbors()
         if self.support != "neighbors":
             return self.support

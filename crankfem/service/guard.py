@@ -83,12 +83,10 @@ class Settings:
         Of jobs and their files.
     models : Path or None
         Folder of compliance models.
-    host : str
     port : int
         Port; 0 for any free one.
     key : str or None
         That every request to the API must bring; always there where others than this machine can ask.
-    bounds : Bounds
 
     Raises
     ------
@@ -171,13 +169,7 @@ HEADERS = [
 
 
 class Guard:
-    """An application around the whole one.
-
-    Parameters
-    ----------
-    app : ASGI application
-    settings : Settings
-    """
+    """An application around the whole one."""
 
     def __init__(self, app: ASGIApp, settings: Settings) -> None:
         self._app, self._settings, self._bounds = app, settings, settings.bounds

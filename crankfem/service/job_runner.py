@@ -31,13 +31,7 @@ FULL_WORDS = (*(os.strerror(number) for number in NO_SPACE), "database or disk i
 
 
 class JobRunner:
-    """Runs the jobs of a store.
-
-    Parameters
-    ----------
-    store : JobStore
-    bounds : Bounds
-    """
+    """Runs the jobs of a store."""
 
     def __init__(self, store: JobStore, bounds: Bounds) -> None:
         self._store, self._bounds = store, bounds
@@ -305,13 +299,7 @@ def _failed(status: int, detail: str, errors: list[dict[str, str]] | None = None
 
 
 def _started(folder: Path) -> CallProcess:
-    """Start a worker process as studies have them, and let it load what jobs need.
-
-    Raises
-    ------
-    ProcessLostError
-        If it cannot be started, or is lost before it is ready.
-    """
+    """Start a worker process as studies have them, and let it load what jobs need."""
     try:
         process = CallProcess(spawn_worker(folder), "the worker process")
     except OSError as error:

@@ -307,7 +307,6 @@ class Followers:
 
     Parameters
     ----------
-    store : JobStore
     stopping : callable
         Whether the service ends, and all streams with it.
     """

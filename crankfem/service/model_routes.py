@@ -69,8 +69,6 @@ def law_answer(
 
     Parameters
     ----------
-    throw : CrankThrow
-    material : Material
     gamma_deg : float, optional
         Angle to equal neighbors, one more support [deg].
     pin_force : (3,) sequence of float, optional
@@ -130,7 +128,6 @@ class QuickRoutes:
 
     Parameters
     ----------
-    app : ASGI application
     routes : sequence of APIRoute
         For POST, their functions of a request and of the parts of its path. The application has them
         too, and describes them.
@@ -174,13 +171,7 @@ FRESH = 1.0  # seconds for which a model's file is not looked at again
 
 
 class Models:
-    """The available models: those of a folder by name, those of studies by ``job-NAME``.
-
-    Parameters
-    ----------
-    folder : Path or None
-    store : JobStore
-    """
+    """The available models: those of a folder by name, those of studies by ``job-NAME``."""
 
     def __init__(self, folder: Path | None, store: JobStore) -> None:
         self._folder, self._store = folder, store

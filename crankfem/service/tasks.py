@@ -133,12 +133,7 @@ def load_checks() -> None:
 def run_job(
     kind: str, question: Mapping[str, Any], folder: str, workers: int, on_remark: OnRemark
 ) -> None:
-    """Do a job, in its folder: messages have no path beyond it.
-
-    Raises
-    ------
-    InputError, MeshError, SolveError
-    """
+    """Do a job, in its folder: messages have no path beyond it."""
     try:
         os.chdir(folder)
     except OSError as error:
@@ -245,12 +240,7 @@ _JOBS: dict[str, Callable[[Mapping[str, Any], Path, int, ToldProgress], None]] =
 
 
 def check_upload(question: Mapping[str, Any]) -> dict[str, Any]:
-    """Read and check an uploaded file, and return its interpretation.
-
-    Raises
-    ------
-    InputError
-    """
+    """Read and check an uploaded file, and return its interpretation."""
     from crankfem.analyses.file_check import check_file, check_record
 
     record = check_record(check_file(read_upload(FileQuestion(**question))))

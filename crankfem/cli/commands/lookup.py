@@ -172,13 +172,7 @@ def _record(answer: "Lookup") -> dict[str, Any]:
 def _print_lookups(
     answers: dict[str, "Lookup"], with_angle: bool, units: "OutputUnits"
 ) -> list[str]:
-    """Print a line for each response, those that depend on the angle first, then what all share.
-
-    Returns
-    -------
-    list of str
-        Names of the equations whose bands were printed.
-    """
+    """Print a line for each response, those that depend on the angle first, then what all share."""
     from regression.response_kinds import ANGLE_LAWS, END_MOMENTS
 
     hidden = [name for name in answers if name in END_MOMENTS]

@@ -143,13 +143,7 @@ def vibration(
 def _print_chain_modes(
     path: str, content: "TomlFile | None", json: bool, units: "OutputUnits", *, only_engines: bool
 ) -> None:
-    """Print the modes of a chain file.
-
-    Raises
-    ------
-    InputError
-        If an option is given that only engines have.
-    """
+    """Print the modes of a chain file."""
     from crankfem.cli.tables.vibration_tables import chain_record, print_chain
     from crankfem.files.chain.chain_file import load_chain
 

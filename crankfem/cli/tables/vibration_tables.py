@@ -290,7 +290,6 @@ def print_conclusions(results: Mapping[str, Any], units: OutputUnits = SI) -> No
     ----------
     results : mapping
         Content of results.json.
-    units : OutputUnits, optional
     """
     print_verdict(results, units)
     for line in conclusions(results):
@@ -309,7 +308,6 @@ def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
     ----------
     results : mapping
         Content of results.json.
-    units : OutputUnits, optional
     """
     vibration = results["vibration"]
     if vibration["assessment"] is not None:

@@ -252,7 +252,6 @@ def chain_of(section: Section, material: Material) -> Chain:
 
     Parameters
     ----------
-    section : TorsionalChainSection or AxialChainSection
     material : Material
         Of its pieces of shaft.
 

@@ -398,12 +398,7 @@ def _read_chain(content: TomlFile) -> ChainFile:
 
 
 def _check_sizes(file: str, chain: Chain) -> None:
-    """Refuse numbers so small or large that their squares underflow or overflow.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse numbers so small or large that their squares underflow or overflow."""
     sizes = {name: np.abs(getattr(chain, name)) for name in SIZES}
     sizes["dashpots"] = np.array([dashpot.damping for dashpot in chain.dashpots])
     sizes["gears"] = np.abs([gear.ratio for gear in chain.gears])
@@ -455,7 +450,6 @@ def plant_chain(plant: Chain, cylinders: Sequence[int]) -> EngineChain:
 
     Parameters
     ----------
-    plant : Chain
     cylinders : sequence of int
         Number of cylinders on each throw, from the free end.
 

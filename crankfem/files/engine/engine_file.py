@@ -72,12 +72,7 @@ from regression.plans.plan import StudyPlan
 
 
 def check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> None:
-    """Refuse cylinders that do not exist, and failing ones without a pressure.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse cylinders that do not exist, and failing ones without a pressure."""
     if misfire is None:
         return
     wrong = [number for number in misfire.cylinders or () if not 1 <= number <= engine.cylinders]
@@ -94,12 +89,7 @@ def check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> N
 
 
 def check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
-    """Refuse a pressure map that does not cover the running range.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a pressure map that does not cover the running range."""
     if gas_map is None:
         return
     _check_covers("gas_map.points", [point.speed for point in gas_map.points], engine)
@@ -108,12 +98,7 @@ def check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
 def check_load(
     load: LoadSection | None, gas: Gas | None, gas_map: GasMap | None, engine: Engine
 ) -> None:
-    """Refuse a load without a known pressure, and one that does not cover the running range.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a load without a known pressure, and one that does not cover the running range."""
     if load is None:
         return
     if gas_map is not None:
@@ -152,12 +137,7 @@ def _check_covers(field: str, speeds: Sequence[float], engine: Engine) -> None:
 
 
 def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None:
-    """Refuse an unknown source of compliances before anything is computed.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an unknown source of compliances before anything is computed."""
     for kind, source, formulas in (
         ("axial", vibration.axial_source, AXIAL_FORMULA_NAMES),
         ("torsional", vibration.torsional_source, TORSIONAL_FORMULA_NAMES),
@@ -204,12 +184,7 @@ class WithPlant(Protocol):
 
 
 def check_plant(engine: WithPlant) -> None:
-    """Refuse a plant's chain that lacks cranks, and sections that it would make ineffective.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a plant's chain that lacks cranks, and sections that it would make ineffective."""
     plant = engine.shaft_lines.get(PLANT)
     if plant is None:
         return
@@ -230,12 +205,7 @@ def check_plant(engine: WithPlant) -> None:
 
 
 def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
-    """Refuse a highest order that the engine's cycle does not have.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a highest order that the engine's cycle does not have."""
     lowest = 2.0 / engine.strokes
     if vibration.highest_order < lowest or vibration.highest_order % lowest:
         raise InputError(
@@ -245,12 +215,7 @@ def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
 
 
 def check_thrust_bearing(thrust: ThrustBearing, throws: int) -> None:
-    """Refuse a thrust bearing at a main bearing that does not exist.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a thrust bearing at a main bearing that does not exist."""
     if thrust.main_bearing > throws + 1:
         raise InputError(
             f"thrust_bearing.main_bearing: given {thrust.main_bearing}; allowed is 1 (at the free end) to "
@@ -261,12 +226,7 @@ def check_thrust_bearing(thrust: ThrustBearing, throws: int) -> None:
 def check_strength(
     strength: StrengthSection | None, throws: Sequence[CrankThrow], gas: Gas | GasMap | None
 ) -> None:
-    """Refuse strength without forces, or for throws that the rule does not cover.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse strength without forces, or for throws that the rule does not cover."""
     if strength is None:
         return
     if gas is None:
@@ -550,13 +510,8 @@ def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> 
 
     Parameters
     ----------
-    content : TomlFile
     needed : collection of str, optional
         Required sections; those of a whole engine by default.
-
-    Raises
-    ------
-    InputError
     """
     allowed = {
         name: kind.required if needed is None else name in needed for name, kind in SECTIONS.items()

@@ -131,12 +131,7 @@ def engine_cylinders(
 def check_sizes(
     engine: Engine, throw: CrankThrow, rod: Rod, piston: Piston, section: str = "throw"
 ) -> None:
-    """Refuse cranks, rods and pin offsets that contradict each other; the section names the throw.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse cranks, rods and pin offsets that contradict each other; the section names the throw."""
     radius = throw.crank_radius
     if not math.isclose(2.0 * radius, engine.stroke, rel_tol=1e-3):
         raise InputError(
@@ -223,13 +218,7 @@ def _positions(
     throw_angles: Sequence[float],
     main_of: dict[int, int],
 ) -> list[float]:
-    """Position of each cylinder along the shaft: on its throw's pin, or side by side on it.
-
-    Raises
-    ------
-    InputError
-        If there are too few pins, or they are not where the cranks are.
-    """
+    """Position of each cylinder along the shaft: on its throw's pin, or side by side on it."""
     positions = [0.0] * len(throws)
     for number, start in zip(range(max(throws) + 1), throw_starts(crank_throws), strict=False):
         pins = crank_throws[number].parts.pins
@@ -285,10 +274,6 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
 
     Engines in banks and those of one or two cylinders are often built with uneven intervals: where no
     firing order makes them even, or by far more even, that is a note.
-
-    Parameters
-    ----------
-    engine : Engine
     """
     steps = engine.firing_intervals_deg
     if max(steps) - min(steps) < np.degrees(EVEN):

@@ -313,12 +313,7 @@ def _remarks(file: EngineFile | MechanismSections) -> tuple[str, ...]:
 
 
 def load_any(path: str | Path | TomlFile) -> EngineFile | MechanismFile | ThrowFile:
-    """Read and check a file of any kind: a whole engine, a mechanism, or a throw.
-
-    Raises
-    ------
-    InputError
-    """
+    """Read and check a file of any kind: a whole engine, a mechanism, or a throw."""
     content = engine_sections(path)
     kind = file_kind(content)
     if kind == "mechanism":
@@ -336,7 +331,6 @@ def with_throws(
 
     Parameters
     ----------
-    mechanism : MechanismFile
     masses : MassProperties or sequence of such, optional
         Of the one throw that all cranks have, or of each crank's, from the free end, if
         known.

@@ -125,7 +125,6 @@ def engine_power(
     ----------
     engine : Engine
         The section of the engine file.
-    layout : EngineLayout
     pressures : sequence of n GasPressure
         Of each cylinder at full load.
     """
@@ -342,10 +341,8 @@ def engine_warnings(
 
     Parameters
     ----------
-    file : Sized
     power : EnginePower or None
         At rated speed; None without gas pressure.
-    thrust : ThrustBearing or None
     """
     of_throws = list(throw_warnings(file.named_throws))
     yield from of_throws

@@ -45,7 +45,6 @@ def changed_section(owner: object, name: str, section_or_values: object) -> Inpu
     ----------
     owner : object
         The file as read; its annotations define its sections.
-    name : str
     section_or_values : InputModel, mapping or None
         The whole section; the fields that change with their values [SI]; or None.
 

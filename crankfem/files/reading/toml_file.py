@@ -36,11 +36,6 @@ def check_keys(name: str, text: str) -> None:
     ----------
     name : str
         Of the file, for the message.
-    text : str
-
-    Raises
-    ------
-    InputError
     """
     deep = _LONG_KEY.search(text)
     if deep is not None:
@@ -393,23 +388,13 @@ class TomlFile:
             )
 
     def model(self, section: str, kind: type[Model]) -> Model | None:
-        """Validate one section; None if the file lacks it.
-
-        Raises
-        ------
-        InputError
-        """
+        """Validate one section; None if the file lacks it."""
         if section not in self.sections:
             return None
         return self.made(section, kind, self.sections[section])
 
     def made(self, section: str, kind: type[Model], values: Mapping[str, Any]) -> Model:
-        """Validate values as a section, and record them.
-
-        Raises
-        ------
-        InputError
-        """
+        """Validate values as a section, and record them."""
         made = kind.from_text(values, section)
         self._record(section, made, values)
         return made
@@ -428,10 +413,6 @@ class TomlFile:
             Section to its model.
         others : mapping, optional
             Section without a model to its reader.
-
-        Raises
-        ------
-        InputError
         """
         try:
             yield
@@ -450,12 +431,7 @@ class TomlFile:
 
     @contextmanager
     def with_lines(self) -> Iterator[None]:
-        """Say of errors about fields in which lines of the file these are.
-
-        Raises
-        ------
-        InputError
-        """
+        """Say of errors about fields in which lines of the file these are."""
         try:
             yield
         except InputError as error:
@@ -469,12 +445,7 @@ class TomlFile:
         return f"{sentence.removesuffix('.')} ({self.path.name}, {place})."
 
     def required(self, section: str, kind: type[Model]) -> Model:
-        """Validate one required section.
-
-        Raises
-        ------
-        InputError
-        """
+        """Validate one required section."""
         made = self.model(section, kind)
         if made is None:
             raise InputError(f"{self.path.name}: the section [{section}] is missing.")

@@ -51,7 +51,6 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
     ----------
     throws : mapping
         From `read_throws`.
-    layout : ShaftLayout or None
     count : int
         Number of cranks.
 
@@ -154,7 +153,6 @@ def throws_along_shaft(
 
     Parameters
     ----------
-    throws : mapping
     names : sequence of n str
         From `throw_names`.
     angles_deg : array_like of shape (n,)

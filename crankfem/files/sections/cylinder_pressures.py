@@ -84,13 +84,7 @@ def name_fields(error: InputError) -> str:
 def _of_section(
     gas: Gas, layout: EngineLayout, calculate: Callable[[FullLoad, EngineLayout], Result]
 ) -> Result:
-    """Calculate from the section's values; errors name its fields and pressures above ambient.
-
-    Raises
-    ------
-    InputError
-        If the cycle's values do not fit, or it cannot reach them.
-    """
+    """Calculate from the section's values; errors name its fields and pressures above ambient."""
     peak = None if gas.peak_pressure is None else gas.peak_pressure + ATMOSPHERE
     above = "" if gas.peak_pressure is None else format_quantity(gas.peak_pressure, "Pa")
     if peak is not None and peak > HIGHEST_PEAK:
@@ -271,10 +265,8 @@ def pressures_along(
 
     Parameters
     ----------
-    curve : LoadCurve
     gas : Gas
         Full load.
-    layout : EngineLayout
     motored : bool, optional
         Without combustion, at the same boost.
 
@@ -355,7 +347,6 @@ def load_speeds(
 
     Parameters
     ----------
-    section : LoadSection
     rated_speed : float
         [rad/s]
     speed_range : tuple of two floats

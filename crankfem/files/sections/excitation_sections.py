@@ -175,7 +175,6 @@ def gas_map_pressure(section: GasMap, strokes: int, files: InputFiles) -> Pressu
 
     Parameters
     ----------
-    section : GasMap
     strokes : int
         Of the engine, 2 or 4.
     files : InputFiles
@@ -206,7 +205,6 @@ def gas_map_load(section: GasMap, rated_speed: float) -> Load | None:
 
     Parameters
     ----------
-    section : GasMap
     rated_speed : float
         Of the engine [rad/s].
     """
@@ -226,7 +224,6 @@ def motored_for_misfire(
     ----------
     gas : Gas
         The section of the engine file.
-    layout : EngineLayout
     pressure : sequence of n GasPressure
         Of the firing cylinders.
 
