@@ -32,11 +32,6 @@ def parse_gamma(text: str, quiet: bool = False) -> float:
     """Return the angle of --gamma [deg].
 
     A bare number counts as degrees, with a note: the option once took nothing else.
-
-    Raises
-    ------
-    InputError
-        If it is no angle, or not finite.
     """
     try:
         degrees = float(text)
@@ -68,11 +63,6 @@ def angle_text(gamma_deg: float) -> str:
 
 def parse_speed(text: str | None) -> float | None:
     """Return the speed of --speed [rad/s], None where it is not given.
-
-    Raises
-    ------
-    InputError
-        If it is no speed, or outside the range of the field engine.rated_speed.
 
     Examples
     --------
@@ -243,11 +233,6 @@ def parse_quantities(text: str, unit: str, field: str) -> list[float]:
     field : str
         Name of the option, for the message.
 
-    Raises
-    ------
-    InputError
-        If one cannot be read.
-
     Examples
     --------
     >>> parse_quantities("0, -100, 0.5 kN", "N", "--pin-force")
@@ -326,13 +311,7 @@ def write_rows(
 def law_throw(
     pairs: Sequence[str], engine: str | None = None, quiet: bool = False
 ) -> tuple[CrankThrow, Material]:
-    """Make a throw of NAME=VALUE pairs, or of an engine's throw that they change.
-
-    Raises
-    ------
-    InputError
-        If a name is not a dimension, a value is not allowed, or they are not a possible throw.
-    """
+    """Make a throw of NAME=VALUE pairs, or of an engine's throw that they change."""
     dimensions = console.parse_pairs(pairs, _convert)
     if engine is None:
         return CrankThrow(**dimensions), STEEL
@@ -374,11 +353,6 @@ def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) ->
         With a unit each, or one at the end for all.
     strokes : int
         Per cycle, 2 or 4.
-
-    Raises
-    ------
-    InputError
-        If both are given, or one cannot be read.
 
     Examples
     --------

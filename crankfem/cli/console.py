@@ -320,13 +320,7 @@ def number(value: float, digits: int = 4) -> str:
 def parse_pairs(
     pairs: Iterable[str], convert: Callable[[str, str], Value], example: str = "web_width=300mm"
 ) -> dict[str, Value]:
-    """Read name=value pairs from the command line; `example` is used in the message.
-
-    Raises
-    ------
-    InputError
-        If a pair has no equals sign, a name is given twice, or a unit is apart from its number.
-    """
+    """Read name=value pairs from the command line; `example` is used in the message."""
     values: dict[str, Value] = {}
     texts = list(pairs)
     apart = split_quantity(texts)

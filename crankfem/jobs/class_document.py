@@ -55,8 +55,6 @@ def write_class_document(
 
     Raises
     ------
-    InputError
-        If the engine file or the folder cannot be used, or a file in the way was not written by crankfem.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     OSError

@@ -24,11 +24,6 @@ def check_writable(
         What a message calls the file; its path by default.
     recognized : callable, optional
         As for `crankbase.outputs.check_output`.
-
-    Raises
-    ------
-    InputError
-        If it is a folder, in no folder, one of the inputs, or not written by crankfem.
     """
     protect(*inputs)
     with protected(*inputs):
@@ -72,11 +67,6 @@ def check_outputs(
     -------
     Path or None
         The folder of the pictures, which is made if it is not there.
-
-    Raises
-    ------
-    InputError
-        As `check_writable` and `make_output_folder`.
     """
     protect(*inputs)
     if csv is not None:
@@ -102,12 +92,6 @@ def make_output_folder(
     -------
     Path or None
         None where the option is not given.
-
-    Raises
-    ------
-    InputError
-        If the folder has no name, a file of that name exists, files cannot be written there, or one of them
-        would replace one that crankfem did not write.
     """
     if path_given is None:
         return None

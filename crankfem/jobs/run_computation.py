@@ -78,11 +78,6 @@ def read_inputs(engine: str | Path | TomlFile, model: Path | None = None) -> Run
         Or its sections, if already read.
     model : Path, optional
         Saved compliance model to take in place of the file's sources and study.
-
-    Raises
-    ------
-    InputError
-        With one sentence that names the field, what was given and what is allowed.
     """
     content = engine_sections(engine)
     engine_file = load_engine(content if model is None else with_model(content, model))

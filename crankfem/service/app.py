@@ -44,13 +44,7 @@ SCRIPT = "text/javascript; charset=utf-8"
 
 
 def make_app(settings: Settings) -> tuple[ASGIApp, JobRunner]:
-    """Make the application with its guard and its runner of jobs.
-
-    Raises
-    ------
-    InputError
-        If its folder cannot be used.
-    """
+    """Make the application with its guard and its runner of jobs."""
     store = JobStore(settings.folder)
     runner = JobRunner(store, settings.bounds)
 
@@ -182,11 +176,6 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
     ----------
     tell : callable
         Called with the address when it accepts requests.
-
-    Raises
-    ------
-    InputError
-        If the folder or the port cannot be used.
     """
     app, runner = make_app(settings)
     bounds = settings.bounds

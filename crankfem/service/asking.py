@@ -244,8 +244,6 @@ async def read_question(request: Request, kind: type[Asked]) -> Asked:
     ------
     ProblemError
         If it is no JSON object.
-    InputError
-        If the object is none of its kind.
     """
     media = next(
         (value for name, value in request.scope["headers"] if name == b"content-type"), b""
@@ -262,13 +260,7 @@ async def read_question(request: Request, kind: type[Asked]) -> Asked:
 
 
 def read_record(kind: type[Asked], values: Mapping[str, Any], section: str) -> Asked:
-    """Read a record of quantities, each a number in SI units or a text with its unit; null is not given.
-
-    Raises
-    ------
-    InputError
-        With a sentence for each wrong field.
-    """
+    """Read a record of quantities, each a number in SI units or a text with its unit; null is not given."""
     values = {name: value for name, value in values.items() if value is not None}
     if section == kind.section and all(type(value) in (float, int) for value in values.values()):
         return kind(**values)

@@ -87,11 +87,6 @@ class Settings:
         Port; 0 for any free one.
     key : str or None
         That every request to the API must bring; always there where others than this machine can ask.
-
-    Raises
-    ------
-    InputError
-        If the port is none, the key is too short, or one is missing.
     """
 
     folder: Path

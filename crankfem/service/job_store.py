@@ -56,11 +56,6 @@ class JobStore:
     ----------
     folder : Path
         Made if it is not there.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be used, or is of a newer release.
     """
 
     def __init__(self, folder: Path) -> None:

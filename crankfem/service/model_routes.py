@@ -75,11 +75,6 @@ def law_answer(
         Across the shaft, in the throw frame [N]; without it no reactions are returned.
     support : "pinned", "guided" or Neighbors
         For the reactions.
-
-    Raises
-    ------
-    InputError
-        If the throw or the material is outside the law's range, or the force has a part along the shaft.
     """
     axial, torsional = throw_laws(
         throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
@@ -193,8 +188,6 @@ class Models:
         ------
         ProblemError
             If there is none of that name.
-        InputError
-            If its file cannot be used.
         """
         seen, model, path, changed = self._known.get(name, (0.0, None, None, 0))
         now = time.monotonic()

@@ -23,13 +23,7 @@ KEPT = "sent"
 
 
 def read_upload(asked: FileQuestion) -> TomlFile:
-    """Read an uploaded file; whatever reads the files that it names gets those sent with it, and no other.
-
-    Raises
-    ------
-    InputError
-        Also if a name is none of a plain file, because the files are kept in a folder.
-    """
+    """Read an uploaded file; whatever reads the files that it names gets those sent with it, and no other."""
     _check_name("name", asked.name, (".toml",))
     if len(asked.tables) > MOST_TABLES:
         raise InputError(

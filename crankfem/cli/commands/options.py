@@ -184,13 +184,7 @@ NOT_ACCEPTABLE, UNDECIDED = "not acceptable", "undecided"
 
 
 def check_has_limits(engine: "EngineFile") -> None:
-    """Refuse an engine without limits, which --strict cannot judge, before anything is computed for it.
-
-    Raises
-    ------
-    InputError
-        If its file gives no gas pressure: then nothing is forced, nor compared with limits.
-    """
+    """Refuse an engine without limits, which --strict cannot judge, before anything is computed for it."""
     if engine.gas is None and engine.gas_map is None:
         raise InputError(
             "--strict: given for an engine file without gas pressure; allowed is one with a section [gas] "

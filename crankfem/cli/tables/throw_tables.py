@@ -452,11 +452,6 @@ def reaction_record(
         On the pin [N].
     gamma : float or None
         Angle to equal neighbors, for one more support [deg].
-
-    Raises
-    ------
-    InputError
-        If there is none.
     """
     possible: dict[str, Support] = {"pinned": "pinned", "guided": "guided"}
     if gamma is not None:
