@@ -1,17 +1,14 @@
 """What several commands take: throws, models, laws, angles, speeds, quantities and firing orders."""
 
-import csv
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.model import limits_of, range_text
-from crankbase.outputs import atomic_file
 from crankbase.units.quantity import format_quantity, parse_quantity
 from crankfem.cli import console
 from crankfem.files.engine.throw_file import load_throw, names_of_throws
@@ -19,13 +16,13 @@ from crankfem.files.reading.toml_file import TomlFile
 from dynamics.cycle import cycle_degrees
 from dynamics.engine.firing import MOST_CYLINDERS, firing_order_from_text
 from fem.material import STEEL, Material
-from geometry.imported import import_throw
-from geometry.mesher import Throw
-from geometry.solid_files import STEP_ENDINGS
 from geometry.throw import CrankThrow
-from regression.models.compliance_model import ComplianceModel
-from regression.optimum import Limit
 from regression.throw_values import field_unit
+
+if TYPE_CHECKING:
+    from geometry.mesher import Throw
+    from regression.models.compliance_model import ComplianceModel
+    from regression.optimum import Limit
 
 
 def parse_gamma(text: str, quiet: bool = False) -> float:
@@ -111,7 +108,7 @@ def select_throw(
 
 def select_part(
     engine: str, name: str | None, pins: Sequence[str] | None, quiet: bool = False
-) -> tuple[Throw, Material]:
+) -> tuple["Throw", Material]:
     """Select a throw of a file, or read a CAD part of steel from a STEP file.
 
     Parameters
@@ -125,6 +122,9 @@ def select_part(
     quiet : bool
         Whether to omit notes.
     """
+    from geometry.imported import import_throw
+    from geometry.solid_files import STEP_ENDINGS
+
     if Path(engine).suffix.lower() not in STEP_ENDINGS:
         if pins:
             raise InputError(
@@ -146,7 +146,7 @@ _LIMIT = re.compile(r"\s*(?P<name>[\w.]+)\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*"
 _BOUND = re.compile(r"\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*")
 
 
-def model_dimensions(model: ComplianceModel, pairs: Sequence[str]) -> dict[str, float | str]:
+def model_dimensions(model: "ComplianceModel", pairs: Sequence[str]) -> dict[str, float | str]:
     """Read NAME=VALUE pairs: quantities with units, plain numbers, and labels of choices."""
     family = model.family
     choices = {*family.categories, *family.labels}
@@ -173,8 +173,10 @@ def parse_value(name: str, text: str, unit: str) -> float:
     return parse_quantity(number, unit, name)
 
 
-def parse_limit(model: ComplianceModel, text: str) -> Limit:
+def parse_limit(model: "ComplianceModel", text: str) -> "Limit":
     """Read a limit on a response or dimension, like "axial_compliance <= 1.2e-9 m/N"."""
+    from regression.optimum import Limit
+
     match = _LIMIT.fullmatch(text)
     if match is None:
         raise InputError(
@@ -211,7 +213,7 @@ def parse_bound(option: str, text: str) -> float:
     return value
 
 
-def dimensions_text(model: ComplianceModel, dimensions: Mapping[str, float | str]) -> list[str]:
+def dimensions_text(model: "ComplianceModel", dimensions: Mapping[str, float | str]) -> list[str]:
     """Write dimensions as NAME = VALUE."""
     show = model.family.format_value
     return [
@@ -282,30 +284,6 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def write_columns(path: Path, columns: Mapping[str, FloatArray], heading: str = "") -> None:
-    """Write columns of equal length to 12 digits, units in their names; see `write_rows`."""
-    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    write_rows(path, list(columns), ([f"{value:.12g}" for value in row] for row in rows), heading)
-
-
-def write_rows(
-    path: Path, names: Sequence[str], rows: Iterable[Sequence[object]], heading: str = ""
-) -> None:
-    """Write rows below the names of their columns.
-
-    Parameters
-    ----------
-    heading : str, optional
-        Content of the first line after a number sign; no such line if empty.
-    """
-    with atomic_file(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
-        if heading:
-            file.write(f"# {heading}\n")
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(names)
-        writer.writerows(rows)
 
 
 def law_throw(

@@ -65,7 +65,8 @@ def mechanism(
         rod_mass_records,
     )
     from crankfem.analyses.titles import at_speed
-    from crankfem.cli.arguments import parse_speed, write_columns
+    from crankfem.cli.arguments import parse_speed
+    from crankfem.cli.console import write_columns
     from crankfem.cli.tables.mechanism_tables import (
         print_balance,
         print_balanced_masses,

@@ -80,7 +80,7 @@ def vibration(
     from crankfem.analyses.vibration.run import engine_vibration
     from crankfem.analyses.vibration.run_up import parse_duration
     from crankfem.analyses.vibration.run_up import run_up as turned_up
-    from crankfem.cli.arguments import write_columns
+    from crankfem.cli.console import write_columns
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up, print_verdict
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.files.engine.mechanism_file import engine_inputs, mechanism_of

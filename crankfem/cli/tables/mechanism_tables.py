@@ -32,8 +32,7 @@ from crankfem.analyses.mechanism.rod_models import (
     rod_model_table,
 )
 from crankfem.analyses.record import ASSUMED, Record
-from crankfem.cli.arguments import write_rows
-from crankfem.cli.console import number, print_line, print_notes, print_table
+from crankfem.cli.console import number, print_line, print_notes, print_table, write_rows
 from crankfem.cli.tables.throw_tables import intervals_text
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.torque.star import star_diagram
