@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.calls import GIGABYTE, Limits
+from crankbase.calls import GIGABYTE
 from crankbase.checks.choices import is_whole_within
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
@@ -31,7 +31,7 @@ from regression.runs.store import Claims, ResultStore
 from regression.runs.store_file import is_database
 from regression.runs.store_rows import damaged_rows_warning
 from regression.runs.study_table import StudyTable, study_table
-from regression.runs.workers import Claim, design_limits, run_designs
+from regression.runs.workers import design_limits, run_designs
 from regression.throw_values import SAME
 
 # Designs that are looked at, spread over all.
@@ -237,9 +237,10 @@ def run_plan(
         If the store can no longer be written, or the cluster is lost; finished designs are kept.
     """
     check_workers(workers)
+    note = note or (lambda _: None)
     limits = design_limits(plan.accuracy, time_limit, memory_limit)
     if dask is not None:  # refused even if nothing is left to compute
-        from regression.runs.cluster import check_address
+        from regression.runs.cluster import DaskCluster, check_address, run_on_cluster
 
         check_address(dask)
     drawn = plan.planned  # a study that cannot be planned leaves no store behind
@@ -248,7 +249,7 @@ def run_plan(
         planned = with_added(results, plan)
         unique = {design.key: design.inputs for design in planned.designs}
         known = {k: found for k, found in results.outcomes(unique).items() if not found.lost}
-        if results.damaged and note is not None:
+        if results.damaged:
             note(
                 f"{damaged_rows_warning(results.damaged, store)}; their designs are computed again."
             )
@@ -272,7 +273,7 @@ def run_plan(
         def claim(key: str) -> bool | None:
             nonlocal shared
             if not claims.take(key):
-                if not shared and note is not None:
+                if not shared:
                     note(
                         f"another program computes designs of this study in {store}: they are shared."
                     )
@@ -286,41 +287,20 @@ def run_plan(
 
         missing = [(key, inputs) for key, inputs in unique.items() if key not in known]
         older = results.older_results(MODEL_VERSION)
-        if missing and older and note is not None:
-            note(_older_results_text(older, store))
+        if missing and older:
+            note(
+                f"{store}: {sum(older.values())} results are of model version "
+                f"{', '.join(map(str, older))}, not {MODEL_VERSION} (before {CORRECTED_SINCE} they were not "
+                "corrected for discretization); results of different models must not be mixed, so designs "
+                "are computed anew, and the old results stay in the file."
+            )
         if missing and dask is not None:
-            _run_on_dask(missing, keep, dask, limits, note or _silent, claim)
+            with closing(DaskCluster(dask)) as cluster:
+                run_on_cluster(missing, keep, cluster, limits, note, claim)
         else:
             check_study_memory([inputs for _, inputs in missing], workers)
             run_designs(missing, keep, workers, limits, claim)
         return _table(results, plan, planned, computed)
-
-
-def _older_results_text(older: Mapping[int, int], store: str | Path) -> str:
-    versions = ", ".join(map(str, older))
-    return (
-        f"{store}: {sum(older.values())} results are of model version {versions}, not {MODEL_VERSION} "
-        f"(before {CORRECTED_SINCE} they were not corrected for discretization); results of different models "
-        "must not be mixed, so designs are computed anew, and the old results stay in the file."
-    )
-
-
-def _run_on_dask(
-    designs: Iterable[tuple[str, Mapping[str, Any]]],
-    keep: Callable[[Outcome], None],
-    address: str,
-    limits: Limits,
-    note: Note,
-    claim: Claim,
-) -> None:
-    from regression.runs.cluster import DaskCluster, run_on_cluster
-
-    with closing(DaskCluster(address)) as cluster:
-        run_on_cluster(designs, keep, cluster, limits, note, claim)
-
-
-def _silent(_: str) -> None:
-    """Ignore a note."""
 
 
 def read_study(store: str | Path, study: str | None = None) -> StudyTable:
