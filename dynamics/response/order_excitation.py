@@ -127,7 +127,7 @@ class OrderExcitation:
         return np.outer(self.orders, self.speeds)
 
     def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> FloatArray:
-        """Return the forces at shaft angles, all orders together, without their mean.
+        """Return the forces at shaft angles, all orders together, without their mean, (m, n).
 
         Parameters
         ----------
@@ -135,10 +135,6 @@ class OrderExcitation:
             Which of the speeds, from 0.
         shaft_angle_deg : array_like of shape (m,)
             [deg].
-
-        Returns
-        -------
-        ndarray of shape (m, n)
 
         Raises
         ------

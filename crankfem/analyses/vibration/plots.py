@@ -35,7 +35,6 @@ def plot_shaft_modes(
     ----------
     path : Path
         Ends in .svg.
-    modes : ShaftModes
     radius : float
         Crank radius: rotation about the shaft is shown as the displacement there [m].
     count : int
@@ -104,7 +103,6 @@ def plot_response_campbell(
         Running range [rad/s].
     found : sequence of Meeting
         For example `Resonance`; dots grow with their severity.
-    title : str, optional
 
     Raises
     ------
@@ -131,8 +129,6 @@ def plot_transient(
 
     Parameters
     ----------
-    path : Path
-        SVG file.
     run : TransientMotion or TurningRun
         Of a chain.
     place : int, optional
@@ -143,7 +139,6 @@ def plot_transient(
         Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
     turns : int, optional
         Revolutions of the shaft for one amplitude; by default those after which the run repeats.
-    title : str, optional
 
     Raises
     ------
@@ -191,15 +186,12 @@ def plot_transient_over_speed(
 
     Parameters
     ----------
-    path : Path
-        SVG file.
     speeds : array_like of shape (S,)
         [rad/s]
     amplitudes : mapping of str to array_like of shape (S,)
         Name of each curve, and its values; infinite ones leave a gap.
     label : str, optional
         Of the axis, with its unit.
-    title : str, optional
 
     Raises
     ------
