@@ -315,29 +315,6 @@ def vibration(coupled_vibration):
 
 
 @pytest.mark.slow
-def test_vibration_of_an_engine(vibration):
-    axes = vibration.plot(kind="axial")
-    text = f"mode 1: {vibration.forced_axial.frequencies[0]:.1f} Hz"  # damped
-    assert text in {one.get_text() for one in axes.texts}
-    forced = vibration.forced_torsional
-    axes = vibration.plot(show="amplitude")
-    drawn = {line.get_label(): line.get_ydata() for line in axes.lines}
-    assert drawn["all orders (synthesis)"] == close(1e3 * forced.free_end.synthesis.amplitude[:, 0])
-    axes = vibration.plot(show="stress")
-    assert "limit" in {line.get_label() for line in axes.lines}
-    assert "[MPa]" in axes.get_ylabel()
-    for show in ("modes", "load", "power", "limits", "shaft"):
-        assert vibration.plot(show=show).has_data(), show
-    frame = vibration.to_pandas()
-    torsional = frame.loc[frame["kind"] == "torsional", "frequency"]
-    assert torsional.to_numpy() == close(vibration.torsional.chosen.elastic_frequencies)
-    with pytest.raises(InputError, match="show: given 'sound'; allowed are campbell, modes, "):
-        vibration.plot(show="sound")
-    with pytest.raises(InputError, match="show: given 'stress'; allowed for axial vibration are"):
-        vibration.plot(kind="axial", show="stress")
-
-
-@pytest.mark.slow
 def test_what_an_engines_vibration_is_made_of(vibration):
     free, forced = vibration.torsional, vibration.forced_torsional
     axes = free.plot()

@@ -95,18 +95,6 @@ def finer(throw, mesh, level):
 
 
 @pytest.mark.usefixtures("all_digits")
-def test_a_uniform_error_that_is_wished_for_changes_nothing(mesh):
-    """Sizes are their own then, but for what gmsh makes larger than it is told."""
-    count = 6
-    errors = EnergyErrors(np.full(count, 0.05 / count * 3.0), 3.0)
-    apart = separate_elements(mesh, np.geomspace(0.001, 2.0, count))
-    found = refined_sizes(apart, errors, 0.05)
-    expected = MADE_SMALLER * np.repeat(np.geomspace(0.001, 2.0, count), 4)
-    assert found.sizes == close(expected, rel=1e-11)
-    assert np.array_equal(found.points, apart.points)
-
-
-@pytest.mark.usefixtures("all_digits")
 @settings(max_examples=30, deadline=None)
 @given(
     shares=st.lists(st.floats(0.6, 1.8), min_size=2, max_size=8),
