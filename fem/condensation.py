@@ -17,10 +17,9 @@ from scipy import sparse
 from scipy.linalg import block_diag, null_space, qr
 
 from crankbase.errors import InputError
-from crankbase.stopwatch import Stopwatch
 from fem.assembly import symmetric_product
 from fem.loads import NodalLoads, end_sections, end_surface, rigid_motions, unit_end_loads
-from fem.solver import SharedSolver, check_reciprocity
+from fem.solver import SharedSolver, Stopwatch, check_reciprocity
 from fem.symmetry import RIGID, SectionMotions, SymmetryClass, amplitude_shares, axial_class
 from geometry.mesh import ThrowMesh
 from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, RIGHT_END

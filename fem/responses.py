@@ -16,13 +16,13 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.stopwatch import Stopwatch
 from fem.analysis import Mesher, Problem, solve_to_accuracy
 from fem.angle_law import effective_angle_law
 from fem.correction import error_bars
 from fem.fillet_stress import fillet_stresses
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
+from fem.solver import Stopwatch
 from fem.superelement import RX, RY, Superelement, checked_superelement, combine_classes
 from fem.supports import Neighbors, Support, all_end_motions, support_throw
 from fem.symmetry import SHARED, degree_of, symmetry_classes
@@ -41,7 +41,6 @@ def end_moment_numbers(throw: Superelement, length: float, alike: bool) -> dict[
 
     Parameters
     ----------
-    throw : Superelement
     length : float
         Of the throw [m].
     alike : bool
@@ -230,8 +229,6 @@ def evaluate_throw(
 
     Parameters
     ----------
-    throw : CrankThrow
-    material : Material
     accuracy : float
         Required relative accuracy of the axial compliance (pinned), 0.001 to 0.1; the others have the
         same mesh and errors of their own.
@@ -240,10 +237,6 @@ def evaluate_throw(
         long as everything else.
     mesher : callable
         As for `fem.analysis.analyze_throw`.
-
-    Returns
-    -------
-    ThrowResponses
 
     Raises
     ------

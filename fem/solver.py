@@ -9,8 +9,9 @@ same figure.
 import copy
 import os
 import sys
+import time
 import weakref
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import cache
@@ -23,9 +24,40 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from crankbase.errors import InputError, SolveError
-from crankbase.stopwatch import Stopwatch
 from fem.assembly import AXES, BlockMatrix, node_blocks, symmetric_product
 from fem.loads import rigid_motions
+
+
+class Stopwatch:
+    """Adds up the seconds of named pieces of work.
+
+    Attributes
+    ----------
+    seconds : dict
+        By name, in the order of first use.
+    """
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def lap(self, name: str) -> Iterator[None]:
+        """Measure the time of the block under this name, minus the named times inside it."""
+        inside = sum(self.seconds.values())
+        self.seconds.setdefault(name, 0.0)
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            named = sum(self.seconds.values()) - inside
+            # Times taken elsewhere may be longer than the block, which then took none itself.
+            self.seconds[name] += max(0.0, time.perf_counter() - start - named)
+
+    def add(self, seconds: Mapping[str, float]) -> None:
+        """Add times measured elsewhere, such as in another process."""
+        for name, value in seconds.items():
+            self.seconds[name] = self.seconds.get(name, 0.0) + value
+
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from fem.modes import frequencies_of
 def assemble_dynamic_shaft(throws):
     """Stiffness and mass (u, u) of throws in a row, each already turned to its crank angle.
 
-    Unknowns are the motions of the n + 1 end sections from the left, as in `fem.shaft.assemble_shaft`,
+    Unknowns are the motions of the n + 1 end sections from the left, as in `fem.superelement.assemble_shaft`,
     then the amplitudes of shapes, throw by throw.
     """
     first = 6 * (len(throws) + 1)

@@ -4,22 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 from regression.plans.factors import Factor, throw_fields
 from regression.plans.plan import StudyPlan, planned_design
 from regression.records import RUN, Outcome
 from regression.runs.study_table import study_table
 
 # A throw whose mesh is small.
-SHARP = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-)
+SHARP = crank_throw(0.170, 0.220, 0.180, 0.120, 0.139, 0.285, 0.068)
 # The same with fillets.
 FILLETED = SHARP.changed(fillet_radius=0.012)
 

@@ -76,10 +76,6 @@ def input_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
 def assumed_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
     """Return the values that a file leaves open or marks as assumed, each with its reason.
 
-    Parameters
-    ----------
-    file : EngineFile or MechanismFile
-
     Returns
     -------
     tuple of InputRecord
@@ -137,8 +133,8 @@ def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]
             ("density", material.density, "kg/m^3"),
         ):
             yield _assumed(f"material.{name}", format_quantity(value, unit), "steel")
-    hinged = [one for one in layout.cylinders if one.slave_pin is not None]
-    plain = [one for one in layout.cylinders if one.slave_pin is None]
+    hinged = [cylinder for cylinder in layout.cylinders if cylinder.slave_pin is not None]
+    plain = [cylinder for cylinder in layout.cylinders if cylinder.slave_pin is None]
     for section, cylinders in (("rod", plain), ("hinged_rods", hinged)):
         if cylinders and f"{section}.inertia" not in given:
             inertia = format_quantity(cylinders[0].rod.inertia, "kg m^2", 4)

@@ -118,12 +118,12 @@ def throw_checks(
     radial = (0.0, -float(throw["radial_force"]), 0.0)
     worst = max(
         unbalanced_share(
-            [own["reactions"][side] for side in ("left", "right")],
+            [support["reactions"][side] for side in ("left", "right")],
             ((0.0, 0.0, 0.0), (0.0, 0.0, length)),
             radial,
             pin_center,
         )
-        for own in throw["supports"].values()
+        for support in throw["supports"].values()
     )
     reciprocity = throw["reciprocity"]
     return [
@@ -211,13 +211,13 @@ def _fillet_checks(fillets: Mapping[str, Any] | None) -> list[Record]:
 
 
 def _study_checks(study: Mapping[str, Any] | None) -> list[Record]:
-    found = []
+    study_checks = []
     for response, name in (("axial_compliance", "axial"), ("torsional_compliance", "torsional")):
         fits = (study or {"fits": {}})["fits"].get(response)
         if fits is None:
             continue
         chosen = next(form for form in fits["forms"] if form["form"] == fits["chosen"])
-        found.append(
+        study_checks.append(
             _check(
                 f"Error of the {name} regression",
                 chosen["largest_error_held_out"],
@@ -225,7 +225,7 @@ def _study_checks(study: Mapping[str, Any] | None) -> list[Record]:
                 shown_unit="%",
             )
         )
-    return found
+    return study_checks
 
 
 def _mechanism_checks(mechanism: Mapping[str, Any] | None) -> list[Record]:
@@ -256,11 +256,11 @@ def _power_checks(forced: Mapping[str, Any] | None) -> list[Record]:
 
 
 def _chain_checks(whole: Mapping[str, Any] | None) -> list[Record]:
-    found = []
+    chain_checks = []
     for kind, chain in (whole or {"chains": {}})["chains"].items():
         modes = chain["modes"]
         figure = modes[0]["chain_frequency"] / modes[0]["shaft_frequency"] - 1.0 if modes else None
-        found.append(
+        chain_checks.append(
             _check(
                 f"The {kind} chain compared with the whole crankshaft",
                 figure,
@@ -275,4 +275,4 @@ def _chain_checks(whole: Mapping[str, Any] | None) -> list[Record]:
                 met=chain["suffices"],
             )
         )
-    return found
+    return chain_checks

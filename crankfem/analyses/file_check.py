@@ -51,7 +51,6 @@ def refuse_what_cannot_run(engine_file: EngineFile, content: TomlFile | None = N
 
     Parameters
     ----------
-    engine_file : EngineFile
     content : TomlFile, optional
         Its sections, for the lines of the file in errors.
 
@@ -100,19 +99,15 @@ class CheckedFile:
 
     Attributes
     ----------
-    path : Path
     kind : {"engine", "mechanism", "throw", "hinge", "chain"}
     name : str or None
         Its name in the file.
-    sections : tuple of str
     commands : tuple of str
         That can use the file.
     inputs : tuple of InputRecord
         Every value with its source.
-    throw : CrankThrow or None
     engine : dict or None
         Cylinders, firing order and angles, crank angles, running range.
-    remarks : tuple of str
     warnings : tuple of str
         What is far outside of practice, and so perhaps a slip.
     throws : dict

@@ -296,13 +296,13 @@ def _unit_at(path: tuple[str, ...]) -> tuple[str, str] | None:
 @cache
 def _places() -> dict[str, str]:
     """The declared ends of paths of more than one name."""
-    found = _by_name(_PLACES)
+    by_name = _by_name(_PLACES)
     for units, places in _KINDS.items():
         for kind, unit in zip(("axial", "torsional"), units, strict=True):
-            found |= {f"{kind}.{place}": unit for place in places.split()}
+            by_name |= {f"{kind}.{place}": unit for place in places.split()}
     for (parts, unit), names in _GROUPS.items():
-        found |= {f"{name}.{part}": unit for name in names for part in parts.split()}
-    return found
+        by_name |= {f"{name}.{part}": unit for name in names for part in parts.split()}
+    return by_name
 
 
 def _by_name(declared: Mapping[str, str]) -> dict[str, str]:
@@ -330,9 +330,9 @@ def _unit_of_response(name: str) -> str | None:
 
 def _fields(model: type[InputModel]) -> dict[str, str]:
     """Units of a record of input and of its parts by field; those of a choice by its number."""
-    found: dict[str, str] = {}
+    fields: dict[str, str] = {}
     for name, info in model.model_fields.items():
         part = part_kind(info)
         own = {name: field_extra(info, "unit") or "1"} if part is None else _fields(part)
-        found |= own | found  # of fields alike the outermost is meant
-    return found
+        fields |= own | fields  # of fields alike the outermost is meant
+    return fields

@@ -52,7 +52,7 @@ def angle_text(gamma_deg: float) -> str:
     >>> angle_text(120.0), angle_text(240.0)
     ('120 deg', '240 deg (counts as 120)')
     """
-    from regression.formulas.arguments import fold_angle_deg
+    from regression.formulas.case import fold_angle_deg
 
     folded = fold_angle_deg(gamma_deg)
     return f"{gamma_deg:g} deg" + ("" if folded == gamma_deg else f" (counts as {folded:g})")

@@ -13,8 +13,8 @@ from fem.fillet_peaks import OilHolePeak as OilHolePeak
 from fem.fillet_peaks import ReadingQuality as ReadingQuality
 from fem.fillet_stress import fillet_stresses as fillet_stresses
 from fem.modes import ThrowModes as ThrowModes
-from fem.shaft import ShaftCompliances as ShaftCompliances
-from fem.shaft import shaft_compliances as shaft_compliances
+from fem.superelement import ShaftCompliances as ShaftCompliances
+from fem.superelement import shaft_compliances as shaft_compliances
 from fem.supports import Motion as Motion
 from fem.supports import PinResponse as PinResponse
 from fem.throw_analysis import AxialAnalysis as AxialAnalysis

@@ -1,10 +1,10 @@
 """Public names of this topic and their homes."""
 
-from crankfem.analyses.throw.formula_diagrams import plot_formulas as plot_formulas
-from crankfem.analyses.throw.formula_diagrams import (
+from crankfem.analyses.throw.formula_records import plot_formulas as plot_formulas
+from crankfem.analyses.throw.formula_records import (
     plot_formulas_over_angle as plot_formulas_over_angle,
 )
-from crankfem.analyses.throw.formula_diagrams import plot_run_formulas as plot_run_formulas
+from crankfem.analyses.throw.formula_records import plot_run_formulas as plot_run_formulas
 from regression.formulas.axial_formulas import axial_formula as axial_formula
 from regression.formulas.case import FormulaValue as FormulaValue
 from regression.formulas.case import formulas_to_pandas as formulas_to_pandas

@@ -14,7 +14,7 @@ from crankbase.errors import MissingLibraryError, RenderError
 from crankbase.outputs import copy_file
 from crankbase.processes import scratch_folder
 from crankfem.analyses.throw.pictures.drawing import write_drawing
-from crankfem.analyses.throw.pictures.surface import write_vtu
+from crankfem.analyses.throw.pictures.stress_picture import write_vtu
 from crankfem.jobs.exit_codes import TRACEBACK, describe_error
 from crankfem.jobs.run_computation import RunComputation
 from crankfem.jobs.run_files import MESH_FILE, PICTURES

@@ -20,10 +20,9 @@ from crankfem.analyses.shaft.whole_records import shaft_balance_record, shaft_re
 from crankfem.analyses.strength.cycle_fatigue import fatigue_record
 from crankfem.analyses.strength.engine_strength import strength_record
 from crankfem.analyses.study.fit_records import study_record
-from crankfem.analyses.throw.compliances import regression_record
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
-from crankfem.analyses.throw.throw_record import reciprocity_record, throw_record
+from crankfem.analyses.throw.throw_record import reciprocity_record, regression_record, throw_record
 from crankfem.analyses.vibration.records import run_record
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_computation import RunComputation, RunInputs

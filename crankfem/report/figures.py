@@ -18,7 +18,7 @@ from crankbase.outputs import is_regular_file
 from crankfem.analyses.mechanism.plots import plot_torque
 from crankfem.analyses.study.fit_plots import plot_effects, plot_parity, plot_response
 from crankfem.analyses.study.response_fits import ResponseFits
-from crankfem.analyses.throw.formula_diagrams import run_formulas_over_angle
+from crankfem.analyses.throw.formula_records import run_formulas_over_angle
 from crankfem.report.interactive.mechanism import MECHANISM
 from crankfem.report.interactive.plot import Plot, Plots, plot_of_curves
 from crankfem.report.interactive.study import parity, response_over_factors

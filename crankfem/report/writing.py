@@ -20,9 +20,14 @@ from crankfem.analyses.mechanism.mechanism_records import harmonics_table
 from crankfem.analyses.mechanism.rod_models import bearing_table
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
-from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
-from crankfem.analyses.throw.throw_record import reaction_table, section_sentence, support_table
+from crankfem.analyses.throw.throw_record import (
+    compliance_tables,
+    further_compliances,
+    reaction_table,
+    section_sentence,
+    support_table,
+)
 from crankfem.analyses.vibration.tables import (
     barred_within_error,
     element_table,

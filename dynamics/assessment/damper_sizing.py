@@ -61,17 +61,9 @@ def smallest_sufficient(tried: Sequence[TrialSize]) -> TrialSize:
 
 
 def without_close_sizes(tried: Sequence[TrialSize]) -> tuple[TrialSize, ...]:
-    """Drop sizes within a hundredth of the range of another, such as those at the end of a search.
+    """Drop ascending sizes within a hundredth of the range of another, such as those at a search's end.
 
-    Parameters
-    ----------
-    tried : sequence of Tried
-        Ascending.
-
-    Returns
-    -------
-    tuple of Tried
-        Includes the first, the last and the selected one.
+    The first, the last and the selected one stay.
     """
     places = np.log([trial.size for trial in tried])
     close = AT_END * float(places[-1] - places[0])
@@ -85,22 +77,11 @@ def without_close_sizes(tried: Sequence[TrialSize]) -> tuple[TrialSize, ...]:
 def search_sizes(
     at: Callable[[float, TrialSize | None], TrialSize], low: float, high: float, points: int
 ) -> tuple[TrialSize, ...]:
-    """Search for the smallest size that keeps a limit.
+    """Search for the smallest size that keeps a limit, and return all sizes tried, ascending.
 
-    Parameters
-    ----------
-    at : callable
-        Maps a size, and the nearest size tried before (None at first), to the best result for it.
-    low, high : float
-        Range of the size.
-    points : int
-        Number of sizes of the initial scan. It is followed by a search for the least use if no size keeps
-        the limit, or for the size at which the limit is met if one does.
-
-    Returns
-    -------
-    tuple of Tried
-        All sizes tried, ascending.
+    `at` maps a size, and the nearest size tried before (None at first), to the best result for it. A scan
+    of `points` sizes is followed by a search for the least use if no size keeps the limit, or for the size
+    at which the limit is met if one does.
     """
     tried: dict[float, TrialSize] = {}
 
@@ -135,22 +116,10 @@ def search_sizes(
 def minimize_usage(
     used: Callable[[FloatArray], float], ranges: Ranges, last: FloatArray | None
 ) -> tuple[FloatArray, float]:
-    """Find the settings of least usage of a limit.
+    """Find the settings (d,) of least usage of a limit, and this usage.
 
-    Parameters
-    ----------
-    used : callable
-        Maps settings (d,) to the use of the limit; at most two are free.
-    ranges : sequence of d pairs of floats
-        Equal ends fix a setting.
-    last : ndarray of shape (d,) or None
-        Best settings of a neighboring size: searched within a factor about them, and over the whole
-        ranges only if the best ones are at an end of that interval.
-
-    Returns
-    -------
-    settings : ndarray of shape (d,)
-    used : float
+    At most two settings are free; equal ends of a range fix one. The best settings of a neighboring size,
+    if known, are searched about, and the whole ranges only if the best ones are at an end of that interval.
     """
     whole = np.log(np.array(ranges, dtype=np.float64))
     if last is not None:

@@ -331,9 +331,8 @@ def frequency_samples(
 
     Parameters
     ----------
-    spreads : sequence of p Spread
-    samples, seed : int
-        See `sampled_factors`.
+    spreads, samples, seed
+        As for `sampled_factors`.
 
     Returns
     -------
@@ -442,11 +441,10 @@ def chain_samples(
 
     Parameters
     ----------
-    spreads : sequence of p Spread
     result : callable
         Chain to a number or an array of the same shape for every chain.
-    samples, seed : int
-        See `sampled_factors`.
+    spreads, samples, seed
+        As for `sampled_factors`.
 
     Notes
     -----

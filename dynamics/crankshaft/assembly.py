@@ -132,20 +132,9 @@ class Stations:
         return replace(self, motions=self.motions[:, :, kept])
 
     def energy_shares(self, shapes: FloatArray, added_mass: FloatArray) -> FloatArray:
-        """Split the energy of motions into axial, torsional and bending shares.
+        """Split the energy of motions (u, k) into axial, torsional and bending shares (3, k), with the sum 1.
 
-        Parameters
-        ----------
-        shapes : ndarray of shape (u, k)
-            Motions of the unknowns, such as modes.
-        added_mass : ndarray of shape (2, u, u)
-            Mass matrices of bodies that only move along the shaft, and of those that only turn about it
-            (damper ring, driven machine, shaft line).
-
-        Returns
-        -------
-        ndarray of shape (3, k)
-            Axial, torsional, bending; each 0 to 1, their sum 1.
+        `added_mass` (2, u, u) is that of bodies that only move along the shaft, and that only turn about it.
 
         Notes
         -----
@@ -184,16 +173,8 @@ def shaft_stations(
 ) -> Stations:
     """Build the stations of an assembled shaft.
 
-    Parameters
-    ----------
-    throws : sequence of n ShaftThrow
-    pin_masses : ndarray of shape (p,)
-        Rods' and pistons' mass at each pin [kg].
-    starts : ndarray of shape (n + 1,)
-        Positions of the sections [m].
-    section_motions : ndarray of shape (6 (n + 1), u)
-    pin_slices : sequence of p ndarrays of shape (6, u)
-        Motion of each pin's slice at the shaft axis, in the shaft's frame.
+    With the mass of rods and pistons at each pin (p,) [kg], the positions of the sections (n + 1,) [m], their
+    motions (6 (n + 1), u), and that of each pin's slice (6, u) at the axis, in the shaft's frame.
     """
     count = len(starts)
     sections, pins, pin_places = np.zeros((count, 2)), [], []

@@ -139,15 +139,8 @@ def match_modes(
 ) -> tuple[ModeMatch, ...]:
     """Find for some modes of a chain the most similar modes of the whole shaft.
 
-    Parameters
-    ----------
-    shaft, modes, chain, wanted
-        As for `mode_likeness`.
-
-    Returns
-    -------
-    tuple of ModeMatch
-        With the largest products of share and likeness in all; no mode of the shaft stands for two.
+    Arguments are those of `mode_likeness`. The products of share and likeness are largest in all; no mode of
+    the shaft stands for two.
     """
     share = modes.shares[CLASSES.index(chain.kind)]
     likeness = mode_likeness(shaft, modes, chain, wanted)

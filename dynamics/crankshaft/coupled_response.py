@@ -380,11 +380,8 @@ def coupled_response(
         By order, speed and cylinder.
     pins : sequence of int, optional
         Pin of each cylinder, as for `shaft_excitation`.
-    magnifier : float or None
-        Magnifier of every elastic mode, added to the damping of the system; by default the measured
-        one of `DEFAULT_MAGNIFIER`. None adds nothing.
-    modal_damping : float or array_like, optional
-        Alternatively, share of critical damping of every elastic mode.
+    magnifier, modal_damping
+        As for `forced_response`, the first by default `DEFAULT_MAGNIFIER`; None adds nothing.
     further : OrderExcitation, optional
         Other forces on the points of the shaft, at the same speeds; orders may differ.
 

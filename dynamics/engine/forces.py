@@ -285,13 +285,20 @@ def summed(forces: MechanismForces, cylinders: Sequence[int]) -> ComplexArray:
     return np.asarray(forces.crankpin[[number - 1 for number in cylinders]].sum(axis=0))
 
 
-class Pressure(Protocol):
-    """A pressure over the working cycle."""
+class Cyclic(Protocol):
+    """What repeats with the working cycle."""
 
     @property
     def strokes(self) -> int:
         """Strokes per cycle, 2 or 4."""
         ...
+
+
+Curve = TypeVar("Curve", bound=Cyclic)
+
+
+class Pressure(Cyclic, Protocol):
+    """A pressure over the working cycle."""
 
     def at(self, *, angle_deg: ArrayLike) -> FloatArray:
         """Return the absolute pressure [Pa] at angles [deg] from the firing top."""
@@ -326,24 +333,37 @@ def gas_forces(
     """
     angles = radians_of("shaft_angles_deg", shaft_angles_deg, vector=True)
     under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
+    return np.array(
+        [
+            cylinder.area * (curve.at(angle_deg=np.degrees(angles - firing)) - under)
+            for cylinder, firing, curve in zip(
+                engine.cylinders,
+                np.radians(engine.firing_deg),
+                pressure_of_each("pressure", pressure, engine),
+                strict=True,
+            )
+        ]
+    )
+
+
+def pressure_of_each(
+    field: str, pressure: Curve | Sequence[Curve], engine: EngineLayout
+) -> list[Curve]:
+    """Return the pressure in each cylinder of an engine, each over a cycle of the engine's strokes."""
     count = len(engine.cylinders)
     pressures = list(pressure) if isinstance(pressure, Sequence) else [pressure] * count
     if len(pressures) != count:
         raise InputError(
-            f"pressure: given {len(pressures)} for {count} cylinders; allowed is one for all, or one "
-            "for each cylinder, because each piston has its own force."
+            f"{field}: given {len(pressures)} for {count} cylinders; allowed is one for all, or one for "
+            "each cylinder, because each piston has its own force."
         )
-    forces = []
-    for cylinder, firing, curve in zip(
-        engine.cylinders, np.radians(engine.firing_deg), pressures, strict=True
-    ):
+    for curve in pressures:
         if curve.strokes != engine.strokes:
             raise InputError(
-                f"pressure: given a cycle of {curve.strokes} strokes; allowed is {engine.strokes}, because "
+                f"{field}: given a cycle of {curve.strokes} strokes; allowed is {engine.strokes}, because "
                 "that is the engine's."
             )
-        forces.append(cylinder.area * (curve.at(angle_deg=np.degrees(angles - firing)) - under))
-    return np.array(forces)
+    return pressures
 
 
 def piston_position(engine: EngineLayout, number: int) -> Position:

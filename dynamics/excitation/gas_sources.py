@@ -8,7 +8,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number
 from crankbase.errors import InputError
-from dynamics.engine.forces import Pressure
+from dynamics.engine.forces import Pressure, pressure_of_each
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import checked_cylinder
 from dynamics.excitation.pressure_map import Load, PressureMap
@@ -79,19 +79,7 @@ def gas_sources(
 
 
 def _one_for_each(field: str, pressure: Pressures, engine: EngineLayout) -> list[GasSource]:
-    count = len(engine.cylinders)
-    pressures = list(pressure) if isinstance(pressure, Sequence) else [pressure] * count
-    if len(pressures) != count:
-        raise InputError(
-            f"{field}: given {len(pressures)} for {count} cylinders; allowed is one for all, or one for each "
-            "cylinder, because each piston has its own force."
-        )
-    for each in pressures:
-        if each.strokes != engine.strokes:
-            raise InputError(
-                f"{field}: given a cycle of {each.strokes} strokes; allowed is {engine.strokes}, because "
-                "that is the engine's."
-            )
+    pressures = pressure_of_each(field, pressure, engine)
     made = {id(each): _source(each) for each in pressures}
     return [made[id(each)] for each in pressures]
 

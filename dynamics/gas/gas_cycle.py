@@ -238,7 +238,7 @@ def checked_peak(peak: float, lowest: float) -> float:
     # The lowest peak is found to round-off, and it may be what is asked for.
     if not is_number(peak) or not lowest * (1.0 - 1e-12) <= peak <= HIGHEST_PEAK:
         raise InputError(
-            f"peak_pressure: given {format_mpa(peak)}; allowed are {mpa_rounded_up(lowest)} to "
+            f"peak_pressure: given {format_mpa(peak)}; allowed are {rounded_mpa(lowest, np.ceil)} to "
             f"{format_mpa(HIGHEST_PEAK)}, because compression alone gives the lowest and no piston engine "
             "withstands more than the highest."
         )
@@ -255,8 +255,8 @@ def heat_for_mean_pressure(state: CycleSamples, mean_pressure: float) -> float:
     if not inside or mean_pressure < lowest - 1e-12 * abs(lowest):
         raise InputError(
             f"mean_effective_pressure: given {format_mpa(mean_pressure)}; allowed are "
-            f"{mpa_rounded_up(lowest)} to "
-            f"{mpa_rounded_down(highest)}, because no heat gives the lowest and the highest "
+            f"{rounded_mpa(lowest, np.ceil)} to "
+            f"{rounded_mpa(highest, np.floor)}, because no heat gives the lowest and the highest "
             "drives the peak to "
             f"{format_mpa(HIGHEST_PEAK)}."
         )
@@ -271,21 +271,12 @@ def no_work_error(mean_pressure: float) -> InputError:
     )
 
 
-def mpa_rounded_up(pressure: float) -> str:
-    """Return a least pressure in MPa with four digits, rounded up, so that the printed value is allowed."""
-    return format_mpa(_rounded(pressure, np.ceil))
-
-
-def mpa_rounded_down(pressure: float) -> str:
-    """Return a largest pressure in MPa with four digits, rounded down."""
-    return format_mpa(_rounded(pressure, np.floor))
-
-
-def _rounded(pressure: float, to_whole: Callable[[float], float]) -> float:
+def rounded_mpa(pressure: float, to_whole: Callable[[float], float]) -> str:
+    """Return a pressure in MPa with four digits, a least one rounded up: what is printed is allowed."""
     if not pressure or not np.isfinite(pressure):
-        return pressure
+        return format_mpa(pressure)
     step = 10.0 ** (np.floor(np.log10(abs(pressure))) - 3)
-    return float(to_whole(pressure / step) * step)
+    return format_mpa(float(to_whole(pressure / step) * step))
 
 
 def format_mpa(pressure: float) -> str:
@@ -591,8 +582,9 @@ def _solved_combustion(
     below = np.flatnonzero((reached[:-1] >= peak) & (reached[1:] <= peak))
     if below.size == 0:
         raise InputError(
-            f"peak_pressure: given {format_mpa(peak)}; allowed are {mpa_rounded_up(np.min(reached))} to "
-            f"{mpa_rounded_down(np.max(reached))}, because with a mean effective pressure of "
+            f"peak_pressure: given {format_mpa(peak)}; allowed are "
+            f"{rounded_mpa(np.min(reached), np.ceil)} to {rounded_mpa(np.max(reached), np.floor)}, because "
+            "with a mean effective pressure of "
             f"{format_mpa(mean_pressure)} a {name} from {places[0]:.4g} to "
             f"{places[-1]:.4g} deg gives no others."
         )

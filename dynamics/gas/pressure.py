@@ -1,6 +1,7 @@
 """The absolute pressure in a cylinder over one working cycle."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -365,47 +366,52 @@ def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPress
         outside -10 to 40 deg (angles counted from elsewhere).
     """
     cycles = possible_cycles(strokes)
-    rows = read_sample_rows(path, TABLE)
+    samples = read_sample_rows(path, TABLE)
     remarks: list[str] = []
-    cycle_strokes = rows.strokes(
-        cycles,
-        lambda angles, cycle: closes_cycle(angles, cycle) or opens_little(angles, cycle),
-        f" and open by {WIDEST_GAP:g} deg at most",
-    )
-    cycle = cycles[cycle_strokes]
-    kind, _, unit = rows.value_name.split("_")
-    pressure = UNITS[unit] * rows.values
+    kind, _, unit = samples.value_name.split("_")
+    pressure = UNITS[unit] * samples.values
     if kind == "gauge":
         pressure += ATMOSPHERE
         remarks.append(f"{ATMOSPHERE:g} Pa of atmosphere were added to the gauge pressure.")
-    if closes_cycle(rows.angles, cycle):
-        rows.check_closing(pressure, CLOSING_TOLERANCE)
-        remarks.append(f"The closing sample at {rows.angles[-1]:g} deg was dropped.")
-        rows = replace(rows, angles=rows.angles[:-1], values=rows.values[:-1])
-        pressure = pressure[:-1]
-    index, gap = widest_gap(rows.angles, cycle)
-    # The gap to the next cycle is small already, or the strokes would not have been found.
-    if index > 0 and gap > WIDEST_GAP * (1.0 + 1e-9):
-        raise rows.step_error(
-            index,
-            f"gaps of {WIDEST_GAP:g} deg at most, because a wider one may hide the pressure's rise",
-        )
+    cycle_strokes, rows, pressure = one_cycle(samples, cycles, pressure, "pressure")
+    if rows.angles.size < samples.angles.size:
+        remarks.append(f"The closing sample at {samples.angles[-1]:g} deg was dropped.")
     _check_pressure(rows, pressure)
-    _check_peak_angle(rows, pressure, cycle)
+    _check_peak_angle(rows, pressure, cycles[cycle_strokes])
     return gas_pressure(
         pressure, cycle_strokes, source=rows.source, remarks=tuple(remarks), angles_deg=rows.angles
     )
 
 
-def closes_cycle(angles: FloatArray, cycle: float) -> bool:
-    """Return whether the last angle is one cycle after the first."""
-    tolerance = PLACE_TOLERANCE * float(np.median(np.diff(angles)))
-    return abs(float(angles[-1] - angles[0]) - cycle) <= tolerance
+def one_cycle(
+    rows: SampleRows, cycles: Mapping[int, float], values: FloatArray, what: str
+) -> tuple[int, SampleRows, FloatArray]:
+    """Return the strokes, and rows and values over one cycle with small gaps, the closing sample dropped."""
 
+    def closes(angles: FloatArray, cycle: float) -> bool:
+        tolerance = PLACE_TOLERANCE * float(np.median(np.diff(angles)))
+        return abs(float(angles[-1] - angles[0]) - cycle) <= tolerance
 
-def opens_little(angles: FloatArray, cycle: float) -> bool:
-    """Return whether the angles leave no wide gap to the next cycle."""
-    return 0.0 < cycle - float(angles[-1] - angles[0]) <= WIDEST_GAP * (1.0 + 1e-9)
+    widest = WIDEST_GAP * (1.0 + 1e-9)
+    strokes = rows.strokes(
+        cycles,
+        lambda angles, cycle: (
+            closes(angles, cycle) or 0.0 < cycle - float(angles[-1] - angles[0]) <= widest
+        ),
+        f" and open by {WIDEST_GAP:g} deg at most",
+    )
+    if closes(rows.angles, cycles[strokes]):
+        rows.check_closing(values, CLOSING_TOLERANCE)
+        rows = replace(rows, angles=rows.angles[:-1], values=rows.values[:-1])
+        values = values[:-1]
+    index, gap = widest_gap(rows.angles, cycles[strokes])
+    # The gap to the next cycle is small already, or the strokes would not have been found.
+    if index > 0 and gap > widest:
+        raise rows.step_error(
+            index,
+            f"gaps of {WIDEST_GAP:g} deg at most, because a wider one may hide the {what}'s rise",
+        )
+    return strokes, rows, values
 
 
 def _check_pressure(rows: SampleRows, pressure: FloatArray) -> None:

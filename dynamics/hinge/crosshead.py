@@ -27,14 +27,7 @@ from dynamics.engine.rods import ConnectingRod
 from dynamics.engine.slider_crank import check_reach
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle
-from dynamics.gas.pressure import (
-    ATMOSPHERE,
-    CLOSING_TOLERANCE,
-    WIDEST_GAP,
-    closes_cycle,
-    opens_little,
-    widest_gap,
-)
+from dynamics.gas.pressure import ATMOSPHERE, one_cycle
 from dynamics.sample_table import TableKind, read_sample_rows
 
 if TYPE_CHECKING:
@@ -255,29 +248,13 @@ def read_gas_force(path: GivenFile) -> GasForce:
         samples.
     """
     rows = read_sample_rows(path, TABLE)
-    rows.strokes(
-        {2: TURN_DEG},
-        lambda angles, turn: closes_cycle(angles, turn) or opens_little(angles, turn),
-        f" and open by {WIDEST_GAP:g} deg at most",
-    )
-    angles, force = rows.angles, rows.values * UNITS[rows.value_name.rpartition("_")[2]]
-    if closes_cycle(angles, TURN_DEG):
-        rows.check_closing(force, CLOSING_TOLERANCE)
-        angles, force = angles[:-1], force[:-1]
-    index, gap = widest_gap(angles, TURN_DEG)
-    if index > 0 and gap > WIDEST_GAP * (1.0 + 1e-9):
-        raise rows.step_error(
-            index,
-            f"gaps of {WIDEST_GAP:g} deg at most, because a wider one may hide the force's rise",
-        )
-    return _repeated(np.radians(angles), force)
-
-
-def _repeated(angles: FloatArray, values: FloatArray) -> GasForce:
+    force = rows.values * UNITS[rows.value_name.rpartition("_")[2]]
+    _, rows, force = one_cycle(rows, {2: TURN_DEG}, force, "force")
+    angles = np.radians(rows.angles)
     from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
 
     closed = np.append(angles, angles[0] + TURN)
-    curve = CubicSpline(closed, np.append(values, values[0]), bc_type="periodic")
+    curve = CubicSpline(closed, np.append(force, force[0]), bc_type="periodic")
     return lambda asked: np.asarray(curve(asked))
 
 

@@ -29,11 +29,6 @@ POINTS = 721
 ANGLE_LABEL, TORQUE_LABEL = "crank angle [deg]", "torque of one throw [N m]"
 
 
-def bar_width(orders: FloatArray) -> float:
-    """Return the combined width of all bars of an order."""
-    return FILLED * float(orders[0] if len(orders) < 2 else np.min(np.diff(orders)))
-
-
 def draw_harmonics(
     axes: Axes | None,
     orders: FloatArray,
@@ -56,7 +51,7 @@ def draw_harmonics(
         Label of the vertical axis, with its unit.
     """
     axes = new_axes(axes)
-    width = bar_width(orders)
+    width = FILLED * float(orders[0] if len(orders) < 2 else np.min(np.diff(orders)))
     each = width / len(amplitudes)
     for place, (name, heights) in enumerate(amplitudes.items()):
         shift = (place - 0.5 * (len(amplitudes) - 1)) * each
@@ -70,22 +65,17 @@ def draw_harmonics(
     return axes
 
 
-class Sum(Protocol):
+class _Sum(Protocol):
     """A sum of harmonics; `dynamics.harmonics.Harmonics` is one."""
 
     @property
-    def mean(self) -> float:
-        """Mean value."""
-
+    def mean(self) -> float: ...
     @property
-    def strokes(self) -> int:
-        """Strokes per cycle."""
-
-    def at(self, *, crank_angle_deg: FloatArray) -> FloatArray:
-        """Return the sum at crank angles [deg]."""
+    def strokes(self) -> int: ...
+    def at(self, *, crank_angle_deg: FloatArray) -> FloatArray: ...
 
 
-def over_cycle(samples: FloatArray, harmonics: Sum) -> tuple[FloatArray, FloatArray, FloatArray]:
+def over_cycle(samples: FloatArray, harmonics: _Sum) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return angles and the sum of harmonics at them, and the angles of samples, all in degrees.
 
     Parameters
@@ -110,7 +100,7 @@ def over_cycle(samples: FloatArray, harmonics: Sum) -> tuple[FloatArray, FloatAr
 def draw_samples(
     axes: Axes | None,
     samples: FloatArray,
-    harmonics: Sum,
+    harmonics: _Sum,
     *,
     summed: str = "sum of harmonics",
     title: str = "",
@@ -149,36 +139,26 @@ LABEL_START, SIDEWAYS = 1.2, 0.5
 SUM = "#1c2733"
 
 
-class Vectors(Protocol):
+class _Vectors(Protocol):
     """Vectors of one order; `dynamics.torque.star.Star` is an example."""
 
     @property
-    def directions_deg(self) -> FloatArray:
-        """Of the cylinders' vectors [deg]."""
-
+    def directions_deg(self) -> FloatArray: ...
     @property
-    def weights(self) -> FloatArray:
-        """Their lengths."""
-
+    def weights(self) -> FloatArray: ...
     @property
-    def vectors(self) -> ComplexArray:
-        """The vectors themselves."""
-
+    def vectors(self) -> ComplexArray: ...
     @property
-    def largest(self) -> float:
-        """Their sum if all had one direction."""
-
+    def largest(self) -> float: ...
     @property
-    def share(self) -> float:
-        """Their sum as a share of that."""
-
+    def share(self) -> float: ...
     @property
     def kind(self) -> str:
         """Return "major", "minor" or "balanced"."""
 
 
 def draw_star(
-    axes: Axes, star: Vectors, words: str, center: tuple[float, float] = (0.0, 0.0)
+    axes: Axes, star: _Vectors, words: str, center: tuple[float, float] = (0.0, 0.0)
 ) -> None:
     """Draw one star; firing at shaft angle zero points up, angles turn clockwise.
 
@@ -227,7 +207,7 @@ def finish_stars(axes: Axes, rows: int = 1, columns: int = 1) -> None:
     axes.set_ylim(-1.15 * STAR_STEP * (rows - 1) - half, half + 0.4)
 
 
-def _by_direction(star: Vectors) -> list[list[int]]:
+def _by_direction(star: _Vectors) -> list[list[int]]:
     """Return the cylinders, from 0, grouped by direction as drawn: negative lengths point backwards."""
     turned = np.where(star.weights < 0.0, -1.0, 1.0)
     units = turned * np.exp(1j * np.radians(star.directions_deg))
@@ -260,30 +240,21 @@ def _arrow(
 STYLES = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 2, 1, 2, 1, 2)), (0, (8, 3)))
 
 
-class Series(Protocol):
+class _Series(Protocol):
     """Harmonics; `dynamics.harmonics.Harmonics` is one."""
 
     @property
-    def orders(self) -> FloatArray:
-        """Ascending (K,)."""
-
+    def orders(self) -> FloatArray: ...
     @property
-    def amplitude(self) -> FloatArray:
-        """M_k (K,)."""
-
+    def amplitude(self) -> FloatArray: ...
     @property
-    def phase(self) -> FloatArray:
-        """a_k [rad] (K,)."""
-
+    def phase(self) -> FloatArray: ...
     @property
-    def strokes(self) -> int:
-        """Strokes per cycle."""
-
-    def each_at(self, *, crank_angle_deg: FloatArray) -> FloatArray:
-        """Return each harmonic at crank angles [deg], (K, m)."""
+    def strokes(self) -> int: ...
+    def each_at(self, *, crank_angle_deg: FloatArray) -> FloatArray: ...
 
 
-def harmonic_words(harmonics: Series, place: int, unit: str) -> str:
+def harmonic_words(harmonics: _Series, place: int, unit: str) -> str:
     """State amplitude and phase of the harmonic at an index, such as "279.7 N m, 230.2 deg".
 
     Amplitudes have the decimals of the largest one.
@@ -294,7 +265,7 @@ def harmonic_words(harmonics: Series, place: int, unit: str) -> str:
 
 
 def draw_single_harmonics(
-    axes: Axes | None, harmonics: Series, unit: str, samples: FloatArray | None = None
+    axes: Axes | None, harmonics: _Series, unit: str, samples: FloatArray | None = None
 ) -> Axes:
     """Draw harmonics over the crank angle in one diagram, the largest if there are too many.
 
@@ -333,7 +304,7 @@ def draw_single_harmonics(
     return axes
 
 
-def draw_one_harmonic(axes: Axes, harmonics: Series, place: int, unit: str) -> None:
+def draw_one_harmonic(axes: Axes, harmonics: _Series, place: int, unit: str) -> None:
     """Draw the harmonic at an index with its amplitude as dashed lines, order and phase in the title."""
     degrees = _cycle(harmonics)
     angles = harmonics.orders[place] * np.radians(degrees) + harmonics.phase[place]
@@ -346,7 +317,7 @@ def draw_one_harmonic(axes: Axes, harmonics: Series, place: int, unit: str) -> N
     )
 
 
-def _cycle(harmonics: Series) -> FloatArray:
+def _cycle(harmonics: _Series) -> FloatArray:
     """Return crank angles over one cycle [deg]."""
     return np.linspace(0.0, 180.0 * harmonics.strokes, POINTS)
 

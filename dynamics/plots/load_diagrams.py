@@ -25,20 +25,17 @@ POINTS = 361
 SHORT = 14
 
 
-class Curve(Protocol):
+class _Curve(Protocol):
     """A closed curve; `dynamics.balance.moving_masses.Hodograph` is one."""
 
     @property
-    def major(self) -> float:
-        """Largest distance from the origin."""
-
-    def points(self, count: int = 181) -> tuple[FloatArray, FloatArray]:
-        """Return x and y of points along it."""
+    def major(self) -> float: ...
+    def points(self, count: int = 181) -> tuple[FloatArray, FloatArray]: ...
 
 
 def draw_hodographs(
     axes: Axes | None,
-    curves: Mapping[str, Curve],
+    curves: Mapping[str, _Curve],
     labels: tuple[str, str],
     *,
     title: str = "",
@@ -120,36 +117,23 @@ AXIS_LABELS: dict[Frame, tuple[str, str]] = {
 }
 
 
-class Load(Protocol):
+class _Load(Protocol):
     """The force on a bearing; `dynamics.engine.loads.LoadDiagram` is one."""
 
     @property
-    def angles_deg(self) -> FloatArray:
-        """Shaft angles over one cycle [deg]."""
-
+    def angles_deg(self) -> FloatArray: ...
     @property
-    def force(self) -> ComplexArray:
-        """In the engine's frame, y - i x [N]."""
-
+    def force(self) -> ComplexArray: ...
     @property
-    def in_crank_frame(self) -> ComplexArray:
-        """In the crank's frame, -Z + i T [N]."""
-
+    def in_crank_frame(self) -> ComplexArray: ...
     @property
-    def magnitude(self) -> FloatArray:
-        """Magnitude of the force [N]."""
-
+    def magnitude(self) -> FloatArray: ...
     @property
-    def mean(self) -> float:
-        """Mean magnitude [N]."""
-
+    def mean(self) -> float: ...
     @property
-    def maximum(self) -> float:
-        """Largest magnitude [N]."""
-
+    def maximum(self) -> float: ...
     @property
-    def maximum_angle_deg(self) -> float:
-        """Angle of the largest magnitude [deg]."""
+    def maximum_angle_deg(self) -> float: ...
 
 
 def check_polar(frame: str, mark_step_deg: float) -> None:
@@ -164,7 +148,7 @@ def check_polar(frame: str, mark_step_deg: float) -> None:
 
 
 def draw_polar_loads(
-    axes: Axes, loads: Sequence[tuple[str, Load]], frame: Frame, mark_step_deg: float
+    axes: Axes, loads: Sequence[tuple[str, _Load]], frame: Frame, mark_step_deg: float
 ) -> None:
     """Draw the locus of a bearing's force vector, one curve for each load.
 
@@ -200,7 +184,7 @@ def draw_polar_loads(
         legend_inside(axes)
 
 
-def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
+def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, _Load]]) -> None:
     """Draw the magnitude of a bearing's force over the shaft angle, with mean and maximum.
 
     Parameters
@@ -228,7 +212,7 @@ def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
     axes.set_ylabel("force [kN] (dashed: mean)")
 
 
-def on_paper(load: Load, frame: Frame) -> NDArray[np.complex128]:
+def on_paper(load: _Load, frame: Frame) -> NDArray[np.complex128]:
     """Return points in the picture, right + i up [kN]."""
     # Up are -Z, outwards along the crank, and y; to the right T, and -x as seen from the free end.
     force = load.in_crank_frame if frame == "crank" else load.force

@@ -367,7 +367,7 @@ class OrderSeries:
         return int(np.argmax(np.max(self.synthesis.amplitude, axis=0)))
 
     def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> FloatArray:
-        """Return the values over shaft angles, all orders together, without their mean.
+        """Return the values over shaft angles, all orders together, without their mean, (m, p).
 
         Parameters
         ----------
@@ -375,10 +375,6 @@ class OrderSeries:
             Which of the speeds, from 0.
         shaft_angle_deg : array_like of shape (m,)
             [deg].
-
-        Returns
-        -------
-        ndarray of shape (m, p)
 
         Raises
         ------

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal, TypeGuard
 
 import numpy as np
@@ -197,21 +197,12 @@ class PinForceHarmonics:
     def to_pandas(self) -> DataFrame:
         """Return one row for each order: amplitude and phase of T and Z by cause."""
         columns: dict[str, tuple[FloatArray, str]] = {"order": (self.tangential.orders, "1")}
-        for name in CAUSES:
+        for cause in fields(self)[2:]:
+            name = cause.name
             spectrum: Harmonics = getattr(self, name)
             columns[name] = (spectrum.amplitude, "N")
             columns[f"{name}_phase"] = (spectrum.phase, "rad")
         return table(columns)
-
-
-CAUSES = (
-    "tangential_gas",
-    "tangential_inertia",
-    "tangential",
-    "radial_gas",
-    "radial_inertia",
-    "radial",
-)
 
 
 def pin_force_harmonics(

@@ -196,15 +196,9 @@ def envelope_over(
     torque: FloatArray,
     turns: int,
 ) -> Envelope:
-    """Return the envelope of a motion sampled over time.
+    """Return the envelope of a motion sampled at times [s], speeds [rad/s] and shaft angles [rad], (m,).
 
-    Parameters
-    ----------
-    time, speed, shaft_angle : ndarray of shape (m,)
-        [s, rad/s, rad]
-    motion, torque : ndarray of shape (m, n) and (m, e)
-    turns : int
-        Revolutions of the shaft in one window: those after which the orders repeat, or more.
+    A window has the revolutions after which the orders repeat, or more.
 
     Notes
     -----

@@ -254,8 +254,8 @@ class TransientMotion(ShaftRun):
         motion.
     rigid_motion : ndarray of shape (m, n)
         Of a free system, due to the forces alone [rad or m]; zero where the system is held.
-    torque : ndarray of shape (m, e)
-        Of the spring of each element of a chain [N m or N]; e is 0 for other systems.
+    torque, system
+        As in `SteadyMotion`.
     complete : bool
         False if the run was interrupted; the arrays then end there.
     step : float
@@ -265,9 +265,6 @@ class TransientMotion(ShaftRun):
         relative to the largest force on each mode. All else is exact.
     orders : ndarray of shape (K,)
         Orders of all excitations.
-    system : ViscousSystem
-        The vibrating system.
-    notes : tuple of str
     """
 
     time: FloatArray

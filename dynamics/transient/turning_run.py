@@ -314,7 +314,6 @@ class TurningRun(ShaftRun):
         False if the run was interrupted or the shaft stopped; the arrays then end there.
     system : ViscousSystem
         The chain of constant inertia.
-    notes : tuple of str
     """
 
     time: FloatArray

@@ -8,10 +8,16 @@ from typing import Literal
 
 import numpy as np
 
-from crankbase.checks.arrays import LARGEST, ComplexArray, FloatArray, finite_array
+from crankbase.checks.arrays import (
+    LARGEST,
+    ComplexArray,
+    FloatArray,
+    finite_array,
+    nonnegative_number,
+)
 from dynamics.cycle import cycle_radians, even_angles
 from dynamics.engine import RodModelName
-from dynamics.engine.forces import Pressure, gas_forces, rod_models
+from dynamics.engine.forces import Pressure, pressure_of_each, rod_models
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import parts_motion, piston_ends, reduced_inertia, turn_spectrum
 from dynamics.engine.rods import RodModel
@@ -118,23 +124,17 @@ class PistonGas:
 def piston_gas(engine: EngineLayout, gas: Gas, crankcase_pressure: float) -> PistonGas:
     """Return the gas forces from pressures, or from a function of the piston's position and direction."""
     if gas is None:
-        return PistonGas(_no_forces, False)
+        return PistonGas(lambda _angle, places, _directions: np.zeros(places.shape), False)
     if callable(gas):
         return PistonGas(_from_places(engine, gas), True)
-    # Refuses what does not fit.
-    gas_forces(engine, gas, crankcase_pressure, shaft_angles_deg=[0.0])
-    return PistonGas(_from_pressures(engine, gas, crankcase_pressure), False)
-
-
-def _no_forces(_angle: float, places: FloatArray, _directions: FloatArray) -> FloatArray:
-    return np.zeros(places.shape)
+    under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
+    return PistonGas(_from_pressures(engine, gas, under), False)
 
 
 def _from_pressures(
     engine: EngineLayout, gas: Pressure | Sequence[Pressure], crankcase_pressure: float
 ) -> Callable[[float, FloatArray, FloatArray], FloatArray]:
-    count = len(engine.cylinders)
-    pressures = list(gas) if isinstance(gas, Sequence) else [gas] * count
+    pressures = pressure_of_each("pressure", gas, engine)
     areas = np.array([cylinder.area for cylinder in engine.cylinders])
     firing = np.radians(engine.firing_deg)
     # Cylinders with the same pressure are asked for together.
@@ -143,7 +143,7 @@ def _from_pressures(
         groups.setdefault(id(diagram), (diagram, []))[1].append(place)
 
     def forces(angle: float, _places: FloatArray, _directions: FloatArray) -> FloatArray:
-        absolute = np.empty(count)
+        absolute = np.empty(areas.size)
         for pressure, members in groups.values():
             absolute[members] = pressure.at(angle_deg=np.degrees(angle - firing[members]))
         return np.asarray(areas * (absolute - crankcase_pressure))

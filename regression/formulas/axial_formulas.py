@@ -29,13 +29,16 @@ from collections.abc import Mapping
 from crankbase.errors import InputError
 from fem.material import Material
 from geometry.throw import CrankThrow
-from regression.formulas.arguments import (
+from regression.formulas.case import (
+    AxialFormula,
+    FormulaValue,
     OfThrow,
+    ThrowCase,
     checked_angle_deg,
     checked_constants,
+    reading_value,
     throw_and_material,
 )
-from regression.formulas.case import AxialFormula, FormulaValue, ThrowCase, reading_value
 from regression.formulas.published import AXIAL_FORMULA_NAMES, AXIAL_FORMULAS, AXIAL_VARIANTS
 
 

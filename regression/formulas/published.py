@@ -1,8 +1,12 @@
 """Published formulas for the axial compliance, each with its print, faults and readings."""
 
+import csv
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 
+from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
 from regression.formulas.case import (
     AxialFormula,
@@ -105,10 +109,6 @@ SMALLEST_ANGLE_DEG = 75.0
 _AUTHORS = "P. Draminsky, E. Warming, MTZ, 1942, no. 2, pp. 292-301"
 
 
-def _draminsky_first(case: ThrowCase) -> float:
-    return case.pin + 2.0 / 3.0 * case.web
-
-
 def _draminsky_first_printed(case: ThrowCase) -> float:
     """Return (1) with length and inertia of the main journal, as its subscripts are printed."""
     throw = case.throw
@@ -127,14 +127,6 @@ def _draminsky_second_with(case: ThrowCase, pin_divisor: float, web_divisor: flo
         + case.tension
         + shear
     )
-
-
-def _draminsky_second(case: ThrowCase) -> float:
-    return _draminsky_second_with(case, 12.0, 2.0)
-
-
-def _draminsky_second_quarter(case: ThrowCase) -> float:
-    return _draminsky_second_with(case, 4.0, 4.0)
 
 
 def _draminsky_first_remarks(case: ThrowCase) -> list[Remark]:
@@ -167,7 +159,9 @@ DRAMINSKY_1 = AxialFormula(
     "D1",
     _AUTHORS,
     {
-        "corrected": Reading(_draminsky_first, _draminsky_first_remarks),
+        "corrected": Reading(
+            lambda case: case.pin + 2.0 / 3.0 * case.web, _draminsky_first_remarks
+        ),
         "printed": Reading(_draminsky_first_printed, _draminsky_first_printed_remarks),
     },
 )
@@ -176,8 +170,10 @@ DRAMINSKY_2 = AxialFormula(
     "D2",
     _AUTHORS,
     {
-        "corrected": Reading(_draminsky_second, _draminsky_second_remarks),
-        "k/4": Reading(_draminsky_second_quarter, plain_web_remarks),
+        "corrected": Reading(
+            lambda case: _draminsky_second_with(case, 12.0, 2.0), _draminsky_second_remarks
+        ),
+        "k/4": Reading(lambda case: _draminsky_second_with(case, 4.0, 4.0), plain_web_remarks),
     },
     "its shear term 2 R / (G I_w) is in 1/(N m), not in m/N, because it divides by the web's "
     "inertia instead of its area B h",
@@ -201,14 +197,6 @@ FRAME_WEB = 8.0 / 12.0
 def overlapped_thickness(case: ThrowCase) -> float:
     """Return sqrt(h^2 + s^2), the web's thickness h where journal and pin do not overlap [m]."""
     return math.hypot(max(case.throw.overlap, 0.0), case.throw.web_thickness)
-
-
-def _tsniimf_corrected(case: ThrowCase) -> float:
-    return FRAME_WEB * case.web_of_thickness(overlapped_thickness(case))
-
-
-def _tsniimf_plain(case: ThrowCase) -> float:
-    return FRAME_WEB * case.web
 
 
 def _tsniimf_printed(case: ThrowCase) -> float:
@@ -237,10 +225,6 @@ def _tsniimf_remarks(case: ThrowCase) -> list[Remark]:
     return [web_only, *no_angle_remarks(case), *unused_bores_remarks(case)]
 
 
-def _tsniimf_plain_remarks(case: ThrowCase) -> list[Remark]:
-    return [*_tsniimf_remarks(case), *plain_web_remarks(case)]
-
-
 def _tsniimf_printed_remarks(case: ThrowCase) -> list[Remark]:
     remarks = _tsniimf_remarks(case)
     throw = case.throw
@@ -262,9 +246,15 @@ TSNIIMF = AxialFormula(
     "TsN",
     "TsNIIMF: V. I. Zinchenko, Trudy TsNII morskogo flota, 1970, no. 125, pp. 80-103",
     {
-        "corrected": Reading(_tsniimf_corrected, _tsniimf_remarks),
+        "corrected": Reading(
+            lambda case: FRAME_WEB * case.web_of_thickness(overlapped_thickness(case)),
+            _tsniimf_remarks,
+        ),
         "printed": Reading(_tsniimf_printed, _tsniimf_printed_remarks, _tsniimf_printed_fault),
-        "plain": Reading(_tsniimf_plain, _tsniimf_plain_remarks),
+        "plain": Reading(
+            lambda case: FRAME_WEB * case.web,
+            lambda case: [*_tsniimf_remarks(case), *plain_web_remarks(case)],
+        ),
     },
 )
 
@@ -359,11 +349,10 @@ def _skorchev_as_printed(case: ThrowCase) -> float:
     return case.constants["k_or"] * (factor * case.web + case.pin)
 
 
-def _skorchev_remarks(case: ThrowCase) -> list[Remark]:
-    return [*plain_web_remarks(case), *open_angle_factor_remarks(case, "k_or")]
-
-
-_SKORCHEV = Reading(_skorchev_as_printed, _skorchev_remarks)
+_SKORCHEV = Reading(
+    _skorchev_as_printed,
+    lambda case: [*plain_web_remarks(case), *open_angle_factor_remarks(case, "k_or")],
+)
 
 SKORCHEV = AxialFormula(
     "Skorchev",
@@ -521,3 +510,123 @@ AXIAL_FORMULAS: Mapping[str, AxialFormula] = {
 }
 AXIAL_FORMULA_NAMES: tuple[str, ...] = tuple(AXIAL_FORMULAS)
 AXIAL_VARIANTS: tuple[str, ...] = ("corrected", "printed", "plain", "k/4")
+
+
+FINITE_ELEMENTS = "finite elements"
+COLUMNS = (
+    "engine",
+    "strokes",
+    "bore_mm",
+    "stroke_mm",
+    "formula",
+    "printed_1e-9_m_per_N",
+    "exponent_factor",
+    "group",
+    "doubt",
+)
+# The value by finite elements that the paper gives for one engine is doubted in words of its own.
+FINITE_ELEMENTS_DOUBT = (
+    "The survey's value by finite elements for ChN 26/26, 3.3220e-9 m/N, is probably 3.3220e-10 m/N: "
+    "as printed it is at least twice what any formula gives in its row, and four to eight times what "
+    "finite elements give for throws of that size between opposite neighbors. It is no validation "
+    "target."
+)
+
+
+@dataclass(frozen=True)
+class PublishedValue:
+    """One value of the survey's table.
+
+    Attributes
+    ----------
+    engine : str
+        Designation: cylinder bore / stroke [cm]; from it bore and stroke [m].
+    strokes : int
+        4 or 2.
+    formula : str
+        As in `AXIAL_FORMULA_NAMES`, or "finite elements".
+    digits : str
+        The digits of the print.
+    exponent_factor : float or None
+        Power of ten to apply to the print, a hypothesis; 1 where none seems necessary, None if unknown.
+    group : str
+        "A" or "B": formulas whose values agree with one web thickness; empty for neither.
+    doubt : str
+        Doubts; empty if none.
+    """
+
+    engine: str
+    strokes: int
+    bore: float
+    stroke: float
+    formula: str
+    digits: str
+    exponent_factor: float | None
+    group: str
+    doubt: str
+
+    @property
+    def printed(self) -> float:
+        """The value as printed [m/N]."""
+        return float(self.digits) * 1e-9
+
+    @property
+    def repaired(self) -> float | None:
+        """The printed value times its hypothetical power of ten [m/N]; None where there is none."""
+        return None if self.exponent_factor is None else self.printed * self.exponent_factor
+
+    @property
+    def mark(self) -> str:
+        """Return "*" if the power of ten was repaired, "?" if it is doubted only, or ""."""
+        if self.exponent_factor not in (None, 1.0):
+            return "*"
+        return "?" if self.doubt else ""
+
+
+def read_published_table(path: Path) -> tuple[PublishedValue, ...]:
+    """Read the survey's table, ``axial_compliance_published.csv``, in the order of the print.
+
+    Raises
+    ------
+    InputError
+        If the file does not exist or is not in this table's format.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: given as the published table, but there is no such file.")
+    lines = [
+        line
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if line.strip() and not line.startswith("#")
+    ]
+    rows = csv.DictReader(lines)
+    if tuple(rows.fieldnames or ()) != COLUMNS:
+        raise InputError(
+            f"{path}: given columns {', '.join(rows.fieldnames or ['none'])}; allowed are "
+            f"{', '.join(COLUMNS)}, those of the published table."
+        )
+    return tuple(_value(path, number, row) for number, row in enumerate(rows, start=1))
+
+
+def _value(path: Path, number: int, row: Mapping[str, str]) -> PublishedValue:
+    try:
+        factor = row["exponent_factor"]
+        value = PublishedValue(
+            engine=row["engine"],
+            strokes=int(row["strokes"]),
+            bore=float(row["bore_mm"]) / 1e3,
+            stroke=float(row["stroke_mm"]) / 1e3,
+            formula=row["formula"],
+            digits=row["printed_1e-9_m_per_N"],
+            exponent_factor=float(factor) if factor else None,
+            group=row["group"],
+            doubt=row["doubt"],
+        )
+        positive = value.printed > 0.0
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{path}: row {number} of the table cannot be read: {error}.") from None
+    if not positive:
+        raise InputError(
+            f"{path}: row {number} gives {value.digits}; allowed is a positive number, because it "
+            "is a compliance."
+        )
+    return value

@@ -17,8 +17,8 @@ from crankbase.checks.arrays import finite_array
 from crankbase.checks.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
-from geometry.mass import check_density
 from geometry.throw import CrankThrow
+from regression.formulas.case import check_youngs_modulus
 from regression.law.networks import TIERS, networks, plain_inputs, real_inputs
 from regression.law.ratios import (
     FADES,
@@ -339,11 +339,7 @@ def _picked(of_throw: Ratios, shape: tuple[int, ...], where: NDArray[np.bool_]) 
 
 def check_material(youngs_modulus: float, poisson_ratio: float) -> None:
     """Refuse an invalid Young's modulus, and a Poisson's ratio outside the law (`InputError`)."""
-    if not (is_number(youngs_modulus) and youngs_modulus > 0.0):
-        raise InputError(
-            f"youngs_modulus: given {quoted(youngs_modulus)}; allowed is a positive number of Pa, "
-            "because a throw without stiffness has no compliance."
-        )
+    check_youngs_modulus(youngs_modulus)
     low, high = POISSON_RANGE
     if not (is_number(poisson_ratio) and low <= poisson_ratio <= high):
         raise InputError(
@@ -452,6 +448,8 @@ def mass_law(throw: CrankThrow, *, density: float = 7850.0) -> MassLaw:
     >>> print(f"{mass_law(throw).mass:.1f} kg")
     194.1 kg
     """
+    from geometry.mass import check_density  # loads the mesher's modules
+
     check_density(density)
     webs = {"left_web.": throw.left_web, "right_web.": throw.right_web}
     for name, holder in {"": throw, **webs}.items():

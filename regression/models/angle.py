@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import finite_array
 from crankbase.errors import InputError, quoted
-from regression.formulas.arguments import fold_angle_deg
+from regression.formulas.case import fold_angle_deg
 
 
 def fold_angle(gamma_deg: ArrayLike) -> Any:

@@ -17,12 +17,12 @@ from regression.plans.designs import (
     SPACE_FILLING,
     DesignChoice,
     check_ranges,
+    draw_feasible_points,
     fixed_design,
     space_filling_points,
     space_filling_statement,
     values_at,
 )
-from regression.plans.designs_space import draw_feasible_points
 from regression.plans.factors import (
     FREE_NAME,
     Factor,

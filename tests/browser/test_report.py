@@ -15,7 +15,7 @@ import pytest
 from plotly.offline import get_plotlyjs
 
 from comparing import close
-from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
+from crankfem.analyses.throw.formula_records import formulas_over_angle
 from crankfem.report.interactive.mechanism import polar_load
 from crankfem.report.interactive.style import figure_of
 from dynamics.engine.loads import LoadDiagram

@@ -20,10 +20,10 @@ from scipy.optimize import least_squares
 
 import crankfem as cf
 from crankbase.errors import InputError, MeshError
-from crankbase.stopwatch import Stopwatch
 from fem.analysis import Problem, refined_sizes, solve_level, solve_to_accuracy
 from fem.correction import EFFECTIVITY, error_bars
 from fem.loads import radial_directions
+from fem.solver import Stopwatch
 from fem.superelement import Superelement, combine_classes
 from fem.supports import support_throw
 from fem.symmetry import symmetry_classes

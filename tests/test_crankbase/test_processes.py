@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import crankbase.stopwatch
+import fem.solver
 from comparing import close
 from crankbase import memory
 from crankbase.errors import InputError, NotEnoughMemoryError
 from crankbase.memory import check_memory, free_memory
 from crankbase.processes import end_child, scratch_folder, signal_name, start_child
-from crankbase.stopwatch import Stopwatch
+from fem.solver import Stopwatch
 
 FOLDER = """
 import time
@@ -92,7 +92,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch):
     made = Clock()
-    monkeypatch.setattr(crankbase.stopwatch, "time", made)
+    monkeypatch.setattr(fem.solver, "time", made)
     return made
 
 
@@ -119,7 +119,7 @@ def test_every_second_counts_once(work):
     """However laps are nested, also inside others of their name, each gets its own seconds."""
     with pytest.MonkeyPatch.context() as patch:
         clock = Clock()
-        patch.setattr(crankbase.stopwatch, "time", clock)
+        patch.setattr(fem.solver, "time", clock)
         watch = Stopwatch()
         own = {}
 

@@ -16,8 +16,8 @@ from crankfem.cli import app as cli
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.reading.data_files import input_path
 from fem.analysis import analyze_throw
-from geometry.throw import CrankThrow
 from json_units import numbers_with_units
+from parts_in_a_line import crank_throw
 from plans import plan_of_levels
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
@@ -99,15 +99,7 @@ def edited(text, changes):
     return "".join(blocks)
 
 
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.135,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-)
+THROW = crank_throw(0.170, 0.220, 0.180, 0.135, 0.139, 0.285, 0.068)
 LEVELS = {"web_width": (0.27, 0.30, 0.33), "web_thickness": (0.038, 0.048, 0.077, 0.098)}
 STRENGTH = """
 [strength]

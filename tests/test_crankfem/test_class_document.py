@@ -254,27 +254,11 @@ def test_findings_say_what_the_tables_hold(plant, cases):
 
 
 TABLES = [
-    "engine",
-    "masses",
-    "shafts",
-    "frequencies",
-    "holzer_masses_1",
-    "holzer_shafts_1",
-    "vector_sums",
-    "tangential_harmonics",
-    "critical_speeds",
-    "stress_normal",
-    "stress_permitted",
-    "stress_by_order",
-    "torques",
-    "stress_misfiring",
-    "stress_misfiring_each",
-    "stress_cut_out",
-    "stress_cut_out_each",
-    "dampers",
-    "generator",
-    "limits",
-    "assumptions",
+    *("engine", "masses", "shafts", "frequencies", "holzer_masses_1", "holzer_shafts_1"),
+    *("vector_sums", "tangential_harmonics", "critical_speeds", "stress_normal"),
+    *("stress_permitted", "stress_by_order", "torques", "stress_misfiring"),
+    *("stress_misfiring_each", "stress_cut_out", "stress_cut_out_each", "dampers"),
+    *("generator", "limits", "assumptions"),
 ]
 DIAGRAMS = ["modes_1", "vectors_1", "campbell", "stress_1"]
 

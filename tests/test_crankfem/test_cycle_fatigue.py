@@ -23,7 +23,7 @@ from dynamics.response.order_excitation import at_angles
 from dynamics.strength.fatigue import critical_plane, findley_factor, findley_limit
 from fem import fillet_stress
 from fem.fields import stress_fields
-from fem.shaft import assemble_shaft, shaft_unknowns
+from fem.superelement import assemble_shaft, shaft_unknowns
 from stand_ins import COARSE_STRESSES
 
 STEEL = {"tensile_strength": 8e8, "manufacture": "continuous grain flow", "piston": "trunk"}

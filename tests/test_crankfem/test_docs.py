@@ -45,7 +45,7 @@ def test_readme_installs_every_system_library_that_errors_name():
 
 README_ROOT = Path(__file__).resolve().parents[2]
 # Their doctests mesh and solve.
-SLOW = {"crankfem.compliance", "fem.analysis", "fem.fillet_stress", "fem.shaft"}
+SLOW = {"crankfem.compliance", "fem.analysis", "fem.fillet_stress", "fem.superelement"}
 
 
 def modules():

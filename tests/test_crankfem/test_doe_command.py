@@ -418,14 +418,6 @@ def test_fit_tells_of_a_damaged_row_and_does_without(store, call, tmp_path, quie
 
 GROWTH_THROW = FILLETED
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.040, 0.100), "pin_length": (0.120, 0.158)}
-DESIGNS = {
-    "full factorial": {"levels": 3},
-    "fractional factorial": {"resolution": 3},
-    "central composite": {},
-    "box-behnken": {},
-    "latin hypercube": {"runs": 24},
-    "sobol": {"runs": 32},
-}
 
 
 def compliance(x):
@@ -433,18 +425,6 @@ def compliance(x):
     pin = 0.17**2 * (length + 0.33 * thickness) / (2.1e11 * math.pi * 0.18**4 / 64)
     web = 8 * 0.17**3 / (2.1e11 * width * (thickness**2 + 0.03**2) ** 1.5)
     return 0.6 * pin + 0.5 * web
-
-
-def plan_of(kind, seed=1, **others):
-    given = dict(DESIGNS[kind])
-    levels = given.pop("levels", None)
-    factors = tuple(
-        Factor(name, "m", *ends)
-        if levels is None
-        else Factor.spread(name, "m", *ends, levels, "even")
-        for name, ends in BOX.items()
-    )
-    return StudyPlan(GROWTH_THROW, factors, DesignChoice(kind, **given), seed=seed, **others)
 
 
 def test_added_runs_keep_constraints_and_relations_and_are_new(monkeypatch):
@@ -536,27 +516,23 @@ def test_numbers_that_no_study_grows_by(tmp_path, more):
 
 
 def test_too_few_throws_to_grow_by(monkeypatch):
-    plan = plan_of("latin hypercube")
+    factors = tuple(Factor(name, "m", *ends) for name, ends in BOX.items())
+    plan = StudyPlan(GROWTH_THROW, factors, DesignChoice("latin hypercube", runs=24))
     table = table_of_function(plan, compliance)
     monkeypatch.setattr(studies, "draw_feasible_points", lambda *_, **__: None)
     with pytest.raises(InputError, match=r"^more: given 10 further designs; allowed are as many"):
         worst_designs(table, fit_study(table), 10)
 
 
-EXPORT_STUDY = """
-[throw]
-crank_radius = "170 mm"
-main_journal_diameter = "220 mm"
-pin_diameter = "180 mm"
-main_journal_length = "120 mm"
-pin_length = "139 mm"
-web_width = "285 mm"
-web_thickness = "68 mm"
+EXPORT_STUDY = (
+    THROW
+    + """
 [study]
 held_out = 1
 [study.factors]
 pin_length = ["120 mm", "158 mm"]
 """
+)
 
 
 @pytest.fixture

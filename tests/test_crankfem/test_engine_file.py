@@ -26,7 +26,7 @@ from dynamics.turning.speed_over_angle import checked_inertia
 from fem.material import STEEL
 from fem.modes import free_modes
 from fem.supports import Neighbors
-from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 from regression.formulas.axial_formulas import axial_formula
 from regression.law.throw_law import axial_law
 from regression.plans.factors import Factor
@@ -544,15 +544,7 @@ def test_the_rule_that_is_listed_as_assumed_is_the_one_that_is_taken(driven, rul
     assert listed.given == rule == rule_of(engine.engine)
 
 
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.135,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-)
+THROW = crank_throw(0.170, 0.220, 0.180, 0.135, 0.139, 0.285, 0.068)
 
 
 @pytest.mark.parametrize("number", [10**400, -(10**400), 10**5000], ids=["large", "low", "endless"])

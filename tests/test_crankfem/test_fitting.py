@@ -26,6 +26,7 @@ from crankfem.analyses.study.response_fits import (
 )
 from crankfem.cli.tables.study_tables import print_comparisons, print_fits
 from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 from plans import plan_of_levels, table_of_function
 from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
@@ -34,16 +35,7 @@ from regression.records import ExtraRow, Outcome
 from regression.runs.exchange import read_rows
 from regression.runs.study_table import study_table
 
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.135,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-    fillet_radius=0.012,
-)
+THROW = crank_throw(0.170, 0.220, 0.180, 0.135, 0.139, 0.285, 0.068, fillet_radius=0.012)
 LEVELS = {
     "web_width": (0.27, 0.30, 0.33),
     "web_thickness": (0.038, 0.048, 0.077, 0.098),

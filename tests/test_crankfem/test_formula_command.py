@@ -10,8 +10,13 @@ import pytest
 from comparing import close
 from crankbase.diagrams import draw_curves, figure
 from crankfem.analyses.throw import formula_records
-from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
-from crankfem.analyses.throw.formula_records import EngineSpread, Ratio, fe_axial, formula_spreads
+from crankfem.analyses.throw.formula_records import (
+    EngineSpread,
+    Ratio,
+    fe_axial,
+    formula_spreads,
+    formulas_over_angle,
+)
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading import data_files
 from fem.analysis import analyze_throw

@@ -25,9 +25,7 @@ from crankfem.analyses.mechanism.plots import (
     plot_hinged_rods,
     plot_polar_loads,
 )
-from crankfem.analyses.mechanism.rod_models import (
-    compare_rod_models,
-)
+from crankfem.analyses.mechanism.rod_models import compare_rod_models
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.reading.data_files import data_folder, input_path
@@ -35,11 +33,12 @@ from crankfem.jobs.outputs import check_outputs
 from crankfem.report.interactive.mechanism import MECHANISM
 from dynamics.balance.balance import balance
 from dynamics.balance.moving_masses import balancing_masses
-from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
+from dynamics.engine.layout import EngineLayout, SlavePin
 from dynamics.engine.loads import LoadDiagram
 from dynamics.engine.rods import ConnectingRod
 from dynamics.plots.load_diagrams import on_paper
 from geometry.crankshaft import throw_masses
+from parts_in_a_line import cylinder
 
 
 @pytest.fixture(scope="module")
@@ -255,23 +254,8 @@ def vee():
     for throw, crank in enumerate((0.0, math.pi)):
         pin = SlavePin(2 * throw + 1, 0.15, angle_deg=45.0)
         cylinders += [
-            EngineCylinder(
-                0.26,
-                44.1,
-                main,
-                crank_angle_deg=math.degrees(crank),
-                bank_angle_deg=-22.5,
-                position=0.4 * throw,
-            ),
-            EngineCylinder(
-                0.26,
-                44.1,
-                hinged,
-                crank_angle_deg=math.degrees(crank),
-                bank_angle_deg=22.5,
-                position=0.4 * throw,
-                slave_pin=pin,
-            ),
+            cylinder(0.26, 44.1, main, math.degrees(crank), -22.5, 0.4 * throw),
+            cylinder(0.26, 44.1, hinged, math.degrees(crank), 22.5, 0.4 * throw, slave_pin=pin),
         ]
     return EngineLayout(0.13, cylinders, [1, 2, 3, 4])
 

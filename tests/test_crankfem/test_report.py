@@ -18,8 +18,11 @@ from comparing import close
 from crankbase.input_file import InputFile
 from crankfem.analyses.checks import run_checks, unbalanced_share
 from crankfem.analyses.provenance import file_records, provenance_record, repeat_record, run_command
-from crankfem.analyses.throw.compliances import compliance_tables, regression_record
-from crankfem.analyses.throw.throw_record import pin_force_words
+from crankfem.analyses.throw.throw_record import (
+    compliance_tables,
+    pin_force_words,
+    regression_record,
+)
 from crankfem.analyses.vibration import records
 from crankfem.files.reading.data_files import data_folder
 from crankfem.report import text_filters

@@ -17,7 +17,7 @@ from crankbase.errors import InputError
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.study.response_fits import predicted
 from crankfem.analyses.study.studies import fitted
-from crankfem.analyses.throw.formula_diagrams import (
+from crankfem.analyses.throw.formula_records import (
     plot_formulas,
     plot_formulas_over_angle,
     plot_run_formulas,
@@ -312,29 +312,6 @@ def test_nodes_have_short_names():
 @pytest.fixture(scope="module")
 def vibration(coupled_vibration):
     return coupled_vibration("6chn25-34")
-
-
-@pytest.mark.slow
-def test_vibration_of_an_engine(vibration):
-    axes = vibration.plot(kind="axial")
-    text = f"mode 1: {vibration.forced_axial.frequencies[0]:.1f} Hz"  # damped
-    assert text in {one.get_text() for one in axes.texts}
-    forced = vibration.forced_torsional
-    axes = vibration.plot(show="amplitude")
-    drawn = {line.get_label(): line.get_ydata() for line in axes.lines}
-    assert drawn["all orders (synthesis)"] == close(1e3 * forced.free_end.synthesis.amplitude[:, 0])
-    axes = vibration.plot(show="stress")
-    assert "limit" in {line.get_label() for line in axes.lines}
-    assert "[MPa]" in axes.get_ylabel()
-    for show in ("modes", "load", "power", "limits", "shaft"):
-        assert vibration.plot(show=show).has_data(), show
-    frame = vibration.to_pandas()
-    torsional = frame.loc[frame["kind"] == "torsional", "frequency"]
-    assert torsional.to_numpy() == close(vibration.torsional.chosen.elastic_frequencies)
-    with pytest.raises(InputError, match="show: given 'sound'; allowed are campbell, modes, "):
-        vibration.plot(show="sound")
-    with pytest.raises(InputError, match="show: given 'stress'; allowed for axial vibration are"):
-        vibration.plot(kind="axial", show="stress")
 
 
 @pytest.mark.slow

@@ -331,14 +331,6 @@ def test_an_interrupt_is_no_picture_that_fails(pictures):
         pictures.attempt("picture", interrupt)
 
 
-def test_with_the_traceback_asked_for_it_is_shown(pictures, monkeypatch, capsys):
-    pictures.attempt("picture", picture_fail)
-    assert "Traceback" not in capsys.readouterr().err
-    monkeypatch.setenv("CRANKFEM_TRACEBACK", "1")
-    pictures.attempt("picture", picture_fail)
-    assert "Traceback" in capsys.readouterr().err
-
-
 def test_rendered_pictures_come_into_the_folder_at_the_end_only(pictures, told, tmp_path):
     made = []
     with Renderings() as renderings:
@@ -635,15 +627,6 @@ def test_an_input_stays_even_if_forced(line, call, link):
         assert mine.read_bytes() == before
 
 
-def test_a_store_is_no_model(store, call):
-    before = store.read_bytes()
-    for options in ((), ("--force",)):
-        answer = call("fit", store.name, "--model", f"./{store.name}", *options)
-        assert (answer.code, answer.out) == (2, "")
-        assert "because this command reads that file" in answer.err
-        assert store.read_bytes() == before
-
-
 def test_another_store_is_no_model_either(store, call, tmp_path):
     shutil.copy(store, tmp_path / "other.sqlite")
     answer = call("fit", store.name, "--model", "other.sqlite", "--force")
@@ -718,3 +701,11 @@ def test_a_run_in_the_folder_of_its_file_leaves_the_rest(coarsely, call, tmp_pat
         assert answer.code == code, answer.err
         assert (tmp_path / "model.json").read_text(encoding="utf-8") == "precious"
     assert "<html" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_with_the_traceback_asked_for_it_is_shown(pictures, monkeypatch, capsys):
+    pictures.attempt("picture", picture_fail)
+    assert "Traceback" not in capsys.readouterr().err
+    monkeypatch.setenv("CRANKFEM_TRACEBACK", "1")
+    pictures.attempt("picture", picture_fail)
+    assert "Traceback" in capsys.readouterr().err

@@ -3,7 +3,6 @@
 import math
 import re
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,16 +15,12 @@ from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.strength import engine_strength
 from crankfem.analyses.strength.cycle_loads import shaft_loads
 from crankfem.analyses.strength.engine_strength import (
-    factor_table,
     shown_factor,
     strength_record,
-    strength_table,
-    torque_table,
 )
 from crankfem.analyses.vibration.engine_limits import engine_limits
 from crankfem.files.engine.mechanism_file import mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
-from crankfem.report.writing import render_report
 from dynamics.response.series import synthesis
 
 GIVEN = {
@@ -42,7 +37,6 @@ FIT = {
     "web_yield": 4e8,
     "journal_yield": 4e8,
 }
-STORED = Path(__file__).with_name("report_results.json")
 
 
 @pytest.fixture(scope="module")
@@ -317,24 +311,6 @@ def test_strength_asks_for_its_section_forces_and_one_pin_a_throw():
     without = SimpleNamespace(engine_file=engine)
     with pytest.raises(InputError, match=r"6chn25-34.toml: given no section \[strength\]"):
         cf.strength.engine_strength(without)
-
-
-@pytest.mark.slow
-def test_the_report_shows_what_was_judged(judged, strict):
-    hardened = {"process": "nitriding", "depth": 4e-4, "surface_hardness": 650.0}
-    found = judged(hardening=hardened, tensile_strength=5e8)
-    record = strength_record(found)
-    table = strength_table(record)
-    assert [column.name for column in table.columns][2] == "depth"
-    assert table.marks.count("over") == sum(not one.passed for one in found.places)
-    assert factor_table(record).rows[0][0] == "all"
-    assert [row[0] for row in torque_table(record).rows] == [1, 2, 3, 4, 5, 6]
-    results = strict(STORED.read_text(encoding="utf-8"))
-    page, _ = render_report(results | {"strength": record}, STORED.parent)
-    assert "Strength of the crankshaft by UR M53" in page
-    assert found.sentence in page
-    page, _ = render_report(results, STORED.parent)
-    assert "UR M53" not in page
 
 
 @pytest.mark.parametrize(

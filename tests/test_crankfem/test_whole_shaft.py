@@ -34,6 +34,7 @@ from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.whole_verdict import (
     decision_by_both,
+    whole_loads,
     whole_sentence,
     whole_stress,
     whole_verdict,
@@ -188,6 +189,28 @@ def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibra
     engine = runs[0].engine_file.engine
     running = (speeds >= engine.lowest_speed - 1e-9) & (speeds <= engine.highest_speed + 1e-9)
     assert told["amplitude"] == close(8e8 * moved[running].max())
+
+
+@pytest.mark.slow
+def test_torques_of_the_whole_crankshaft_turn_the_masses_behind_it(six, coupled_vibration):
+    engine_file, analysis = six
+    machine = {"inertia": 900.0, "coupling_stiffness": 2e6, "coupling_loss_factor": 0.1}
+    driven = engine_file.changed(driven=machine)
+    forces = coupled_vibration("6chn25-34").forced_torsional.forces
+    coupled = shaft_response(driven, whole_shaft(driven, analysis), forces)
+    cranks = chain_of(driven, analysis)[1]
+    loads = whole_loads(ShaftComparison(coupled), cranks)
+    assert loads.elements.names == loads.elastic.names == cranks.chain.elements
+    *_, last, coupling = np.moveaxis(loads.elements.values, 2, 0)
+    squared = coupled.total.angular_frequencies**2
+    turned = squared * machine["inertia"] * coupled.motion("driven machine")
+    scale = np.abs(turned).max()
+    # The assumed damping of the modes, 1/80 of critical, is in no spring.
+    assert np.abs(coupling - turned).max() < 1e-3 * scale
+    assert loads.elastic.values[:, :, -1] * (1.0 + 0.1j) == close(coupling, abs=1e-9 * scale)
+    # The crankshaft's last main bearing drives flywheel and machine, but for the end of the shaft.
+    flywheel = squared * engine_file.flywheel.inertia * coupled.motion("main bearing 7 rz")
+    assert last == close(flywheel + coupling, rel=0.02, abs=0.02 * scale)
 
 
 def _peaks(run):
@@ -349,6 +372,7 @@ def test_what_an_adequate_chain_exceeds_is_not_acceptable_by_the_whole_crankshaf
     assert found.checks[0].curve is force
     said = whole_sentence(found, SimpleNamespace(checks=found.checks[:1], status=found.status))
     assert "torsional stress of crankshaft" in said.partition(";")[0]
+    assert f"same limits ({limit.name} by the axial chain alone): " in said
     assert f'the same verdict, "not acceptable" ({found.barred[0].sentence}).' in said
 
 

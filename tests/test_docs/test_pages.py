@@ -5,7 +5,6 @@ import os
 import re
 import subprocess
 import sys
-from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -114,20 +113,6 @@ def test_arrows_lead_down_and_pass_over_no_box(build_map, drawn):
         assert bottom > top
         for left, up, width, height in boxes:
             assert not (left < x < left + width and top < up + height and bottom > up)
-
-
-def test_nothing_of_the_map_is_cut_off(build_map, drawn):
-    """Bands follow each other without overlap; letters of 11.5 px are some 6 px wide."""
-    for text in drawn.iter(f"{SVG}text"):
-        assert float(text.get("x")) + 6.0 * len(text.text) < build_map.WIDTH - build_map.MARGIN
-    bands = {}
-    for box in drawn.iter(f"{SVG}rect"):
-        if box.get("rx") == "4":
-            start = float(box.get("y"))
-            bands.setdefault(box.get("x"), []).append((start, start + float(box.get("height"))))
-    assert sum(len(column) for column in bands.values()) > 20
-    for column in bands.values():
-        assert all(one[1] <= other[0] for one, other in pairwise(sorted(column)))
 
 
 @pytest.fixture(scope="module")

@@ -12,12 +12,7 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.balance.balance import balance, hinged_rod_effects, hodograph_change
-from dynamics.balance.moving_masses import (
-    Hodograph,
-    balancing_masses,
-    moving_masses,
-    order_vectors,
-)
+from dynamics.balance.moving_masses import Hodograph, balancing_masses, moving_masses, order_vectors
 from dynamics.critical import major_orders
 from dynamics.cycle import order_step
 from dynamics.engine.firing import firing_order_of_angles
@@ -26,6 +21,7 @@ from dynamics.engine.motions import acceleration_orders, cylinder_motion, piston
 from dynamics.engine.rods import ConnectingRod
 from dynamics.torque.star import leading_stars, star_diagram
 from dynamics.torque.torque import engine_torque
+from parts_in_a_line import cylinder as made_cylinder
 from references import even_firing_angles
 
 ROUND_OFF = 1e-13
@@ -39,23 +35,17 @@ def engine_with_everything():
     """Two throws with hinged rods, offsets, lateral centers, odd angles, and counterweights."""
     cylinders = []
     for number, (crank, place) in enumerate(((0.3, 0.1), (2.0, 0.5))):
-        main = EngineCylinder(
-            0.2,
-            20.0,
-            MAIN,
-            crank_angle_deg=math.degrees(crank),
-            bank_angle_deg=math.degrees(-0.35),
-            position=place,
-            pin_offset=0.01,
+        main = made_cylinder(
+            0.2, 20.0, MAIN, math.degrees(crank), math.degrees(-0.35), place, pin_offset=0.01
         )
         pin = SlavePin(2 * number + 1, 0.1, angle_deg=math.degrees(0.75))
-        hinged = EngineCylinder(
+        hinged = made_cylinder(
             0.2,
             18.0,
             HINGED,
-            crank_angle_deg=math.degrees(crank),
-            bank_angle_deg=math.degrees(0.45),
-            position=place,
+            math.degrees(crank),
+            math.degrees(0.45),
+            place,
             pin_offset=-0.006,
             slave_pin=pin,
         )
@@ -69,14 +59,7 @@ def engine_with_everything():
 
 def in_line(cranks, rod=STRAIGHT, pitch=0.25):
     cylinders = [
-        EngineCylinder(
-            0.2,
-            20.0,
-            rod,
-            crank_angle_deg=math.degrees(crank),
-            bank_angle_deg=0.0,
-            position=place * pitch,
-        )
+        made_cylinder(0.2, 20.0, rod, math.degrees(crank), 0.0, place * pitch)
         for place, crank in enumerate(cranks)
     ]
     firing = [-crank for crank in cranks]
@@ -130,13 +113,7 @@ def test_forces_are_minus_mass_times_acceleration():
 def test_counterweights():
     # A V of 90 deg: all of the first order turns with the shaft and can be canceled.
     cylinders = [
-        EngineCylinder(
-            0.2,
-            20.0,
-            STRAIGHT,
-            crank_angle_deg=math.degrees(0.4),
-            bank_angle_deg=math.degrees(bank),
-        )
+        made_cylinder(0.2, 20.0, STRAIGHT, math.degrees(0.4), math.degrees(bank))
         for bank in (-math.pi / 4, math.pi / 4)
     ]
     vee = EngineLayout(0.1, cylinders, [1, 2], 2)
@@ -246,23 +223,10 @@ def hinged_vee():
     slave = ConnectingRod(0.18, 1.2, 0.07, 0.008)
     cylinders = []
     for throw, crank in enumerate((0.0, math.pi)):
-        main = EngineCylinder(
-            0.12,
-            3.0,
-            rod,
-            crank_angle_deg=math.degrees(crank),
-            bank_angle_deg=-30.0,
-            position=0.2 * throw,
-        )
+        main = made_cylinder(0.12, 3.0, rod, math.degrees(crank), -30.0, 0.2 * throw)
         pin = SlavePin(2 * throw + 1, 0.06, angle_deg=60.0)
-        hinged = EngineCylinder(
-            0.12,
-            2.8,
-            slave,
-            crank_angle_deg=math.degrees(crank),
-            bank_angle_deg=30.0,
-            position=0.2 * throw,
-            slave_pin=pin,
+        hinged = made_cylinder(
+            0.12, 2.8, slave, math.degrees(crank), 30.0, 0.2 * throw, slave_pin=pin
         )
         cylinders += [main, hinged]
     return EngineLayout(0.07, cylinders, [1, 2, 3, 4])
@@ -349,22 +313,6 @@ def test_no_order_leads_where_all_are_balanced():
     stars = star_diagram(firing_angles_deg=np.arange(6) * 60.0, orders=4.0, strokes=2)
     assert {star.kind for star in stars} == {"balanced"}
     assert leading_stars(stars) == ()
-
-
-parts = st.builds(cmath.rect, st.floats(0.1, 10.0), st.floats(-math.pi, math.pi, exclude_min=True))
-hodographs = st.builds(Hodograph, st.integers(1, 6), parts, parts)
-
-
-@given(hodographs, st.floats(-4.0, 4.0))
-@settings(max_examples=20)
-def test_amplitude_along_a_direction(shape, direction):
-    turn = cmath.exp(-1j * direction)
-    component = order_vectors(
-        (shape.at(shaft_angle_deg=np.arange(20) * 18.0) * turn).real, [shape.order]
-    )[0]
-    assert shape.amplitude_along(angle_deg=np.degrees(direction)) == close(
-        component.major, abs=1e-14 * shape.major
-    )
 
 
 def test_sense_and_points():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import eigh
 
@@ -140,19 +140,6 @@ def test_mode_number_counts_the_nodes(values):
     for positions in modes.node_positions:
         assert list(positions) == sorted(positions)
         assert all(0.0 <= position <= len(values[0]) - 1 for position in positions)
-
-
-@given(
-    st.lists(st.tuples(st.floats(-4.0, 2.0), st.floats(3.0, 9.0)), min_size=2, max_size=10),
-    st.floats(3.0, 9.0) | st.none(),
-)
-@example([(0.0, 3.0), (-3.0, 9.0), (2.0, 3.0)], None)
-def test_mode_number_counts_the_nodes_where_modes_die_out(exponents, ground):
-    inertia = [10.0**first for first, _ in exponents]
-    stiffness = [10.0**second for _, second in exponents[1:]]
-    chain = Chain(inertia, stiffness, None if ground is None else {0: 10.0**ground})
-    counted = [len(positions) for positions in chain.modes().node_positions]
-    assert counted == list(range(len(inertia)))
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,7 @@ from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import chain_system, damped
 from dynamics.response.loads import element_loads, power_balance
 from dynamics.response.order_excitation import OrderExcitation
+from parts_in_a_line import cylinder as made_cylinder
 
 
 def test_axial_chain_shares_each_throw_between_its_sections():
@@ -156,38 +157,11 @@ def v_four():
     return EngineLayout(
         crank_radius=0.07,
         cylinders=[
-            EngineCylinder(
-                0.12,
-                2.0,
-                rod,
-                crank_angle_deg=0.0,
-                bank_angle_deg=math.degrees(-bank),
-                position=0.0,
-            ),
-            EngineCylinder(
-                0.12,
-                2.0,
-                rod,
-                crank_angle_deg=0.0,
-                bank_angle_deg=math.degrees(bank),
-                position=0.03,
-            ),
-            EngineCylinder(
-                0.12,
-                2.0,
-                rod,
-                crank_angle_deg=math.degrees(crank),
-                bank_angle_deg=math.degrees(-bank),
-                position=0.2,
-            ),
-            EngineCylinder(
-                0.12,
-                2.0,
-                slave,
-                crank_angle_deg=math.degrees(crank),
-                bank_angle_deg=math.degrees(bank),
-                position=0.2,
-                slave_pin=pin,
+            made_cylinder(0.12, 2.0, rod, 0.0, math.degrees(-bank), 0.0),
+            made_cylinder(0.12, 2.0, rod, 0.0, math.degrees(bank), 0.03),
+            made_cylinder(0.12, 2.0, rod, math.degrees(crank), math.degrees(-bank), 0.2),
+            made_cylinder(
+                0.12, 2.0, slave, math.degrees(crank), math.degrees(bank), 0.2, slave_pin=pin
             ),
         ],
         firing_order=[1, 2, 3, 4],

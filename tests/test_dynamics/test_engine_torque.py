@@ -15,6 +15,7 @@ from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.rods import ConnectingRod
 from dynamics.harmonics import harmonics, read_torque_table
 from dynamics.torque.torque import engine_torque, pin_force_harmonics
+from parts_in_a_line import cylinder
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 SLAVE_ROD = ConnectingRod(0.18, 1.2, 0.07, 0.008)
@@ -51,27 +52,10 @@ def hinged_vee():
     cylinders = []
     for throw, crank in enumerate((0.0, math.pi)):
         place = 0.2 * throw
-        cylinders.append(
-            EngineCylinder(
-                0.12,
-                3.0,
-                ROD,
-                crank_angle_deg=math.degrees(crank),
-                bank_angle_deg=-30.0,
-                position=place,
-            )
-        )
+        cylinders.append(cylinder(0.12, 3.0, ROD, math.degrees(crank), -30.0, place))
         pin = SlavePin(2 * throw + 1, 0.06, angle_deg=60.0)
         cylinders.append(
-            EngineCylinder(
-                0.12,
-                2.8,
-                SLAVE_ROD,
-                crank_angle_deg=math.degrees(crank),
-                bank_angle_deg=30.0,
-                position=place,
-                slave_pin=pin,
-            )
+            cylinder(0.12, 2.8, SLAVE_ROD, math.degrees(crank), 30.0, place, slave_pin=pin)
         )
     return EngineLayout(0.07, cylinders, [1, 2, 3, 4])
 
@@ -235,15 +219,6 @@ def test_cycle_angles_are_turned_into_crank_angles(written, strokes, last):
     path = written(CYCLE + "0,1\n120,2\n240,3\n360,1\n")
     table = read_torque_table(path, strokes=strokes)
     assert table.crank_angle_deg.tolist() == [0.0, last / 2.0, last]
-
-
-def test_harmonics_count_from_crank_angle_zero(written):
-    angles = np.arange(-360.0, 360.0, 60.0)
-    torques = np.sin(np.radians(angles) + 0.4)
-    rows = [f"{angle},{torque:.15g}" for angle, torque in zip(angles, torques, strict=True)]
-    found = read_torque_table(written(CRANK + "\n".join(rows))).harmonics()
-    assert found.amplitude[1] == close(1.0)
-    assert found.phase[1] == close(0.4)
 
 
 def test_byte_order_mark_and_windows_lines_are_accepted(tmp_path):

@@ -30,6 +30,7 @@ from dynamics.gas.gas_cycle import gas_cycle
 from dynamics.gas.pressure import gas_pressure
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
+from parts_in_a_line import cylinder as made_cylinder
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 RADIUS = 0.07
@@ -48,13 +49,8 @@ class Waves:
 def chains_engine():
     """A V of three throws at 0, 120, 240 deg with rods side by side."""
     cylinders = [
-        EngineCylinder(
-            0.12,
-            3.0,
-            ROD,
-            crank_angle_deg=math.degrees(crank),
-            bank_angle_deg=math.degrees(bank),
-            position=0.2 * throw + 0.02 * side,
+        made_cylinder(
+            0.12, 3.0, ROD, math.degrees(crank), math.degrees(bank), 0.2 * throw + 0.02 * side
         )
         for throw, crank in enumerate(np.radians([0.0, 120.0, 240.0]).tolist())
         for side, bank in enumerate(np.radians([-45.0, 45.0]).tolist())
@@ -226,26 +222,9 @@ def vee(hinged):
         place = 0.2 * throw
         pin = SlavePin(2 * throw + 1, 0.06, angle_deg=60.0) if hinged else None
         rod, apart = (SLAVE_ROD, 0.0) if hinged else (ROD, 0.03)
+        cylinders.append(made_cylinder(0.12, 3.0, ROD, math.degrees(crank), -30.0, place))
         cylinders.append(
-            EngineCylinder(
-                0.12,
-                3.0,
-                ROD,
-                crank_angle_deg=math.degrees(crank),
-                bank_angle_deg=-30.0,
-                position=place,
-            )
-        )
-        cylinders.append(
-            EngineCylinder(
-                0.12,
-                2.8,
-                rod,
-                crank_angle_deg=math.degrees(crank),
-                bank_angle_deg=30.0,
-                position=place + apart,
-                slave_pin=pin,
-            )
+            made_cylinder(0.12, 2.8, rod, math.degrees(crank), 30.0, place + apart, slave_pin=pin)
         )
     return EngineLayout(0.07, cylinders, [1, 2, 3, 4])
 

@@ -43,22 +43,6 @@ def row(**options):
     return Chain([1.0, 2.0, 0.5, 8.0], [9e4, 4e4, 7e4], **options)
 
 
-def test_undamped_resonance_is_unbounded_and_the_next_speed_is_not():
-    chain = row()
-    speed = chain.modes().angular_frequencies[1] / 2.5
-    forces = np.ones((1, 2, 4)) * [1.0, 0.0, 0.0, 0.0]
-    for factor, unbounded in ((1.0, True), (1.0 + 1e-6, False)):
-        own = speed * factor
-        acting = OrderExcitation([2.5], [own, 2.0 * own], forces)
-        found = steady_motion(chain, acting, own)
-        assert found.unbounded == unbounded == bool(forced_response(chain, acting).unbounded[0, 0])
-        assert np.all(np.isinf(found.amplitude)) == unbounded
-        assert not np.any(np.isnan(found.motion))
-    # A mode whose frequency an order meets that does not act is left alone.
-    alone = OrderExcitation([1.0, 2.5], [speed], np.array([1.0, 0.0])[:, None, None] * np.ones(4))
-    assert not steady_motion(chain, alone, speed).unbounded
-
-
 def test_forces_between_speeds_follow_the_square_of_the_speed():
     # Those of `excitation` are quadratic in the speed, which a cubic spline meets exactly.
     acting = excitation(4)

@@ -13,6 +13,7 @@ from dynamics.engine.rods import ConnectingRod
 from dynamics.torque.torque import engine_torque
 from dynamics.turning.free_turning import turn_freely, turn_steadily
 from dynamics.turning.speed_over_angle import speed_over_angle, steady_turning
+from parts_in_a_line import cylinder
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 SLAVE_ROD = ConnectingRod(0.18, 1.2, 0.07, 0.008)
@@ -40,23 +41,9 @@ def constant(value):
 
 
 def hinged_pair(inertia=0.4):
-    main = EngineCylinder(
-        0.12,
-        3.0,
-        ROD,
-        crank_angle_deg=math.degrees(0.2),
-        bank_angle_deg=math.degrees(-0.5),
-        pin_offset=0.004,
-    )
+    main = cylinder(0.12, 3.0, ROD, math.degrees(0.2), math.degrees(-0.5), pin_offset=0.004)
     pin = SlavePin(1, 0.06, angle_deg=math.degrees(1.0))
-    hinged = EngineCylinder(
-        0.12,
-        2.8,
-        SLAVE_ROD,
-        crank_angle_deg=math.degrees(0.2),
-        bank_angle_deg=math.degrees(0.5),
-        slave_pin=pin,
-    )
+    hinged = cylinder(0.12, 2.8, SLAVE_ROD, math.degrees(0.2), math.degrees(0.5), slave_pin=pin)
     rotating = [RotatingMass(0.3, angle_deg=math.degrees(2.0))]
     return EngineLayout(0.07, [main, hinged], [1, 2], shaft_inertia=inertia, rotating=rotating)
 

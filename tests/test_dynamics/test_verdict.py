@@ -276,15 +276,6 @@ def test_a_limit_holds_at_its_end_however_that_is_calculated(per_minute, ratio, 
     assert np.isinf(curve.at(ends * (1.0 + 1e-9))).all()
 
 
-def test_a_limit_holds_from_its_beginning_and_is_used_there():
-    curve = LimitCurve(np.ones_like, 11.5, 23.0)
-    places = np.array([np.nextafter(11.5, 0.0), 11.5, 23.0, np.nextafter(23.0, 99.0)])
-    assert curve.at(places).tolist() == [1.0, 1.0, 1.0, 1.0]
-    assert np.isinf(curve.at(np.array([11.4999, 23.0001]))).all()
-    limit = replace(given_limit("force", 1.0, "N", applies_to="x", source="y"), continuous=curve)
-    assert usage(limit, AmplitudeCurve("shaft", places, [2.0] * 4)).tolist() == [2.0] * 4
-
-
 @pytest.mark.parametrize(
     ("speeds", "values", "message"),
     [

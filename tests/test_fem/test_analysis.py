@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 import fem.analysis
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.stopwatch import Stopwatch
 from fem.analysis import (
     Problem,
     analyze_axial,
@@ -22,10 +21,12 @@ from fem.analysis import (
 )
 from fem.angle_law import AngleLaw, angle_law, is_symmetric
 from fem.material import STEEL, Material
+from fem.solver import Stopwatch
 from fem.supports import Neighbors, class_axial_compliances
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web
+from parts_in_a_line import crank_throw
 
 
 @pytest.fixture(scope="module")
@@ -194,16 +195,7 @@ def test_an_accuracy_that_cannot_be_met_is_told(throw, monkeypatch):
     assert found.error_estimate < analyze_axial(throw, accuracy=0.1).error_estimate
 
 
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-    fillet_radius=0.012,
-)
+THROW = crank_throw(0.170, 0.220, 0.180, 0.120, 0.139, 0.285, 0.068, fillet_radius=0.012)
 
 
 @pytest.fixture(scope="module")

@@ -18,9 +18,8 @@ from fem.craig_bampton import dynamic_superelement
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
 from fem.modes import free_modes, frequencies_of
-from fem.shaft import assemble_shaft, shaft_compliances, sharing_sections
 from fem.solver import factorize
-from fem.superelement import combine_classes, superelement_of_end_forces
+from fem.superelement import assemble_shaft, combine_classes, shaft_compliances, sharing_sections
 from fem.supports import Neighbors
 from fem.symmetry import (
     KEPT,
@@ -275,7 +274,6 @@ def test_frequencies_that_are_none_are_refused(mesh, classes, frequency):
         dynamic_superelement(mesh, STEEL, classes, frequency)
 
 
-ROUND_OFF = 1e-9
 DEGREES = (1, 2, 4)
 PLACES = 0.11 * np.array([[0.0, 0.0], [0.3, -0.8], [-0.7, 0.1], [0.5, 0.5], [-0.2, -0.9]])
 
@@ -330,25 +328,6 @@ def solved(mesh, half_mesh, full_mesh):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("degree", DEGREES)
-def test_rigid_motions_symmetry_and_reciprocity(solved, rigid_motions, degree):
-    classes, rigid = solved["quarter", degree]
-    joined = rigid.joined
-    size = np.abs(joined.stiffness).max()
-    assert np.abs(joined.stiffness[:, :12] @ rigid_motions).max() <= ROUND_OFF * size
-    assert np.abs(joined.stiffness - joined.stiffness.T).max() <= 1e-14 * size
-    values = np.linalg.eigvalsh(joined.stiffness)
-    assert np.abs(values[:6]).max() <= ROUND_OFF * values[-1]
-    assert values[6] > 1e-7 * values[-1]
-    by_forces = superelement_of_end_forces(classes, rigid.radials).joined
-    assert np.abs(by_forces.stiffness - joined.stiffness).max() <= ROUND_OFF * size
-    largest = np.abs(joined.pin_loads).max()
-    assert np.abs(by_forces.pin_loads - joined.pin_loads).max() <= ROUND_OFF * largest
-    # A unit force on the pin is in equilibrium with what holds the ends, which do not bend rigidly.
-    assert rigid_motions[:, :3].T @ joined.pin_loads[0, :12, :3] == close(np.eye(3), abs=1e-9)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("part", ["half", "full"])
 def test_parts_have_the_same_superelement(solved, part):
     own, other = (solved[name, 2][1].joined for name in ("quarter", part))
@@ -394,3 +373,19 @@ def test_analysis_tells_what_rigid_sections_leave_out(throw):
     assert rigid.section_error == 0.0
     assert found.section_errors(step).axial == close(left_out, rel=1e-5)
     assert analyze_throw(throw, accuracy=0.1, sections="rigid").sections == "rigid"
+
+
+ROUND_OFF = 1e-9
+
+
+@pytest.mark.slow
+def test_rigid_sections_are_part_of_those_that_bend(solved, superelement):
+    for degree in DEGREES:
+        found = solved["quarter", degree][1]
+        size = np.abs(superelement.stiffness).max()
+        assert np.abs(found.stiffness - superelement.stiffness).max() <= ROUND_OFF * size
+        lower = solved["quarter", 4][1].with_sections(degree).joined
+        assert np.abs(lower.stiffness - found.joined.stiffness).max() <= 1e-7 * size
+    assert solved["quarter", 4][1].with_sections("rigid").joined.stiffness.shape == (12, 12)
+    with pytest.raises(InputError, match=r"^sections: given 4; allowed is up to 2 \(rigid, 1, 2\)"):
+        solved["quarter", 2][1].with_sections(4)

@@ -42,16 +42,6 @@ def modes(coarse):
     return free_modes(coarse, STEEL, count=COUNT)
 
 
-@pytest.fixture(scope="module")
-def whole(coarse, mirror):
-    return mirror(mirror(coarse))
-
-
-@pytest.fixture(scope="module")
-def whole_modes(whole):
-    return free_modes(whole, STEEL, count=COUNT)
-
-
 def full(upper):
     return upper + sparse.triu(upper, k=1).T
 
@@ -77,23 +67,6 @@ def test_no_mode_is_missed_or_wrong(coarse, held_ends):
     modal = found.shapes.reshape(-1, 20)
     products = symmetry.copies * modal.T @ symmetric_product(matrices.mass, modal)
     assert products == close(np.eye(20), abs=1e-8)
-
-
-@pytest.mark.slow
-def test_each_part_gives_all_modes_of_the_throw(coarse, mirror, modes, whole_modes):
-    """The meshes are mirror images of each other, so only rounding differs."""
-    half_modes = free_modes(mirror(coarse), STEEL, count=COUNT)
-    for other in (half_modes, whole_modes):
-        assert other.frequencies == close(modes.frequencies, rel=1e-9)
-        assert other.names == modes.names
-    assert {each.crank_plane for each in half_modes.symmetries} == {1, -1}
-    # Within a class of the quarter frequencies are far apart, so shapes are the same up to a sign, on
-    # each of the parts normalized with the mass of the whole throw.
-    for mode in range(COUNT):
-        quarter = modes.shapes[:, :, mode]
-        same = whole_modes.shapes[: len(coarse.points), :, mode]
-        sign = np.sign(np.sum(quarter * same))
-        assert sign * same == close(quarter, abs=1e-6 * np.abs(quarter).max())
 
 
 def test_six_rigid_motions(modes):
@@ -212,3 +185,13 @@ def test_more_modes_than_the_mesh_can_show(coarse, monkeypatch):
             problem.lowest(11)
         with pytest.raises(InputError, match=r"^highest_frequency: given so .* up to 1e\+06 Hz"):
             problem.up_to(1e6)
+
+
+def test_highest_frequency_gives_the_same(coarse, modes):
+    ceiling = 0.5 * (modes.frequencies[6] + modes.frequencies[7])
+    found = free_modes(coarse, STEEL, highest_frequency=float(ceiling))
+    assert found.frequencies == close(modes.frequencies[:7], rel=1e-9)
+    assert found.symmetries == modes.symmetries[:7]
+    below_all = free_modes(coarse, STEEL, highest_frequency=1.0)
+    assert below_all.shapes.shape == (len(coarse.points), 3, 0)
+    assert below_all.names == ()

@@ -11,11 +11,14 @@ from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.loads import radial_directions
 from fem.responses import evaluate_throw
-from fem.shaft import shaft_compliances, solve_shaft
-from fem.superelement import UZ
-from fem.supports import Neighbors, class_torsional_compliance, support_throw
+from fem.superelement import UZ, shaft_compliances, solve_shaft
+from fem.supports import (
+    Neighbors,
+    class_axial_compliances,
+    class_torsional_compliance,
+    support_throw,
+)
 from fem.symmetry import axial_class, torsional_class
-from fem.throw_analysis import class_axial_compliances
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web
@@ -95,21 +98,6 @@ def test_all_parts_give_the_same_superelement(models, part):
 
 def test_half_and_full_of_a_throw_with_unequal_ends_are_the_same(skewed_models):
     same(skewed_models["half"][1], skewed_models["full"][1])
-
-
-@pytest.mark.parametrize("support", ["pinned", "guided"])
-@pytest.mark.parametrize("kind", ["models", "skewed_models"])
-def test_few_classes_are_enough_for_these_supports(request, kind, support):
-    for classes, superelement in request.getfixturevalue(kind).values():
-        copies = classes[0].symmetry.copies
-        part = {4: "quarter", 2: "half", 1: "full"}[copies]
-        by_class = {found.symmetry: found for found in classes}
-        expected = support_throw(superelement, support)
-        axial, influence = class_axial_compliances(by_class[axial_class(part)], support)
-        torsional = class_torsional_compliance(by_class[torsional_class(part)], support)
-        assert axial == close(expected.axial, rel=1e-9)
-        assert influence == close(expected.influence, rel=1e-9)
-        assert torsional == close(expected.torsional, rel=1e-9)
 
 
 def test_a_pin_turned_with_its_force_keeps_its_influence(skewed_models):
@@ -261,3 +249,34 @@ def test_analysis_of_a_throw_with_two_pins(opposite):
     )
     assert responses.values["mass"] == found.mass
     assert responses.unknowns == found.mesh.unknowns
+
+
+@pytest.mark.parametrize("support", ["pinned", "guided"])
+@pytest.mark.parametrize("kind", ["models", "skewed_models"])
+def test_few_classes_are_enough_for_these_supports(request, kind, support):
+    for classes, superelement in request.getfixturevalue(kind).values():
+        copies = classes[0].symmetry.copies
+        part = {4: "quarter", 2: "half", 1: "full"}[copies]
+        by_class = {found.symmetry: found for found in classes}
+        expected = support_throw(superelement, support)
+        axial, influence = class_axial_compliances(by_class[axial_class(part)], support)
+        torsional = class_torsional_compliance(by_class[torsional_class(part)], support)
+        assert axial == close(expected.axial, rel=1e-9)
+        assert influence == close(expected.influence, rel=1e-9)
+        assert torsional == close(expected.torsional, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_analysis_of_a_throw_without_symmetry(split):
+    found = analyze_throw(split, accuracy=0.1)
+    assert found.mesh.part == "full"
+    responses = evaluate_throw(split, accuracy=0.1)
+    for support in ("pinned", "guided"):
+        wanted = found.supported(support)
+        assert responses.values[f"axial_compliance_{support}"] == close(wanted.axial, rel=1e-9)
+        assert responses.values[f"torsional_compliance_{support}"] == close(
+            wanted.torsional, rel=1e-9
+        )
+        assert responses.values[f"influence_coefficient_{support}"] == close(
+            wanted.influence, rel=1e-9
+        )

@@ -31,6 +31,7 @@ from fem.supports import (
 from geometry.solid import LEFT_END, MAIN_JOURNAL, RIGHT_END
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web
+from parts_in_a_line import crank_throw
 
 # Finite elements throughout: not for the inner loop.
 pytestmark = pytest.mark.slow
@@ -272,16 +273,7 @@ def test_what_else_is_refused(analysis):
 
 # Finite elements throughout: not for the inner loop.
 
-PLAIN = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-    fillet_radius=0.012,
-)
+PLAIN = crank_throw(0.170, 0.220, 0.180, 0.120, 0.139, 0.285, 0.068, fillet_radius=0.012)
 UNEQUAL = PLAIN.model_copy(update={"right_web": Web(thickness=0.080)})
 
 

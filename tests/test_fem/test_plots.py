@@ -17,7 +17,7 @@ from fem.loads import RADIAL
 from fem.material import STEEL
 from fem.modes import ThrowModes
 from fem.plots import ANGLES_DEG
-from fem.shaft import shaft_compliances
+from fem.superelement import shaft_compliances
 from fem.supports import Neighbors
 from fem.surface_stress import throw_fillets
 from fem.symmetry import SymmetryClass, axial_class

@@ -15,7 +15,6 @@ from scipy.sparse.csgraph import dijkstra
 
 import fem.analysis
 from comparing import close
-from crankbase.stopwatch import Stopwatch
 from fem.analysis import (
     AIM_FILLETED,
     FIRST_FILLETED,
@@ -33,6 +32,7 @@ from fem.analysis import (
 )
 from fem.correction import EnergyErrors
 from fem.material import STEEL
+from fem.solver import Stopwatch
 from fem.supports import class_axial_compliances
 from geometry.mesh import check_quality, mesh_throw
 from geometry.mesher import expected_unknowns
@@ -92,18 +92,6 @@ def finer(throw, mesh, level):
         made = mesh_throw(throw, sizes=sizes)
         found[target] = (sizes, solve_level(made, PROBLEM))
     return found
-
-
-@pytest.mark.usefixtures("all_digits")
-def test_a_uniform_error_that_is_wished_for_changes_nothing(mesh):
-    """Sizes are their own then, but for what gmsh makes larger than it is told."""
-    count = 6
-    errors = EnergyErrors(np.full(count, 0.05 / count * 3.0), 3.0)
-    apart = separate_elements(mesh, np.geomspace(0.001, 2.0, count))
-    found = refined_sizes(apart, errors, 0.05)
-    expected = MADE_SMALLER * np.repeat(np.geomspace(0.001, 2.0, count), 4)
-    assert found.sizes == close(expected, rel=1e-11)
-    assert np.array_equal(found.points, apart.points)
 
 
 @pytest.mark.usefixtures("all_digits")

@@ -5,8 +5,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from fem.shaft import assemble_shaft, shaft_compliances, solve_shaft
-from fem.superelement import RZ, UZ
+from fem.superelement import RZ, UZ, assemble_shaft, shaft_compliances, solve_shaft
 from fem.supports import support_throw
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow

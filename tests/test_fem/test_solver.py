@@ -10,7 +10,6 @@ import fem.solver
 from comparing import close
 from crankbase import memory
 from crankbase.errors import InputError, NotEnoughMemoryError, SolveError
-from crankbase.stopwatch import Stopwatch
 from fem import analysis
 from fem.analysis import Problem, analyze_throw, solve_level
 from fem.assembly import assemble_stiffness
@@ -21,6 +20,7 @@ from fem.material import STEEL
 from fem.solver import (
     Factorization,
     SharedSolver,
+    Stopwatch,
     refined_solution,
 )
 from fem.superelement import checked_superelement

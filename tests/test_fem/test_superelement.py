@@ -16,8 +16,7 @@ from fem.assembly import assemble_stiffness
 from fem.condensation import nodes_on
 from fem.loads import uniform_pin_loads
 from fem.material import STEEL
-from fem.shaft import assemble_shaft, free_unknowns
-from fem.superelement import RZ, UZ, superelement_of_end_forces
+from fem.superelement import RZ, UZ, assemble_shaft, free_unknowns, superelement_of_end_forces
 from fem.supports import (
     Neighbors,
     class_axial_compliances,

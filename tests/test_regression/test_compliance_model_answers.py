@@ -116,15 +116,6 @@ def test_band_of_a_negative_response():
     assert found.lower < found.value < found.upper < 0.0
 
 
-def test_a_band_of_100_percent_is_open():
-    poor = response(power(1e-9, -1.0), "e_n", "m/N", band_error=1.2)
-    found = ComplianceModel(responses={"axial_compliance": poor}).lookup(
-        "axial_compliance", **MIDDLE
-    )
-    assert found.upper is None
-    assert found.lower == close(found.value / 2.2, rel=1e-12)
-
-
 def test_an_error_that_is_rounding_is_not_told_in_digits():
     exact = response(power(100.0, 1.0), "m", "kg", **(ERRORS | {"largest_fe_error": 4.4e-16}))
     found = ComplianceModel(responses={"mass": exact}).lookup("mass", **MIDDLE)
@@ -338,16 +329,6 @@ def test_a_fitted_ratio_that_is_not_positive_is_refused(model):
     for call in (poor.axial_compliance, lambda **asked: poor.lookup("axial_compliance", **asked)):
         with pytest.raises(InputError, match=r"tilt_stiffness_ratio: given -0\.007\d*; allowed is"):
             call(gamma_deg=120.0, **thick)
-
-
-def test_a_ratio_with_an_error_of_100_percent_leaves_the_band_open(model):
-    """rho may then be next to nothing: its lower end is 0, and the law has no value there."""
-    parts = dict(model.responses)
-    content = parts["tilt_stiffness_ratio"].model_dump() | {"largest_fe_error": 1.0}
-    parts["tilt_stiffness_ratio"] = ResponseModel(**content)
-    found = ComplianceModel(responses=parts).lookup("axial_compliance", gamma_deg=0.0, **MIDDLE)
-    assert (found.lower, found.upper) == (None, None)
-    assert found.value == model.axial_compliance(gamma_deg=0.0, **MIDDLE)
 
 
 THROW = {

@@ -20,20 +20,18 @@ from regression.plans.designs import (
     check_ranges,
     corner_fraction,
     corners_by_generators,
+    design_quality,
+    draw_feasible_points,
     fixed_design,
     full_factorial,
+    latin_hypercube_points,
     resolution_of,
+    sobol_points,
     space_filling_points,
     space_filling_statement,
     values_at,
-    without_repeats,
-)
-from regression.plans.designs_space import (
-    design_quality,
-    draw_feasible_points,
-    latin_hypercube_points,
-    sobol_points,
     well_spaced_subset,
+    without_repeats,
 )
 from regression.plans.factors import Factor
 

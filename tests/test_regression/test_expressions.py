@@ -9,7 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 from regression.fits.equation_text import equation_text, term_symbols
 from regression.fits.fits import fit_form
 from regression.fits.forms import FittedForm
@@ -206,14 +206,14 @@ def test_relations_that_go_round(texts):
 
 
 def test_no_field_of_a_throw_is_a_unit():
-    throw = CrankThrow(
-        crank_radius=0.170,
-        main_journal_diameter=0.220,
-        pin_diameter=0.180,
-        main_journal_length=0.120,
-        pin_length=0.139,
-        web_width=0.285,
-        web_thickness=0.068,
+    throw = crank_throw(
+        0.170,
+        0.220,
+        0.180,
+        0.120,
+        0.139,
+        0.285,
+        0.068,
         counterweight={"outer_radius": 0.25, "angle": 2.0},
         further_pins=({"angle": 2.0},),
     )

@@ -13,23 +13,21 @@ from crankbase.errors import InputError
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web
-from regression.formulas.arguments import DEFAULT_CONSTANTS, FORMULA_CONSTANTS, fold_angle_deg
+from parts_in_a_line import crank_throw
 from regression.formulas.axial_formulas import axial_formula, axial_formula_faults, axial_formulas
-from regression.formulas.case import round_area, round_inertia
+from regression.formulas.case import (
+    DEFAULT_CONSTANTS,
+    FORMULA_CONSTANTS,
+    fold_angle_deg,
+    round_area,
+    round_inertia,
+)
 from regression.formulas.published import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import torsional_formulas
 
 
 def throw_of_mm(R, D_km, D_shm, L_km, L_shm, B, h):
-    return CrankThrow(
-        crank_radius=R / 1e3,
-        main_journal_diameter=D_km / 1e3,
-        pin_diameter=D_shm / 1e3,
-        main_journal_length=L_km / 1e3,
-        pin_length=L_shm / 1e3,
-        web_width=B / 1e3,
-        web_thickness=h / 1e3,
-    )
+    return crank_throw(R / 1e3, D_km / 1e3, D_shm / 1e3, L_km / 1e3, L_shm / 1e3, B / 1e3, h / 1e3)
 
 
 MEDIUM_SPEED = throw_of_mm(170, 220, 180, 120, 139, 300, 68)

@@ -69,15 +69,6 @@ def test_held_out_designs_lie_between_the_levels_one_in_each_stratum():
         assert not set(column) & set(levels)
 
 
-def test_all_designs_over_a_box_are_judged_by_the_same():
-    held = [
-        values_of(plan_designs(StudyPlan(THROW, (WIDTH, THICKNESS, LENGTH), design)), HELD_OUT)
-        for design in (DesignChoice(), DesignChoice("box-behnken"), HYPERCUBE)
-    ]
-    assert np.array_equal(held[0], held[1])
-    assert np.array_equal(held[0], held[2])
-
-
 def test_the_seed_moves_what_is_drawn_alone():
     first, second = (plan_designs(plan_of_levels(THROW, THREE, seed=seed)) for seed in (1, 2))
     assert of_role(first, RUN) == of_role(second, RUN)

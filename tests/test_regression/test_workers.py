@@ -18,7 +18,6 @@ from fem.material import STEEL
 from fem.responses import ThrowResponses, evaluate_throw
 from geometry.throw import CrankThrow
 from puppets import puppet
-from regression.runs import worker
 from regression.runs import workers as workers_module
 from regression.runs.workers import TIME_LIMIT, design_limits, interrupts_deferred, run_designs
 
@@ -312,7 +311,7 @@ def test_a_worker_computes_and_tells_what_it_cannot():
         {"key": "worse", "inputs": {}},
         {"key": "good", "inputs": design()},
     ]
-    bad, worse, good = map(worker.answer, requests)
+    bad, worse, good = map(workers_module.answer, requests)
     assert bad["key"] == "bad"
     assert bad["reason"].startswith("InputError: throw.main_journal_diameter: given 220 mm")
     assert "responses" not in bad
@@ -329,8 +328,8 @@ def test_a_worker_computes_and_tells_what_it_cannot():
 def test_a_result_that_is_no_number_is_a_failure(monkeypatch, value, part):
     bad, good = {"axial_compliance_pinned": value, "mass": 1.0}, {"mass": 1.0}
     found = ThrowResponses(*((bad, good) if part == 0 else (good, bad)), 10)
-    monkeypatch.setattr(worker, "evaluate_throw", lambda *_, **__: found)
-    answer = worker.answer({"key": "k", "inputs": design()})
+    monkeypatch.setattr(workers_module, "evaluate_throw", lambda *_, **__: found)
+    answer = workers_module.answer({"key": "k", "inputs": design()})
     assert set(answer) == {"key", "reason", "seconds"}
     assert "axial_compliance_pinned came out as" in answer["reason"]
 
@@ -361,8 +360,8 @@ def test_trouble_of_the_machine_is_told_from_that_of_the_design(monkeypatch, err
     def fail(*_, **__):
         raise error from cause
 
-    monkeypatch.setattr(worker, "evaluate_throw", fail)
-    answer = worker.answer({"key": "k", "inputs": design()})
+    monkeypatch.setattr(workers_module, "evaluate_throw", fail)
+    answer = workers_module.answer({"key": "k", "inputs": design()})
     assert set(answer) == {"key", kind, "seconds"}
     assert answer[kind] == f"{type(error).__name__}: {error}"
 

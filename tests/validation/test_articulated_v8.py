@@ -21,9 +21,10 @@ from comparing import close
 from crankfem.analyses.mechanism.mechanism_records import acceleration_record
 from dynamics.balance.balance import balance, hinged_rod_effects, hodograph_change
 from dynamics.balance.moving_masses import moving_masses
-from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
+from dynamics.engine.layout import EngineLayout, RotatingMass, SlavePin
 from dynamics.engine.motions import acceleration_orders, cylinder_motion, piston_acceleration
 from dynamics.engine.rods import ConnectingRod
+from parts_in_a_line import cylinder
 
 RADIUS, LENGTH, PIN_RADIUS, HINGED_LENGTH = 0.130, 0.650, 0.150, 0.500
 BETWEEN_BANKS = math.radians(45.0)
@@ -49,24 +50,19 @@ def eight_cylinders(pin_radius=PIN_RADIUS, hinged_length=HINGED_LENGTH):
     for number, crank in enumerate(CRANKS):
         place = (number - 1.5) * PITCH
         mains.append(
-            EngineCylinder(
-                0.26,
-                PISTON,
-                main_rod,
-                crank_angle_deg=math.degrees(crank),
-                bank_angle_deg=math.degrees(-BETWEEN_BANKS / 2),
-                position=place,
+            cylinder(
+                0.26, PISTON, main_rod, math.degrees(crank), math.degrees(-BETWEEN_BANKS / 2), place
             )
         )
         pin = SlavePin(number + 1, pin_radius, angle_deg=math.degrees(BETWEEN_BANKS))
         hinged.append(
-            EngineCylinder(
+            cylinder(
                 0.26,
                 PISTON,
                 hinged_rod,
-                crank_angle_deg=math.degrees(crank),
-                bank_angle_deg=math.degrees(BETWEEN_BANKS / 2),
-                position=place,
+                math.degrees(crank),
+                math.degrees(BETWEEN_BANKS / 2),
+                place,
                 slave_pin=pin,
             )
         )

@@ -32,21 +32,12 @@ from fem.supports import class_axial_compliances
 from fem.symmetry import axial_class
 from geometry.mesh import mesh_throw
 from geometry.shapes import element_volumes
-from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 from refined_mesh import refined
 
 
 def throw(fillet_radius):
-    return CrankThrow(
-        crank_radius=0.170,
-        main_journal_diameter=0.220,
-        pin_diameter=0.180,
-        main_journal_length=0.120,
-        pin_length=0.139,
-        web_width=0.300,
-        web_thickness=0.068,
-        fillet_radius=fillet_radius,
-    )
+    return crank_throw(0.170, 0.220, 0.180, 0.120, 0.139, 0.300, 0.068, fillet_radius=fillet_radius)
 
 
 def axial_compliance(mesh):

@@ -18,20 +18,10 @@ from scipy.linalg import eigh
 from comparing import close
 from dynamics.excitation.chain_excitation import tangential_towards_flywheel, torsion_influence
 from fem.analysis import analyze_throw
-from fem.shaft import assemble_shaft, shaft_compliances, solve_shaft
-from fem.superelement import RZ, UZ
-from geometry.throw import CrankThrow
+from fem.superelement import RZ, UZ, assemble_shaft, shaft_compliances, solve_shaft
+from parts_in_a_line import crank_throw
 
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.135,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-    fillet_radius=0.012,
-)
+THROW = crank_throw(0.170, 0.220, 0.180, 0.135, 0.139, 0.285, 0.068, fillet_radius=0.012)
 CRANKS = np.radians([0.0, 120.0, 240.0, 240.0, 120.0, 0.0])
 COUNT = CRANKS.size
 FLYWHEEL, BEARING = 1400.0, 8e8

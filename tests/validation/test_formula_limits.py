@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 from regression.formulas.axial_formulas import axial_formula, axial_formulas
 from regression.formulas.published import AXIAL_VARIANTS
 
@@ -26,15 +27,7 @@ E = 2.1e11
 
 def slender_throw(web_thickness=0.05):
     """Return a throw without overlap, whose parts are far longer than thick."""
-    return CrankThrow(
-        crank_radius=1.2,
-        main_journal_diameter=0.20,
-        pin_diameter=0.18,
-        main_journal_length=1.0,
-        pin_length=0.9,
-        web_width=0.25,
-        web_thickness=web_thickness,
-    )
+    return crank_throw(1.2, 0.20, 0.18, 1.0, 0.9, 0.25, web_thickness)
 
 
 def unchecked(throw, **values):
@@ -163,15 +156,7 @@ def test_anderson_tends_to_the_frame_at_both_ends_of_the_angle(figure):
         assert value == close(pin_share * pin + web_share * web + tension + free_web, rel=1e-12)
     # As k_1 tends to 1 (journals thin beside the crank radius) the shares are 2/3 and 1/6.
     for gamma, share, blocked in ((180.0, 2 / 3, False), (0.0, 1 / 6, True)):
-        thin = CrankThrow(
-            crank_radius=2.4,
-            main_journal_diameter=0.11,
-            pin_diameter=0.11,
-            main_journal_length=0.12,
-            pin_length=0.12,
-            web_width=0.12,
-            web_thickness=0.1,
-        )
+        thin = crank_throw(2.4, 0.11, 0.11, 0.12, 0.12, 0.12, 0.1)
         pin, web, tension = beam_parts(thin)
         web_part = axial_formula("Anderson", thin, gamma).value
         web_part -= (1.1 if gamma else 0.55) * pin + tension

@@ -37,7 +37,7 @@ from fem.material import STEEL
 from fem.supports import class_axial_compliances, class_torsional_compliance
 from fem.symmetry import axial_class, torsional_class
 from geometry.mesh import mesh_throw
-from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 
 pytestmark = pytest.mark.further
 
@@ -61,14 +61,14 @@ class Family:
     size_factor: float
 
     def throw(self, diameter):
-        return CrankThrow(
-            crank_radius=1.0,
-            main_journal_diameter=diameter,
-            pin_diameter=0.95 * diameter,
-            main_journal_length=self.journal_length,
-            pin_length=self.pin_length,
-            web_width=self.web_width * diameter,
-            web_thickness=self.web_thickness * diameter,
+        return crank_throw(
+            1.0,
+            diameter,
+            0.95 * diameter,
+            self.journal_length,
+            self.pin_length,
+            self.web_width * diameter,
+            self.web_thickness * diameter,
             fillet_radius=0.1 * diameter,
         )
 

@@ -28,6 +28,7 @@ from dynamics.engine.firing import firing_order_of_angles
 from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass
 from dynamics.engine.motions import acceleration_orders
 from dynamics.engine.rods import ConnectingRod
+from parts_in_a_line import cylinder as made_cylinder
 
 RADIUS, LENGTH, SPEED, PITCH = 0.05, 0.16, 400.0, 0.11
 # Reciprocating 0.5 + 0.6 * 0.25 = 0.65 kg, rotating 0.45 kg.
@@ -53,14 +54,7 @@ def size(order):
 def engine(cranks_deg, banks_deg=(0.0,), pin_step_deg=0.0):
     """One throw for each crank angle, with a cylinder for each bank; cranks of a throw may differ."""
     cylinders = [
-        EngineCylinder(
-            0.09,
-            PISTON,
-            ROD,
-            crank_angle_deg=crank + place * pin_step_deg,
-            bank_angle_deg=bank,
-            position=throw * PITCH,
-        )
+        made_cylinder(0.09, PISTON, ROD, crank + place * pin_step_deg, bank, throw * PITCH)
         for throw, crank in enumerate(cranks_deg)
         for place, bank in enumerate(banks_deg)
     ]
@@ -198,14 +192,7 @@ def test_flat_twin():
     twin = EngineLayout(
         RADIUS,
         [
-            EngineCylinder(
-                0.09,
-                PISTON,
-                ROD,
-                crank_angle_deg=math.degrees(crank),
-                bank_angle_deg=math.degrees(bank),
-                position=place,
-            )
+            made_cylinder(0.09, PISTON, ROD, math.degrees(crank), math.degrees(bank), place)
             for crank, bank, place in ((0.0, math.pi / 2, 0.0), (math.pi, -math.pi / 2, PITCH))
         ],
         [1, 2],

@@ -15,10 +15,10 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.files.reading.data_files import data_folder
-from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 from regression.formulas.axial_formulas import axial_formula
-from regression.formulas.published import AXIAL_FORMULA_NAMES
-from regression.formulas.published_table import (
+from regression.formulas.published import (
+    AXIAL_FORMULA_NAMES,
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,
     read_published_table,
@@ -151,15 +151,7 @@ def test_two_columns_cannot_go_together(table, figure):
 
 
 def throw_25_34(web_width):
-    return CrankThrow(
-        crank_radius=0.170,
-        main_journal_diameter=0.220,
-        pin_diameter=0.180,
-        main_journal_length=0.135,
-        pin_length=0.139,
-        web_width=web_width,
-        web_thickness=0.068,
-    )
+    return crank_throw(0.170, 0.220, 0.180, 0.135, 0.139, web_width, 0.068)
 
 
 def test_column_of_tsniimf_with_a_plain_web(table, figure):

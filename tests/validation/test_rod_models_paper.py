@@ -24,6 +24,7 @@ from dynamics.engine.rods import ConnectingRod
 from dynamics.engine.slider_crank import SliderCrank
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.gas_cycle import gas_cycle
+from parts_in_a_line import cylinder
 
 R, L_SHK, L_SHP, L_D, BORE = 0.070, 0.097, 0.168, 0.009, 0.130
 # Assumed, typical of the bore: 3.4 kg are 260 kg, 4.2 kg 320 kg for each m^2 of piston. Two masses have
@@ -258,11 +259,11 @@ def test_the_main_rod_of_a_hinged_one_obeys_7_with_the_load_of_its_pin():
     """l_shk = r cos g, l_shp = L - l_shk, l_d = r sin g, and the hinged rod's push as X_D, -Y_D."""
     radius, turn = 0.08, 0.9
     main = EngineCylinder(BORE, PISTON, rod_of())
-    hinged = EngineCylinder(
+    hinged = cylinder(
         BORE,
         PISTON,
         rod_of(),
-        bank_angle_deg=math.degrees(turn),
+        bank=math.degrees(turn),
         slave_pin=SlavePin(1, radius, angle_deg=math.degrees(turn)),
     )
     both = EngineLayout(R, [main, hinged], [1, 2])

@@ -34,7 +34,7 @@ from fem.correction import energy_errors
 from fem.material import STEEL
 from fem.modes import free_modes
 from geometry.crankshaft import Crankshaft
-from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 from shaft_solid import mesh_shaft_quarter
 
 CRANKS = (0.0, 180.0, 180.0, 0.0)
@@ -56,16 +56,7 @@ SIX = np.array(
     [53.302, 63.354, 134.852, 148.44, 179.983, 225.433, 286.557, 348.746, 406.009, 410.053]
 )
 PROMISED = (0.007, 0.01)
-THROW = CrankThrow(
-    crank_radius=0.064,
-    main_journal_diameter=0.088,
-    pin_diameter=0.075,
-    main_journal_length=0.034,
-    pin_length=0.038,
-    web_width=0.112,
-    web_thickness=0.022,
-    fillet_radius=0.004,
-)
+THROW = crank_throw(0.064, 0.088, 0.075, 0.034, 0.038, 0.112, 0.022, fillet_radius=0.004)
 
 
 @pytest.fixture(scope="module")

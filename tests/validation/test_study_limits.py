@@ -17,7 +17,7 @@ from crankbase.errors import InputError
 from crankfem.analyses.study.fit_records import compliance_model
 from crankfem.analyses.study.response_fits import fit_study
 from crankfem.cli.app import app
-from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 from regression.models.compliance_model import ComplianceModel
 from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.model_file import checksum
@@ -29,16 +29,7 @@ from regression.records import Outcome
 from regression.runs.study_table import study_table
 
 R, PIN, JOURNAL = 0.170, 0.180, 0.220
-THROW = CrankThrow(
-    crank_radius=R,
-    main_journal_diameter=JOURNAL,
-    pin_diameter=PIN,
-    main_journal_length=0.135,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-    fillet_radius=0.012,
-)
+THROW = crank_throw(R, JOURNAL, PIN, 0.135, 0.139, 0.285, 0.068, fillet_radius=0.012)
 RANGES = {
     "web_width": (0.270, 0.330),
     "web_thickness": (0.040, 0.098),

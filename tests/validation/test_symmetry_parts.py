@@ -20,7 +20,7 @@ from fem.superelement import combine_classes
 from fem.supports import Neighbors, support_throw
 from fem.symmetry import symmetry_classes
 from geometry.mesh import mesh_throw
-from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 
 pytestmark = pytest.mark.slow
 
@@ -41,14 +41,14 @@ def superelement(throw, part):
 @pytest.fixture(scope="module")
 def parts():
     """A throw with bores, whose webs are equal."""
-    throw = CrankThrow(
-        crank_radius=0.170,
-        main_journal_diameter=0.220,
-        pin_diameter=0.180,
-        main_journal_length=0.120,
-        pin_length=0.139,
-        web_width=0.300,
-        web_thickness=0.068,
+    throw = crank_throw(
+        0.170,
+        0.220,
+        0.180,
+        0.120,
+        0.139,
+        0.300,
+        0.068,
         fillet_radius=0.012,
         main_journal_bore=0.09,
         pin_bore=0.07,

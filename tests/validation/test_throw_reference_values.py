@@ -22,7 +22,7 @@ import pytest
 from fem.analysis import analyze_axial, analyze_throw
 from fem.superelement import RX, RY, RZ, UZ
 from fem.supports import Neighbors
-from geometry.throw import CrankThrow
+from parts_in_a_line import crank_throw
 
 ANGLE_STUDY = {
     # web thickness [mm]: e_180, e_120, e_90, e_0 [1e-9 m/N], rho
@@ -33,15 +33,8 @@ ANGLE_STUDY = {
 
 
 def reference_throw(web_thickness=0.068, fillet_radius=0.0):
-    return CrankThrow(
-        crank_radius=0.170,
-        main_journal_diameter=0.220,
-        pin_diameter=0.180,
-        main_journal_length=0.120,
-        pin_length=0.139,
-        web_width=0.300,
-        web_thickness=web_thickness,
-        fillet_radius=fillet_radius,
+    return crank_throw(
+        0.170, 0.220, 0.180, 0.120, 0.139, 0.300, web_thickness, fillet_radius=fillet_radius
     )
 
 

@@ -45,7 +45,6 @@ class OtherSpeed:
     ----------
     point : HingeMoment
         Of that running point.
-    best : BestPressure
     flywheel, flywheel_with_hinge : float
         Inertia that reaches the compared fluctuation without the hinge, and with it at its best
         pressure [kg m^2].
@@ -64,12 +63,10 @@ class HingeRun:
 
     Parameters
     ----------
-    file : HingeFile
     moment : HingeMoment
         For which the guides are designed, with the requested kinematics.
     point : HingeMoment
         The same operating point with exact kinematics, for the free rotation of the crank.
-    profile : HingeProfile
     with_hinge, without : SpeedOverAngle
         A revolution integrated from the top dead center: with the hinge at the mean speed, without it
         from the same speed at the top.
@@ -77,8 +74,6 @@ class HingeRun:
         Why the crank does not rotate at the mean speed without the hinge, if it does not.
     flywheel : float
         Inertia that reaches the compared fluctuation without the hinge [kg m^2].
-    flywheel_turn : SteadyHingeTurn
-    others : tuple of OtherSpeed
     compared : list of (GasSpring, float, HingeProfile or str)
         Other springs: initial radius, and guides or the reason why there are none.
     deviations : dict
@@ -116,15 +111,9 @@ class HingeRun:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         show : str
             "moment" for constant speed, or "gas force", at all operating points; "speed" over a revolution;
             "guides": the rollers' path, for the largest of several springs.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -141,10 +130,10 @@ class HingeRun:
         if show == "moment":
             given = [
                 (
-                    self.profile.moment_at(one.best.pressure, angles_deg=one.point.angles_deg),
-                    one.best.pressure,
+                    self.profile.moment_at(other.best.pressure, angles_deg=other.point.angles_deg),
+                    other.best.pressure,
                 )
-                for one in self.others
+                for other in self.others
             ]
             plots.draw_moments(axes, points, [None, *given])
         elif show == "gas force":
@@ -172,14 +161,8 @@ class HingeRun:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         size : int, optional
             Number of the size, the largest by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
         """
         from crankfem.analyses.hinge.plots import draw_guides
 
@@ -196,24 +179,16 @@ class HingeRun:
     def to_pandas(self) -> Any:
         """Return a table of the other operating points with the same guides.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         others = self.others
         return table(
             {
-                "speed": ([one.point.speed for one in others], "rad/s"),
-                "best_pressure": ([one.best.pressure for one in others], "Pa"),
-                "fluctuation": ([one.best.fluctuation for one in others], "1"),
-                "flywheel": ([one.flywheel for one in others], "kg m^2"),
-                "flywheel_with_hinge": ([one.flywheel_with_hinge for one in others], "kg m^2"),
+                "speed": ([other.point.speed for other in others], "rad/s"),
+                "best_pressure": ([other.best.pressure for other in others], "Pa"),
+                "fluctuation": ([other.best.fluctuation for other in others], "1"),
+                "flywheel": ([other.flywheel for other in others], "kg m^2"),
+                "flywheel_with_hinge": ([other.flywheel_with_hinge for other in others], "kg m^2"),
             }
         )
 
@@ -225,7 +200,6 @@ def run_hinge(
 
     Parameters
     ----------
-    file : HingeFile
     kinematics : str, optional
         Kinematics for the design of the guides.
     speed : float, optional
@@ -435,15 +409,6 @@ SURFACE = "hinge_surface.svg"
 
 def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
     """Write all diagrams into a folder, which is created if necessary.
-
-    Parameters
-    ----------
-    folder : Path
-    run : HingeRun
-
-    Returns
-    -------
-    list of Path
 
     Raises
     ------

@@ -36,8 +36,6 @@ def draw_moments(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
-    points : sequence of HingeMoment
     given : sequence
         For each point the moment of the guides [N m] at a pressure [Pa]; None where the guides are designed
         for the moment.
@@ -106,9 +104,6 @@ def draw_speeds(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
-    without, hinge : SpeedOverAngle
-    wheel : SteadyHingeTurn
     flywheel : float
         Its inertia [kg m^2].
     from_speed : float

@@ -33,10 +33,6 @@ CASES = {
 def balance_record(found: Balance) -> Record:
     """Return a balance as plain JSON content.
 
-    Parameters
-    ----------
-    found : Balance
-
     Returns
     -------
     dict
@@ -241,11 +237,11 @@ def _throw_records(run: MechanismRun) -> Iterable[Record]:
     mechanism, layout = run.mechanism, run.layout
     masses = moving_masses(layout)
     for number, throw in enumerate(mechanism.crank_throws):
-        own = cmath.rect(1.0, -math.radians(mechanism.throw_angles_deg[number]))
+        towards = cmath.rect(1.0, -math.radians(mechanism.throw_angles_deg[number]))
         rods = sum(
             mass.rotating
             * layout.crank_radius
-            * own
+            * towards
             * cmath.rect(1.0, math.radians(cylinder.crank_angle_deg))
             for mass, cylinder, place in zip(
                 masses, layout.cylinders, mechanism.throws, strict=True
@@ -254,7 +250,7 @@ def _throw_records(run: MechanismRun) -> Iterable[Record]:
         )
         # Each throw stands in the layout as two masses.
         solid = sum(
-            mass.static_moment * own * cmath.rect(1.0, math.radians(mass.angle_deg))
+            mass.static_moment * towards * cmath.rect(1.0, math.radians(mass.angle_deg))
             for mass in layout.rotating[2 * number : 2 * number + 2]
         )
         x, y = mechanism.material.density * counterweight_moment(throw.parts)
@@ -323,7 +319,7 @@ def throw_mass_table(record: Record) -> Table:
         else "Sum: rods and solid, at an angle from the crank.",
         merged=True,
     )
-    shown = [one.name for one in table.columns if weighted or one.name != COUNTERWEIGHTS]
+    shown = [column.name for column in table.columns if weighted or column.name != COUNTERWEIGHTS]
     return table.select(*shown)
 
 

@@ -160,9 +160,6 @@ def acceleration_record(layout: EngineLayout, speed: float, cylinders: Sequence[
 
     Parameters
     ----------
-    layout : EngineLayout
-    speed : float
-        Of the shaft [rad/s].
     cylinders : sequence of int
         Numbers of the cylinders, that with the main rod first.
 
@@ -250,14 +247,14 @@ def acceleration_table(record: Record, units: OutputUnits = SI) -> Table:
     rows += [
         [
             "above 2",
-            str(one["cylinder"]),
-            one["rod"],
-            one["left"],
-            one["left"] / one["largest"],
+            str(piston["cylinder"]),
+            piston["rod"],
+            piston["left"],
+            piston["left"] / piston["largest"],
             None,
             None,
         ]
-        for one in record["pistons"]
+        for piston in record["pistons"]
     ]
     return Table(
         f"Accelerations of the pistons on one crankpin at {speed}",

@@ -80,17 +80,10 @@ class MechanismRun:
 
     Parameters
     ----------
-    mechanism : MechanismFile
     layout : EngineLayout
         With the unbalance of the throws.
     speed : float
         [rad/s]
-    pressure : tuple of GasPressure
-    forces : MechanismForces
-    torque : EngineTorque
-    crankpins, bearings : tuple of LoadDiagram
-    works : tuple of CylinderWork
-    balance : Balance
     hinged_rods : tuple of HingedRodEffects
         Of the first crankpin with such rods; empty if there is none.
     """
@@ -119,8 +112,6 @@ class MechanismRun:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         show : str
             "torque" of the engine; "forces" and "pressure" of a cylinder; the load of a "crankpin" or
             main "bearing"; "force balance" or "moment balance": residual inertia effects.
@@ -129,10 +120,6 @@ class MechanismRun:
             and balance are those of the whole engine.
         frame : {"crank", "engine"}, optional
             Draw the load of a crankpin or bearing as a polar diagram in this frame.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -158,24 +145,16 @@ class MechanismRun:
     def to_pandas(self) -> Any:
         """Return a table of the gas results, a row for each cylinder.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         works = self.works
         return table(
             {
                 "cylinder": (list(range(1, len(works) + 1)), "1"),
-                "peak_pressure": ([one.peak_pressure for one in works], "Pa"),
-                "peak_angle": ([one.peak_angle_deg for one in works], "deg"),
-                "work": ([one.work for one in works], "J"),
-                "mean_effective_pressure": ([one.mean_effective_pressure for one in works], "Pa"),
+                "peak_pressure": ([work.peak_pressure for work in works], "Pa"),
+                "peak_angle": ([work.peak_angle_deg for work in works], "deg"),
+                "work": ([work.work for work in works], "J"),
+                "mean_effective_pressure": ([work.mean_effective_pressure for work in works], "Pa"),
             }
         )
 

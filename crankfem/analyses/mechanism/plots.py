@@ -67,7 +67,6 @@ def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
     ----------
     path : Path
         Of the SVG file.
-    found : Balance
     title : str, optional
         Above both panels.
     """
@@ -95,8 +94,6 @@ def plot_hinged_rods(
 
     Parameters
     ----------
-    path : Path
-        Of the SVG file.
     engine, speed, orders, cylinders
         As in `hinged_rod_effects`.
     title : str, optional
@@ -129,9 +126,6 @@ def plot_accelerations(
 
     Parameters
     ----------
-    path : Path
-        Of the SVG file.
-    engine : EngineLayout
     speed : float
         Of the shaft [rad/s].
     cylinders : mapping of int to str
@@ -139,8 +133,6 @@ def plot_accelerations(
         difference from the others is drawn.
     orders : sequence of int, optional
         Orders that get a panel of their own.
-    title : str, optional
-        Above all panels.
 
     Raises
     ------
@@ -198,7 +190,6 @@ def plot_polar_loads(
 
     Parameters
     ----------
-    path : Path
     diagrams : sequence of LoadDiagram
         Of one bearing with several models or at several operating points, to compare.
     labels : sequence of str, optional
@@ -210,7 +201,6 @@ def plot_polar_loads(
     mark_step_deg : float, optional
         Interval of the dots on the first curve in shaft angle [deg], labeled with the angle where there
         is room.
-    title : str, optional
 
     Raises
     ------
@@ -236,16 +226,7 @@ def plot_polar_loads(
 
 
 def plot_model_difference(path: Path, found: ModelDifference, *, title: str = "") -> None:
-    """Plot the crankpin load by two rod models, and their difference over the shaft angle.
-
-    Parameters
-    ----------
-    path : Path
-        Of the SVG file.
-    found : ModelDifference
-    title : str, optional
-        Above both panels.
-    """
+    """Plot the crankpin load by two rod models, and their difference over the shaft angle."""
     per_piston = 1e-6 / (KILO * found.piston_area)  # MPa for each kN
     with figure(path, 2, width=11.8, height=6.4) as (polar, shares):
         loads = list(zip(found.models, (found.first, found.second), strict=True))
@@ -338,8 +319,6 @@ def picture_torque_table(
 
     Parameters
     ----------
-    folder : Path
-    table : TorqueTable
     shown : Harmonics
         Those of the table, up to the highest order to be drawn.
     stars : sequence of Star, optional
@@ -376,9 +355,11 @@ def plot_torque(path: Path, samples: FloatArray, found: Harmonics) -> None:
         )
 
 
-def _uncancelled(found: Harmonics) -> NDArray[np.bool_]:
+def _uncancelled(harmonics: Harmonics) -> NDArray[np.bool_]:
     """Return which harmonics exceed the round-off of orders in which all cylinders cancel."""
-    return found.amplitude >= CANCELLED * max(float(np.max(found.amplitude)), abs(found.mean))
+    return harmonics.amplitude >= CANCELLED * max(
+        float(np.max(harmonics.amplitude)), abs(harmonics.mean)
+    )
 
 
 def plot_single_harmonics(path: Path, found: Harmonics, *, title: str = "") -> None:

@@ -116,7 +116,6 @@ class ModelComparison:
 
     Parameters
     ----------
-    model : str
     crankpin : float
         Largest difference of the force on a crankpin, vector to vector, relative to its mean size.
     side : float
@@ -136,8 +135,8 @@ def compare_rod_models(run: MechanismRun) -> tuple[ModelComparison, ...]:
     for name in ROD_MODELS[1:]:
         forces = _with_model(run, name)
         crankpin = max(
-            float(np.max(np.abs(own.force - load.force))) / load.mean
-            for own, load in zip(crankpin_loads(forces), loads, strict=True)
+            float(np.max(np.abs(crankpin_load.force - load.force))) / load.mean
+            for crankpin_load, load in zip(crankpin_loads(forces), loads, strict=True)
         )
         side = float(np.max(np.abs(forces.side - rigid.side)) / np.max(np.abs(rigid.side)))
         found.append(ModelComparison(name, crankpin, side))
@@ -161,7 +160,6 @@ class ModelDifference:
 
     Parameters
     ----------
-    models : tuple of two str
     first, second : LoadDiagram
         Of the same crankpin; the second is compared with the first.
     piston_area : float
@@ -332,7 +330,7 @@ def model_difference_table(record: Record) -> Table | None:
         [
             [
                 math.radians(degrees[row]),
-                *(own[row] for own in sizes),
+                *(size[row] for size in sizes),
                 record["of_same_angle"][row],
                 record["of_mean"][row],
             ]

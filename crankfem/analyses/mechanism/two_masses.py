@@ -23,8 +23,6 @@ class TwoMassFile:
 
     Parameters
     ----------
-    path : Path
-    given : TwoMassInput
     engine : Engine or None
         Its speeds and firing angles, if the file has the section.
     highest_order : float or None
@@ -67,8 +65,8 @@ def read_two_masses(content: TomlFile) -> TwoMassFile:
     InputError
         If the section is missing, or one cannot be read.
     """
-    given = content.model("two_mass_check", TwoMassInput)
-    if given is None:
+    model = content.model("two_mass_check", TwoMassInput)
+    if model is None:
         raise InputError(
             f"{content.path.name}: the section [two_mass_check] is missing; it is required here, because it "
             "defines the shaft and the inertias (crankfem fields two_mass_check)."
@@ -79,7 +77,7 @@ def read_two_masses(content: TomlFile) -> TwoMassFile:
     strokes = None if engine is None else engine.strokes
     return TwoMassFile(
         path=content.path,
-        given=given,
+        given=model,
         engine=engine,
         highest_order=None if settings is None else settings.highest_order,
         harmonics=None if table is None else read_torque_table(table, strokes=strokes).harmonics(),
@@ -100,7 +98,6 @@ def two_mass_run_record(file: TwoMassFile, order: float | None = None) -> Record
 
     Parameters
     ----------
-    file : TwoMassFile
     order : float, optional
         Replaces the file's.
 
@@ -132,22 +129,22 @@ def _resonances(file: TwoMassFile, check: TwoMassCheck, engine: Engine) -> list[
     """Speeds in the running range at which orders meet the natural frequency, by falling order."""
     highest = _highest_order(file, check)
     running = (engine.lowest_speed, engine.highest_speed)
-    found = critical_speeds([check.frequency], engine_orders(engine.strokes, highest), running)
+    resonances = critical_speeds([check.frequency], engine_orders(engine.strokes, highest), running)
     table = file.harmonics
     return [
         {
-            "order": one.order,
-            "speed_rpm": one.speed_rpm,
-            "amplitude": float(table.amplitude[table.index_of(one.order)])
-            if table is not None and table.resolves(one.order)
+            "order": resonance.order,
+            "speed_rpm": resonance.speed_rpm,
+            "amplitude": float(table.amplitude[table.index_of(resonance.order)])
+            if table is not None and table.resolves(resonance.order)
             else None,
         }
-        for one in found
+        for resonance in resonances
     ]
 
 
 def _shaft_torque(
-    file: TwoMassFile, check: TwoMassCheck, engine: Engine, found: Harmonics
+    file: TwoMassFile, check: TwoMassCheck, engine: Engine, harmonics: Harmonics
 ) -> Record:
     """Torque in the shaft by the cylinders' harmonics at rated speed, without damping.
 
@@ -155,8 +152,8 @@ def _shaft_torque(
     order is far below resonance, and 1 / (1 - (k w / w_c1)^2) times as much near it.
     """
     firing = np.degrees(engine.firing_angles).tolist()
-    stars = seen_stars(found, firing)
-    torque = fired_record(found, stars, firing)["torque"]
+    stars = seen_stars(harmonics, firing)
+    torque = fired_record(harmonics, stars, firing)["torque"]
     given = file.given
     passed = given.flywheel_inertia / (given.flywheel_inertia + given.engine_inertia)
     orders, amplitude = (np.array(torque[name]) for name in ("orders", "amplitude"))

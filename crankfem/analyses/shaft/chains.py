@@ -89,14 +89,14 @@ class BearingStiffness:
 
 def bearing_stiffness(engine_file: EngineFile) -> BearingStiffness:
     """Return the lateral stiffness of an engine's main bearings, given or assumed."""
-    given = engine_file.bearings
-    if given is None:
+    bearings = engine_file.bearings
+    if bearings is None:
         assumed = ASSUMED_PER_DIAMETER * engine_file.throw.main_journal_diameter
         return BearingStiffness(assumed, assumed / ASSUMED_RANGE, assumed * ASSUMED_RANGE, True)
     return BearingStiffness(
-        given.stiffness,
-        given.lowest_stiffness or given.stiffness,
-        given.highest_stiffness or given.stiffness,
+        bearings.stiffness,
+        bearings.lowest_stiffness or bearings.stiffness,
+        bearings.highest_stiffness or bearings.stiffness,
         False,
     )
 
@@ -112,7 +112,6 @@ def engine_axial_chain(
 
     Parameters
     ----------
-    engine_file : EngineFile
     compliances : (n,) array
         Axial compliance of each throw in the shaft [m/N].
     throw_masses : float or (n,) array_like
@@ -157,7 +156,6 @@ def engine_torsional_chain(
 
     Parameters
     ----------
-    engine_file : EngineFile
     compliances : (n,) array
         Torsional compliance of each throw [rad/(N m)].
     inertias : (n,) array
@@ -215,13 +213,13 @@ def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str
     Without any damping in the file this is a measured value, marked as assumed; none if cylinders or
     throws have damping of their own.
     """
-    given = engine_file.damping
-    if given is not None:
-        magnifier = given.axial_magnifier if kind == "axial" else given.torsional_magnifier
+    damping = engine_file.damping
+    if damping is not None:
+        magnifier = damping.axial_magnifier if kind == "axial" else damping.torsional_magnifier
         if magnifier is not None:
             told, assumed = engine_file.provenance.get(f"damping.{kind}_magnifier", ("", False))
             return magnifier, f"{ASSUMED}: {told}" if assumed else "engine file"
-        if kind == "torsional" and given.damps_torsion:
+        if kind == "torsional" and damping.damps_torsion:
             return None, ""
     return DEFAULT_MAGNIFIER, f"{ASSUMED}, {MAGNIFIER_SOURCE}"
 
@@ -237,8 +235,8 @@ def magnifier_damping(engine_file: EngineFile, chain: EngineChain) -> tuple[Arra
     modes = chain.chain.modes()
     undamped = np.ones(modes.frequencies.size - modes.rigid)
     apart = ""
-    if source.startswith(ASSUMED) and np.any(own := chain.chain.damped_springs):
-        undamped = modes.strain_shares[~own, modes.rigid :].sum(axis=0)
+    if source.startswith(ASSUMED) and np.any(damped_springs := chain.chain.damped_springs):
+        undamped = modes.strain_shares[~damped_springs, modes.rigid :].sum(axis=0)
         apart = ", by its share of strain in parts without damping of their own"
     said = f"magnifier {magnifier:g} of every elastic mode{apart}: {source}"
     return 0.5 / magnifier * undamped, said
@@ -338,8 +336,8 @@ def shaft_surroundings(
 
 
 def _bearings(engine_file: EngineFile, throws: int) -> tuple[MainBearings, Remarks]:
-    held, given = bearing_stiffness(engine_file), engine_file.bearings
-    damping = 0.0 if given is None else given.damping
+    held, bearings = bearing_stiffness(engine_file), engine_file.bearings
+    damping = 0.0 if bearings is None else bearings.damping
     return MainBearings([held.nominal] * (throws + 1), [damping] * (throws + 1)), (
         (
             f"main bearings are assumed to have a {held.describe()}, 1e10 N/m per m of journal diameter, "
@@ -352,16 +350,16 @@ def _bearings(engine_file: EngineFile, throws: int) -> tuple[MainBearings, Remar
 
 def flywheel_overhang(engine_file: EngineFile) -> tuple[float, bool]:
     """Return the flywheel's distance beyond the last main journal's middle [m], and whether it is given."""
-    given, thickness = engine_file.flywheel.overhang, engine_file.shaft_ends.flange_thickness
-    if given is not None:
-        return given, True
+    overhang, thickness = engine_file.flywheel.overhang, engine_file.shaft_ends.flange_thickness
+    if overhang is not None:
+        return overhang, True
     if thickness is not None:
         return thickness, False
     return 0.5 * engine_file.crank_throws[-1].main_journal_length, False
 
 
 def _flywheel(engine_file: EngineFile) -> tuple[EndBody, Remarks]:
-    given, (overhang, known) = engine_file.flywheel, flywheel_overhang(engine_file)
+    flywheel, (overhang, known) = engine_file.flywheel, flywheel_overhang(engine_file)
     beyond = f"{format_quantity(overhang, 'm')} beyond"
     if known:
         where = f"{beyond} the last main journal's middle"
@@ -375,15 +373,15 @@ def _flywheel(engine_file: EngineFile) -> tuple[EndBody, Remarks]:
             f"at the far side of the flange, {beyond} the last main journal's "
             "middle; its mass includes that of the flange"
         )
-    body = EndBody(given.mass, given.inertia, given.diametral_inertia, overhang)
-    kind = "a thin disc" if given.diametral_inertia is None else "a body"
+    body = EndBody(flywheel.mass, flywheel.inertia, flywheel.diametral_inertia, overhang)
+    kind = "a thin disc" if flywheel.diametral_inertia is None else "a body"
     return body, (f"the flywheel is {kind} {where}",)
 
 
 def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
     """The stub of the shaft as a solid cylinder, and the inertia given for it."""
-    given, ends = engine_file.free_end, engine_file.shaft_ends
-    if given is None and ends.free_end_diameter is None:
+    free_end, ends = engine_file.free_end, engine_file.shaft_ends
+    if free_end is None and ends.free_end_diameter is None:
         return None, ()
     remarks: Remarks = ()
     mass = polar = diametral = length = 0.0
@@ -394,17 +392,17 @@ def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
         )
         mass, polar = stub.mass, float(stub.inertia[2, 2])
         diametral = float(stub.inertia[0, 0])
-    if given is not None:
-        across, missing = given.diametral_inertia, []
-        if given.mass == 0.0:
+    if free_end is not None:
+        across, missing = free_end.diametral_inertia, []
+        if free_end.mass == 0.0:
             missing.append("has no mass of its own (free_end.mass)")
         if across is None:
             missing.append("has half its inertia about a diameter (free_end.diametral_inertia)")
         if missing:
             remarks = (f"assumed: the free end {' and '.join(missing)}",)
-        mass += given.mass
-        polar += given.inertia
-        diametral += 0.5 * given.inertia if across is None else across
+        mass += free_end.mass
+        polar += free_end.inertia
+        diametral += 0.5 * free_end.inertia if across is None else across
     return EndBody(mass, polar, diametral, overhang=0.5 * length), remarks
 
 

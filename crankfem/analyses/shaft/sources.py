@@ -23,11 +23,10 @@ from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.engine_sections import VibrationSettings
 from dynamics.assessment.uncertainty import Spread
 from fem.material import Material
-from fem.shaft import ShaftCompliances, shaft_compliances
+from fem.superelement import ShaftCompliances, shaft_compliances
 from geometry.throw import CrankThrow
-from regression.formulas.arguments import fold_angle_deg
 from regression.formulas.axial_formulas import axial_formulas
-from regression.formulas.case import FormulaValue
+from regression.formulas.case import FormulaValue, fold_angle_deg
 from regression.formulas.torsional_formulas import torsional_formulas
 from regression.models.angle import between_values
 from regression.models.compliance_model import ComplianceModel
@@ -49,7 +48,6 @@ def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawVa
 
     Parameters
     ----------
-    engine_file : EngineFile
     quantity : {"axial_compliance", "torsional_compliance"}
 
     Raises
@@ -102,10 +100,7 @@ def throw_lookup(
 
     Parameters
     ----------
-    model : ComplianceModel
     response : {"axial_compliance", "torsional_compliance"}
-    throw : CrankThrow
-    material : Material
 
     Raises
     ------
@@ -122,12 +117,12 @@ def throw_lookup(
                 f"material.{name}: given {own:g} {unit}".rstrip()
                 + f"; the model was fitted with {fitted:g} {unit}".rstrip()
             )
-    found = model.lookup(response, **model.dimensions_of(throw))
-    if not found.inside:
-        raise InputError(" ".join(found.remarks))
-    if found.lower is None or found.upper is None or not found.lower > 0.0:
-        raise InputError(f"the band of {response} has no end ({found.band})")
-    return found
+    lookup = model.lookup(response, **model.dimensions_of(throw))
+    if not lookup.inside:
+        raise InputError(" ".join(lookup.remarks))
+    if lookup.lower is None or lookup.upper is None or not lookup.lower > 0.0:
+        raise InputError(f"the band of {response} has no end ({lookup.band})")
+    return lookup
 
 
 def throw_lookups(
@@ -226,7 +221,6 @@ def with_model(content: TomlFile, path: Path) -> TomlFile:
 
     Parameters
     ----------
-    content : TomlFile
     path : Path
         Of the model, as seen from the working directory.
 
@@ -271,14 +265,13 @@ def compliances_in_shaft(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    analysis : ThrowAnalysis or mapping
-        Of the engine's throw, or of each throw by its name.
     stiffness : float, optional
         Lateral, of each main bearing [N/m], ``math.inf`` for rigid ones; that of `bearing_stiffness` by
         default.
     """
-    throws = [own.superelement for own in crank_analyses(engine_file, analysis)]
+    throws = [
+        crank_analysis.superelement for crank_analysis in crank_analyses(engine_file, analysis)
+    ]
     held = bearing_stiffness(engine_file).nominal if stiffness is None else stiffness
     return shaft_compliances(
         throws, crank_angles_deg=engine_file.throw_angles_deg, bearing_stiffness=held
@@ -333,7 +326,7 @@ def _fitted_sources(
     """Compliances by finite elements, and by the equations and the law fitted to them."""
     each = crank_analyses(engine_file, analysis)
     pinned = np.array([getattr(own, quantity)("pinned") for own in each])
-    found: Sources = {
+    fitted_sources: Sources = {
         FE: (in_shaft, "superelements assembled at the crank angles, in elastic main bearings"),
         FE_PINNED: (
             pinned,
@@ -343,11 +336,13 @@ def _fitted_sources(
     }
     ratios = in_shaft / pinned
     if model is not None:
-        found[REGRESSION] = _looked_up(
+        fitted_sources[REGRESSION] = _looked_up(
             "equation", ratios, engine_file, lambda: throw_lookups(engine_file, model, quantity)
         )
-    found[LAW] = _looked_up("law", ratios, engine_file, lambda: law_values(engine_file, quantity))
-    return found
+    fitted_sources[LAW] = _looked_up(
+        "law", ratios, engine_file, lambda: law_values(engine_file, quantity)
+    )
+    return fitted_sources
 
 
 def _looked_up(
@@ -384,7 +379,6 @@ def axial_by_formulas(
         Of the cranks, from the free end.
     throw_angles_deg : sequence of float
         Those of the cranks [deg].
-    material : Material
     """
 
     @cache
@@ -433,8 +427,6 @@ class AnalyzedThrow:
 
     Attributes
     ----------
-    throw : CrankThrow
-    material : Material
     axial : tuple of three float
         e_0 and e_180 [m/N] and rho of its angle law.
     torsional : float
@@ -462,12 +454,9 @@ def source_spread(
 
     Parameters
     ----------
-    engine_file : EngineFile
     kind : {"axial", "torsional"}
     source : str
         As named in `axial_sources` and `torsional_sources`; usable for this engine.
-    analysis : ThrowAnalysis or mapping
-        Of the engine's throw, or of each throw by its name.
     shaft : ShaftCompliances
         Of the throws in the shaft.
     model : ComplianceModel or None
@@ -520,13 +509,15 @@ def _formula_spread(
     here = sum(_row(engine_file, kind, source, throws, engine_file.material)) / sum(by_elements)
     found = [(here, error)]
     single = all(_pins(throw) == 1 for throw in throws)
-    for one in analyzed_throws():
-        if single and _pins(one.throw) > 1:
+    for analyzed_throw in analyzed_throws():
+        if single and _pins(analyzed_throw.throw) > 1:
             continue
-        row = _row(engine_file, kind, source, [one.throw] * len(throws), one.material)
-        beside = sum(row) / sum(_elements(engine_file, kind, one))
+        row = _row(
+            engine_file, kind, source, [analyzed_throw.throw] * len(throws), analyzed_throw.material
+        )
+        beside = sum(row) / sum(_elements(engine_file, kind, analyzed_throw))
         if beside > 0.0:
-            found.append((beside, one.error_estimate))
+            found.append((beside, analyzed_throw.error_estimate))
     others = [beside for beside, _ in found[1:]]
     return Spread(
         "compliance",
@@ -559,12 +550,14 @@ def _row(
     return compliances
 
 
-def _elements(engine_file: EngineFile, kind: str, one: AnalyzedThrow) -> list[float]:
+def _elements(engine_file: EngineFile, kind: str, analyzed_throw: AnalyzedThrow) -> list[float]:
     """Compliances by finite elements of one throw at all cranks of an engine."""
     sides = neighbor_angles(engine_file.throw_angles_deg)
     if kind == "torsional":
-        return [one.torsional] * len(sides)
-    return [float(np.mean(between_values(np.array(beside), one.axial))) for beside in sides]
+        return [analyzed_throw.torsional] * len(sides)
+    return [
+        float(np.mean(between_values(np.array(beside), analyzed_throw.axial))) for beside in sides
+    ]
 
 
 @cache

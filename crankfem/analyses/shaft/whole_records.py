@@ -12,7 +12,7 @@ from crankfem.files.engine.engine_file import EngineFile
 from dynamics.crankshaft.chain_comparison import ChainVerdict
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.indices import within
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
 from geometry.crankshaft import Crankshaft
 from geometry.mass import unbalance
@@ -20,8 +20,8 @@ from geometry.mass import unbalance
 
 def shaft_record(shaft: ShaftCompliances, analyses: Sequence[ThrowAnalysis]) -> Record:
     """Compliances of each throw in the shaft, and those of the single throw."""
-    axial = np.array([own.axial_compliance("pinned") for own in analyses])
-    torsional = np.array([own.torsional_compliance("pinned") for own in analyses])
+    axial = np.array([analysis.axial_compliance("pinned") for analysis in analyses])
+    torsional = np.array([analysis.torsional_compliance("pinned") for analysis in analyses])
     return attributes(shaft, "axial", "torsional", "influence") | {
         "axial_beside_pinned": (shaft.axial / axial).tolist(),
         "torsional_beside_pinned": (shaft.torsional / torsional).tolist(),
@@ -84,7 +84,7 @@ def whole_record(
             ],
             "rotation_ratio": whole.rotation_ratios[0],
             "bending": _bending(whole),
-            "chains": {one.kind: _chain(one) for one in verdicts},
+            "chains": {verdict.kind: _chain(verdict) for verdict in verdicts},
             "differences": [
                 attributes(
                     one, "kind", "mode", "rigid_chain", "chain", "shaft", "causes", "sentence"
@@ -112,12 +112,12 @@ def _tilts(whole: WholeShaft, comparison: ShaftComparison) -> Record | None:
     stations = whole.crankshaft.shaft.stations
     inertia = float(stations.diametral[-1])
     half = ", half of that about the shaft" if np.isclose(inertia, 0.5 * stations.polar[-1]) else ""
-    moved = ", ".join(one.sentence for one in comparison.tilts if one.shown)
+    moved = ", ".join(tilt.sentence for tilt in comparison.tilts if tilt.shown)
     return {
         "inertia": inertia,
         "modes": [
-            attributes(one, "kind", "mode", "without", "shaft", "further")
-            for one in comparison.tilts
+            attributes(tilt, "kind", "mode", "without", "shaft", "further")
+            for tilt in comparison.tilts
         ],
         "sentence": f"The last step is the flywheel's inertia about a diameter ({significant(inertia, 3)} "
         f"kg m^2{half}); it moves {moved or 'the first frequencies by less than 0.05 Hz'}. In another order "
@@ -131,9 +131,9 @@ def _chain(verdict: ChainVerdict) -> Record:
     return {
         **attributes(verdict, "suffices", "reasons"),
         "modes": [
-            attributes(one, "chain_frequency", "shaft_frequency", "share", "likeness")
-            | attributes(one, "further_frequency", "further_share")
-            for one in verdict.modes
+            attributes(mode, "chain_frequency", "shaft_frequency", "share", "likeness")
+            | attributes(mode, "further_frequency", "further_share")
+            for mode in verdict.modes
         ],
         "chain_amplitude": chain,
         "chain_speed_rpm": None if chain_speed is None else chain_speed * RPM,

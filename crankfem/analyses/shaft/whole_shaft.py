@@ -64,11 +64,6 @@ ASSUMED_RATIO = 0.5 / DEFAULT_MAGNIFIER
 def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> FloatArray:
     """Return the damping of engine and shaft by modes: that of the chains, by the kind of motion.
 
-    Parameters
-    ----------
-    engine_file : EngineFile
-    crankshaft : CrankshaftSystem
-
     Returns
     -------
     ndarray of shape (kept + corrections,)
@@ -101,14 +96,14 @@ def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> Floa
 
 def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
     """Return the damping of the whole crankshaft in addition to bearings and dampers, in words."""
-    given = engine_file.damping
+    damping = engine_file.damping
     known = (False,) * 3
-    if given is not None:
-        twisted = given.torsional_magnifier is not None or given.loss_factor
+    if damping is not None:
+        twisted = damping.torsional_magnifier is not None or damping.loss_factor
         known = (
-            given.axial_magnifier is not None,
+            damping.axial_magnifier is not None,
             bool(twisted),
-            given.bending_magnifier is not None,
+            damping.bending_magnifier is not None,
         )
     axial, torsional, bending = (
         f"{100.0 * ratio:.3g} %{'' if own else ' (assumed)'}"
@@ -128,16 +123,16 @@ def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
 
 def _damping_ratios(engine_file: EngineFile) -> tuple[float, float, float]:
     """Shares of critical damping of axial, torsional and bending motion."""
-    given = engine_file.damping
-    if given is None:
+    damping = engine_file.damping
+    if damping is None:
         return (ASSUMED_RATIO,) * 3
-    axial = 0.5 / (given.axial_magnifier or DEFAULT_MAGNIFIER)
-    if given.torsional_magnifier is not None:
-        torsional = 0.5 / given.torsional_magnifier
+    axial = 0.5 / (damping.axial_magnifier or DEFAULT_MAGNIFIER)
+    if damping.torsional_magnifier is not None:
+        torsional = 0.5 / damping.torsional_magnifier
     else:
-        torsional = 0.0 if given.loss_factor else ASSUMED_RATIO
-    bending = 0.5 / (given.bending_magnifier or DEFAULT_MAGNIFIER)
-    return axial, torsional + 0.5 * (given.loss_factor or 0.0), bending
+        torsional = 0.0 if damping.loss_factor else ASSUMED_RATIO
+    bending = 0.5 / (damping.bending_magnifier or DEFAULT_MAGNIFIER)
+    return axial, torsional + 0.5 * (damping.loss_factor or 0.0), bending
 
 
 # Modes are kept up to this multiple of the highest exciting frequency, and so high superelements are
@@ -156,7 +151,6 @@ class WholeShaft:
 
     Attributes
     ----------
-    crankshaft : CrankshaftSystem
     highest_frequency : float
         What the superelements were made for [Hz].
     exciting_frequency : float
@@ -241,17 +235,11 @@ class ShaftComparison:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         show : {"causes", "axial", "torsional"}
             A point's motion by tangential and by radial forces; or the free end's motion by the whole
             shaft and by the chain of that kind.
         point : str, optional
             Of the first alone, such as "main bearing 1 uz", the free end along the shaft, the default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -299,10 +287,6 @@ def whole_shaft(
     bearings : MainBearings, optional
         Replaces those of the file.
 
-    Returns
-    -------
-    WholeShaft
-
     Raises
     ------
     InputError
@@ -326,13 +310,15 @@ def whole_shaft(
             "superelement: given one for several throws; allowed is none, because each throw has its own."
         )
     # Throws side by side share the ring that the mean motion of a section is taken over.
-    widest = max((one.sections for one in elements), key=lambda one: (one.radius, one.bore))
+    widest = max((element.sections for element in elements), key=lambda one: (one.radius, one.bore))
     throws = [
         throw
-        for own, element, angle_deg in zip(
+        for crank_throw, element, angle_deg in zip(
             engine_file.crank_throws, elements, engine_file.throw_angles_deg, strict=True
         )
-        for throw in shaft_throws(element.shared_with(widest), own, crank_angles_deg=[angle_deg])
+        for throw in shaft_throws(
+            element.shared_with(widest), crank_throw, crank_angles_deg=[angle_deg]
+        )
     ]
     highest = elements[0].highest_frequency
     around, remarks = shaft_surroundings(engine_file, analysis, bearings)
@@ -364,11 +350,13 @@ def not_comparable(engine_file: EngineFile) -> str:
             "the torsional chain is the maker's for the whole plant (shaft_line.plant), not one of the "
             "file's throws: the whole crankshaft, made of these, is without the plant and judged by no limit"
         )
-    given = engine_file.propeller_forces
-    if given is not None and {given.node} - _line_nodes(engine_file, given):
+    propeller_forces = engine_file.propeller_forces
+    if propeller_forces is not None and {propeller_forces.node} - _line_nodes(
+        engine_file, propeller_forces
+    ):
         return (
-            f"the propeller's forces act on {given.node}, not behind the flywheel: the whole crankshaft is "
-            "without them and judged by no limit"
+            f"the propeller's forces act on {propeller_forces.node}, not behind the flywheel: the whole "
+            "crankshaft is without them and judged by no limit"
         )
     return ""
 
@@ -388,8 +376,8 @@ def propeller_on_shaft(
     engine_file: EngineFile, whole: WholeShaft, speeds: FloatArray
 ) -> OrderExcitation | None:
     """Return the varying torque and thrust of a propeller on the shaft line; None without any."""
-    given, lines = engine_file.propeller_forces, engine_file.shaft_lines
-    if given is None or not_comparable(engine_file):
+    propeller_forces, lines = engine_file.propeller_forces, engine_file.shaft_lines
+    if propeller_forces is None or not_comparable(engine_file):
         return None
     acting = []
     senses: tuple[tuple[Kind, int], ...] = (
@@ -397,15 +385,19 @@ def propeller_on_shaft(
         ("axial", 1),
     )
     for kind, sense in senses:
-        if not (given.torque_shares if kind == "torsional" else given.thrust_shares):
+        if not (
+            propeller_forces.torque_shares
+            if kind == "torsional"
+            else propeller_forces.thrust_shares
+        ):
             continue
         chain = lines[kind]
-        node = chain.names.index(given.node)
+        node = chain.names.index(propeller_forces.node)
         of_line = propeller_excitation(
-            given.forces, chain, node, speeds, kind=kind, ratio=given.ratio
+            propeller_forces.forces, chain, node, speeds, kind=kind, ratio=propeller_forces.ratio
         )
         forces = np.zeros((*of_line.forces.shape[:2], len(whole.crankshaft.names)), dtype=complex)
-        point = whole.crankshaft.point(f"{given.node} {MOTION_OF[kind]}")
+        point = whole.crankshaft.point(f"{propeller_forces.node} {MOTION_OF[kind]}")
         forces[:, :, point] = sense * of_line.forces[:, :, node]
         acting.append(replace(of_line, forces=forces))
     return combined_excitation(*acting)
@@ -426,23 +418,22 @@ def shaft_throws(
     ----------
     superelement : DynamicSuperelement
         In the throw's own frame, not turned.
-    throw : CrankThrow
     crank_angles_deg : sequence of n float
         Angle of each throw's first pin about +z [deg].
     """
     pins = np.array([[*pin.axis, 0.5 * (pin.start + pin.end)] for pin in throw.parts.pins])
     throws = []
     for angle_deg in map(float, crank_angles_deg):
-        own = superelement.bending_turned(angle_deg=angle_deg)
+        turned = superelement.bending_turned(angle_deg=angle_deg)
         throws.append(
             ShaftThrow(
-                stiffness=own.stiffness,
-                mass=own.mass,
-                pin_loads=own.pin_loads,
+                stiffness=turned.stiffness,
+                mass=turned.mass,
+                pin_loads=turned.pin_loads,
                 pins=pins,
                 length=throw.length,
                 crank_angle_deg=angle_deg,
-                bending=own.sections.bending,
+                bending=turned.sections.bending,
             )
         )
     return throws
@@ -458,16 +449,10 @@ def shaft_response(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    whole : WholeShaft
     forces : CylinderForces
         Of the engine's cylinders, by orders over speeds.
     magnifier : float, optional
         Of all elastic modes, replaces `modal_damping`. Dampers and bearings add theirs.
-
-    Returns
-    -------
-    CoupledResponse
 
     Raises
     ------
@@ -502,7 +487,6 @@ def compare_with_chains(
 
     Parameters
     ----------
-    whole : WholeShaft
     axial, torsional : EngineChain
         Of the same engine.
     coupled, axial_response, torsional_response : optional
@@ -539,8 +523,6 @@ def with_differences(
 
     Parameters
     ----------
-    comparison : ShaftComparison
-    whole : WholeShaft
     chains, rigid_chains : tuples of EngineChain
         Axial and torsional, in the engine's main bearings and in laterally rigid ones.
 
@@ -576,7 +558,7 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
     tuple of str
         A sentence; none if the chains are adequate.
     """
-    differing = [one for one in comparison.verdicts[::-1] if not one.suffices]
+    differing = [verdict for verdict in comparison.verdicts[::-1] if not verdict.suffices]
     if not differing:
         return ()
     told = "; ".join(map(_difference, differing))
@@ -589,13 +571,13 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
 
 def _difference(verdict: ChainVerdict) -> str:
     """State the main difference: an amplitude, a frequency, else a mode of mixed motion."""
-    motion, found = MOTION[verdict.kind], verdict.response
-    if found is not None and abs(found.difference) > RESPONSE_LIMIT:
+    motion, response = MOTION[verdict.kind], verdict.response
+    if response is not None and abs(response.difference) > RESPONSE_LIMIT:
         chain, shaft = (
             f"{motion.number(peak)} {motion.printed} at {significant(speed * RPM, 3)} 1/min"
             if np.isfinite(peak)
             else UNBOUNDED
-            for speed, peak in found.peaks
+            for speed, peak in response.peaks
         )
         return (
             f"largest {verdict.kind} amplitude of the free end at running speeds {shaft} instead of "

@@ -35,8 +35,15 @@ from dynamics.response.order_excitation import at_angles
 from dynamics.response.series import OrderSeries, common_order, synthesis
 from dynamics.strength.nominal import SupportedThrow
 from dynamics.torque.torque import DEFAULT_SAMPLES, samples_and_gas
-from fem.shaft import shaft_unknowns, sharing_sections, solve_shaft
-from fem.superelement import RZ, UZ, Superelement, section_rotation
+from fem.superelement import (
+    RZ,
+    UZ,
+    Superelement,
+    section_rotation,
+    shaft_unknowns,
+    sharing_sections,
+    solve_shaft,
+)
 
 # Highest order that the rule asks for, by strokes.
 HIGHEST_ORDER = {2: 15.0, 4: 12.0}

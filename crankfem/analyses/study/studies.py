@@ -36,8 +36,12 @@ from geometry.solid_files import SOLID_ENDINGS, write_mesh, write_step
 from geometry.throw import CrankThrow
 from regression.fits.fits import JudgedEquation, worst_places
 from regression.models.compliance_model import ComplianceModel
-from regression.plans.designs import values_at
-from regression.plans.designs_space import draw_feasible_points, sobol_points, with_points_at_ends
+from regression.plans.designs import (
+    draw_feasible_points,
+    sobol_points,
+    values_at,
+    with_points_at_ends,
+)
 from regression.plans.plan import PlannedDesign, PlannedStudy, StudyPlan
 from regression.plots import response_text
 from regression.records import content_key

@@ -50,7 +50,7 @@ from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import within
 from dynamics.response.forced import forced_response
 from dynamics.response.series import synthesis
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
@@ -78,7 +78,6 @@ def engine_decision(
 
     Parameters
     ----------
-    engine_file : EngineFile
     status : {"fine", "barred range needed", "not acceptable"}
         Of its verdict.
     findings : sequence of pairs of VibrationLimit and AmplitudeCurve
@@ -140,7 +139,7 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
                 lambda value: judged(tensile_strength=value, yield_strength=share * value),
             )
         )
-    return next((own for own in ways if changes(own)), ways[-1] if ways else [])
+    return next((way for way in ways if changes(way)), ways[-1] if ways else [])
 
 
 def _with_changes(made: Trial, others: set[float], judged: Judged) -> list[Trial]:
@@ -182,8 +181,8 @@ def _at_change(low: Trial, high: Trial, judged: Judged) -> list[Trial]:
     first = (low, high)
     while high.value - low.value > STRENGTH_STEP:
         steps = round(0.5 * (high.value - low.value) / STRENGTH_STEP)
-        own = _tried(low, low.value + max(1, steps) * STRENGTH_STEP, judged)
-        low, high = (own, high) if own.acceptable == low.acceptable else (low, own)
+        tried = _tried(low, low.value + max(1, steps) * STRENGTH_STEP, judged)
+        low, high = (tried, high) if tried.acceptable == low.acceptable else (low, tried)
     return [one for one in (low, high) if one not in first]
 
 
@@ -200,12 +199,12 @@ Range = tuple[float, float]
 
 def _factors(spread: Spread) -> list[float]:
     """Factors from 1 to either end of a range, with equal ratios, without the 1."""
-    found: list[float] = []
+    factors: list[float] = []
     for end in (spread.low, spread.high):
         if abs(end - 1.0) > LEAST:
             steps = math.ceil(abs(math.log(end)) / math.log(STEP))
-            found += np.geomspace(1.0, end, steps + 1)[1:].tolist()
-    return found
+            factors += np.geomspace(1.0, end, steps + 1)[1:].tolist()
+    return factors
 
 
 def _scaled(vibration: Vibration, spread: Spread, factor: float) -> Vibration:
@@ -246,7 +245,6 @@ class Uncertainty:
 
     Attributes
     ----------
-    kind : str
     spreads : tuple of Spread
         Uncertain values.
     lowest, nominal, highest : (m,) arrays
@@ -272,15 +270,7 @@ class Uncertainty:
     def to_pandas(self) -> Any:
         """Return a table of the elastic natural frequencies with their bounds.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         return table(
             {
@@ -307,7 +297,6 @@ class Assessment:
         Name to limit; those given, or the selected rule.
     remarks : tuple of str
         What was not assessed, or assumed.
-    axial, torsional : Uncertainty
     beside : tuple of str
         What the engine drives where it is not modeled, and where the verdict changes within the range of
         the bearings' stiffness, a sentence each.
@@ -404,7 +393,7 @@ def assess(
     )
 
     def again(changed: EngineFile, vibrations: Sequence[Vibration]) -> Verdict:
-        return engine_verdict(changed, limit_curves(changed, harmonics, *vibrations, shaft))
+        return engine_verdict(changed, limit_curves(changed, harmonics, vibrations, shaft))
 
     decision = engine_decision(
         engine_file, verdict.status, findings, lambda changed: again(changed, chains).status
@@ -422,7 +411,8 @@ def assess(
                 factor: again(
                     engine_file,
                     tuple(
-                        _scaled(own, spread, factor) if own is vibration else own for own in chains
+                        _scaled(chain, spread, factor) if chain is vibration else chain
+                        for chain in chains
                     ),
                 )
                 for factor in _factors(spread)
@@ -470,22 +460,22 @@ def _uncertainty(
     barred: tuple[tuple[float, float], ...],
 ) -> Uncertainty:
     """Bounds of frequencies and critical speeds; amplitudes by samples where ranges are given."""
-    engine, given = engine_file.engine, engine_file.ranges
+    engine, ranges = engine_file.engine, engine_file.ranges
     chain, running = forced.engine_chain.chain, (engine.lowest_speed, engine.highest_speed)
     rigid = chain.modes().rigid
     each = answers_by_chain(held, forced)
     others = tuple(each)[1:]
     low, high = frequency_bounds(chain, spreads, others)
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
-    margin = USUAL_MARGIN if given is None else given.separation_margin
+    margin = USUAL_MARGIN if ranges is None else ranges.separation_margin
     amplitudes = None
-    if given is not None and spreads:
+    if ranges is not None and spreads:
         amplitudes = chain_samples(
             chain,
             spreads,
             lambda changed: _peak(engine_file, forced, changed),
-            given.samples,
-            given.seed,
+            ranges.samples,
+            ranges.seed,
         )
     return Uncertainty(
         kind=forced.kind,
@@ -509,18 +499,18 @@ def _uncertainty(
 
 def _spreads(engine_file: EngineFile, forced: ForcedVibration, error: Spread) -> tuple[Spread, ...]:
     """The uncertainties given in the file, and at least the error of the compliances' source."""
-    given = engine_file.ranges
+    ranges = engine_file.ranges
     elements = tuple(range(len(forced.crank_elements.names)))
-    found: tuple[Spread, ...] = ()
-    if given is not None:
-        found = (
-            given.axial_spreads() if forced.kind == "axial" else given.torsional_spreads(elements)
+    spreads: tuple[Spread, ...] = ()
+    if ranges is not None:
+        spreads = (
+            ranges.axial_spreads() if forced.kind == "axial" else ranges.torsional_spreads(elements)
         )
-    if any(own.kind == "compliance" for own in found):
-        return found
+    if any(spread.kind == "compliance" for spread in spreads):
+        return spreads
     # A plant's chain is its maker's throughout, the line behind the flywheel too.
     whole_plant = forced.kind == "torsional" and PLANT in engine_file.shaft_lines
-    return (replace(error, places=None if whole_plant else elements), *found)
+    return (replace(error, places=None if whole_plant else elements), *spreads)
 
 
 def _peak(engine_file: EngineFile, forced: ForcedVibration, chain: Chain) -> float:

@@ -23,7 +23,6 @@ def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForc
 
     Parameters
     ----------
-    chains : EngineChains
     harmonics : CylinderHarmonics
         From `engine_harmonics`; its orders and the mean are summed.
 
@@ -71,10 +70,8 @@ def axial_cycle_record(
 
     Parameters
     ----------
-    found : AxialForceOverCycle
     forced : ForcedVibration
         Axial.
-    engine_file : EngineFile
     coupled : CoupledResponse, optional
         Of the whole crankshaft, if it has the same bodies as the chain.
     """
@@ -130,9 +127,9 @@ def _largest(
 
 
 def _sentences(record: Record, left_out: str) -> list[str]:
-    found = []
+    sentences = []
     if record["thrust_bearing"] is not None:
-        found.append(
+        sentences.append(
             f"Axial force on the thrust bearing at {record['speed_rpm']:.4g} 1/min, with vibration: "
             f"{_range(record['thrust_bearing'])} over the cycle by the axial chain, positive towards the "
             f"flywheel{left_out}."
@@ -144,12 +141,12 @@ def _sentences(record: Record, left_out: str) -> list[str]:
         if own is not None
     ]
     if largest:
-        found.append(
+        sentences.append(
             "Its largest amplitude at running speeds, for which the bearing is to be checked: "
             f"{'; '.join(largest)}."
         )
     return [
-        *found,
+        *sentences,
         "For comparison with static formulas only: with both ends of the crankshaft held and no vibration, "
         f"the ends would carry {_range(record['held'])} over the cycle at {record['speed_rpm']:.4g} 1/min, "
         "positive where the shaft pushes them apart. A single thrust bearing carries none of this force.",

@@ -41,7 +41,7 @@ from dynamics.crankshaft.surroundings import UX, UY
 from dynamics.critical import critical_speeds
 from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import at_most
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
 KINDS = ("axial", "torsional")
@@ -58,7 +58,6 @@ class HeldChains:
     ----------
     stiffness : float
         Lateral, of each main bearing [N/m].
-    shaft : ShaftCompliances
     axial, torsional : Vibration
         With the chosen compliances alone.
     answers : tuple of ForcedVibration or None
@@ -73,8 +72,8 @@ class HeldChains:
 
     def chain(self, kind: str) -> EngineChain:
         """Return the chain of one kind with the chosen compliances."""
-        own = self.axial if kind == "axial" else self.torsional
-        return own.chosen.chain
+        vibration = self.axial if kind == "axial" else self.torsional
+        return vibration.chosen.chain
 
 
 @summarized("stiffness [N/m]", "chains [Hz]", "shaft [Hz]", "used", "statuses")
@@ -84,7 +83,6 @@ class BearingSweep:
 
     Attributes
     ----------
-    bearings : BearingStiffness
     stiffness : (k,) array
         Lateral, of each main bearing, ascending over the range [N/m].
     chains, shaft : dict of str to (k,) array
@@ -184,19 +182,11 @@ class BearingSweep:
     def to_pandas(self) -> Any:
         """Return a row for each stiffness.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         return table(
             {"stiffness": (self.stiffness, "N/m")}
-            | {f"{kind} chain": (own, "Hz") for kind, own in self.chains.items()}
+            | {f"{kind} chain": (chain, "Hz") for kind, chain in self.chains.items()}
             | {f"{kind} whole crankshaft": (own, "Hz") for kind, own in self.shaft.items()}
             | {f"used of {name}": (own, "1") for name, own in self.used.items()}
             | ({"status": (list(self.statuses), "")} if self.statuses else {})
@@ -236,7 +226,6 @@ def bearing_sweep(
 
     Parameters
     ----------
-    engine_file : EngineFile
     each : sequence of HeldChains
         From `chains_over_bearings`, and `with_answers` if there is a verdict.
     whole : WholeShaft, optional
@@ -267,11 +256,11 @@ def bearing_sweep(
             for held_chain in each
         ]
     )
-    limits = dict.fromkeys(check.limit.name for own in verdicts for check in own.checks)
+    limits = dict.fromkeys(check.limit.name for verdict in verdicts for check in verdict.checks)
     worst = {
         name: [
-            max((c for c in own.checks if c.limit.name == name), key=lambda c: c.used)
-            for own in verdicts
+            max((c for c in verdict.checks if c.limit.name == name), key=lambda c: c.used)
+            for verdict in verdicts
         ]
         for name in limits
     }
@@ -281,7 +270,7 @@ def bearing_sweep(
         chains=chains,
         shaft=matched,
         used={name: np.array([c.used for c in checks]) for name, checks in worst.items()},
-        statuses=tuple(own.status for own in verdicts),
+        statuses=tuple(verdict.status for verdict in verdicts),
         further=further,
         beyond=tuple(
             name
@@ -338,17 +327,9 @@ def _followed(
     chains: Sequence[EngineChain],
     nominal: int,
 ) -> tuple[FloatArray, FloatArray]:
-    """Frequencies of the whole crankshaft's modes like the chain's first one, followed by shape [Hz].
-
-    Returns
-    -------
-    main : (k,) array
-        Of the mode that is most similar at the nominal stiffness.
-    further : (b, k) array
-        Of the others. NaN where a mode is neither the most similar one nor shares the chain's.
-    """
+    """Frequencies of the whole crankshaft's modes like the chain's first one, followed by shape [Hz]."""
     rigid = modes[0].rigid
-    follow = followed_modes(shafts[0].mass, [own.shapes[:, rigid:] for own in modes])
+    follow = followed_modes(shafts[0].mass, [mode.shapes[:, rigid:] for mode in modes])
     frequencies, alike = np.full((2, *follow.shape), math.nan)
     for place, (shaft, own, chain) in enumerate(zip(shafts, modes, chains, strict=True)):
         first = chain.first_mode(chain.chain.modes())

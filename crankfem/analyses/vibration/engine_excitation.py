@@ -63,7 +63,7 @@ from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, DampedChain
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import refined_speeds
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 
 # Shares of the rated speed at which the load is told, beside lowest, rated and highest speed.
 TOLD = (0.25, 0.5, 0.75)
@@ -285,11 +285,8 @@ def failing_harmonics(
     ----------
     engine_file : EngineFile
         Its section [misfire] may exclude compression, too; then no gas acts.
-    mechanism : MechanismFile
     firing : CylinderHarmonics
         From `engine_harmonics`.
-    above_rated : float, optional
-        As of `calculated_range`.
 
     Raises
     ------
@@ -297,8 +294,8 @@ def failing_harmonics(
         If the pressure without combustion is unknown: there is no section [gas], or its table shows
         no compression.
     """
-    given = engine_file.misfire
-    if given is not None and not given.compression:
+    misfire = engine_file.misfire
+    if misfire is not None and not misfire.compression:
         none = tuple(np.zeros((1, *own.shape[1:]), dtype=np.complex128) for own in firing.gas)
         weights = (constant_weight,) * len(none)
         return replace(firing, gas=none, weights=weights, takes_load=False)
@@ -326,13 +323,9 @@ def calculated_speeds(
 
     Parameters
     ----------
-    engine_file : EngineFile
     orders : (K,) array
-    chains : sequence of DampedChain
     further : (m,) array, optional
         Further natural frequencies [Hz].
-    above_rated : float, optional
-        As of `calculated_range`.
 
     Returns
     -------
@@ -340,10 +333,10 @@ def calculated_speeds(
         From half the lowest running speed to 5 % above the highest (and 15 % above the rated one), within
         the pressure map or the load's points, if any [rad/s].
     """
-    ratios = [np.maximum(own.system.damping_ratios(), 1e-4) for own in chains]
+    ratios = [np.maximum(chain.system.damping_ratios(), 1e-4) for chain in chains]
     low, high = calculated_range(engine_file, above_rated)
     speeds = refined_speeds(
-        np.concatenate([*(own.system.elastic_frequencies for own in chains), further]),
+        np.concatenate([*(chain.system.elastic_frequencies for chain in chains), further]),
         np.concatenate([*ratios, np.full(len(further), 0.5 / DEFAULT_MAGNIFIER)]),
         orders,
         (low, high),
@@ -369,7 +362,6 @@ def forces_over_speeds(
 
     Parameters
     ----------
-    engine_file : EngineFile
     harmonics : CylinderHarmonics
         From `engine_harmonics`.
     speeds : (S,) array
@@ -396,11 +388,8 @@ def excitation_along_shaft(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    forces : CylinderForces
     axial : SourceResult
         The axial chain and its compliances.
-    shaft : ShaftCompliances
     cranks : EngineChain
         The torsional chain.
     twisted : ForcedResponse
@@ -408,7 +397,6 @@ def excitation_along_shaft(
 
     Returns
     -------
-    excitation : OrderExcitation
     by_torque : OrderExcitation or None
         The part due to torques in the shaft.
     remarks : tuple of str
@@ -448,10 +436,13 @@ def excitation_remarks(engine_file: EngineFile, kind: Kind) -> tuple[str, ...]:
         count = len(engine_file.gas_map.points)
         beside = "" if engine_file.gas is None else ", in place of the section [gas]"
         found.append(f"the cylinders' pressure follows a map of {count} diagrams{beside}")
-    given = engine_file.propeller_forces
-    if given is not None and (given.torque_shares if kind == "torsional" else given.thrust_shares):
+    propeller_forces = engine_file.propeller_forces
+    if propeller_forces is not None and (
+        propeller_forces.torque_shares if kind == "torsional" else propeller_forces.thrust_shares
+    ):
         found.append(
-            f"the propeller's {'torque' if kind == 'torsional' else 'thrust'} varies at node {given.node}"
+            f"the propeller's {'torque' if kind == 'torsional' else 'thrust'} varies at node "
+            f"{propeller_forces.node}"
         )
     return tuple(found)
 
@@ -463,8 +454,6 @@ def with_propeller(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    chain : EngineChain
     excitation : OrderExcitation
         Of the engine, on the chain.
 
@@ -473,23 +462,28 @@ def with_propeller(
     InputError
         If the chain has no such node.
     """
-    given = engine_file.propeller_forces
-    if given is None:
+    propeller_forces = engine_file.propeller_forces
+    if propeller_forces is None:
         return excitation
-    if not (given.torque_shares if chain.kind == "torsional" else given.thrust_shares):
+    if not (
+        propeller_forces.torque_shares
+        if chain.kind == "torsional"
+        else propeller_forces.thrust_shares
+    ):
         return excitation
-    if given.node not in chain.nodes:
+    if propeller_forces.node not in chain.nodes:
         raise InputError(
-            f"propeller_forces.node: given {given.node!r}; allowed are {', '.join(chain.nodes)}, because "
-            f"these are the nodes of the {chain.kind} chain (a shaft line brings the propeller's)."
+            f"propeller_forces.node: given {propeller_forces.node!r}; allowed are "
+            f"{', '.join(chain.nodes)}, because these are the nodes of the {chain.kind} "
+            "chain (a shaft line brings the propeller's)."
         )
     acting = propeller_excitation(
-        given.forces,
+        propeller_forces.forces,
         chain.chain,
-        chain.nodes.index(given.node),
+        chain.nodes.index(propeller_forces.node),
         excitation.speeds,
         kind=chain.kind,
-        ratio=given.ratio,
+        ratio=propeller_forces.ratio,
     )
     return combined_excitation(excitation, acting)
 
@@ -505,11 +499,8 @@ def compared_axial_forces(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    forces : CylinderForces
     compliances : (n,) array
         Of the axial chain [m/N].
-    shaft : ShaftCompliances
     analysis : ThrowAnalysis or mapping
         Of the engine's throw, or of each throw by its name.
     """
@@ -531,16 +522,15 @@ def calculated_range(
 
     Parameters
     ----------
-    engine_file : EngineFile
     above_rated : float, optional
         Share of the rated speed that is included unless a map or points end before.
     """
     engine = engine_file.engine
     low = BELOW * engine.lowest_speed
     high = max(ABOVE_HIGHEST * engine.highest_speed, above_rated * engine.rated_speed)
-    told = engine_file.gas_map or engine_file.load
-    if told is not None and told.points:
-        taken = [point.speed for point in told.points]
+    load = engine_file.gas_map or engine_file.load
+    if load is not None and load.points:
+        taken = [point.speed for point in load.points]
         low = min(max(low, min(taken)), engine.lowest_speed)
         high = max(min(high, max(taken)), engine.highest_speed)
     return low, high

@@ -90,10 +90,10 @@ def engine_limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], t
     remarks : tuple of str
         What is not assessed, or was assumed.
     """
-    engine, given = engine_file.engine, engine_file.limits or LimitsInput()
+    engine, limits = engine_file.engine, engine_file.limits or LimitsInput()
     kind: EngineKind = "in line" if engine.bank_angles is None else "V"
     interval = even_firing_interval(engine.firing_angles, engine.strokes)
-    found = given.limits(
+    found = limits.limits(
         engine.rated_speed,
         strokes=engine.strokes,
         kind=kind,
@@ -111,8 +111,8 @@ def engine_limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], t
             tensile_strength=tensile,
             yield_strength=yielding,
             # [strength] gives no grade; steel beyond what carbon steel reaches is alloy steel.
-            alloy=given.alloy
-            or (given.tensile_strength is None and tensile > CRANKSHAFT_STRENGTHS[False]),
+            alloy=limits.alloy
+            or (limits.tensile_strength is None and tensile > CRANKSHAFT_STRENGTHS[False]),
         )
         found["crankshaft_stress"] = replace(picked, assumed=True)
         remarks.append(
@@ -123,7 +123,7 @@ def engine_limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], t
             "axial vibration is not judged, because no limit is given and no general one is published; the "
             "engine maker can give limits.axial_amplitude or limits.axial_force"
         )
-    unused = [f"limits.{name}" for name in IN_CLASS_DOCUMENT if getattr(given, name) is not None]
+    unused = [f"limits.{name}" for name in IN_CLASS_DOCUMENT if getattr(limits, name) is not None]
     if unused:
         remarks.append(
             f"{', '.join(unused)}: not part of this verdict, but judged in the class document "
@@ -135,7 +135,7 @@ def engine_limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], t
         f"orders above {engine_file.vibration.highest_order:g} are neither calculated nor judged "
         "(vibration.highest_order)"
     )
-    if given.passing_while_misfiring:
+    if limits.passing_while_misfiring:
         basis = "limits.passing_while_misfiring"
         found = {name: replace(limit, misfiring_basis=basis) for name, limit in found.items()}
     return found, tuple(remarks)
@@ -187,9 +187,9 @@ def strengths(engine_file: EngineFile) -> tuple[float, float]:
     InputError
         If a yield strength alone is given, above that tensile strength.
     """
-    given, steel = engine_file.limits or LimitsInput(), engine_file.strength
+    limits, steel = engine_file.limits or LimitsInput(), engine_file.strength
     tensile = BASE_STRENGTH if steel is None else steel.tensile_strength
-    tensile, yielding = given.tensile_strength or tensile, given.yield_strength or BASE_YIELD
+    tensile, yielding = limits.tensile_strength or tensile, limits.yield_strength or BASE_YIELD
     if yielding > tensile:
         raise InputError(
             f"limits.yield_strength: given {format_quantity(yielding, 'Pa')} without tensile_strength, for "
@@ -218,7 +218,7 @@ def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
 def bending_speeds(engine_file: EngineFile) -> tuple[float, ...]:
     """Return the speeds at which a limit may have a kink or jump [rad/s]: rated speed and end of passing."""
     limits, _ = engine_limits(engine_file)
-    ends = [one.passing.high for one in limits.values() if one.passing is not None]
+    ends = [limit.passing.high for limit in limits.values() if limit.passing is not None]
     finite = [end for end in ends if np.isfinite(end)]
     beyond = [end * (1.0 + BEYOND) for end in finite]
     return tuple(sorted({engine_file.engine.rated_speed, *finite, *beyond}))
@@ -348,7 +348,7 @@ def element_series(name: str, engine_file: EngineFile, loads: ElementLoads) -> O
         return replace(loads.elements, values=values, names=(COUPLING,))
     element = name.removeprefix("shaft: ")
     (shaft,) = (
-        own for own in (engine_file.limits or LimitsInput()).shafts if own.element == element
+        shaft for shaft in (engine_file.limits or LimitsInput()).shafts if shaft.element == element
     )
     modulus = float(section_modulus("torsional", shaft.diameter))
     return alternating_stress(loads, {element: modulus})
@@ -356,13 +356,7 @@ def element_series(name: str, engine_file: EngineFile, loads: ElementLoads) -> O
 
 @dataclass(frozen=True, eq=False)
 class ComparedQuantity:
-    """A quantity compared between normal firing and misfiring.
-
-    Attributes
-    ----------
-    name, unit : str
-    limit : VibrationLimit or None
-    """
+    """A quantity compared between normal firing and misfiring."""
 
     name: str
     unit: str

@@ -60,7 +60,7 @@ from dynamics.response.loads import (
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import PeakCause, peak_cause
 from dynamics.response.series import OrderSeries
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
@@ -73,8 +73,6 @@ class ChainAnswer:
 
     Attributes
     ----------
-    engine_chain : EngineChain
-    response : ForcedResponse
     moduli : dict of int to float
         Section modulus of each element of the crankshaft [m^3]; none in the axial direction.
     by_torque : OrderExcitation or None
@@ -125,14 +123,12 @@ class EngineChains:
 
     Attributes
     ----------
-    engine_file : EngineFile
     pulled : SourceResult
         The axial chain and its compliances.
     cranks : EngineChain
         The torsional chain.
     damped : tuple of two DampedChain
         The axial one and the torsional one.
-    shaft : ShaftCompliances
     """
 
     engine_file: EngineFile
@@ -171,7 +167,6 @@ class EngineChains:
 
         Parameters
         ----------
-        forces : CylinderForces
         propeller : bool, optional
             Whether the propeller excites too. Without it the response is linear in the forces.
         """
@@ -257,13 +252,13 @@ def nominal_section_modulus(throw: CrankThrow) -> float:
 def _sections(engine_file: EngineFile, chain: EngineChain) -> dict[int, float]:
     """Section modulus of each element of the crankshaft: the weaker one of the throws that it joins."""
     moduli = [nominal_section_modulus(throw) for throw in engine_file.crank_throws]
-    found: dict[int, float] = {}
+    sections: dict[int, float] = {}
     for element in range(crank_element_count(chain)):
         ends = chain.chain.connections[element]
         own = [moduli[chain.throw_nodes.index(node)] for node in ends if node in chain.throw_nodes]
         if own:  # of a plant, parts before the first crank have no section that is known
-            found[element] = min(own)
-    return found
+            sections[element] = min(own)
+    return sections
 
 
 Forced = Literal["amplitude", "load", "stress", "power", "axial forces"]
@@ -324,7 +319,9 @@ class ForcedVibration(ChainAnswer):
         """
         undamped = float(self.modes.undamped[mode - 1])
         met = [
-            one for one in self.resonances if one.order == order and mode in (one.mode, *one.modes)
+            resonance
+            for resonance in self.resonances
+            if resonance.order == order and mode in (resonance.mode, *resonance.modes)
         ]
         if not met:
             return (float(self.frequencies[mode - 1]) / undamped,)
@@ -334,9 +331,9 @@ class ForcedVibration(ChainAnswer):
     def peaks(self) -> tuple[DampedCritical, ...]:
         """The resonances that have a speed and `LEAST_PEAK` of a place's largest peak, or more."""
         return tuple(
-            one
-            for one in self.resonances
-            if one.has_peak and one.in_band and one.severity >= LEAST_PEAK
+            resonance
+            for resonance in self.resonances
+            if resonance.has_peak and resonance.in_band and resonance.severity >= LEAST_PEAK
         )
 
     @property
@@ -365,8 +362,6 @@ class ForcedVibration(ChainAnswer):
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         show : {"amplitude", "load", "stress", "power", "axial forces"}
             Motion of the free end; torque or force in the crankshaft's element with the largest load at
             running speeds; nominal stress in the element with the largest one; power in and out; the
@@ -375,10 +370,6 @@ class ForcedVibration(ChainAnswer):
             Limits over the response's speeds by their name [SI], not applicable to power and axial forces.
         barred : sequence of (low, high), optional
             Speed ranges to shade [rad/s], not applicable to power and axial forces.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -433,15 +424,7 @@ class ForcedVibration(ChainAnswer):
 
         A resonance without a peak has no speed (NaN).
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         names = {"amplitude": "value", "first_amplitude": "amplitude"}
         frame = table_of(self.resonances).rename(columns=names)
@@ -474,15 +457,10 @@ def forced_vibrations(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    harmonics : CylinderHarmonics
-        From `engine_harmonics`.
     axial, torsional : Vibration
         Modes of the chains with the chosen compliances.
     shaft : ShaftCompliances
         Of the throws in the shaft.
-    analysis : ThrowAnalysis or mapping
-        Of the engine's throw, or of each throw by its name.
     further : (m,) array, optional
         Further natural frequencies to be resolved by the speeds [Hz].
 
@@ -521,11 +499,11 @@ def forced_vibrations(
 def limit_curves(
     engine_file: EngineFile,
     harmonics: CylinderHarmonics,
-    axial: Vibration,
-    torsional: Vibration,
+    vibrations: Sequence[Vibration],
     shaft: ShaftCompliances,
 ) -> Findings:
     """Return each limit with its curves at the speeds of `forced_vibrations`, and nothing else."""
+    axial, torsional = vibrations
     chains = EngineChains.of(engine_file, axial, torsional, shaft)
     grid, answers, worst = _searched(chains, harmonics)
     curves = limit_findings(engine_file, *answers)

@@ -79,14 +79,7 @@ class Reached:
 
 @dataclass(frozen=True)
 class NewlyExceeded:
-    """The worst of a limit that misfiring exceeds at speeds at which normal firing keeps it.
-
-    Attributes
-    ----------
-    cylinders : tuple of int
-    reached : Reached
-    cause : PeakCause
-    """
+    """The worst of a limit that misfiring exceeds at speeds at which normal firing keeps it."""
 
     cylinders: Cylinders
     reached: Reached
@@ -104,7 +97,6 @@ class FiringCheck:
         For example "torsional stress of crankshaft".
     unit : str
         SI unit of the values.
-    limit : VibrationLimit or None
     normal : Reached
         With all cylinders firing, compared with the limit for continuous running.
     cylinders : tuple of int
@@ -145,10 +137,10 @@ class FiringCheck:
         """What misfiring alone exceeds, with its cause; empty if nothing."""
         if self.new is None:
             return ""
-        own, reasons = self.new.reached, self.new.cause.reasons
-        kept = "" if self.normal_keeps else f", but within its limit at {self._speed(own)}"
+        reached, reasons = self.new.reached, self.new.cause.reasons
+        kept = "" if self.normal_keeps else f", but within its limit at {self._speed(reached)}"
         return (
-            f"With {self._finding(self.new.cylinders, own)}{kept}: exceeded by misfiring alone. "
+            f"With {self._finding(self.new.cylinders, reached)}{kept}: exceeded by misfiring alone. "
             f"{reasons[0].upper()}{reasons[1:]}."
         )
 
@@ -157,32 +149,32 @@ class FiringCheck:
         """Whether normal firing keeps the limit at all running speeds."""
         return self.normal.used <= 1.0
 
-    def _speed(self, found: Reached) -> str:
-        return format_quantity(found.speed, "rad/s", 4)
+    def _speed(self, reached: Reached) -> str:
+        return format_quantity(reached.speed, "rad/s", 4)
 
-    def _finding(self, cylinders: Cylinders, own: Reached) -> str:
+    def _finding(self, cylinders: Cylinders, reached: Reached) -> str:
         normal, limit = self.normal, self.limit
-        if limit is None or np.isinf(own.permitted):
-            found = f"at most {self._amount(own)}"
+        if limit is None or np.isinf(reached.permitted):
+            found = f"at most {self._amount(reached)}"
         else:
-            found = use_in_words(limit, own.speed, own.value, own.permitted, DIGITS)
-            found += self._by_the_other(limit, own)
-        elsewhere = "" if normal.place == own.place else f", {normal.place}"
+            found = use_in_words(limit, reached.speed, reached.value, reached.permitted, DIGITS)
+            found += self._by_the_other(limit, reached)
+        elsewhere = "" if normal.place == reached.place else f", {normal.place}"
         return (
-            f"{named(cylinders)} misfiring, {limit_at(self.quantity, own.place)}: {found}; with "
-            f"all cylinders firing {self._amount(normal)}{self._share(normal, own)}{elsewhere}"
+            f"{named(cylinders)} misfiring, {limit_at(self.quantity, reached.place)}: {found}; with "
+            f"all cylinders firing {self._amount(normal)}{self._share(normal, reached)}{elsewhere}"
         )
 
-    def _by_the_other(self, limit: VibrationLimit, own: Reached) -> str:
+    def _by_the_other(self, limit: VibrationLimit, reached: Reached) -> str:
         """Write the share of the limit that does not decide, and the basis if it is that for passing."""
         if limit.passing is None:
             return ""
-        at = np.array([own.speed])
+        at = np.array([reached.speed])
         passing, kept = float(limit.passing.at(at)[0]), float(limit.continuous.at(at)[0])
         if np.isinf(passing) or passing == kept:
             return ""
         other = kept if limit.misfiring_basis else passing
-        share = "" if np.isinf(own.value) else f"{format_usage(own.value / other)} of "
+        share = "" if np.isinf(reached.value) else f"{format_usage(reached.value / other)} of "
         shown = f"{share}the {format_quantity(other, self.unit, DIGITS)}"
         if limit.misfiring_basis:
             return (
@@ -191,21 +183,21 @@ class FiringCheck:
             )
         return f", {shown} that may be passed"
 
-    def _share(self, found: Reached, beside: Reached) -> str:
+    def _share(self, reached: Reached, beside: Reached) -> str:
         """Write the share of what is permitted at that speed, where something is and it is bounded."""
-        if np.isinf(found.permitted) or np.isinf(found.value):
+        if np.isinf(reached.permitted) or np.isinf(reached.value):
             return ""
         permitted, failing = (
-            format_quantity(one.permitted, self.unit, DIGITS) for one in (found, beside)
+            format_quantity(one.permitted, self.unit, DIGITS) for one in (reached, beside)
         )
         same = permitted == failing and not np.isinf(beside.value)
-        return f", {format_usage(found.used)}{'' if same else f' of the permitted {permitted}'}"
+        return f", {format_usage(reached.used)}{'' if same else f' of the permitted {permitted}'}"
 
-    def _amount(self, found: Reached) -> str:
+    def _amount(self, reached: Reached) -> str:
         """Write the value, and its speed."""
-        if np.isinf(found.value):
-            return f"unbounded at {self._speed(found)}"
-        return f"{format_quantity(found.value, self.unit, DIGITS)} at {self._speed(found)}"
+        if np.isinf(reached.value):
+            return f"unbounded at {self._speed(reached)}"
+        return f"{format_quantity(reached.value, self.unit, DIGITS)} at {self._speed(reached)}"
 
     def row(self) -> Row:
         """Return the columns of a table, each value with its unit; see `table_of`."""
@@ -246,8 +238,6 @@ def worst_of(
 
     Parameters
     ----------
-    series : OrderSeries
-    limit : VibrationLimit or None
     among : (S,) array of bool, optional
         The speeds that count.
     """
@@ -312,7 +302,7 @@ class Misfiring:
     @property
     def of_stress(self) -> FiringCheck | None:
         """That of the stress, of crankshaft or shaft line, of whose limit most is used."""
-        return next((one for one in self.checks if one.over_speed is not None), None)
+        return next((check for check in self.checks if check.over_speed is not None), None)
 
     @property
     def passed(self) -> bool:
@@ -326,7 +316,7 @@ class Misfiring:
             return self.worst.sentence
         # What normal firing keeps at all speeds comes first; then the largest use, and further speeds.
         first = self.worst.news if self.worst.normal_keeps else ""
-        most = max(self.checks, key=lambda one: one.misfiring.used)
+        most = max(self.checks, key=lambda check: check.misfiring.used)
         newest = most.new is not None and most.new.reached is most.misfiring
         told = [first, "" if newest else most.sentence]
         told.append("" if most.normal_keeps and most is self.worst else most.news)
@@ -357,7 +347,7 @@ class Misfiring:
     @property
     def _basis(self) -> str:
         """Which limit decides, in words."""
-        bases = {one.limit.misfiring_basis for one in self.checks if one.limit is not None}
+        bases = {check.limit.misfiring_basis for check in self.checks if check.limit is not None}
         if basis := "".join(bases):
             return f"the limit for passing serves where stated, by {basis}, elsewhere the continuous one"
         return (
@@ -380,15 +370,7 @@ class Misfiring:
     def to_pandas(self) -> Any:
         """Return a table with a row for each quantity: normal firing and misfiring side by side.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``; values are in the unit that the row names.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         return table_of(self.checks)
 
@@ -400,14 +382,11 @@ def misfiring_or_reason(
 
     Parameters
     ----------
-    chains : EngineChains
-    mechanism : MechanismFile
     harmonics : CylinderHarmonics
         Of normal firing.
 
     Returns
     -------
-    misfiring : Misfiring or None
     reason : str
         Why it was not calculated, or "".
 
@@ -435,7 +414,6 @@ class Superposition:
 
     Attributes
     ----------
-    chains : EngineChains
     firing, failing : CylinderHarmonics
         Of cylinders that fire, and of cylinders without combustion.
     series : callable, optional
@@ -474,24 +452,24 @@ class Superposition:
 
     def _missing(self, forces: CylinderForces, case: Cylinders) -> CylinderForces:
         """Return the change of forces by the missing combustion of some cylinders."""
-        given = self.chains.engine_file.misfire
+        misfire = self.chains.engine_file.misfire
         # There is no load to ask for: where nothing burns a single diagram serves, or none.
         cold = forces_at_speeds(self.failing, forces.speeds)
-        return _difference(forces, cold, case, 1.0 if given is None else given.missing_share)
+        return _difference(forces, cold, case, 1.0 if misfire is None else misfire.missing_share)
 
 
 def misfiring_cases(engine_file: EngineFile) -> tuple[Cylinders, ...]:
     """Return the cylinders that fail together in each case: those of the file, else each in turn."""
-    given = engine_file.misfire
-    if given is not None and given.cylinders is not None:
-        return (given.cylinders,)
+    misfire = engine_file.misfire
+    if misfire is not None and misfire.cylinders is not None:
+        return (misfire.cylinders,)
     return tuple((number + 1,) for number in range(engine_file.engine.cylinders))
 
 
 def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
     """Find the worst case of each quantity, and its speed closer than the grid."""
     file = added.chains.engine_file
-    given, cases = file.misfire, misfiring_cases(file)
+    misfire, cases = file.misfire, misfiring_cases(file)
     quantities = compared_quantities(file)
     each: Found = {}
     none = np.zeros(speeds.shape, dtype=bool)
@@ -533,8 +511,8 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
     ]
     return Misfiring(
         cases=cases,
-        missing_share=1.0 if given is None else given.missing_share,
-        compression=given is None or given.compression,
+        missing_share=1.0 if misfire is None else misfire.missing_share,
+        compression=misfire is None or misfire.compression,
         checks=tuple(sorted(checks, key=_rank)),
         exceeded=_ranges(speeds, exceeded),
         remaining=_between(_ranges(speeds, exceeded | unkept), (speeds[0], speeds[-1])),
@@ -612,13 +590,13 @@ def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, 
     edges = np.diff(np.concatenate(([0], flags.astype(int), [0])))
     last = speeds.size - 1
     starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    found: list[tuple[float, float]] = []
+    ranges: list[tuple[float, float]] = []
     for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
         low, high = float(speeds[max(start - 1, 0)]), float(speeds[min(stop, last)])
-        if found and low <= found[-1][1] * (1.0 + NARROW):
-            low = found.pop()[0]
-        found.append((low, high))
-    return tuple(found)
+        if ranges and low <= ranges[-1][1] * (1.0 + NARROW):
+            low = ranges.pop()[0]
+        ranges.append((low, high))
+    return tuple(ranges)
 
 
 def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
@@ -662,13 +640,13 @@ def _difference(
     return replace(firing, **changed)
 
 
-def _sum(one: OrderSeries, other: OrderSeries) -> OrderSeries:
+def _sum(order_series: OrderSeries, other: OrderSeries) -> OrderSeries:
     """Return the sum of two series; a propeller's orders may be missing in the second."""
-    places = np.searchsorted(one.orders, other.orders)
-    values, unbounded = one.values.copy(), one.unbounded.copy()
+    places = np.searchsorted(order_series.orders, other.orders)
+    values, unbounded = order_series.values.copy(), order_series.unbounded.copy()
     values[places] += other.values
     unbounded[places] |= other.unbounded
-    return replace(one, values=values, unbounded=unbounded)
+    return replace(order_series, values=values, unbounded=unbounded)
 
 
 def at_place(series: OrderSeries, name: str) -> OrderSeries:

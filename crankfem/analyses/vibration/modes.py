@@ -34,7 +34,7 @@ from dynamics.critical import (
     vector_sums,
 )
 from dynamics.plots.mode_shapes import draw_chain_shapes
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
@@ -53,8 +53,6 @@ class SourceResult:
         "fe", "fe pinned", "regression" or a formula's name.
     compliances : (n,) array
         Of each throw [m/N or rad/(N m)].
-    chain : EngineChain
-    modes : Modes
     remark : str
         Remarks on the use of the source.
     """
@@ -78,16 +76,6 @@ class SourceResult:
 
     def plot(self, axes: "Axes | None" = None, count: int = SHAPES_SHOWN) -> "Axes":
         """Draw the first elastic mode shapes of the chain over its nodes.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
-        count : int, optional
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -125,7 +113,6 @@ class WeightedCritical:
 
     Attributes
     ----------
-    critical : CriticalSpeed
     phase_sum : float
         Resultant of the cylinders' unit harmonics, weighted by the mode shape, relative to the largest
         possible one; 0 to 1.
@@ -168,7 +155,6 @@ class Vibration:
 
     Attributes
     ----------
-    kind : str
     chosen : SourceResult
         The source set in the engine file.
     others : tuple of SourceResult
@@ -190,14 +176,8 @@ class Vibration:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         count : int, optional
             Number of mode shapes.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -211,25 +191,20 @@ class Vibration:
     def to_pandas(self) -> Any:
         """Return a table of the critical speeds in the running range, and above as far as a limit applies.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
-        found = [one.critical for one in self.criticals]
+        found = [critical.critical for critical in self.criticals]
         return table(
             {
                 "mode": ([one.mode + 1 for one in found], "1"),
                 "order": ([one.order for one in found], "1"),
                 "frequency": ([one.frequency for one in found], "Hz"),
                 "speed": ([one.speed for one in found], "rad/s"),
-                "phase_sum": ([one.phase_sum for one in self.criticals], "1"),
-                "in_running_range": ([one.in_running_range for one in self.criticals], ""),
+                "phase_sum": ([critical.phase_sum for critical in self.criticals], "1"),
+                "in_running_range": (
+                    [critical.in_running_range for critical in self.criticals],
+                    "",
+                ),
             }
         )
 
@@ -245,9 +220,6 @@ def axial_vibration(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    analysis : ThrowAnalysis or mapping
-        Of the engine's throw, or of each throw by its name.
     shaft : ShaftCompliances
         From `compliances_in_shaft`.
     model : ComplianceModel or None
@@ -261,7 +233,7 @@ def axial_vibration(
         If the source set in the engine file is unknown or unusable.
     """
     sources = axial_sources(engine_file, analysis, shaft, model)
-    masses = [own.mass for own in crank_analyses(engine_file, analysis)]
+    masses = [crank_analysis.mass for crank_analysis in crank_analyses(engine_file, analysis)]
 
     def chain(compliances: NDArray[np.float64]) -> EngineChain:
         return engine_axial_chain(engine_file, compliances, masses)
@@ -284,7 +256,10 @@ def torsional_vibration(
 ) -> Vibration:
     """Calculate the torsional natural frequencies and critical speeds; see `axial_vibration`."""
     sources = torsional_sources(engine_file, analysis, shaft, model)
-    solids = [own.masses.inertia_about_shaft for own in crank_analyses(engine_file, analysis)]
+    solids = [
+        crank_analysis.masses.inertia_about_shaft
+        for crank_analysis in crank_analyses(engine_file, analysis)
+    ]
     inertias = engine_throw_inertias(engine_file, solids)
 
     def chain(compliances: NDArray[np.float64]) -> EngineChain:
@@ -343,7 +318,7 @@ def _criticals(
     engine = engine_file.engine
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
     ends = assessment_end_speeds(engine_file)
-    found = critical_speeds(result.elastic_frequencies, orders, (ends[0], ends[-1]))
+    criticals = critical_speeds(result.elastic_frequencies, orders, (ends[0], ends[-1]))
     shapes = result.modes.shapes[:, result.modes.rigid :]
     majors = major_orders(orders, engine.firing_angles)
     return tuple(
@@ -357,7 +332,7 @@ def _criticals(
             critical.speed <= engine.highest_speed,
             "major" if np.any(np.isclose(critical.order, majors)) else "minor",
         )
-        for critical in found
+        for critical in criticals
     )
 
 

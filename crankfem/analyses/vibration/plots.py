@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import finite_array, finite_vector
-from crankbase.diagrams import figure
+from crankbase.diagrams import draw_diagram, figure
 from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title
 from crankfem.analyses.vibration.run import EngineVibration
@@ -16,7 +16,7 @@ from crankfem.analyses.vibration.run_up import RunUp
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.plots.campbell import Meeting, draw_campbell
 from dynamics.plots.curves import draw_named_curves, draw_speed
-from dynamics.plots.mode_shapes import draw_shaft_shape
+from dynamics.plots.mode_shapes import shaft_shape
 from dynamics.transient.motions import Moving
 from dynamics.transient.run import TransientMotion
 from dynamics.transient.turning_run import TurningRun
@@ -35,7 +35,6 @@ def plot_shaft_modes(
     ----------
     path : Path
         Ends in .svg.
-    modes : ShaftModes
     radius : float
         Crank radius: rotation about the shaft is shown as the displacement there [m].
     count : int
@@ -61,7 +60,8 @@ def plot_shaft_modes(
         for spare in axes.flat[len(shown) :]:
             spare.remove()
         for one, mode in zip(axes.flat, shown, strict=False):
-            draw_shaft_shape(one, places, modes.motions[order, :, mode], radius)
+            draw_diagram(one, shaft_shape(places, modes.motions[order, :, mode], radius))
+            one.set_ylabel("")
             one.set_title(
                 f"{modes.frequencies[mode]:.1f} Hz\n" + modes.label(mode).replace(", ", "\n"),
                 fontsize=9,
@@ -104,7 +104,6 @@ def plot_response_campbell(
         Running range [rad/s].
     found : sequence of Meeting
         For example `Resonance`; dots grow with their severity.
-    title : str, optional
 
     Raises
     ------
@@ -131,8 +130,6 @@ def plot_transient(
 
     Parameters
     ----------
-    path : Path
-        SVG file.
     run : TransientMotion or TurningRun
         Of a chain.
     place : int, optional
@@ -143,7 +140,6 @@ def plot_transient(
         Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
     turns : int, optional
         Revolutions of the shaft for one amplitude; by default those after which the run repeats.
-    title : str, optional
 
     Raises
     ------
@@ -191,15 +187,12 @@ def plot_transient_over_speed(
 
     Parameters
     ----------
-    path : Path
-        SVG file.
     speeds : array_like of shape (S,)
         [rad/s]
     amplitudes : mapping of str to array_like of shape (S,)
         Name of each curve, and its values; infinite ones leave a gap.
     label : str, optional
         Of the axis, with its unit.
-    title : str, optional
 
     Raises
     ------

@@ -39,7 +39,7 @@ def misfiring_record(found: Misfiring) -> Record:
     """Return the record of misfiring; null where vibration is unbounded or nothing is limited."""
     return {
         **attributes(found, "sentence", "passed", "cases", "missing_share", "compression"),
-        "checks": [_misfiring_check(one) for one in found.checks],
+        "checks": [_misfiring_check(check) for check in found.checks],
         "exceeded_rpm": [[speed * RPM for speed in one] for one in found.exceeded],
         "remaining_rpm": [[speed * RPM for speed in one] for one in found.remaining],
         "remarks": list(found.remarks),
@@ -67,15 +67,15 @@ def _misfiring_check(check: FiringCheck) -> Record:
     }
 
 
-def _reached(found: Reached) -> Record:
-    limited = found.permitted < float("inf")
+def _reached(reached: Reached) -> Record:
+    limited = reached.permitted < float("inf")
     return plain(
         {
-            "place": found.place,
-            "speed_rpm": found.speed * RPM,
-            "value": found.value,
-            "permitted": found.permitted,
-            "used": found.used if limited else None,
+            "place": reached.place,
+            "speed_rpm": reached.speed * RPM,
+            "value": reached.value,
+            "permitted": reached.permitted,
+            "used": reached.used if limited else None,
         }
     )
 
@@ -112,8 +112,8 @@ def assessment_record(assessment: Assessment) -> Record:
         "decision": attributes(assessment.decision, "status", "sentence")
         | {
             "trials": [
-                attributes(one, "field", "name", "value", "unit", "status", "taken", "why")
-                for one in assessment.decision.trials
+                attributes(trial, "field", "name", "value", "unit", "status", "taken", "why")
+                for trial in assessment.decision.trials
             ]
         },
         "running_rpm": [speed * RPM for speed in running],
@@ -136,11 +136,11 @@ def assessment_record(assessment: Assessment) -> Record:
     }
 
 
-def _verdict(found: Verdict) -> Record:
-    checks = [_check(check, found.running_range[1]) for check in found.checks]
-    ranges = (*found.barred, *found.started_through)
+def _verdict(verdict: Verdict) -> Record:
+    checks = [_check(check, verdict.running_range[1]) for check in verdict.checks]
+    ranges = (*verdict.barred, *verdict.started_through)
     return {
-        **attributes(found, "status"),
+        **attributes(verdict, "status"),
         "checks": checks,
         "barred": [_range(one) for one in ranges],
     }
@@ -166,21 +166,26 @@ def _check(check: LimitCheck, highest_speed: float) -> Record:
     )
 
 
-def _cause(found: PeakCause) -> Record:
+def _cause(peak_cause: PeakCause) -> Record:
     """Return the contributions of the orders to a peak, and the sentences on them."""
     names = (
         *("order", "contribution", "amplitude", "state", "kind", "mode", "mode_share"),
         *("magnifier", "detuning"),
     )
-    return {"sentence": found.reasons, "orders": [attributes(one, *names) for one in found.parts]}
-
-
-def _range(found: BarredRange) -> Record:
     return {
-        **attributes(found, "shown", "sentence", "position", "limits", "allowed", "refusals"),
-        **attributes(found, "remarks", "ends"),
-        "low_rpm": found.low * RPM,
-        "high_rpm": found.high * RPM,
+        "sentence": peak_cause.reasons,
+        "orders": [attributes(part, *names) for part in peak_cause.parts],
+    }
+
+
+def _range(barred_range: BarredRange) -> Record:
+    return {
+        **attributes(
+            barred_range, "shown", "sentence", "position", "limits", "allowed", "refusals"
+        ),
+        **attributes(barred_range, "remarks", "ends"),
+        "low_rpm": barred_range.low * RPM,
+        "high_rpm": barred_range.high * RPM,
     }
 
 
@@ -190,7 +195,7 @@ def _uncertainty(uncertain: Uncertainty) -> Record:
     return plain(
         {
             "spreads": [
-                attributes(one, "name", "kind", "low", "high") for one in uncertain.spreads
+                attributes(spread, "name", "kind", "low", "high") for spread in uncertain.spreads
             ],
             "frequencies": [
                 {"mode": mode, "low": low, "nominal": nominal, "high": high}
@@ -269,15 +274,15 @@ def _whole_criticals(run: EngineVibration, highest: float) -> Record:
                 "left_out": left_out,
                 "peaks": [
                     {
-                        **attributes(one, "order", "place"),
-                        "value": one.amplitude,
-                        **_mode_at_resonance(one, run.comparison.coupled),
-                        "share": one.severity,
-                        "speed_rpm": one.speed_rpm,
-                        "in_running_range": one.speed <= highest * (1.0 + 1e-9),
+                        **attributes(critical, "order", "place"),
+                        "value": critical.amplitude,
+                        **_mode_at_resonance(critical, run.comparison.coupled),
+                        "share": critical.severity,
+                        "speed_rpm": critical.speed_rpm,
+                        "in_running_range": critical.speed <= highest * (1.0 + 1e-9),
                         "unit": "m" if kind == "axial" else "N m",
                     }
-                    for one in criticals
+                    for critical in criticals
                 ],
             }
             for kind, (criticals, left_out) in found.items()
@@ -351,11 +356,11 @@ def vibration_record(vibration: Vibration) -> Record:
         "modes": _mode_records(chosen),
         "criticals": [
             {
-                **attributes(found.critical, "speed_rpm", "order", "frequency"),
-                "mode": found.critical.mode + 1,
-                **attributes(found, "phase_sum", "in_running_range"),
+                **attributes(critical.critical, "speed_rpm", "order", "frequency"),
+                "mode": critical.critical.mode + 1,
+                **attributes(critical, "phase_sum", "in_running_range"),
             }
-            for found in vibration.criticals
+            for critical in vibration.criticals
         ],
         "sources": [
             {
@@ -419,7 +424,7 @@ def forced_record(forced: ForcedVibration) -> Record:
             "power": _power(forced),
             "running_rpm": _rpm(forced.running_range),
             "judged_rpm": _rpm(forced.judged_range),
-            "resonances": [_resonance(one, forced.kind) for one in forced.resonances],
+            "resonances": [_resonance(resonance, forced.kind) for resonance in forced.resonances],
             "axial_forces": None if compared is None else _axial_forces(compared, forced),
         }
     )
@@ -429,21 +434,21 @@ def _rpm(speeds: Sequence[float]) -> list[float]:
     return [speed * RPM for speed in speeds]
 
 
-def _resonance(found: DampedCritical, kind: str) -> Record:
+def _resonance(damped_critical: DampedCritical, kind: str) -> Record:
     """Return a peak; null if an order meets a mode without one. The amplitude is that of the free end."""
     names = (
         *("mode", "order", "speed_rpm", "frequency", "mode_frequency", "damping_ratio"),
         *("mode_share", "severity", "kind", "unbounded", "in_running_range"),
         *("in_band", "place", "modes", "others"),
     )
-    record = attributes(found, *names) | plain(
+    record = attributes(damped_critical, *names) | plain(
         {
-            "amplitude": found.first_amplitude,
-            "value": found.amplitude,
-            "unit": LOAD_UNIT[kind] if found.of_load else MOTION[kind].si,
-            "spread_rpm": _rpm(found.spread) if found.has_peak else None,
-            "undamped_rpm": found.undamped_speed * RPM,
-            "locked_rpm": found.locked_speed * RPM,
+            "amplitude": damped_critical.first_amplitude,
+            "value": damped_critical.amplitude,
+            "unit": LOAD_UNIT[kind] if damped_critical.of_load else MOTION[kind].si,
+            "spread_rpm": _rpm(damped_critical.spread) if damped_critical.has_peak else None,
+            "undamped_rpm": damped_critical.undamped_speed * RPM,
+            "locked_rpm": damped_critical.locked_speed * RPM,
         }
     )
     # Without a peak, or without a ring, there is no such value.

@@ -48,7 +48,7 @@ from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.excitation.axial_forces import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
-from fem.shaft import ShaftCompliances
+from fem.superelement import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
 from regression.models.compliance_model import ComplianceModel
 
@@ -74,7 +74,6 @@ class EngineVibration:
 
     Attributes
     ----------
-    engine_file : EngineFile
     analyses : dict of str to ThrowAnalysis
         Of each distinct throw by its name; "throw" is that of a file with one.
     shaft : ShaftCompliances
@@ -150,18 +149,12 @@ class EngineVibration:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         kind : {"torsional", "axial"}
         show : str
             "campbell": natural frequencies, orders, and their intersections; "modes": first mode shapes;
             "amplitude" (of the free end), "stress", "load" and "power" over the speed, with limits and
             barred ranges; "limits": the use of all limits; "shaft": the whole
             crankshaft's first elastic mode.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -201,15 +194,7 @@ class EngineVibration:
     def to_pandas(self) -> Any:
         """Return a table of the elastic natural frequencies of both chains.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         rows = [
             (one.kind, number, frequency)
@@ -262,10 +247,6 @@ def engine_vibration(
         Whether to calculate the whole crankshaft too, from superelements of its throws (seconds).
     step : callable, optional
         Called with the name of each step.
-
-    Returns
-    -------
-    EngineVibration
 
     Raises
     ------
@@ -371,12 +352,7 @@ def engine_vibration(
 def _check_same_engine(
     engine: EngineFile, analyses: Mapping[str, ThrowAnalysis] | None, mechanism: MechanismFile
 ) -> None:
-    """Refuse analyses or models of another engine, or of an earlier state of this one.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse analyses or models of another engine, or of an earlier state of this one."""
     for name, own in (analyses or {}).items():
         if (own.throw, own.material) != (engine.named_throws[name], engine.material):
             throw = f"named_throws[{name!r}]" if engine.throws_by_name else "throw"

@@ -63,14 +63,8 @@ class RunUp:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         element : int or str, optional
             By number from 0 or name; the one with the largest torque by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -82,15 +76,7 @@ class RunUp:
     def to_pandas(self) -> Any:
         """Return a table of the largest amplitudes of torque in each spring by name, with steady ones.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units are in ``frame.attrs["units"]``.
         """
         return table(
             {

@@ -40,13 +40,13 @@ def load_table(record: Record) -> Table:
         ],
         [
             [
-                one["speed_rpm"] / RPM,
-                one["indicated_power"],
-                one["mean_indicated_pressure"],
-                one["peak_pressure"],
-                *([one["intake_pressure"]] if boosted else []),
+                row["speed_rpm"] / RPM,
+                row["indicated_power"],
+                row["mean_indicated_pressure"],
+                row["peak_pressure"],
+                *([row["intake_pressure"]] if boosted else []),
             ]
-            for one in rows
+            for row in rows
         ],
         note="Peak and intake pressure are absolute.",
     )
@@ -64,13 +64,19 @@ def critical_table(record: Record) -> Table:
             Column("phase sum", decimals=3),
         ],
         [
-            [one["speed_rpm"] / RPM, one["order"], one["mode"], one["frequency"], one["phase_sum"]]
-            for one in record["criticals"]
+            [
+                critical["speed_rpm"] / RPM,
+                critical["order"],
+                critical["mode"],
+                critical["frequency"],
+                critical["phase_sum"],
+            ]
+            for critical in record["criticals"]
         ],
         marks=[
-            ("chosen" if one["phase_sum"] >= TOGETHER else "")
-            + ("" if one.get("in_running_range", True) else " above")
-            for one in record["criticals"]
+            ("chosen" if critical["phase_sum"] >= TOGETHER else "")
+            + ("" if critical.get("in_running_range", True) else " above")
+            for critical in record["criticals"]
         ],
     )
 
@@ -78,7 +84,7 @@ def critical_table(record: Record) -> Table:
 def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
     """Return the first frequencies of one kind with every source, which `said` puts into words."""
     unit = "m/N" if record["kind"] == "axial" else "rad/(N m)"
-    first = next((one.get("first_mode", 1) for one in record["sources"]), 1)
+    first = next((source.get("first_mode", 1) for source in record["sources"]), 1)
     # Modes of a coupling or a damper, below the crankshaft's own, hardly depend on its compliances.
     own = f" of the crankshaft, from mode {first} on," if first > 1 else ""
     return Table(
@@ -92,15 +98,17 @@ def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
         ],
         [
             [
-                said(one["source"]),
-                one["mean_compliance"],
-                one.get("crankshaft_frequencies", one["first_frequencies"]),
-                one["beside_chosen"],
-                one["remark"],
+                said(source["source"]),
+                source["mean_compliance"],
+                source.get("crankshaft_frequencies", source["first_frequencies"]),
+                source["beside_chosen"],
+                source["remark"],
             ]
-            for one in record["sources"]
+            for source in record["sources"]
         ],
-        marks=["chosen" if one["source"] == record["source"] else "" for one in record["sources"]],
+        marks=[
+            "chosen" if source["source"] == record["source"] else "" for source in record["sources"]
+        ],
     )
 
 
@@ -126,11 +134,11 @@ def factor_range(spread: Record) -> str:
 
 def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return the most severe resonances of a `forced_record`, by speed."""
-    kind, found = record["kind"], record["resonances"]
+    kind, resonances = record["kind"], record["resonances"]
     # Running speeds come first; what lies above them fills what is left.
     kept = sorted(
-        (one for one in found if is_listed(one)),
-        key=lambda one: (not one.get("in_running_range", True), -one["severity"]),
+        (resonance for resonance in resonances if is_listed(resonance)),
+        key=lambda resonance: (not resonance.get("in_running_range", True), -resonance["severity"]),
     )
     worst = sorted(kept[:ROWS_SHOWN], key=lambda one: one["speed_rpm"] or float("inf"))
     motion = MOTION[kind].printed
@@ -161,7 +169,7 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
             ]
             for one in worst
         ],
-        note=left_out(found, worst),
+        note=left_out(resonances, worst),
     )
 
 
@@ -206,9 +214,9 @@ def peak_size(peak: Record, kind: str, units: OutputUnits, digits: int = 4) -> s
 def left_out(found: list[Record], shown: list[Record]) -> str:
     """Say which peaks of one kind a table leaves out, and why; empty without any."""
     peaks = [one for one in found if one["speed_rpm"] is not None and one not in shown]
-    beyond = [one for one in peaks if is_listed(one)]
-    forced = [one for one in peaks if not one.get("in_band", True)]
-    small = [one for one in peaks if one not in beyond and one not in forced]
+    beyond = [peak for peak in peaks if is_listed(peak)]
+    forced = [peak for peak in peaks if not peak.get("in_band", True)]
+    small = [peak for peak in peaks if peak not in beyond and peak not in forced]
     texts = []
     if beyond:
         most = 100.0 * max(one["severity"] for one in beyond)
@@ -252,7 +260,7 @@ def element_table(record: Record) -> Table:
     beside = [
         part
         for part in ("below", "above")
-        if any(one.get(part) is not None for one in record["loads"])
+        if any(load.get(part) is not None for load in record["loads"])
     ]
     where = {"below": "below running speeds", "above": "above them, as far as judged"}
     return Table(
@@ -268,14 +276,14 @@ def element_table(record: Record) -> Table:
         ],
         [
             [
-                one["element"],
-                peak(one, "running"),
-                one.get("running", one)["speed_rpm"] / RPM,
-                one.get("running", one)["plain_sum_peak"],
-                *([peak(stresses.get(one["element"]), "running")] if stresses else []),
-                *(peak(one, part) for part in beside),
+                load["element"],
+                peak(load, "running"),
+                load.get("running", load)["speed_rpm"] / RPM,
+                load.get("running", load)["plain_sum_peak"],
+                *([peak(stresses.get(load["element"]), "running")] if stresses else []),
+                *(peak(load, part) for part in beside),
             ]
-            for one in record["loads"]
+            for load in record["loads"]
         ],
     )
 
@@ -284,13 +292,13 @@ def limit_table(
     record: Record, limit: str | None = None, units: OutputUnits = SI, digits: int = 4
 ) -> Table:
     """Return the use of limits, each location at its worst speed: all of them, or one by its name."""
-    checks = [one for one in record["checks"] if limit in (None, one["limit"])]
+    checks = [check for check in record["checks"] if limit in (None, check["limit"])]
 
     def quantity(value: float | None, unit: str) -> str:
         return UNBOUNDED if value is None else units.quantity(value, unit, digits)
 
     # What was judged above the running range stands beside it.
-    beside = any(one.get("above") is not None for one in checks)
+    beside = any(check.get("above") is not None for check in checks)
     table = Table(
         f"{'Limits' if limit is None else limit.capitalize()}, at the running speeds where most is used",
         [
@@ -305,19 +313,19 @@ def limit_table(
         ],
         [
             [
-                one["limit"].removesuffix(f" of {one['place']}"),
-                one["place"],
+                check["limit"].removesuffix(f" of {check['place']}"),
+                check["place"],
                 own["speed_rpm"] / RPM,
-                quantity(own["value"], one["unit"]),
-                quantity(own["permitted"], one["unit"]),
+                quantity(own["value"], check["unit"]),
+                quantity(own["permitted"], check["unit"]),
                 own["used"],
                 None if above is None else above["speed_rpm"] / RPM,
                 None if above is None else UNBOUNDED if above["used"] is None else above["used"],
             ]
-            for one in checks
-            for own, above in ((one.get("running") or one, one.get("above")),)
+            for check in checks
+            for own, above in ((check.get("running") or check, check.get("above")),)
         ],
-        marks=["" if one["passed"] else "over" for one in checks],
+        marks=["" if check["passed"] else "over" for check in checks],
     )
     shown = ["where", "at", "reached", "permitted", "used"]
     return table.select(
@@ -365,10 +373,10 @@ def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
             Column("permitted", missing="-"),
             Column("used", "%", 3, missing="-"),
         ],
-        [each for one in record["checks"] for each in rows(one)],
+        [each for check in record["checks"] for each in rows(check)],
         marks=[
-            "over" if _exceeded(one[firing]) else ""
-            for one in record["checks"]
+            "over" if _exceeded(check[firing]) else ""
+            for check in record["checks"]
             for firing in ("normal", "misfiring")
         ],
     )
@@ -381,10 +389,10 @@ def _exceeded(found: Record) -> bool:
 
 def margin_table(record: Record, kind: str) -> Table:
     """Return the critical speeds of one kind with their uncertainty."""
-    found = record["critical"]
+    critical = record["critical"]
     return Table(
         f"{kind.capitalize()} critical speeds with uncertainty ranges, and margins to running speeds"
-        + (f", the first {ROWS_SHOWN} of {len(found)}" if len(found) > ROWS_SHOWN else ""),
+        + (f", the first {ROWS_SHOWN} of {len(critical)}" if len(critical) > ROWS_SHOWN else ""),
         [
             Column("mode"),
             Column("order", digits=None),
@@ -399,7 +407,7 @@ def margin_table(record: Record, kind: str) -> Table:
                 *(one[name] / RPM for name in ("speed_rpm", "low_rpm", "high_rpm")),
                 one["margin"] or None,
             ]
-            for one in found[:ROWS_SHOWN]
+            for one in critical[:ROWS_SHOWN]
         ],
     )
 
@@ -413,7 +421,7 @@ def whole_table(record: Record) -> Table:
             Column("frequency", "Hz", decimals=2),
             Column("motion", words=True),
         ],
-        [[one["name"], one["frequency"], one["label"]] for one in record["modes"]],
+        [[mode["name"], mode["frequency"], mode["label"]] for mode in record["modes"]],
     )
 
 
@@ -422,7 +430,10 @@ def whole_critical_table(record: Record, kind: str) -> Table:
     found = record["criticals"][kind]
     largest = sorted(
         found["peaks"],
-        key=lambda one: (one["share"] < 1.0, -math.inf if one["value"] is None else -one["value"]),
+        key=lambda peak: (
+            peak["share"] < 1.0,
+            -math.inf if peak["value"] is None else -peak["value"],
+        ),
     )
     shown = sorted(largest[:ROWS_SHOWN], key=lambda one: one["speed_rpm"])
     left = found["left_out"] + len(largest) - len(shown)
@@ -471,8 +482,8 @@ def run_up_table(record: Record, units: OutputUnits = SI) -> Table:
             Column("at constant speeds", "kN m", missing=UNBOUNDED),
         ],
         [
-            [one["element"], one["largest"], one["at_rpm"] / RPM, one["steady"]]
-            for one in record["elements"]
+            [element["element"], element["largest"], element["at_rpm"] / RPM, element["steady"]]
+            for element in record["elements"]
         ],
     )
 
@@ -550,11 +561,11 @@ def speed_table(
         Column("kind", words=True, missing=""),
     ]
     # A column that would say "none" of every speed says nothing.
-    columns = [one for one in columns if any(row[one.name] is not None for row in rows)]
+    columns = [column for column in columns if any(row[column.name] is not None for row in rows)]
     return Table(
         "Critical speeds",
         columns,
-        [[row[one.name] for one in columns] for row in rows],
+        [[row[column.name] for column in columns] for row in rows],
         note=" ".join(notes),
         marks=[
             "chosen" if isinstance(row["phase sum"], float) and row["phase sum"] >= TOGETHER else ""
@@ -583,26 +594,26 @@ def _speeds(vibration: Record, kind: str) -> list[Record]:
     ]
     damped = {one["mode"] for one in calculated}
     damped -= {mode for one in calculated if one["speed_rpm"] is not None for mode in _modes(one)}
-    met = {_meeting(one): one for one in vibration[kind]["criticals"]}
-    found: list[Record] = [{"resonance": one} for one in peaks]
+    met = {_meeting(critical): critical for critical in vibration[kind]["criticals"]}
+    speeds: list[Record] = [{"resonance": peak} for peak in peaks]
     known = {(mode, one["order"]) for one in calculated for mode in _modes(one)}
-    found += [{"critical": met[key]} for key in met.keys() - known]
-    for own in found:
+    speeds += [{"critical": met[key]} for key in met.keys() - known]
+    for own in speeds:
         key = _meeting(_known(own))
         own |= {"kind of motion": kind} | ({"critical": met[key]} if key in met else {})
     margins = [] if assessment is None else assessment["uncertainty"][kind]["critical"]
     for margin in margins:
         same = [
-            own
-            for own in found
-            if _known(own)["order"] == margin["order"] and margin["mode"] in _modes(_known(own))
+            speed
+            for speed in speeds
+            if _known(speed)["order"] == margin["order"] and margin["mode"] in _modes(_known(speed))
         ]
         if same:
             nearest = min(same, key=lambda own: _distance(own, margin))
             nearest["margin"] = margin
         elif margin["mode"] not in damped and _meeting(margin) not in known:
-            found.append({"kind of motion": kind, "margin": margin})
-    return found
+            speeds.append({"kind of motion": kind, "margin": margin})
+    return speeds
 
 
 def _meeting(record: Record) -> tuple[int, float]:
@@ -626,7 +637,7 @@ def _strength(record: Record) -> float:
 
 
 def _shown(records: list[Record], most: int) -> list[Record]:
-    worst = sorted(records, key=lambda one: -_strength(one))[:most]
+    worst = sorted(records, key=lambda record: -_strength(record))[:most]
     return sorted(worst, key=lambda one: (_speed_rpm(one) or float("inf"), _known(one)["order"]))
 
 
@@ -693,12 +704,14 @@ def mode_table(record: Record) -> Table:
         ],
         [
             [
-                "rigid body" if one["rigid"] else f"{one['number']}{_beside_crankshaft(one)}",
-                one["frequency"],
-                60.0 * one["frequency"],
-                "moves as one" if one["rigid"] else _still_at(one["node_positions"], record, first),
+                "rigid body" if mode["rigid"] else f"{mode['number']}{_beside_crankshaft(mode)}",
+                mode["frequency"],
+                60.0 * mode["frequency"],
+                "moves as one"
+                if mode["rigid"]
+                else _still_at(mode["node_positions"], record, first),
             ]
-            for one in record["modes"]
+            for mode in record["modes"]
         ],
         note=f"Node positions count the chain's points: {_points(names, first)}.",
     )

@@ -36,11 +36,11 @@ REMEDY = (
 def with_bearings(assessment: Assessment, sweep: BearingSweep) -> Assessment:
     """Add to an assessment what the range of the bearings' stiffness decides."""
     trials = (*assessment.decision.trials, *sweep.trials)
-    said = sweep.sentences[1:] if sweep.flips else ()
+    sentences = sweep.sentences[1:] if sweep.flips else ()
     return replace(
         assessment,
         decision=decide(assessment.verdict.status, trials),
-        beside=(*assessment.beside, *said),
+        beside=(*assessment.beside, *sentences),
     )
 
 
@@ -89,8 +89,8 @@ def whole_stress(
     bearings = [_bearing(cranks, element) for element in elements]
     return replace(
         torque,
-        values=torque.values[:, :, bearings] / [moduli[one] for one in elements],
-        names=tuple(cranks.chain.elements[one] for one in elements),
+        values=torque.values[:, :, bearings] / [moduli[element] for element in elements],
+        names=tuple(cranks.chain.elements[element] for element in elements),
     )
 
 
@@ -98,11 +98,6 @@ def whole_loads(comparison: ShaftComparison, cranks: EngineChain) -> ElementLoad
     """Return the torques of the whole crankshaft in the elements of the torsional chain [N m].
 
     In the crankshaft those at its main bearings, behind it and in a damper those of the springs.
-
-    Parameters
-    ----------
-    comparison, cranks
-        As for `whole_stress`.
     """
     assert comparison.coupled is not None
     coupled, chain = comparison.coupled, cranks.chain
@@ -191,10 +186,6 @@ def whole_verdict(
 
     Parameters
     ----------
-    engine_file : EngineFile
-    comparison : ShaftComparison
-    cranks, moduli
-        As for `whole_stress`.
     chains : Verdict
         Its curves are kept for what the whole crankshaft does not give: axial forces in the throws.
 
@@ -204,10 +195,10 @@ def whole_verdict(
         None where it was not compared with chains, where all chains are adequate, or where no limit on
         stress or on the free end's motion is on an inadequate one.
     """
-    inadequate = {one.kind for one in comparison.verdicts if not one.suffices}
+    inadequate = {verdict.kind for verdict in comparison.verdicts if not verdict.suffices}
     if comparison.coupled is None or not inadequate:
         return None
-    motions = {f"{one.kind}_amplitude": one.response for one in comparison.verdicts}
+    motions = {f"{verdict.kind}_amplitude": verdict.response for verdict in comparison.verdicts}
     findings: Findings = []
     judged = set[str]()
     for name, limit in engine_limits(engine_file)[0].items():
@@ -220,7 +211,7 @@ def whole_verdict(
             loads = whole_loads(comparison, cranks)
             curves = list(curves_of(element_series(name, engine_file, loads)))
         else:
-            kept = (one for one in chains.checks if one.limit.name == limit.name)
+            kept = (check for check in chains.checks if check.limit.name == limit.name)
             findings = [*findings, *((limit, one.curve) for one in kept)]
             continue
         judged.add("axial" if name.startswith("axial") else "torsional")
@@ -233,12 +224,12 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
 
     Beside it stands what the chains reach of the same limit, each at its own worst of the speeds judged.
     """
-    by_chains = {id(one.curve) for one in chains.checks}
-    worst = next(one for one in whole.checks if id(one.curve) not in by_chains)
-    found = _use(worst)
-    same = next((one for one in chains.checks if one.limit.name == worst.limit.name), None)
+    by_chains = {id(check.curve) for check in chains.checks}
+    worst = next(check for check in whole.checks if id(check.curve) not in by_chains)
+    use = _use(worst)
+    same = next((check for check in chains.checks if check.limit.name == worst.limit.name), None)
     if same is not None:
-        found += f" (by the chains {same.curve.name}, {_use(same)})"
+        use += f" (by the chains {same.curve.name}, {_use(same)})"
     agrees = "the same verdict" if whole.status == chains.status else "another verdict"
     ranges = ""
     if whole.status == "barred range needed":
@@ -246,9 +237,12 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
     elif worst.passed:  # not acceptable by what is not told above
         refused = (*whole.barred, *whole.started_through)
         ranges = "".join(f" ({one.sentence})" for one in refused if not one.allowed)
+    by_chain = {check.limit.name for check in whole.checks if id(check.curve) in by_chains}
+    apart = "".join(f" ({name} by the axial chain alone)" for name in by_chain)
     return (
-        f"The whole crankshaft held against the same limits: {limit_at(worst.limit.name, worst.curve.name)}, "
-        f'{found}; with the values used, {agrees}, "{whole.status}"{ranges}.'
+        f"The whole crankshaft held against the same limits{apart}: "
+        f"{limit_at(worst.limit.name, worst.curve.name)}, "
+        f'{use}; with the values used, {agrees}, "{whole.status}"{ranges}.'
     )
 
 

@@ -16,7 +16,7 @@ from crankfem.jobs.exit_codes import EXIT_INPUT
 
 if TYPE_CHECKING:
     from regression.plans.plan import StudyPlan
-    from regression.runs.store_check import StoreCheck, StudyCheck
+    from regression.runs.study import StoreCheck, StudyCheck
     from regression.runs.study_table import StudyTable
 
 # Damaged rows that are shown; --json has all.
@@ -97,7 +97,7 @@ def doe(
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_distinct_files, check_writable
     from regression.runs.exchange import FORMATS, check_export, export_table
-    from regression.runs.store_rows import damaged_rows_warning
+    from regression.runs.store_file import damaged_rows_warning
     from regression.runs.study import read_study
 
     limits = {
@@ -290,7 +290,7 @@ def _run(
 def _check_store(study: str, store: Path, out: Output) -> None:
     """Check a store, or that of a study file."""
     from crankfem.files.engine.throw_file import load_study
-    from regression.runs.store_check import check_store
+    from regression.runs.study import check_store
 
     if (path := Path(study)).is_file() and path.suffix != ENGINE_FILE:
         if store != STORE:

@@ -14,7 +14,7 @@ from crankbase.units.units import DISPLAY_UNITS
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.study.fit_records import LACK_OF_FIT
 from crankfem.cli.console import number, print_line, print_table
-from regression.plans.designs_space import DesignQuality, design_quality
+from regression.plans.designs import DesignQuality, design_quality
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedStudy
 from regression.records import HELD_OUT, RUN

@@ -37,8 +37,8 @@ from fem.fillet_peaks import (
     RULE_LOADS,
 )
 from fem.supports import Neighbors, Support
-from regression.formulas.published import AXIAL_FORMULAS
-from regression.formulas.published_table import (
+from regression.formulas.published import (
+    AXIAL_FORMULAS,
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,
     PublishedValue,

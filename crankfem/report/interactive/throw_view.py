@@ -12,10 +12,13 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from crankbase.units.units import UNITS
-from crankfem.analyses.throw.pictures.scene import eye_at
-from crankfem.analyses.throw.pictures.stress_picture import STRESS_SHOWN, load_title
-from crankfem.analyses.throw.pictures.stress_rendering import COLORS
-from crankfem.analyses.throw.pictures.surface import stressed_surface, stretched_surface
+from crankfem.analyses.throw.pictures.stress_picture import (
+    STRESS_SHOWN,
+    load_title,
+    stressed_surface,
+    stretched_surface,
+)
+from crankfem.analyses.throw.pictures.stress_rendering import COLORS, eye_at
 from crankfem.analyses.throw.stress import of_loads
 from crankfem.report.interactive.plot import write_figure
 from crankfem.report.interactive.style import (

@@ -12,8 +12,12 @@ from crankbase.errors import InputError
 from crankbase.outputs import copy_file
 from crankbase.processes import scratch_folder
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
-from crankfem.analyses.throw.pictures.scene import Scene
-from crankfem.analyses.throw.pictures.surface import outside_corners, outside_facets, whole_points
+from crankfem.analyses.throw.pictures.stress_picture import (
+    outside_corners,
+    outside_facets,
+    whole_points,
+)
+from crankfem.analyses.throw.pictures.stress_rendering import Scene
 from fem.unit_loads import whole_facets, whole_nodes
 from geometry.crankshaft import Crankshaft
 from geometry.mesher import Throw, mesh_isolated
@@ -74,7 +78,6 @@ def throw_surface(throw: Throw, fineness: int) -> SolidSurface:
 
     Parameters
     ----------
-    throw : CrankThrow or ImportedThrow
     fineness : int
         Each curved triangle of the mesh becomes the square of this number of flat ones.
 
@@ -104,7 +107,6 @@ def shaft_surface(shaft: Crankshaft, fineness: int) -> SolidSurface:
 
     Parameters
     ----------
-    shaft : Crankshaft
     fineness : int
         As for `throw_surface`.
 
@@ -208,7 +210,6 @@ def picture_throw(throw: Throw, path: str | Path) -> Path:
 
     Parameters
     ----------
-    throw : CrankThrow or ImportedThrow
     path : path
         A file ending in ``.png``.
 
@@ -236,7 +237,6 @@ def picture_shaft(shaft: Crankshaft, path: str | Path) -> Path:
 
     Parameters
     ----------
-    shaft : Crankshaft
     path : path
         A file ending in ``.png``.
 
@@ -285,7 +285,6 @@ def render(surface: SolidSurface, view: Array, pixels: int, folder: Path) -> Non
 
     Parameters
     ----------
-    surface : SolidSurface
     view : (3,) array
         From the picture's middle to the eye.
     pixels : int

@@ -1,6 +1,7 @@
-"""Pictures of the stress on a throw under each unit load, with marks at fillets and oil holes."""
+"""Pictures of the stress on a throw under each unit load, and the surface of the whole throw for them."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -12,13 +13,112 @@ from crankbase.outputs import check_output, copy_file
 from crankbase.processes import scratch_folder
 from crankbase.units.units import UNITS
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
-from crankfem.analyses.throw.pictures.surface import outside_facets, stressed_surface
+from fem.fields import displacement_field, images
 from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak
-from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
-from geometry.mesh import six_node_triangles
-from geometry.solid import CRANK_PLANE
+from fem.superelement import RZ, UZ
+from fem.supports import end_motions
+from fem.surface_stress import von_mises
+from fem.throw_analysis import ThrowAnalysis
+from fem.unit_loads import UnitLoad, WholeNodes, whole_facets, whole_nodes
+from geometry.mesh import ThrowMesh, six_node_triangles
+from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
+from geometry.solid_files import write_mesh
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class ThrowSurface:
+    """Curved triangles of a throw's outside.
+
+    Attributes
+    ----------
+    points : (n, 3) array
+        All nodes of the throw, those on the cuts once [m].
+    facets : (t, 6) array
+        Corners, then edge middles, of each triangle, counterclockwise from outside.
+    values : (n, ...) array
+        At the nodes: displacements (n, 3) [m], or equivalent stresses (n, loads) [Pa].
+    """
+
+    points: Array
+    facets: Integers
+    values: Array
+
+
+def write_vtu(analysis: ThrowAnalysis, path: str | Path) -> Path:
+    """Write the solved mesh with its displacement under 1 N of axial pull, ends pinned.
+
+    Parameters
+    ----------
+    path : path
+        File ending in ``.vtu`` or another format of `write_mesh` that carries values at nodes.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the ending is unknown, or the file cannot be written.
+    """
+    field = displacement_field(analysis.classes, _stretched_ends(analysis))
+    return write_mesh(analysis.mesh, path, {"displacement": field})
+
+
+def stretched_surface(analysis: ThrowAnalysis) -> ThrowSurface:
+    """Return the surface of the whole throw with displacements under an axial pull of 1 N, ends pinned."""
+    mesh = analysis.mesh
+    whole = whole_nodes(mesh)
+    copies = images(mesh, analysis.classes, _stretched_ends(analysis))
+    return ThrowSurface(
+        whole_points(mesh, whole),
+        whole_facets(whole, outside_facets(mesh)),
+        whole.collect([copy.displacement for copy in copies]),
+    )
+
+
+def stressed_surface(stresses: FilletStresses) -> ThrowSurface:
+    """Return the surface of the whole throw with equivalent stresses (von Mises) under all loads."""
+    loaded, mesh = stresses.loaded, stresses.loaded.mesh
+    whole = whole_nodes(mesh)
+    equivalent = whole.collect([von_mises(part) for part in loaded.stresses(whole.images)])
+    # Where it is known better.
+    equivalent[stresses.surface.nodes] = von_mises(stresses.surface.stress)
+    facets = whole_facets(whole, outside_facets(mesh))
+    return ThrowSurface(whole_points(mesh, whole), facets, equivalent)
+
+
+def whole_points(mesh: ThrowMesh, whole: WholeNodes) -> Array:
+    """Return the nodes (n, 3) of a whole throw [m]."""
+    return whole.collect([image.points(mesh.points) for image in whole.images])
+
+
+def outside_facets(mesh: ThrowMesh) -> Integers:
+    """Return the facets (t, 6) of the meshed part that are not on its cuts, by surface."""
+    return six_node_triangles(mesh, np.concatenate(list(outside_corners(mesh).values())))
+
+
+def outside_corners(mesh: ThrowMesh) -> dict[str, Integers]:
+    """Return the corners of those facets, by the name of their surface."""
+    return {
+        name: corners
+        for name, corners in mesh.surfaces.items()
+        if name not in (CRANK_PLANE, MIDDLE_PLANE)
+    }
+
+
+def _stretched_ends(analysis: ThrowAnalysis) -> Array:
+    """Motions (12,) of both ends under an axial pull of 1 N, moving apart by equal amounts."""
+    motions = end_motions(analysis.superelement, "pinned")[:, 0]
+    for unknown in (UZ, RZ):
+        motions[[unknown, 6 + unknown]] -= 0.5 * (motions[unknown] + motions[6 + unknown])
+    return motions
+
+
 Peak = TypeVar("Peak", FilletPeak, OilHolePeak)
 # What draws them, in a process that needs no finite elements.
 RENDER = "crankfem.analyses.throw.pictures.stress_rendering:render"
@@ -31,7 +131,6 @@ def picture_stresses(stresses: FilletStresses, folder: str | Path) -> tuple[Path
 
     Parameters
     ----------
-    stresses : FilletStresses
     folder : path
         Folder for the files ``stress-axial.png`` and so on; created if necessary.
 
