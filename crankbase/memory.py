@@ -42,7 +42,7 @@ def check_memory(needed: float, request: str, advice: str) -> None:
     ----------
     needed : float
         Predicted [byte].
-    given : str
+    request : str
         The request, such as "accuracy: given 0.001, whose mesh takes".
     advice : str
         The remedy, after "so".
