@@ -372,8 +372,8 @@ class ComparedQuantity:
 def compared_quantities(engine_file: EngineFile) -> dict[str, ComparedQuantity]:
     """Return name, unit and limit of each possible item of `compared_series`, by its key."""
     limits, _ = engine_limits(engine_file)
-    found = {key: ComparedQuantity(name, unit, None) for key, (name, unit) in COMPARED.items()}
-    return found | {
+    compared = {key: ComparedQuantity(name, unit, None) for key, (name, unit) in COMPARED.items()}
+    return compared | {
         key: ComparedQuantity(limit.name, limit.unit, limit) for key, limit in limits.items()
     }
 
@@ -383,14 +383,16 @@ def compared_series(
 ) -> dict[str, OrderSeries]:
     """Return the quantities with limits, and motions and torques of `COMPARED` that the engine has."""
     limits, _ = engine_limits(engine_file)
-    found = {key: limited_series(key, engine_file, axial, torsional) for key in limits}
+    compared = {key: limited_series(key, engine_file, axial, torsional) for key in limits}
     loads = torsional.loads.elements
     for key in ("torsional_amplitude", "axial_amplitude", "coupling_torque"):
-        if key not in found and (key != "coupling_torque" or COUPLING in loads.names):
-            found[key] = limited_series(key, engine_file, axial, torsional)
-    for own in (loads, torsional.loads.dashpots):
-        rings = [place for place, name in enumerate(own.names) if name.endswith(DAMPER)]
+        if key not in compared and (key != "coupling_torque" or COUPLING in loads.names):
+            compared[key] = limited_series(key, engine_file, axial, torsional)
+    for loads_of_part in (loads, torsional.loads.dashpots):
+        rings = [place for place, name in enumerate(loads_of_part.names) if name.endswith(DAMPER)]
         if rings:
-            names = tuple(own.names[place] for place in rings)
-            found["damper_torque"] = replace(own, values=own.values[:, :, rings], names=names)
-    return found
+            names = tuple(loads_of_part.names[place] for place in rings)
+            compared["damper_torque"] = replace(
+                loads_of_part, values=loads_of_part.values[:, :, rings], names=names
+            )
+    return compared
