@@ -63,8 +63,6 @@ def run_checks(
 
     Parameters
     ----------
-    checks : mapping
-        Content of results.json.
     length : float
         Of the throw [m].
     pin_center : (3,) sequence

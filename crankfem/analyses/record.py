@@ -237,8 +237,6 @@ def with_units(content: Record, within: str = "") -> Record:
 
     Parameters
     ----------
-    content : dict
-        JSON content.
     within : str, optional
         Name under which such content appears in other records, "torque" or "axial".
     """

@@ -94,8 +94,6 @@ def plot_hinged_rods(
 
     Parameters
     ----------
-    engine, speed, orders, cylinders
-        As in `hinged_rod_effects`.
     title : str, optional
         Above all panels.
 

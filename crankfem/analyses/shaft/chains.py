@@ -296,11 +296,6 @@ def shaft_surroundings(
 ) -> tuple[ShaftSurroundings, tuple[str, ...]]:
     """Return the surroundings of the throws, as the engine file gives them.
 
-    Parameters
-    ----------
-    engine_file, analysis, bearings
-        As for `whole_shaft`.
-
     Returns
     -------
     surroundings : ShaftSurroundings

@@ -67,12 +67,7 @@ def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawVa
 
 
 def refuse_law(engine_file: EngineFile) -> None:
-    """Refuse the law as a source if it does not cover a throw.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse the law as a source if it does not cover a throw."""
     vibration = engine_file.vibration
     for kind, own in (("axial", vibration.axial_source), ("torsional", vibration.torsional_source)):
         if own.casefold() != LAW:
@@ -152,12 +147,7 @@ def chosen_regressions(vibration: VibrationSettings) -> dict[str, str]:
 
 
 def refuse_regression(engine_file: EngineFile, model: ComplianceModel | None) -> None:
-    """Refuse a regression as a source if there is none, or if it does not cover the throws.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a regression as a source if there is none, or if it does not cover the throws."""
     for kind, response in chosen_regressions(engine_file.vibration).items():
         if model is None:
             raise InputError(
@@ -457,10 +447,6 @@ def source_spread(
     kind : {"axial", "torsional"}
     source : str
         As named in `axial_sources` and `torsional_sources`; usable for this engine.
-    shaft : ShaftCompliances
-        Of the throws in the shaft.
-    model : ComplianceModel or None
-        If the source is a regression.
 
     Returns
     -------

@@ -487,8 +487,6 @@ def compare_with_chains(
 
     Parameters
     ----------
-    axial, torsional : EngineChain
-        Of the same engine.
     coupled, axial_response, torsional_response : optional
         Forced vibration under the same forces at the same speeds; by default only modes are compared.
     running_range : tuple of two floats, optional

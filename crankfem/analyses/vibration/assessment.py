@@ -80,8 +80,6 @@ def engine_decision(
     ----------
     status : {"fine", "barred range needed", "not acceptable"}
         Of its verdict.
-    findings : sequence of pairs of VibrationLimit and AmplitudeCurve
-        Quantities compared with limits.
     again : callable, optional
         Status of a changed engine; without it no other magnifier is tried.
 
@@ -353,12 +351,6 @@ def assess(
     ----------
     engine_file : EngineFile
         Its sections [limits] and [ranges] are used if given.
-    harmonics : CylinderHarmonics
-        What excites.
-    chains : pair of Vibration
-        The axial and the torsional one.
-    forced : pair of ForcedVibration
-        Theirs.
     shaft, analysis, model
         Source of the compliances; see `source_spread`.
     held : sequence of HeldChains

@@ -70,8 +70,6 @@ def axial_cycle_record(
 
     Parameters
     ----------
-    forced : ForcedVibration
-        Axial.
     coupled : CoupledResponse, optional
         Of the whole crankshaft, if it has the same bodies as the chain.
     """

@@ -164,8 +164,6 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
     ----------
     engine_file : EngineFile
         With gas pressure.
-    mechanism : MechanismFile
-        Of the same engine.
 
     Raises
     ------
@@ -287,8 +285,6 @@ def failing_harmonics(
     ----------
     engine_file : EngineFile
         Its section [misfire] may exclude compression, too; then no gas acts.
-    firing : CylinderHarmonics
-        From `engine_harmonics`.
 
     Raises
     ------
@@ -364,8 +360,6 @@ def forces_over_speeds(
 
     Parameters
     ----------
-    harmonics : CylinderHarmonics
-        From `engine_harmonics`.
     speeds : (S,) array
         Ascending, as those of `calculated_speeds`.
     """
@@ -392,10 +386,6 @@ def excitation_along_shaft(
     ----------
     axial : SourceResult
         The axial chain and its compliances.
-    cranks : EngineChain
-        The torsional chain.
-    twisted : ForcedResponse
-        Of the torsional chain.
 
     Returns
     -------
@@ -453,11 +443,6 @@ def with_propeller(
     engine_file: EngineFile, chain: EngineChain, excitation: OrderExcitation
 ) -> OrderExcitation:
     """Add the excitation by a propeller, if the file gives its harmonics for this kind.
-
-    Parameters
-    ----------
-    excitation : OrderExcitation
-        Of the engine, on the chain.
 
     Raises
     ------
@@ -539,12 +524,7 @@ def calculated_range(
 
 
 def refuse_vibration(engine_file: EngineFile) -> None:
-    """Refuse limits, sources of compliances and parts of chains with which no vibration is calculated.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse limits, sources of compliances and parts of chains with which no vibration is calculated."""
     refuse_limits(engine_file)
     refuse_law(engine_file)
     _refuse_formulas(engine_file)

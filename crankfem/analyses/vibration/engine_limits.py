@@ -274,12 +274,7 @@ def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float 
 
 
 def refuse_limits(engine_file: EngineFile) -> None:
-    """Refuse limits on parts that the engine lacks, rules that do not fit, and limits if nothing is excited.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse limits on parts that the engine lacks, rules that do not fit, limits without excitation."""
     _ = engine_limits(engine_file)
     compliances = np.full(len(engine_file.throw_angles_deg), ANY_COMPLIANCE)
     inertias = engine_throw_inertias(engine_file, ANY_INERTIA)
@@ -295,12 +290,7 @@ def refuse_limits(engine_file: EngineFile) -> None:
 
 
 def check_limited_elements(limits: LimitsInput, elements: Sequence[str]) -> None:
-    """Refuse limits on elements that the torsional chain does not have.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse limits on elements that the torsional chain does not have."""
     for name in ("coupling_torque", "coupling_heat"):
         if getattr(limits, name) is not None and COUPLING not in elements:
             raise InputError(

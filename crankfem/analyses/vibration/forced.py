@@ -463,8 +463,6 @@ def forced_vibrations(
     ----------
     axial, torsional : Vibration
         Modes of the chains with the chosen compliances.
-    shaft : ShaftCompliances
-        Of the throws in the shaft.
     further : (m,) array, optional
         Further natural frequencies to be resolved by the speeds [Hz].
 

@@ -380,11 +380,6 @@ def misfiring_or_reason(
 ) -> tuple[Misfiring | None, str]:
     """Calculate the vibration while cylinders misfire; without a section [misfire] each one in turn.
 
-    Parameters
-    ----------
-    harmonics : CylinderHarmonics
-        Of normal firing.
-
     Returns
     -------
     reason : str

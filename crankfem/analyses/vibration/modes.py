@@ -220,10 +220,6 @@ def axial_vibration(
 
     Parameters
     ----------
-    shaft : ShaftCompliances
-        From `compliances_in_shaft`.
-    model : ComplianceModel or None
-        The regression, if there is one.
     chosen_alone : bool, optional
         Without other sources and critical speeds.
 

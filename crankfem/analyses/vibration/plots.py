@@ -37,8 +37,6 @@ def plot_shaft_modes(
         Ends in .svg.
     radius : float
         Crank radius: rotation about the shaft is shown as the displacement there [m].
-    count : int
-        Number of modes.
 
     Raises
     ------
@@ -129,8 +127,6 @@ def plot_transient(
 
     Parameters
     ----------
-    run : TransientMotion or TurningRun
-        Of a chain.
     place : int, optional
         Number of the element, or of the node, from 0.
     quantity : {"torque", "motion"}

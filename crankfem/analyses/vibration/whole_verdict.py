@@ -76,8 +76,6 @@ def whole_stress(
 
     Parameters
     ----------
-    comparison : ShaftComparison
-        With its forced vibration.
     cranks : EngineChain
         The torsional chain: its elements pass the bearings.
     moduli : mapping of int to float
