@@ -226,14 +226,6 @@ def _uncertainty(uncertain: Uncertainty) -> Record:
     )
 
 
-# SI units of loads in records.
-
-# How the forces begin to tell that full load serves all speeds, which the load tells.
-
-
-# Shares below this are round-off: the cylinders cancel.
-
-
 def run_record(run: EngineVibration) -> Record:
     """Return modes, forced vibration, verdict, whole crankshaft and the effect of the main bearings' range.
 
