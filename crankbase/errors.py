@@ -117,12 +117,7 @@ class NotEnoughMemoryError(InputError):
 
 
 class InputErrors:
-    """Errors of parts of an input that are read independently, reported together.
-
-    Attributes
-    ----------
-    found : list of InputError
-    """
+    """Errors of parts of an input that are read independently, reported together."""
 
     def __init__(self) -> None:
         self.found: list[InputError] = []

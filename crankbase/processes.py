@@ -54,7 +54,6 @@ def start_child(
 
     Parameters
     ----------
-    module : str
     *arguments : str
         Its ``sys.argv``.
     environment : mapping, optional

@@ -59,7 +59,6 @@ def solving_memory(throw: Throw, unknowns: float, *, stresses: bool = False) -> 
 
     Parameters
     ----------
-    throw : CrankThrow or ImportedThrow
     unknowns : float
         Of the meshed part.
     stresses : bool
@@ -119,15 +118,10 @@ def refined_sizes(mesh: ThrowMesh, errors: EnergyErrors, target: float) -> SizeM
 
     Parameters
     ----------
-    mesh : ThrowMesh
     errors : EnergyErrors
         Of its solution.
     target : float
         Required error as a share of the energy.
-
-    Returns
-    -------
-    SizeMap
     """
     corners = mesh.elements[:, :4]
     sizes = element_sizes(mesh.points, corners)
@@ -192,11 +186,9 @@ class Problem:
 
     Attributes
     ----------
-    material : Material
     solver : str
         See `fem.solver.factorize`.
     end_sections : {"rigid", "averaged"}
-    watch : Stopwatch
     degree : int
         Of the polynomials that rigid end sections also move as; 0 for none.
     """
@@ -214,7 +206,6 @@ class RefinementLevel:
 
     Attributes
     ----------
-    mesh : ThrowMesh
     stiffness : sparse array
         Upper triangle.
     pins : tuple of NodalLoads
@@ -359,10 +350,8 @@ def solve_to_accuracy(
 
     Parameters
     ----------
-    throw : CrankThrow or ImportedThrow
     accuracy : float
         Required relative accuracy, 0.001 to 0.1.
-    problem : Problem
     mesher : callable
         Function for meshing, as `geometry.mesher.mesh_isolated`.
 
@@ -460,10 +449,6 @@ def analyze_throw(
         Function for meshing: throw, size factor, part and size map to ThrowMesh. By default gmsh runs in a
         separate process, so that a crash or a hang does not matter.
 
-    Returns
-    -------
-    ThrowAnalysis
-
     Raises
     ------
     InputError
@@ -513,10 +498,6 @@ def analyze_axial(
     """Compute only a throw's axial compliance e_n and influence coefficient c, pinned and guided.
 
     Parameters and errors as for `analyze_throw`, with the same axial results.
-
-    Returns
-    -------
-    AxialAnalysis
     """
     problem = Problem(material, solver, end_sections, Stopwatch())
     level = solve_to_accuracy(throw, accuracy, problem, mesher or mesh_isolated)

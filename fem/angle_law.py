@@ -121,10 +121,6 @@ class AngleLaw:
             New ones by default.
         quantity : {"axial_compliance", "influence_coefficient"}
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError
@@ -189,10 +185,6 @@ class AngleLaw:
 
 def angle_law(throw: Superelement) -> AngleLaw:
     """Find the angle law of a throw with equal webs.
-
-    Parameters
-    ----------
-    throw : Superelement
 
     Raises
     ------

@@ -143,10 +143,6 @@ def pin_case(
 def standard_cases(mesh: ThrowMesh) -> tuple[LoadCase, ...]:
     """All load cases for the behavior of a pinned or guided throw.
 
-    Parameters
-    ----------
-    mesh : ThrowMesh
-
     Returns
     -------
     tuple of LoadCase
@@ -194,7 +190,6 @@ def write_calculix(
     ----------
     mesh : ThrowMesh
         Of a throw meshed whole (part "full").
-    material : Material
     path : path
         A file with the ending ``.inp``.
     cases : sequence of LoadCase, optional

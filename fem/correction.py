@@ -69,7 +69,6 @@ def stresses_at(
         Node numbers.
     displacement : (n, 3) array
         [m]
-    material : Material
     gradients : (q, 10, 3) array
         Reference gradients of the shape functions at the wanted places.
 
@@ -215,7 +214,6 @@ class StressErrors:
     ----------
     elements : (m, 10) array
         Node numbers.
-    material : Material
     volumes : (m, 4) array
         Volumes of the sampling points [m^3].
     samples : (m, 4, 6, k) array
@@ -271,10 +269,6 @@ def stress_errors(
         As for `stresses_at`.
     displacements : (n, 3, k) array
         [m]
-
-    Returns
-    -------
-    StressErrors
     """
     _, gradients, weights = shapes_for_quadrature(SAMPLING_ORDER)
     count = displacements.shape[2]
@@ -369,7 +363,6 @@ def effectivity(mesh: ThrowMesh, share: float) -> float:
 
     Parameters
     ----------
-    mesh : ThrowMesh
     share : float
         Estimated error of the axial compliance, pinned, as a share of it.
     """
@@ -382,7 +375,6 @@ def corrected_class(part: CondensedClass, energies: Array, factor: float) -> Con
 
     Parameters
     ----------
-    part : CondensedClass
     energies : (k + a, k + a) array
         From `class_energies`; not changed.
     factor : float

@@ -120,7 +120,6 @@ def shapes_of_class(
     ----------
     problem : ClassProblem
         Of the class, its end sections held.
-    part : CondensedClass
     stiffness : (3 n, 3 n) sparse array
         Of the meshed part, upper triangle.
     inertia : (3 n, c) array
@@ -301,10 +300,6 @@ class DynamicSuperelement:
         ----------
         axes : matplotlib.axes.Axes, optional
             New ones by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
         """
         axes = new_axes(axes)
         draw_frequencies(
@@ -365,10 +360,6 @@ def dynamic_superelement(
         Whether to add the static response of the modes left out, one shape for each end motion.
     solver : {"auto", "pardiso", "superlu"}
         Equation solver.
-
-    Returns
-    -------
-    DynamicSuperelement
 
     Raises
     ------

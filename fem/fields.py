@@ -222,7 +222,6 @@ def stress_fields(
         Of the throw, fine at its fillets, such as `FilletStresses.loaded.mesh`.
     throw : CrankThrow
         With fillets or oil holes.
-    material : Material
     solver : str
         See `fem.solver.SharedSolver`.
     end_sections : {"rigid", "averaged"}

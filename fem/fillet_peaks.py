@@ -132,8 +132,6 @@ def rule_sizes(
 
     Parameters
     ----------
-    sizes : SizeMap
-    webs : sequence of WebPlate
     places : sequence of (Fillet, (p, 3) array)
         Fillets with points on them [m].
     """
@@ -188,7 +186,6 @@ def reading_quality(loaded: LoadedThrow, node: int, load: int, *, shear: bool) -
 
     Parameters
     ----------
-    loaded : LoadedThrow
     node : int
         Of the whole throw, as `fem.unit_loads.whole_nodes` numbers them. Where it is the middle of an edge
         the worse of the two ends counts, since more elements meet there.
@@ -374,8 +371,6 @@ class FilletPeak(_Peak):
 
     Attributes
     ----------
-    load : UnitLoad
-    fillet : Fillet
     principal : float
         Principal stress of the largest magnitude, with its sign [Pa/N or Pa/(N m)].
     principal_place : (3,) array
@@ -452,7 +447,6 @@ class FilletStresses:
 
     Attributes
     ----------
-    throw : CrankThrow or ImportedThrow
     peaks : tuple of FilletPeak
         For each load, the fillets from left to right.
     sharp_corners : tuple of str
@@ -529,10 +523,6 @@ class FilletStresses:
             New ones by default.
         criterion : {"principal", "von Mises"}
             Stress that is divided by the nominal one.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------

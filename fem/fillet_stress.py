@@ -92,10 +92,8 @@ def nominal_hole_stress(parts: ThrowParts, outlet: DrillingExit, load: UnitLoad)
 
     Parameters
     ----------
-    parts : ThrowParts
     outlet : DrillingExit
         Of one of the throw's oil holes.
-    load : UnitLoad
 
     Returns
     -------
@@ -143,7 +141,6 @@ def web_section(parts: ThrowParts, web: WebPlate) -> WebSection:
 
     Parameters
     ----------
-    parts : ThrowParts
     web : WebPlate
         One of its webs, of some thickness.
     """
@@ -168,10 +165,8 @@ def nominal_stress(parts: ThrowParts, fillet: Fillet, load: UnitLoad) -> float:
 
     Parameters
     ----------
-    parts : ThrowParts
     fillet : Fillet
         One of the throw's.
-    load : UnitLoad
 
     Returns
     -------
@@ -253,10 +248,6 @@ def fillet_stresses(
         the web. `FilletStresses.meshings` states the values reached.
     mesher : callable, optional
         Function for meshing; by default gmsh runs in a separate process.
-
-    Returns
-    -------
-    FilletStresses
 
     Raises
     ------

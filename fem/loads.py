@@ -84,7 +84,6 @@ class NodalLoads:
     Attributes
     ----------
     nodes : (s,) array
-    images : tuple of MirrorImage
     values : (images, s, 3, c) array
         For c load cases, on the nodes of each image along the axes of the throw.
     """
@@ -110,10 +109,6 @@ def pin_surfaces(mesh: ThrowMesh) -> tuple[LoadedSurface, ...]:
 
 def unit_pin_loads(mesh: ThrowMesh) -> tuple[NodalLoads, ...]:
     """Unit forces along x, y, z and unit moments about them on each pin, spread over its surface.
-
-    Parameters
-    ----------
-    mesh : ThrowMesh
 
     Returns
     -------
@@ -151,7 +146,6 @@ def pin_load(
 
     Parameters
     ----------
-    surface : LoadedSurface
     force, moment : (3,) array
         In the throw frame, about the pin's center [N, N m].
     distribution : {"uniform", "cosine"}
@@ -192,10 +186,6 @@ def pin_load(
 
 def uniform_pin_loads(mesh: ThrowMesh) -> NDArray[np.float64]:
     """Share of each node in a unit force spread uniformly over the meshed surface of each pin.
-
-    Parameters
-    ----------
-    mesh : ThrowMesh
 
     Returns
     -------

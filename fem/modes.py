@@ -75,7 +75,6 @@ class ClassModes:
 
     Attributes
     ----------
-    symmetry : SymmetryClass
     squares : (k,) array
         Squares of the angular frequencies [rad^2/s^2]; a rigid motion's may be slightly negative.
     shapes : (n, 3, k) array
@@ -114,7 +113,6 @@ class ClassProblem:
 
     Attributes
     ----------
-    symmetry : SymmetryClass
     nodes : int
         Number of nodes of the meshed part.
     free : (f,) array
@@ -273,9 +271,6 @@ def class_problem(
 
     Parameters
     ----------
-    mesh : ThrowMesh
-    matrices : PartMatrices
-    symmetry : SymmetryClass
     shift : float
         s of K + s M [rad^2/s^2]; positive unless the ends are held.
     held_ends : bool
@@ -440,10 +435,6 @@ class ThrowModes:
         ----------
         axes : matplotlib.axes.Axes, optional
             New ones by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
         """
         axes = new_axes(axes, width=9.0)
         kinds = [name.partition(",")[0] for name in self.names]
@@ -487,7 +478,6 @@ def free_modes(
     ----------
     mesh : ThrowMesh
         Of the throw or the part of it required by its symmetry; either gives all modes.
-    material : Material
     count : int, optional
         Number of modes, 1 to 500, or
     highest_frequency : float, optional

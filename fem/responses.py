@@ -41,7 +41,6 @@ def end_moment_numbers(throw: Superelement, length: float, alike: bool) -> dict[
 
     Parameters
     ----------
-    throw : Superelement
     length : float
         Of the throw [m].
     alike : bool
@@ -230,8 +229,6 @@ def evaluate_throw(
 
     Parameters
     ----------
-    throw : CrankThrow
-    material : Material
     accuracy : float
         Required relative accuracy of the axial compliance (pinned), 0.001 to 0.1; the others have the
         same mesh and errors of their own.
@@ -240,10 +237,6 @@ def evaluate_throw(
         long as everything else.
     mesher : callable
         As for `fem.analysis.analyze_throw`.
-
-    Returns
-    -------
-    ThrowResponses
 
     Raises
     ------

@@ -157,7 +157,6 @@ def combine_classes(
 
     Parameters
     ----------
-    classes : sequence of CondensedClass
     radials : (pins, 3) array
         Direction of a radial force on each pin; by default that of an only pin.
 
@@ -291,10 +290,6 @@ class ShaftCompliances:
             New ones by default.
         quantity : {"axial", "torsional", "through", "influence", "tangential"}
             The last two are tables of throws and pins.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -491,10 +486,6 @@ def shaft_compliances(
         Angle of each crank about +z [deg].
     bearing_stiffness : float or (n + 1,) array_like, optional
         Lateral, of the main bearings; see `solve_shaft`.
-
-    Returns
-    -------
-    ShaftCompliances
 
     Raises
     ------

@@ -102,7 +102,6 @@ def support_throw(throw: Superelement, support: Support) -> SupportedThrow:
 
     Parameters
     ----------
-    throw : Superelement
     support : "pinned", "guided" or Neighbors
 
     Raises
@@ -125,17 +124,12 @@ def reactions(throw: Superelement, support: Support, load: Array) -> Reactions:
 
     Parameters
     ----------
-    throw : Superelement
     support : "pinned", "guided" or Neighbors
         The left end takes the torque. Under `Neighbors` every throw carries the same pin load in its
         own frame, its left end takes its torque and axial push, and a force along the whole chain
         keeps the length of the middle throw.
     load : (m,) array
         End loads equivalent to the load on the pin, such as ``throw.joined.pin_loads[pin] @ p``.
-
-    Returns
-    -------
-    Reactions
     """
     motions = all_end_motions(throw, support, load[:, None])
     under_load = motions[:, 2]
@@ -181,7 +175,6 @@ def all_end_motions(throw: Superelement, support: Support, pin_loads: Array | No
 
     Parameters
     ----------
-    throw : Superelement
     support : "pinned", "guided" or Neighbors
     pin_loads : (12 or all, m) array, optional
         End loads equivalent to loads on the pins; by default those of the six unit loads on
@@ -442,7 +435,6 @@ def pin_response(
 
     Parameters
     ----------
-    throw : Superelement
     support : "pinned", "guided" or Neighbors
     load : (m,) array
         From `end_load`.

@@ -121,7 +121,6 @@ def surface_stress(
         without an edge.
     displacement : (n, 3, k) array
         [m]
-    material : Material
 
     Returns
     -------
@@ -304,7 +303,6 @@ def refine_at(sizes: SizeMap, places: Sequence[tuple[Array, float]]) -> SizeMap:
 
     Parameters
     ----------
-    sizes : SizeMap
     places : sequence of ((p, 3) array, float)
         Points [m], and the size of elements there [m].
     """
@@ -330,7 +328,6 @@ class Fillet:
         For example "left main journal", "pin, left web".
     journal : Cylinder
         The main journal or pin.
-    web : WebPlate
     radius : float
         [m]
     start, end : float

@@ -59,8 +59,6 @@ class SolvedThrow:
 
     Attributes
     ----------
-    throw : CrankThrow or ImportedThrow
-    material : Material
     mesh : ThrowMesh
         Mesh of the part of the throw that was solved.
     error_estimate : float
@@ -212,7 +210,6 @@ class SolvedSuperelement(SolvedThrow):
 
     Attributes
     ----------
-    superelement : Superelement
     classes : tuple of CondensedClass
         The solved symmetry classes with their displacement fields.
     """
@@ -311,10 +308,8 @@ class ThrowAnalysis(SolvedSuperelement):
     ----------
     throw, material, mesh, error_estimate, accuracy, seconds
         Input and accuracy, as of an `AxialAnalysis`.
-    superelement : Superelement
     classes : tuple of CondensedClass
         The solved symmetry classes with their displacement fields.
-    masses : MassProperties
     """
 
     masses: MassProperties
@@ -549,10 +544,6 @@ class ThrowAnalysis(SolvedSuperelement):
         axes : matplotlib.axes.Axes, optional
             New ones by default.
         quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient"}
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------

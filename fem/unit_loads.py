@@ -36,7 +36,6 @@ class UnitLoad:
     Attributes
     ----------
     kind : {"axial", "torsion", "bending", "cross bending", "radial"}
-    name : str
     unit : {"N", "N m"}
     ends : (12,) array
         Forces and moments on the left, then on the right end section.
@@ -85,8 +84,6 @@ class LoadedThrow:
     ----------
     mesh : ThrowMesh
         The meshed part.
-    material : Material
-    loads : tuple of UnitLoad
     shares : tuple of (SymmetryClass, (n, 3, k) array)
         Contribution of each symmetry class to the displacement of the meshed part under each of k
         loads [m].
@@ -138,9 +135,6 @@ def solve_unit_loads(
 
     Parameters
     ----------
-    mesh : ThrowMesh
-    loads : sequence of UnitLoad
-    material : Material
     solver : str
         See `fem.solver.SharedSolver`.
     end_sections : {"rigid", "averaged"}
@@ -195,7 +189,6 @@ class WholeNodes:
 
     Attributes
     ----------
-    images : tuple of MirrorImage
     numbers : (images, n) array
         Number of each node of the mesh in each image.
     """

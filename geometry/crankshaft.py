@@ -218,10 +218,6 @@ class Crankshaft:
         ----------
         axes : matplotlib.axes.Axes, optional
             New ones by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
         """
         from geometry.plots.throw_plot import plot_throws
 
@@ -245,7 +241,6 @@ def throw_masses(throw: CrankThrow, density: float) -> MassProperties:
 
     Parameters
     ----------
-    throw : CrankThrow
     density : float
         [kg/m^3]
 

@@ -67,7 +67,6 @@ class StepFace:
 
     Attributes
     ----------
-    name : str
     kind : str
         Type of its surface as STEP calls it, such as PLANE.
     point, axis : (x, y, z)
@@ -590,7 +589,6 @@ def imported_parts(throw: ImportedThrow, mesh: ThrowMesh) -> ThrowParts:
 
     Parameters
     ----------
-    throw : ImportedThrow
     mesh : ThrowMesh
         Of the throw; widths are measured on it.
 

@@ -96,10 +96,6 @@ def mass_properties(mesh: ThrowMesh, density: float) -> MassProperties:
     density : float
         [kg/m^3]
 
-    Returns
-    -------
-    MassProperties
-
     Raises
     ------
     InputError

@@ -160,7 +160,6 @@ class BuiltSolid:
 
     Attributes
     ----------
-    gmsh : module
     unit : float
         Length of 1 in the model [m].
     parts : ThrowParts
@@ -383,10 +382,6 @@ class ThrowMesh:
         eye : (3,) array_like
             Direction from the throw to the eye; the crank is upright.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError
@@ -547,10 +542,8 @@ def checked_mesh(
 
     Parameters
     ----------
-    gmsh : module
     surfaces : dict
         Surface tags by surface name.
-    solid : SolidProperties
     unit : float
         Length of 1 in the model [m].
     **described

@@ -55,7 +55,6 @@ def predict_imported_unknowns(throw: ImportedThrow, factor: float) -> int:
 
     Parameters
     ----------
-    throw : ImportedThrow
     factor : float
         Scales all element sizes.
     """
@@ -99,7 +98,6 @@ def mesh_imported_throw(
 
     Parameters
     ----------
-    throw : ImportedThrow
     size_factor, sizes, attempts, on_remark
         As for `mesh_throw`.
 

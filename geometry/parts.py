@@ -30,7 +30,6 @@ class Cylinder:
 
     Attributes
     ----------
-    name : str
     axis : (x, y)
         [m]
     radius, start, end : float
@@ -106,14 +105,12 @@ class WebPlate:
 
     Attributes
     ----------
-    name : str
     start, end : float
         Extent along z [m].
     foot, tip : (x, y)
         Axes that it joins: the shaft's and the pin's; for a web between pins, theirs [m].
     outline : Outline
         In coordinates u, v from the foot.
-    slopes : tuple of Slope
     sector : Sector or None
         Its counterweight, about the foot.
     """
@@ -205,7 +202,6 @@ def scaled_parts(parts: Part, factor: float) -> Part:
     Parameters
     ----------
     parts : ThrowParts, or one of them
-    factor : float
     """
 
     def scaled(item: Any) -> Any:
@@ -279,12 +275,7 @@ HALVINGS = 45
 
 
 def throw_volume(parts: ThrowParts) -> float:
-    """Volume of a throw [m^3]: journals, fillets, webs, counterweights, less bores and oil holes.
-
-    Parameters
-    ----------
-    parts : ThrowParts
-    """
+    """Volume of a throw [m^3]: journals, fillets, webs, counterweights, less bores and oil holes."""
     volume = 0.0
     for cylinder in parts.cylinders:
         area = math.pi * (cylinder.radius**2 - cylinder.bore_radius**2)

@@ -262,15 +262,6 @@ ROUNDED_PER_BULK, HOLE_PER_BULK = 0.1, 0.02
 def recognize(path: str, digest: str, wanted: RequestedFaces) -> ImportedThrow:
     """Find ends, pins and all other features in a file's solid.
 
-    Parameters
-    ----------
-    path, digest : str
-    wanted : Wanted
-
-    Returns
-    -------
-    ImportedThrow
-
     Raises
     ------
     InputError

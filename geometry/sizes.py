@@ -92,7 +92,6 @@ def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
 
     Parameters
     ----------
-    parts : ThrowParts
     factor : float
         Scales all sizes; 1 gives about 1 % accuracy of the axial compliance.
     """
@@ -194,7 +193,6 @@ def predict_unknowns(parts: ThrowParts, factor: float, part: str) -> int:
 
     Parameters
     ----------
-    parts : ThrowParts
     factor : float
         As for `size_plan`.
     part : {"quarter", "half", "full"}
@@ -317,8 +315,6 @@ def set_sizes(gmsh: Any, parts: ThrowParts, plan: SizePlan, last: float) -> None
     ----------
     gmsh : module
         With the solid built.
-    parts : ThrowParts
-    plan : SizePlan
     last : float
         Where the solid ends along z; zones beyond are left out.
     """
@@ -354,7 +350,6 @@ def set_face_sizes(
         Each as the bore of a cylinder; the plan's bores number them.
     fillets, corners : mapping
         Tags of the surfaces and curves of the plan's other zones.
-    plan : SizePlan
     """
     fields = []
     groups: dict[tuple[str, float], list[int]] = {}
@@ -381,8 +376,6 @@ def set_size_map(
 
     Parameters
     ----------
-    gmsh : module
-    sizes : SizeMap
     factor : float
         Scales all sizes.
     parts : ThrowParts, optional

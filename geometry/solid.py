@@ -47,7 +47,6 @@ def drilled_journal(
 
     Parameters
     ----------
-    gmsh : module
     journal : Cylinder
         Part of it before z = `limit`.
     drillings : sequence of Drilling
@@ -225,7 +224,6 @@ def build_solid(gmsh: Any, parts: ThrowParts, part: str) -> dict[str, list[int]]
     ----------
     gmsh : module
         The initialized gmsh module, its current model empty.
-    parts : ThrowParts
     part : {"quarter", "half", "full"}
         Part to build; the throw must have that symmetry.
 

@@ -39,7 +39,6 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
 
     Parameters
     ----------
-    solid : CrankThrow or Crankshaft
     path : path
         A file ending in ``.step`` or ``.stp``.
     part : {"full", "half", "quarter", "auto"}

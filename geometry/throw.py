@@ -35,10 +35,6 @@ COLLAR_MARGIN = 0.02
 def throw_parts(throw: ThrowDimensions) -> ThrowParts:
     """Lay out the parts of a throw.
 
-    Parameters
-    ----------
-    throw : ThrowDimensions
-
     Raises
     ------
     InputError
@@ -410,10 +406,6 @@ class CrankThrow(ThrowDimensions):
             From the side, z to the right; or from the left end, where x points to the left.
         dimensions : bool
             Write all dimensions in mm; without them the axes have scales in m.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------

@@ -429,10 +429,6 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
 def fits_plainly(throw: ThrowDimensions) -> bool:
     """Whether a throw with only the first eight dimensions passes `check_throw`, without its parts.
 
-    Parameters
-    ----------
-    throw : ThrowDimensions
-
     Returns
     -------
     bool
@@ -459,12 +455,7 @@ def fits_plainly(throw: ThrowDimensions) -> bool:
 
 
 def throw_remarks(parts: ThrowParts) -> tuple[str, ...]:
-    """Features that can be built but are hardly intended: bores that open into another journal's fillet.
-
-    Parameters
-    ----------
-    parts : ThrowParts
-    """
+    """Features that can be built but are hardly intended: bores that open into another journal's fillet."""
     remarks = []
     for place, web in enumerate(parts.webs):
         joined = parts.cylinders[place : place + 2]

@@ -74,10 +74,8 @@ class Web(InputModel):
 
     Parameters
     ----------
-    thickness, width, outline, journal_end, pin_end : optional
     corner_radius, corner_chamfer, tip_thickness, foot_thickness : optional
         As the throw's ``web_thickness``, ``web_width`` and so on [m].
-    counterweight : Counterweight, optional
 
     Raises
     ------

@@ -37,9 +37,7 @@ def check_sizes(field: str, array: FloatArray | ComplexArray, largest: float = L
 
     Parameters
     ----------
-    field : str
     array : ndarray of any shape
-    largest : float, optional
 
     Raises
     ------
@@ -167,8 +165,6 @@ def one_for_each(
         Name and owner of the values in messages, their unit, and why none may be
         negative.
     values : float or array_like of shape (count,)
-    count : int
-    zero_allowed : bool, optional
 
     Raises
     ------
@@ -318,7 +314,6 @@ def checked_degrees(field: str, angles_deg: ArrayLike, *, vector: bool = False) 
     ----------
     field : str
         Name of the values in messages.
-    angles_deg : array_like
     vector : bool, optional
         Whether they must be of shape (m,).
 

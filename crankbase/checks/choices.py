@@ -57,8 +57,6 @@ def did_you_mean(given: str, names: Iterable[str], cutoff: float = 0.6, form: st
 
     Parameters
     ----------
-    given : str
-    names : iterable of str
     cutoff : float
         Required similarity, 0 to 1.
     form : str

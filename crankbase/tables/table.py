@@ -361,8 +361,6 @@ class Table:
 
     Parameters
     ----------
-    title : str
-    columns : sequence of Column
     rows : sequence of sequences of cells
         A cell for each column.
     note : str
@@ -392,8 +390,6 @@ class Table:
 
         Parameters
         ----------
-        title, note : str
-        records : iterable
         *columns : tuple of (Column, str or callable)
             Each with the key of its cells in the records, or a function that makes a cell of a record.
         """
@@ -457,7 +453,6 @@ class TableUnit:
         Of the unit.
     size : float
         Of the unit, in the unit of the numbers.
-    decimals : int
     """
 
     name: str

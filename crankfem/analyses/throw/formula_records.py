@@ -48,8 +48,6 @@ def formula_records(
 
     Parameters
     ----------
-    throw : CrankThrow
-    material : Material
     gamma_deg, variant, constants
         As in `axial_formulas`.
 
@@ -91,7 +89,6 @@ def fe_axial(analysis: ThrowAnalysis, gamma_deg: float) -> float:
 
     Parameters
     ----------
-    analysis : ThrowAnalysis
     gamma_deg : float
         Angle between neighboring cranks [deg].
 
@@ -116,7 +113,6 @@ def fe_record(analysis: ThrowAnalysis, gamma_deg: float) -> Record:
 
     Parameters
     ----------
-    analysis : ThrowAnalysis
     gamma_deg : float
         Angle between neighboring cranks [deg].
 
@@ -157,7 +153,6 @@ class EngineSpread:
 
     Attributes
     ----------
-    engine : str
     overlap : float
         Overlap of main journal and crankpin relative to the crank radius, negative without overlap.
     fe : mapping of str to float
@@ -199,8 +194,6 @@ def engine_spread(
     ----------
     engine : str
         Its name.
-    throw : CrankThrow
-    material : Material
     gamma_deg, variant, constants
         As in `axial_formulas`.
     accuracy : float
@@ -256,7 +249,6 @@ def formula_spreads(spreads: Sequence[EngineSpread], kind: str) -> dict[str, For
 
     Parameters
     ----------
-    spreads : sequence of EngineSpread
     kind : {"axial", "torsional"}
 
     Returns
@@ -314,10 +306,6 @@ def plot_formulas(
     finite_elements : float, optional
         Compliance of the same throw by finite elements, drawn as a line, in the formulas' unit.
 
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError
@@ -357,17 +345,12 @@ def plot_formulas_over_angle(
 
     Parameters
     ----------
-    throw : CrankThrow
     axes : matplotlib.axes.Axes, optional
         New ones by default.
     analysis : ThrowAnalysis, optional
         Of the same throw, drawn too; its material is then used.
     material : Material
         For the formulas otherwise.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     used = material if analysis is None else analysis.material
     tables = [axial_formulas(throw, angle, material=used) for angle in ANGLES_DEG.tolist()]
@@ -393,10 +376,6 @@ def plot_run_formulas(results: Mapping[str, Any], axes: "Axes | None" = None) ->
         The content of a run's results.json.
     axes : matplotlib.axes.Axes, optional
         New ones by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------

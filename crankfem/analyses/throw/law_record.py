@@ -36,8 +36,6 @@ def law_answers(
 
     Parameters
     ----------
-    throw : CrankThrow
-    material : Material
     gamma_deg : float, optional
         Angle between neighboring cranks [deg], for the axial compliance and the influence coefficient;
         by default pinned ends.

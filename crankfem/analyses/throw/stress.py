@@ -30,14 +30,11 @@ def stresses_or_reason(
 
     Parameters
     ----------
-    throw : CrankThrow
-    material : Material
     mesh : {"adaptive", "m53"}
         See `fem.fillet_stress.fillet_stresses`.
 
     Returns
     -------
-    FilletStresses or None
     str or None
         Why there are none.
     """

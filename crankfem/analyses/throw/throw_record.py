@@ -128,7 +128,6 @@ def throw_record(
 
     Parameters
     ----------
-    analysis : ThrowAnalysis
     radial_force : float
         Z for the reactions [N].
     pin_force : (3,) sequence of float, optional

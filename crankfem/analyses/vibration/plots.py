@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import finite_array, finite_vector
-from crankbase.diagrams import figure
+from crankbase.diagrams import draw_diagram, figure
 from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title
 from crankfem.analyses.vibration.run import EngineVibration
@@ -16,7 +16,7 @@ from crankfem.analyses.vibration.run_up import RunUp
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.plots.campbell import Meeting, draw_campbell
 from dynamics.plots.curves import draw_named_curves, draw_speed
-from dynamics.plots.mode_shapes import draw_shaft_shape
+from dynamics.plots.mode_shapes import shaft_shape
 from dynamics.transient.motions import Moving
 from dynamics.transient.run import TransientMotion
 from dynamics.transient.turning_run import TurningRun
@@ -58,7 +58,8 @@ def plot_shaft_modes(
         for spare in axes.flat[len(shown) :]:
             spare.remove()
         for one, mode in zip(axes.flat, shown, strict=False):
-            draw_shaft_shape(one, places, modes.motions[order, :, mode], radius)
+            draw_diagram(one, shaft_shape(places, modes.motions[order, :, mode], radius))
+            one.set_ylabel("")
             one.set_title(
                 f"{modes.frequencies[mode]:.1f} Hz\n" + modes.label(mode).replace(", ", "\n"),
                 fontsize=9,

@@ -124,7 +124,6 @@ def draw_throw(throw: CrankThrow, title: str = "") -> "Figure":
 
     Parameters
     ----------
-    throw : CrankThrow
     title : str
         Name of the engine or the throw, for the title block.
 

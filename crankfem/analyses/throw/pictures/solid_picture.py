@@ -78,7 +78,6 @@ def throw_surface(throw: Throw, fineness: int) -> SolidSurface:
 
     Parameters
     ----------
-    throw : CrankThrow or ImportedThrow
     fineness : int
         Each curved triangle of the mesh becomes the square of this number of flat ones.
 
@@ -108,7 +107,6 @@ def shaft_surface(shaft: Crankshaft, fineness: int) -> SolidSurface:
 
     Parameters
     ----------
-    shaft : Crankshaft
     fineness : int
         As for `throw_surface`.
 
@@ -212,7 +210,6 @@ def picture_throw(throw: Throw, path: str | Path) -> Path:
 
     Parameters
     ----------
-    throw : CrankThrow or ImportedThrow
     path : path
         A file ending in ``.png``.
 
@@ -240,7 +237,6 @@ def picture_shaft(shaft: Crankshaft, path: str | Path) -> Path:
 
     Parameters
     ----------
-    shaft : Crankshaft
     path : path
         A file ending in ``.png``.
 
@@ -289,7 +285,6 @@ def render(surface: SolidSurface, view: Array, pixels: int, folder: Path) -> Non
 
     Parameters
     ----------
-    surface : SolidSurface
     view : (3,) array
         From the picture's middle to the eye.
     pixels : int

@@ -52,7 +52,6 @@ def write_vtu(analysis: ThrowAnalysis, path: str | Path) -> Path:
 
     Parameters
     ----------
-    analysis : ThrowAnalysis
     path : path
         File ending in ``.vtu`` or another format of `write_mesh` that carries values at nodes.
 
@@ -132,7 +131,6 @@ def picture_stresses(stresses: FilletStresses, folder: str | Path) -> tuple[Path
 
     Parameters
     ----------
-    stresses : FilletStresses
     folder : path
         Folder for the files ``stress-axial.png`` and so on; created if necessary.
 
