@@ -289,12 +289,32 @@ class Band(NamedTuple):
 
 
 class Dots(NamedTuple):
-    """Single points, such as those of a table."""
+    """Single points, such as those of a table.
 
-    x: Array
-    y: Array
+    Attributes
+    ----------
+    symbols : str
+        Letters as of matplotlib: one for all, or one for each point.
+    weights : sequence of n floats
+        From 0 to 1; larger dots have larger ones. None: all have one size.
+    hover : str
+        What a screen tells of a point, as of `Line`.
+    texts : sequence of n str
+        For ``%{text}`` there.
+    group, main
+        As of `Line`.
+    """
+
+    x: ArrayLike
+    y: ArrayLike
     name: str
     color: str
+    symbols: str = "o"
+    weights: Sequence[float] | None = None
+    hover: str = ""
+    texts: Sequence[str] = ()
+    group: str = ""
+    main: bool = True
 
 
 class Mark(NamedTuple):
@@ -351,6 +371,160 @@ class Curves:
         return bracketed(self.x_label), bracketed(self.y_label)
 
 
+class Line(NamedTuple):
+    """A line through points of its own, in the units of the axes; NaN leaves a gap.
+
+    Attributes
+    ----------
+    hover : str
+        What a screen tells of a point, in plotly's template language.
+    width, marker : float
+        Of the line, and of a dot at each point [points].
+    texts : sequence of n str
+        Plain, for ``%{text}``.
+    group : str
+        A legend switches all of a group at once, and shows a name in it once.
+    main : bool
+        Others are left out on paper, and hidden at first on a screen.
+    """
+
+    x: ArrayLike
+    y: ArrayLike
+    name: str
+    color: str
+    hover: str
+    width: float = 1.4
+    dash: Dash = "solid"
+    marker: float = 0.0
+    texts: Sequence[str] = ()
+    group: str = ""
+    main: bool = True
+
+
+class Note(NamedTuple):
+    """A text at a point: to its right, above it, or on a line that begins there."""
+
+    text: str
+    x: float
+    y: float
+    side: Literal["right", "above", "line"]
+    color: str = "black"
+
+
+class Limits(NamedTuple):
+    """An axis: its label with the unit in brackets, its ends, and ticks by name if it has no numbers."""
+
+    label: str
+    ends: tuple[float, float] | None = None
+    ticks: Mapping[float, str] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Diagram:
+    """A diagram for paper and for a screen; its lines, and dots, cover those before them.
+
+    Attributes
+    ----------
+    level : bool
+        Whether a line marks zero.
+    lines_named : bool
+        Whether the legend on paper has the lines; that on a screen has all.
+    """
+
+    x: Limits
+    y: Limits
+    lines: Sequence[Line]
+    dots: Sequence[Dots] = ()
+    notes: Sequence[Note] = ()
+    bands: Sequence[Band] = ()
+    level: bool = False
+    lines_named: bool = True
+
+
+# Sizes of dots on paper [points]: of those without weights by symbol, and at weights 0 and 1.
+DOT_SIZES = {"o": 4.0, "x": 7.0}
+LEAST_DOT, DOT_GROWTH = 2.5, 9.0
+# Letters that stand side by side under the axis.
+TICK_ROOM = 90
+
+
+def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
+    """Draw a diagram on axes; the legend is left to the caller."""
+    for low, high, color, _ in diagram.bands:
+        axes.axvspan(low, high, color=color, zorder=0)
+    if diagram.level:
+        axes.axhline(0.0, color=GRAY, linewidth=1.0)
+    for curve in diagram.lines:
+        if curve.main:
+            axes.plot(
+                curve.x,
+                curve.y,
+                color=curve.color,
+                linestyle=ON_PAPER[curve.dash],
+                linewidth=curve.width,
+                marker="o" if curve.marker else "",
+                markersize=curve.marker,
+                label=curve.name if diagram.lines_named else None,
+            )
+    for note in diagram.notes:
+        _draw_note(axes, note)
+    for dots in diagram.dots:
+        if dots.main:
+            _draw_dots(axes, dots)
+    axes.set_xlabel(diagram.x.label)
+    axes.set_ylabel(diagram.y.label)
+    if diagram.x.ticks is not None:
+        names = list(diagram.x.ticks.values())
+        crowded = sum(max(map(len, name.split("\n"))) for name in names) > TICK_ROOM
+        axes.set_xticks(
+            list(diagram.x.ticks),
+            [name.replace("\n", " ") for name in names] if crowded else names,
+            fontsize=8,
+            rotation=40 if crowded else 0,
+            ha="right" if crowded else "center",
+        )
+    if diagram.x.ends is not None:
+        axes.set_xlim(*diagram.x.ends)
+    if diagram.y.ends is not None:
+        axes.set_ylim(*diagram.y.ends)
+
+
+def _draw_dots(axes: "Axes", dots: Dots) -> None:
+    x, y = np.atleast_1d(dots.x), np.atleast_1d(dots.y)
+    symbols = dots.symbols * x.size if len(dots.symbols) == 1 else dots.symbols
+    edge: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5}
+    for place, symbol in enumerate(symbols):
+        size = DOT_SIZES.get(symbol, 4.0)
+        if dots.weights is not None:
+            size = LEAST_DOT + DOT_GROWTH * dots.weights[place]
+        look = {"color": dots.color, "markersize": size, **({} if symbol == "x" else edge)}
+        axes.plot(x[place], y[place], symbol, zorder=3, **look)
+    if x.size and "x" not in symbols:
+        axes.plot([], [], "o", color=dots.color, label=dots.name)
+
+
+def _draw_note(axes: "Axes", note: Note) -> None:
+    offset, across, up = {
+        "right": ((3, 0), "left", "center"),
+        "above": ((0, 2), "center", "bottom"),
+        "line": ((4, 5), "left", "baseline"),
+    }[note.side]
+    # What it crosses does not run through it.
+    ground = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 0.8}
+    axes.annotate(
+        note.text,
+        (note.x, note.y),
+        xytext=offset,
+        textcoords="offset points",
+        fontsize=8 if note.side == "line" else 7,
+        color=note.color,
+        ha=across,
+        va=up,
+        bbox=ground if note.side == "line" else None,
+        annotation_clip=None if note.side == "line" else False,
+    )
+
+
 def bracketed(label: str) -> str:
     """Return the unit in brackets at the end of a label.
 
@@ -366,8 +540,8 @@ def draw_curves(axes: "Axes", curves: Curves) -> None:
     """Draw a diagram on axes; the legend is left to the caller."""
     draw_bands(axes, curves.bands)
     draw_lines(axes, curves.x, curves.series)
-    for x, y, name, color in curves.dots:
-        axes.plot(x, y, "o", color=color, markersize=4.0, label=name)
+    for dots in curves.dots:
+        axes.plot(dots.x, dots.y, "o", color=dots.color, markersize=4.0, label=dots.name)
     named: set[str] = set()
     for place, name, color in curves.marks:
         label = None if name in named else name

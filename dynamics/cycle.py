@@ -9,6 +9,8 @@ from crankbase.errors import InputError
 
 # A sample may lie off its even place by this share of the step: room for angles printed rounded.
 PLACE_TOLERANCE = 0.02
+# An order that was calculated is a multiple of the step within this share of it.
+ON_STEP = 1e-9
 
 
 def checked_strokes(strokes: int) -> int:
@@ -34,6 +36,20 @@ def cycle_radians(strokes: int) -> float:
 def order_step(strokes: int) -> float:
     """Return the lowest harmonic order, in cycles per crankshaft revolution: 0.5 or 1."""
     return 2.0 / checked_strokes(strokes)
+
+
+def order_numbers(orders: FloatArray, strokes: int) -> FloatArray:
+    """Return how many steps of the cycle's orders each order is (K,); others are refused."""
+    step = order_step(strokes)
+    numbers = np.round(orders / step)
+    between = np.flatnonzero(np.abs(orders / step - numbers) > ON_STEP * numbers)
+    if between.size:
+        first = int(between[0])
+        raise InputError(
+            f"orders[{first}]: given {orders[first]:g}; allowed are multiples of {step:g}, because "
+            f"a cycle of {strokes} strokes has no others."
+        )
+    return np.asarray(numbers)
 
 
 def even_angles(length: float, count: int) -> FloatArray:

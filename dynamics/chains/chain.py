@@ -184,17 +184,6 @@ def check_connected(parts: NDArray[np.int64], dashpots: Sequence[Dashpot]) -> No
         )
 
 
-def gear_groups(gears: Sequence[Gear], count: int) -> FloatArray:
-    """Return T of shape (n, q): motion of the nodes per motion of the q that gears leave free.
-
-    Each group of nodes coupled by gears moves with its first node.
-    """
-    groups, ratios = speed_ratios((), gears, count)
-    expand = np.zeros((count, int(groups.max()) + 1))
-    expand[np.arange(count), groups] = ratios
-    return expand
-
-
 # Residual that the modes must keep, relative to the largest eigenvalue; round-off leaves 1e-14.
 RESIDUAL_LIMIT = 1e-10
 DAMPING_UNIT = "N m s/rad (torsional) or N s/m (axial)"
@@ -354,7 +343,10 @@ class Chain:
 
     def expansion(self) -> FloatArray:
         """Return T of shape (n, q): node motions per motion of the unknowns that gears leave free."""
-        return gear_groups(self.gears, self.inertia.size)
+        groups, ratios = speed_ratios((), self.gears, self.inertia.size)
+        expand = np.zeros((self.inertia.size, int(groups.max()) + 1))
+        expand[np.arange(self.inertia.size), groups] = ratios
+        return expand
 
     def elongations(self) -> FloatArray:
         """Return the twist (lengthening) of each element per motion of each node, shape (e, n)."""

@@ -445,7 +445,16 @@ def throw_inertias(
         "every throw has inertia",
         zero_allowed=False,
     )
-    inertias = _half_shares(engine) if reciprocating == "half" else _means(engine)
+    angles = even_angles(2.0 * np.pi, MEAN_ANGLES)
+    inertias = []
+    for number, cylinder in enumerate(engine.cylinders, start=1):
+        rod = cylinder.rod
+        if reciprocating == "half":
+            at_piston = rod.mass * rod.center_distance / rod.length
+            moving = cylinder.piston_mass + at_piston
+            inertias.append((rod.mass - at_piston + moving / 2.0) * engine.crank_radius**2)
+        else:
+            inertias.append(float(np.mean(cylinder_inertia(engine, number, rod, angles))))
     shares = [sum(inertias[number - 1] for number in group) for group in groups]
     return np.asarray(solids + np.array(shares))
 
@@ -470,24 +479,6 @@ def cylinder_inertia(
     inertia = engine.cylinders[number - 1].piston_mass * np.abs(motion.piston.first) ** 2
     inertia += rod.mass * np.abs(motion.rod_point(rod.center).first) ** 2
     return np.asarray(inertia + rod.inertia * motion.rod.first**2)
-
-
-def _half_shares(engine: EngineLayout) -> list[float]:
-    shares = []
-    for cylinder in engine.cylinders:
-        rod = cylinder.rod
-        at_piston = rod.mass * rod.center_distance / rod.length
-        moving = cylinder.piston_mass + at_piston
-        shares.append((rod.mass - at_piston + moving / 2.0) * engine.crank_radius**2)
-    return shares
-
-
-def _means(engine: EngineLayout) -> list[float]:
-    angles = even_angles(2.0 * np.pi, MEAN_ANGLES)
-    return [
-        float(np.mean(cylinder_inertia(engine, number, cylinder.rod, angles)))
-        for number, cylinder in enumerate(engine.cylinders, start=1)
-    ]
 
 
 def _masses(field: str, masses: ArrayLike) -> FloatArray:

@@ -6,14 +6,14 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
 from crankbase.checks.choices import check_choice, whole_within
-from crankbase.diagrams import legend_inside, new_axes, write_title
+from crankbase.diagrams import draw_diagram, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Axes, DataFrame, Dataset, grid, table
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.crankshaft.assembly import CLASSES, AssembledShaft
 from dynamics.crankshaft.surroundings import RZ, UZ
-from dynamics.plots.mode_shapes import draw_shaft_shape
+from dynamics.plots.mode_shapes import shaft_shape
 from dynamics.plots.quantities import name_axis
 from dynamics.response.linear_system import LinearSystem, natural_modes
 
@@ -123,8 +123,7 @@ class ShaftModes:
         arm = positive_number("radius", radius, "m", "rotation is shown as displacement there")
         along = np.argsort(self.positions, kind="stable")
         axes = new_axes(axes)
-        draw_shaft_shape(axes, self.positions[along], self.motions[along, :, mode], arm)
-        axes.set_ylabel("relative displacement [1]")
+        draw_diagram(axes, shaft_shape(self.positions[along], self.motions[along, :, mode], arm))
         write_title(axes, f"{self.frequencies[mode]:.1f} Hz: {self.label(mode)}")
         legend_inside(axes)
         return axes

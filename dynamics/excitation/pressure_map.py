@@ -24,7 +24,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.critical import engine_orders
-from dynamics.cycle import cycle_radians, even_angles, order_step
+from dynamics.cycle import cycle_radians, even_angles, order_numbers, order_step
 from dynamics.gas.cycle_values import GasCycle
 from dynamics.gas.cylinder_volume import Position
 from dynamics.gas.gas_cycle import Solved, gas_cycle
@@ -32,9 +32,6 @@ from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.plots.curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.quantities import MEGA
 from dynamics.response.order_excitation import checked_orders, checked_speeds
-
-# An order that was calculated is a multiple of the step within this share of it.
-ON_STEP = 1e-9
 
 
 def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
@@ -61,14 +58,7 @@ def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> N
         In cycles per crankshaft revolution, above zero and ascending.
     """
     values, step = checked_orders(orders), order_step(strokes)
-    places = np.round(values / step)
-    between = np.flatnonzero(np.abs(values / step - places) > ON_STEP * places)
-    if between.size:
-        first = int(between[0])
-        raise InputError(
-            f"orders[{first}]: given {values[first]:g}; allowed are multiples of {step:g}, because "
-            f"a cycle of {strokes} strokes has no others."
-        )
+    places = order_numbers(values, strokes)
     highest = (samples - 1) // 2
     beyond = np.flatnonzero(places > highest)
     if beyond.size:

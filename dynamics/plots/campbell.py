@@ -6,20 +6,19 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.diagrams import COLORS, GRAY
+from crankbase.diagrams import COLORS, GRAY, Band, Diagram, Dots, Limits, Line, Note, draw_diagram
 from crankbase.tables.frames import Axes
 from crankbase.units.units import RPM
 from dynamics.plots.harmonics import KIND_COLORS
 from dynamics.plots.quantities import SPEED_LABEL
 
 RUNNING = "#eef3f8"
-# Least and further size of a resonance's dot [points], the latter at severity 1.
-DOT, DOT_GROWTH = 2.5, 9.0
+# Points along a straight line to hover on.
+PLACES = 25
 # Least distance of the orders' labels, as a share of the side along which they stand.
 LABEL_ROOM = 0.045
 # Share of the running range shown on both sides of it, and of the height what is highest takes.
 MARGIN, HEADROOM = 0.15, 1.12
-FREQUENCY_LABEL = "frequency [Hz]"
 
 
 class Meeting(Protocol):
@@ -95,7 +94,7 @@ def campbell_frame(
     speed_range: tuple[float, float],
     meetings: Sequence[Meeting],
 ) -> CampbellFrame:
-    """Return the contents of a Campbell diagram; arguments as for `draw_campbell`."""
+    """Return the contents of a Campbell diagram; arguments as for `campbell`."""
     low, high = (speed * RPM for speed in speed_range)
     # Limits may hold above the running range, and resonances lie there.
     last = max((meeting.speed_rpm for meeting in meetings), default=high)
@@ -108,19 +107,14 @@ def campbell_frame(
     return CampbellFrame((low, high), (left, right), top, natural[natural <= top])
 
 
-def mode_text(place: int, frequency: float) -> str:
-    """Return the label at the line of a mode, from 0, of a frequency [Hz]."""
-    return f"mode {place + 1}: {frequency:.1f} Hz"
-
-
-def draw_campbell(
-    axes: Axes,
+def campbell(
     natural: FloatArray,
     orders: FloatArray,
     speed_range: tuple[float, float],
     meetings: Sequence[Meeting],
-) -> None:
-    """Draw natural frequencies and order lines over speed, with a dot at each resonance.
+    texts: Sequence[str] = (),
+) -> Diagram:
+    """Describe natural frequencies and order lines over speed, with a dot at each resonance.
 
     Parameters
     ----------
@@ -132,71 +126,65 @@ def draw_campbell(
         Running range [rad/s].
     meetings : sequence of Meeting
         Dots grow with their severity.
+    texts : sequence of str, optional
+        What a screen tells of each meeting.
     """
     frame = campbell_frame(natural, orders, speed_range, meetings)
-    (low, high), (left, right), top = frame.running, frame.ends, frame.top
-    axes.axvspan(low, high, color=RUNNING, zorder=0)
-    labeled = frame.labeled(orders.tolist())
+    left, right = frame.ends
+    lines, notes, dots = [], [], []
     for order in orders.tolist():
-        _order_line(axes, order, frame, labeled=order in labeled)
-    for place, frequency in enumerate(frame.natural.tolist()):
-        color = COLORS[place % len(COLORS)]
-        axes.axhline(frequency, color=color, linewidth=1.6, zorder=2)
-        axes.annotate(
-            mode_text(place, frequency),
-            (left, frequency),
-            xytext=(4, 5),
-            textcoords="offset points",
-            fontsize=8,
-            color=color,
-            # Orders do not run through it.
-            bbox={"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 0.8},
+        speeds = np.linspace(left, frame.line_end(order)[0], PLACES)
+        hover = f"order {order:g}<br>%{{x:.5g}} 1/min<br>%{{y:.5g}} Hz"
+        width = 0.9 if float(order).is_integer() else 0.4
+        lines.append(
+            Line(speeds, order * speeds / 60.0, "orders", GRAY, hover, width, group="orders")
         )
+    for order in frame.labeled(orders.tolist()):
+        speed, frequency, over = frame.line_end(order)
+        notes.append(Note(f"{order:g}", speed, frequency, "above" if over else "right"))
+    for place, frequency in enumerate(frame.natural.tolist()):
+        name, color = f"mode {place + 1}", COLORS[place % len(COLORS)]
+        along, hover = np.linspace(left, right, PLACES), f"{name}<br>{frequency:.5g} Hz"
+        lines.append(Line(along, np.full(PLACES, frequency), name, color, hover, 1.6))
+        notes.append(Note(f"{name}: {frequency:.1f} Hz", left, frequency, "line", color))
     for kind, color in KIND_COLORS.items():
-        alike = [meeting for meeting in meetings if meeting.kind == kind]
-        for meeting in alike:
-            axes.plot(
-                meeting.speed_rpm,
-                meeting.frequency,
-                "X" if meeting.unbounded else "o",
-                color=color,
-                markersize=DOT + DOT_GROWTH * meeting.severity,
-                markeredgecolor="white",
-                markeredgewidth=0.5,
-                zorder=3,
-            )
+        alike = [place for place, meeting in enumerate(meetings) if meeting.kind == kind]
         if alike:
-            axes.plot([], [], "o", color=color, label=f"{kind} order")
+            dots.append(
+                Dots(
+                    [meetings[place].speed_rpm for place in alike],
+                    [meetings[place].frequency for place in alike],
+                    f"{kind} order",
+                    color,
+                    "".join("X" if meetings[place].unbounded else "o" for place in alike),
+                    [meetings[place].severity for place in alike],
+                    "%{text}",
+                    [texts[place] for place in alike] if texts else (),
+                )
+            )
+    return Diagram(
+        Limits(SPEED_LABEL, frame.ends),
+        Limits("frequency [Hz]", (0.0, frame.top)),
+        lines,
+        dots,
+        notes,
+        (Band(*frame.running, RUNNING, "running range"),),
+        lines_named=False,
+    )
+
+
+def draw_campbell(
+    axes: Axes,
+    natural: FloatArray,
+    orders: FloatArray,
+    speed_range: tuple[float, float],
+    meetings: Sequence[Meeting],
+) -> None:
+    """Draw `campbell` on axes, with its legend."""
+    draw_diagram(axes, campbell(natural, orders, speed_range, meetings))
     if any(meeting.unbounded for meeting in meetings):
         axes.plot([], [], "X", color=GRAY, label="unbounded: nothing damps it")
-    axes.set_xlim(left, right)
-    axes.set_ylim(0.0, top)
-    axes.set_xlabel(SPEED_LABEL)
-    axes.set_ylabel(FREQUENCY_LABEL)
     if meetings:
         axes.legend(
             fontsize=8, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.03), frameon=False
-        )
-
-
-def _order_line(axes: Axes, order: float, frame: CampbellFrame, *, labeled: bool) -> None:
-    """Draw one order's line, with its number at its end if it is labeled."""
-    axes.plot(
-        frame.ends,
-        [order * end / 60.0 for end in frame.ends],
-        color=GRAY,
-        linewidth=0.8 if order.is_integer() else 0.35,
-        zorder=1,
-    )
-    speed, frequency, over = frame.line_end(order)
-    if labeled:
-        axes.annotate(
-            f"{order:g}",
-            (speed, frequency),
-            xytext=(0, 2) if over else (3, 0),
-            textcoords="offset points",
-            fontsize=7,
-            ha="center" if over else "left",
-            va="bottom" if over else "center",
-            annotation_clip=False,
         )

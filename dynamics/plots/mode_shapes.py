@@ -5,24 +5,35 @@ from collections.abc import Sequence
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.diagrams import BLUE, COLORS, GRAY, GREEN, ORANGE, legend_above
+from crankbase.diagrams import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    Dash,
+    Diagram,
+    Dots,
+    Limits,
+    Line,
+    draw_diagram,
+    legend_above,
+    order_line_style,
+)
 from crankbase.tables.frames import Axes
+from crankbase.units.units import format_number
 from dynamics.plots.quantities import MILLI
 
-# Letters that stand side by side under the axis.
-ROOM = 90
 
-
-def draw_chain_shapes(
-    axes: Axes,
+def chain_shapes(
     shapes: FloatArray,
     labels: Sequence[str],
     still: Sequence[tuple[float, ...]],
     pairs: Sequence[tuple[int, int]],
     names: Sequence[str],
     motion: str = "displacement",
-) -> None:
-    """Draw mode shapes of a chain over its nodes, with a cross at each node of vibration.
+    main: int | None = None,
+    ticks: Sequence[str] = (),
+) -> Diagram:
+    """Describe mode shapes of a chain over its nodes, with a cross at each node of vibration.
 
     Parameters
     ----------
@@ -38,25 +49,50 @@ def draw_chain_shapes(
         Of the nodes.
     motion : str, optional
         "twist" or "displacement".
+    main : int, optional
+        Number of those that a screen shows at first; all by default.
+    ticks : sequence of n str, optional
+        Names under the axis; by default those of the nodes.
     """
     places = chain_places(len(names), pairs)
-    axes.axhline(0.0, color=GRAY, linewidth=1.0)
+    lines, dots = [], []
     for shown, (label, positions) in enumerate(zip(labels, still, strict=True)):
-        shape, color = shapes[:, shown], COLORS[shown % len(COLORS)]
-        for pair in pairs:
-            axes.plot(places[list(pair)], shape[list(pair)], "-", color=color)
-        axes.plot(places, shape, "o", color=color, markersize=4, label=label)
-        crosses = crosses_on_axis(positions, pairs, places)
-        axes.plot(crosses, np.zeros(len(crosses)), "x", color=color, markersize=7)
-    crowded = sum(max(map(len, name.split("\n"))) for name in names) > ROOM
-    axes.set_xticks(
-        places,
-        [name.replace("\n", " ") for name in names] if crowded else list(names),
-        fontsize=8,
-        rotation=40 if crowded else 0,
-        ha="right" if crowded else "center",
+        color, dash, _ = order_line_style(shown)
+        group, seen = f"mode {shown + 1}", main is None or shown < main
+        # Chains may branch: each connection is a line of its own.
+        along = [place for pair in pairs for place in (*places[list(pair)], np.nan)]
+        moved = [part for pair in pairs for part in (*shapes[list(pair), shown], np.nan)]
+        texts = [text for left, right in pairs for text in (names[left], names[right], "")]
+        texts = [text.replace("\n", " ") for text in texts]
+        hover = f"%{{text}}<br>relative {motion} %{{y:.3f}}<br>{label}"
+        lines.append(Line(along, moved, label, color, hover, 1.5, dash, 3.0, texts, group, seen))
+        if positions:
+            crosses = crosses_on_axis(positions, pairs, places)
+            hover = f"{label}<br>node at %{{text}}"
+            numbers = [format_number(place, 3) for place in positions]
+            zeros = np.zeros(len(crosses))
+            dots.append(Dots(crosses, zeros, label, color, "x", None, hover, numbers, group, seen))
+    ends = (float(places.min()) - 0.4, float(places.max()) + 0.4)
+    return Diagram(
+        Limits("", ends, dict(zip(places.tolist(), ticks or names, strict=True))),
+        Limits(f"relative {motion} [1]", (-1.1, 1.1)),
+        lines,
+        dots,
+        level=True,
     )
-    axes.set_ylabel(f"relative {motion} [1]")
+
+
+def draw_chain_shapes(
+    axes: Axes,
+    shapes: FloatArray,
+    labels: Sequence[str],
+    still: Sequence[tuple[float, ...]],
+    pairs: Sequence[tuple[int, int]],
+    names: Sequence[str],
+    motion: str = "displacement",
+) -> None:
+    """Draw `chain_shapes` on axes, with their legend."""
+    draw_diagram(axes, chain_shapes(shapes, labels, still, pairs, names, motion))
     legend_above(axes)
 
 
@@ -86,8 +122,8 @@ def shape_labels(
     return labels
 
 
-def draw_shaft_shape(axes: Axes, positions: FloatArray, motion: FloatArray, radius: float) -> None:
-    """Draw axial, torsional and lateral motion along a whole shaft in one mode.
+def shaft_shape(positions: FloatArray, motion: FloatArray, radius: float) -> Diagram:
+    """Describe axial, torsional and lateral motion along a whole shaft in one mode, the largest as 1.
 
     Parameters
     ----------
@@ -99,30 +135,24 @@ def draw_shaft_shape(axes: Axes, positions: FloatArray, motion: FloatArray, radi
         Rotation about the shaft is shown as the displacement at this radius [m].
     """
     ux, uy, uz, rz = 0, 1, 2, 5
-    curves = {
-        "axial": motion[:, uz],
-        "torsional, at the crank radius": radius * motion[:, rz],
-        "lateral, x": motion[:, ux],
-        "lateral, y": motion[:, uy],
-    }
-    every = np.concatenate(list(curves.values()))
-    largest = float(every[np.argmax(np.abs(every))])
-    axes.axhline(0.0, color=GRAY, linewidth=1.0)
-    for (name, curve), color, line in zip(
-        curves.items(), (BLUE, ORANGE, GREEN, GREEN), ("-", "-", "-", "--"), strict=True
-    ):
-        axes.plot(
-            MILLI * positions,
-            curve / largest,
-            line,
-            color=color,
-            marker="o",
-            markersize=2.5,
-            linewidth=1.4,
-            label=name,
-        )
-    axes.set_ylim(-1.1, 1.1)
-    axes.set_xlabel("position along the shaft [mm]")
+    curves: tuple[tuple[str, FloatArray, str, Dash], ...] = (
+        ("axial", motion[:, uz], BLUE, "solid"),
+        ("torsional, at the crank radius", radius * motion[:, rz], ORANGE, "solid"),
+        ("lateral, x", motion[:, ux], GREEN, "solid"),
+        ("lateral, y", motion[:, uy], GREEN, "dash"),
+    )
+    every = np.concatenate([curve for _, curve, _, _ in curves])
+    largest = float(every[np.argmax(np.abs(every))]) or 1.0
+    told = "<br>%{y:.3f} of the largest<br>at %{x:.5g} mm"
+    return Diagram(
+        Limits("position along the shaft [mm]"),
+        Limits("relative displacement [1]", (-1.1, 1.1)),
+        [
+            Line(MILLI * positions, curve / largest, name, color, name + told, 1.4, dash, 2.5)
+            for name, curve, color, dash in curves
+        ],
+        level=True,
+    )
 
 
 def chain_places(count: int, pairs: Sequence[tuple[int, int]]) -> FloatArray:

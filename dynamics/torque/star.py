@@ -21,7 +21,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
-from dynamics.cycle import checked_strokes, order_step
+from dynamics.cycle import checked_strokes, order_numbers
 from dynamics.engine.forces import spread_array
 from dynamics.engine.layout import EngineLayout
 from dynamics.indices import grouped
@@ -204,14 +204,7 @@ def _requested_orders(orders: ArrayLike | float, strokes: int | None) -> FloatAr
         return np.asarray(engine_orders(4 if strokes is None else strokes, highest))
     asked = positive_vector("orders", orders, "", "they count cycles per revolution")
     if strokes is not None:
-        step = order_step(strokes)
-        between = np.flatnonzero(np.abs(asked / step - np.round(asked / step)) > 1e-9)
-        if between.size:
-            first = int(between[0])
-            raise InputError(
-                f"orders[{first}]: given {asked[first]:g}; allowed are multiples of {step:g}, because "
-                f"a cycle of {strokes} strokes has no others."
-            )
+        order_numbers(asked, strokes)
     return asked
 
 

@@ -38,7 +38,7 @@ from crankfem.report.interactive.vibration import (
     VIBRATION,
     amplitudes_over_speed,
     axial_split,
-    campbell,
+    campbell_figure,
     mode_shapes,
     shaft_modes,
 )
@@ -308,7 +308,9 @@ def test_names_are_no_markup(load, studied):
     fe = np.array(record["fe"])
     figures = [
         mode_shapes(shape, SHARP_NAME),
-        campbell("axial", np.array([31.4]), np.ones(1), (4.0, 8.0), [resonance()], SHARP_NAME),
+        campbell_figure(
+            "axial", np.array([31.4]), np.ones(1), (4.0, 8.0), [resonance()], SHARP_NAME
+        ),
         shaft_modes(shaft(), 0.2, SHARP_NAME),
         polar_load(own, "crank", SHARP_NAME),
         figure_of(developed_load(own), SHARP_NAME),
@@ -354,7 +356,7 @@ def test_campbell_tells_what_meets():
         resonance(kind="major", order=5.0, speed=24.0 * math.pi, amplitude=math.inf),
     ]
     orders = np.arange(0.5, 6.1, 0.5)
-    traces, layout = campbell(
+    traces, layout = campbell_figure(
         "axial", np.array([31.4, 60.0, 500.0]), orders, (40.0, 80.0), found, "x"
     )
     lines = [trace for trace in traces if trace["name"] == "orders"]

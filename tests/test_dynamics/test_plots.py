@@ -329,8 +329,8 @@ def rpm_of(found):
 DEGREES = np.degrees(ANGLES)
 # Of each case: the object, options of plot(), and by label a line that must be there: x and y as drawn.
 CASES = {
-    "Modes": (modes, {}, lambda o: {None: (range(3), o.shapes[:, 1])}),
-    "Modes, one": (modes, {"count": 1}, lambda o: {None: (range(3), o.shapes[:, 1])}),
+    "Modes": (modes, {}, lambda o: {None: along_pairs(o.shapes[:, 1])}),
+    "Modes, one": (modes, {"count": 1}, lambda o: {None: along_pairs(o.shapes[:, 1])}),
     "OrderSeries": (
         lambda: response().nodes,
         {"place": "flywheel", "quantity": "twist"},
@@ -585,6 +585,11 @@ CASES = {
 NO_UNIT = {"Star": "xy", "Modes": "x", "Modes, one": "x"}
 
 
+def along_pairs(shape):
+    """Ends of the elements of a chain of three, one after the other with a gap between."""
+    return [0, 1, np.nan, 1, 2], [*shape[:2], np.nan, *shape[1:]]
+
+
 def has_line(axes, label, x, y):
     """Tell whether a line of this label (any, for None) shows these numbers."""
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
@@ -596,7 +601,9 @@ def has_line(axes, label, x, y):
             drawn = tuple(values[: x.size] for values in drawn)
         if all(
             own.shape == wanted.shape
-            and np.allclose(own, wanted, rtol=1e-12, atol=1e-12 * np.abs(wanted).max())
+            and np.allclose(
+                own, wanted, rtol=1e-12, atol=1e-12 * np.nanmax(np.abs(wanted)), equal_nan=True
+            )
             for own, wanted in zip(drawn, (x, y), strict=True)
         ):
             return True

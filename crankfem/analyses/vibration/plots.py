@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import finite_array, finite_vector
-from crankbase.diagrams import figure
+from crankbase.diagrams import draw_diagram, figure
 from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title
 from crankfem.analyses.vibration.run import EngineVibration
@@ -16,7 +16,7 @@ from crankfem.analyses.vibration.run_up import RunUp
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.plots.campbell import Meeting, draw_campbell
 from dynamics.plots.curves import draw_named_curves, draw_speed
-from dynamics.plots.mode_shapes import draw_shaft_shape
+from dynamics.plots.mode_shapes import shaft_shape
 from dynamics.transient.motions import Moving
 from dynamics.transient.run import TransientMotion
 from dynamics.transient.turning_run import TurningRun
@@ -37,8 +37,6 @@ def plot_shaft_modes(
         Ends in .svg.
     radius : float
         Crank radius: rotation about the shaft is shown as the displacement there [m].
-    count : int
-        Number of modes.
 
     Raises
     ------
@@ -60,7 +58,8 @@ def plot_shaft_modes(
         for spare in axes.flat[len(shown) :]:
             spare.remove()
         for one, mode in zip(axes.flat, shown, strict=False):
-            draw_shaft_shape(one, places, modes.motions[order, :, mode], radius)
+            draw_diagram(one, shaft_shape(places, modes.motions[order, :, mode], radius))
+            one.set_ylabel("")
             one.set_title(
                 f"{modes.frequencies[mode]:.1f} Hz\n" + modes.label(mode).replace(", ", "\n"),
                 fontsize=9,
@@ -129,8 +128,6 @@ def plot_transient(
 
     Parameters
     ----------
-    run : TransientMotion or TurningRun
-        Of a chain.
     place : int, optional
         Number of the element, or of the node, from 0.
     quantity : {"torque", "motion"}
@@ -160,17 +157,17 @@ def plot_transient(
         add_title((top, bottom), title)
 
 
-def picture_run_up(path: Path, run: EngineVibration, found: RunUp) -> None:
+def picture_run_up(path: Path, run: EngineVibration, run_up: RunUp) -> None:
     """Draw the torque in the spring with the largest one, and its amplitude at constant speeds."""
     forced = run.forced_torsional
     assert forced is not None
     elastic = forced.loads.elastic
     plot_transient(
         path,
-        found.motion,
-        found.worst,
-        steady=(elastic.speeds, elastic.synthesis.amplitude[:, found.worst]),
-        title=f"{run.engine_file.engine.name}, run-up in {found.duration:g} s",
+        run_up.motion,
+        run_up.worst,
+        steady=(elastic.speeds, elastic.synthesis.amplitude[:, run_up.worst]),
+        title=f"{run.engine_file.engine.name}, run-up in {run_up.duration:g} s",
     )
 
 

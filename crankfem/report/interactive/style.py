@@ -12,7 +12,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.diagrams import GRAY, STYLE, Band, Curves, Mark, order_line_style
+from crankbase.diagrams import (
+    GRAY,
+    STYLE,
+    Band,
+    Curves,
+    Diagram,
+    Dots,
+    Limits,
+    Line,
+    Mark,
+    Note,
+    order_line_style,
+)
 from crankbase.units.units import DISPLAY_UNITS, format_number
 from regression.plans.factors import Factor
 from regression.throw_values import factor_label
@@ -428,8 +440,10 @@ def figure_of(curves: Curves, title: str) -> Figure:
                 visible=True if own.main else "legendonly",
             )
         )
-    for x, y, name, color in curves.dots:
-        traces.append(dots(x, y, name, color, literal(name) + told))
+    for points in curves.dots:
+        traces.append(
+            dots(points.x, points.y, points.name, points.color, literal(points.name) + told)
+        )
     shapes: list[Part] = [level(0.0)] if curves.signed else []
     named: set[str] = set()
     drawn: list[Band | Mark] = [*curves.bands, *curves.marks]
@@ -469,3 +483,103 @@ def _upright(mark: Mark, **more: object) -> Part:
         "y1": 1,
         "line": {"color": mark.color, "width": 1, "dash": "dot"},
     } | more
+
+
+# Sizes of dots [pixels]: of those without weights by symbol, and at weights 0 and 1.
+DOT_SIZES = {"o": 7.0, "x": 9.0}
+LEAST_DOT, DOT_GROWTH = 5.0, 12.0
+SYMBOLS = {"o": "circle", "X": "x", "x": "x-thin"}
+
+
+def diagram_figure(diagram: Diagram, title: str, height: int = HEIGHT) -> Figure:
+    """Return the traces and the layout of a described diagram."""
+    shapes = [
+        band(low, high, color, name=name, showlegend=True)
+        for low, high, color, name in diagram.bands
+    ]
+    made = layout(
+        _described_axis(diagram.x) | ({"showgrid": False} if diagram.bands else {}),
+        _described_axis(diagram.y),
+        title=title,
+        height=height,
+        shapes=[*shapes, *([level(0.0)] if diagram.level else [])],
+        annotations=[_described_note(text) for text in diagram.notes],
+    )
+    # Dots of all sizes are one size in the legend.
+    made["legend"] |= {"itemsizing": "constant"}
+    return described_traces(diagram), made
+
+
+def _described_axis(limits: Limits) -> Part:
+    more: Part = {} if limits.ends is None else {"range": list(limits.ends)}
+    if limits.ticks is not None:
+        names = ["<br>".join(map(literal, name.split("\n"))) for name in limits.ticks.values()]
+        more |= {"tickvals": list(limits.ticks), "ticktext": names}
+    return axis(limits.label, **more)
+
+
+def _described_note(described: Note) -> Part:
+    if described.side == "line":
+        # Above the dots of weak resonances on the line, and orders do not run through it.
+        look: Part = {
+            "xanchor": "left",
+            "yanchor": "bottom",
+            "yshift": 5,
+            "bgcolor": "rgba(255, 255, 255, 0.85)",
+        }
+        return note(described.text, color=described.color, x=described.x, y=described.y, **look)
+    look = (
+        {"xanchor": "left"}
+        if described.side == "right"
+        else {"xanchor": "center", "yanchor": "bottom"}
+    )
+    return note(described.text, size=11, color=TEXT_COLOR, x=described.x, y=described.y, **look)
+
+
+def described_traces(diagram: Diagram) -> list[Part]:
+    """Return the traces of a described diagram, lines before dots."""
+    traces: list[Part] = []
+    named: set[tuple[str, str]] = set()
+    parts: list[Line | Dots] = [*diagram.lines, *diagram.dots]
+    for drawn in parts:
+        more: Part = {} if drawn.main else {"visible": "legendonly"}
+        if drawn.group:
+            key = (drawn.group, drawn.name)
+            more |= {"legendgroup": drawn.group, "showlegend": key not in named}
+            named.add(key)
+        if isinstance(drawn, Line):
+            if drawn.marker:
+                more |= {"mode": "lines+markers", "marker": {"size": round(2.0 * drawn.marker)}}
+            if drawn.texts:
+                more["text"] = [literal(text) for text in drawn.texts]
+            width = round(WIDER * drawn.width, 2)
+            traces.append(
+                line(
+                    drawn.x,
+                    drawn.y,
+                    drawn.name,
+                    drawn.color,
+                    drawn.hover,
+                    width=width,
+                    dash=drawn.dash,
+                    **more,
+                )
+            )
+        else:
+            traces.append(_weighted_dots(drawn, more))
+    return traces
+
+
+def _weighted_dots(drawn: Dots, more: Part) -> Part:
+    symbols = [SYMBOLS[symbol] for symbol in drawn.symbols]
+    more["marker"] = {
+        "symbol": symbols[0] if len(symbols) == 1 and drawn.weights is None else symbols
+    }
+    if drawn.symbols == "x":
+        more["marker"]["line"] = {"color": drawn.color, "width": 2}
+    size: Any = DOT_SIZES.get(drawn.symbols, 7.0)
+    if drawn.weights is not None:
+        size = [round(LEAST_DOT + DOT_GROWTH * weight, 1) for weight in drawn.weights]
+    if drawn.texts:
+        more["text"] = list(drawn.texts)
+    return dots(drawn.x, drawn.y, drawn.name, drawn.color, drawn.hover, size=size, **more)
