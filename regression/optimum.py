@@ -220,11 +220,6 @@ class SearchSpace:
     labels: dict[str, str]
     constraints: tuple[Excess, ...]
 
-    @property
-    def dimensions(self) -> int:
-        """Number of varying numbers."""
-        return len(self.ranges)
-
     def numbers(self, places: Array) -> dict[str, Any]:
         """Factors at points of the box, (dimensions,) or (dimensions, n)."""
         ends = self.ranges.values()
@@ -232,7 +227,8 @@ class SearchSpace:
             name: low + place * (high - low)
             for name, place, (low, high) in zip(self.ranges, places, ends, strict=True)
         }
-        return {name: varied[name] if name in varied else self.fixed[name] for name in self._order}
+        known = varied | self.fixed
+        return {name: known[name] for name in self.model.family.ranges}
 
     def exact_numbers(self, place: Array) -> dict[str, float]:
         """Factors at one point, the ends of ranges to the last digit."""
@@ -241,10 +237,6 @@ class SearchSpace:
             if min(where, 1.0 - where) < _AT_END:
                 exact[name] = low if where < 0.5 else high
         return exact
-
-    @property
-    def _order(self) -> tuple[str, ...]:
-        return tuple(self.model.family.ranges)
 
     def at_ends(self, place: Array) -> tuple[str, ...]:
         """Numbers at an end of their range."""
@@ -405,12 +397,14 @@ class Optimum:
                 "plot are one or more whose bound is not 0, because values are drawn as a share of it."
             )
         names = [
-            f"{one.limit.name} {one.limit.sign} {format_quantity(one.limit.bound, one.limit.unit)}"
-            for one in self.limits
+            f"{check.limit.name} {check.limit.sign} {format_quantity(check.limit.bound, check.limit.unit)}"
+            for check in self.limits
         ]
         shares = {
-            "by the equation": [100.0 * one.value / one.limit.bound for one in self.limits],
-            "worst in its error band": [100.0 * one.worst / one.limit.bound for one in self.limits],
+            "by the equation": [100.0 * check.value / check.limit.bound for check in self.limits],
+            "worst in its error band": [
+                100.0 * check.worst / check.limit.bound for check in self.limits
+            ],
         }
         axes = new_axes(axes)
         draw_groups(axes, names, shares, "share of the bound [%]")
@@ -567,7 +561,7 @@ def _search(problem: _Problem) -> _SearchResult:
         count += places.shape[1] if places.ndim == 2 else 1
         return problem.objective(places)
 
-    dimensions = problem.space.dimensions
+    dimensions = len(problem.space.ranges)
     if dimensions == 0:
         alone = np.zeros(0)
         return _SearchResult(alone, *_evaluate(problem, alone), 1)

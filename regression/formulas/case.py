@@ -341,13 +341,18 @@ def checked_angle_deg(gamma_deg: float) -> float:
     return fold_angle_deg(gamma_deg)
 
 
-def shear_modulus(youngs_modulus: float, poisson_ratio: float) -> float:
-    """G = E / (2 (1 + nu)) [Pa]; `InputError` if E is not positive, or nu not within -1 < nu <= 0.5."""
+def check_youngs_modulus(youngs_modulus: object) -> None:
+    """Refuse what is not a positive number of Pa (`InputError`)."""
     if not (is_number(youngs_modulus) and youngs_modulus > 0.0):
         raise InputError(
             f"youngs_modulus: given {quoted(youngs_modulus)}; allowed is a positive number of Pa, "
             "because a throw without stiffness has no compliance."
         )
+
+
+def shear_modulus(youngs_modulus: float, poisson_ratio: float) -> float:
+    """G = E / (2 (1 + nu)) [Pa]; `InputError` if E is not positive, or nu not within -1 < nu <= 0.5."""
+    check_youngs_modulus(youngs_modulus)
     if not (is_number(poisson_ratio) and -1.0 < poisson_ratio <= 0.5):
         raise InputError(
             f"poisson_ratio: given {quoted(poisson_ratio)}; allowed is above -1 up to 0.5, the range of "

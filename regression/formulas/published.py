@@ -109,10 +109,6 @@ SMALLEST_ANGLE_DEG = 75.0
 _AUTHORS = "P. Draminsky, E. Warming, MTZ, 1942, no. 2, pp. 292-301"
 
 
-def _draminsky_first(case: ThrowCase) -> float:
-    return case.pin + 2.0 / 3.0 * case.web
-
-
 def _draminsky_first_printed(case: ThrowCase) -> float:
     """Return (1) with length and inertia of the main journal, as its subscripts are printed."""
     throw = case.throw
@@ -131,14 +127,6 @@ def _draminsky_second_with(case: ThrowCase, pin_divisor: float, web_divisor: flo
         + case.tension
         + shear
     )
-
-
-def _draminsky_second(case: ThrowCase) -> float:
-    return _draminsky_second_with(case, 12.0, 2.0)
-
-
-def _draminsky_second_quarter(case: ThrowCase) -> float:
-    return _draminsky_second_with(case, 4.0, 4.0)
 
 
 def _draminsky_first_remarks(case: ThrowCase) -> list[Remark]:
@@ -171,7 +159,9 @@ DRAMINSKY_1 = AxialFormula(
     "D1",
     _AUTHORS,
     {
-        "corrected": Reading(_draminsky_first, _draminsky_first_remarks),
+        "corrected": Reading(
+            lambda case: case.pin + 2.0 / 3.0 * case.web, _draminsky_first_remarks
+        ),
         "printed": Reading(_draminsky_first_printed, _draminsky_first_printed_remarks),
     },
 )
@@ -180,8 +170,10 @@ DRAMINSKY_2 = AxialFormula(
     "D2",
     _AUTHORS,
     {
-        "corrected": Reading(_draminsky_second, _draminsky_second_remarks),
-        "k/4": Reading(_draminsky_second_quarter, plain_web_remarks),
+        "corrected": Reading(
+            lambda case: _draminsky_second_with(case, 12.0, 2.0), _draminsky_second_remarks
+        ),
+        "k/4": Reading(lambda case: _draminsky_second_with(case, 4.0, 4.0), plain_web_remarks),
     },
     "its shear term 2 R / (G I_w) is in 1/(N m), not in m/N, because it divides by the web's "
     "inertia instead of its area B h",
@@ -205,14 +197,6 @@ FRAME_WEB = 8.0 / 12.0
 def overlapped_thickness(case: ThrowCase) -> float:
     """Return sqrt(h^2 + s^2), the web's thickness h where journal and pin do not overlap [m]."""
     return math.hypot(max(case.throw.overlap, 0.0), case.throw.web_thickness)
-
-
-def _tsniimf_corrected(case: ThrowCase) -> float:
-    return FRAME_WEB * case.web_of_thickness(overlapped_thickness(case))
-
-
-def _tsniimf_plain(case: ThrowCase) -> float:
-    return FRAME_WEB * case.web
 
 
 def _tsniimf_printed(case: ThrowCase) -> float:
@@ -241,10 +225,6 @@ def _tsniimf_remarks(case: ThrowCase) -> list[Remark]:
     return [web_only, *no_angle_remarks(case), *unused_bores_remarks(case)]
 
 
-def _tsniimf_plain_remarks(case: ThrowCase) -> list[Remark]:
-    return [*_tsniimf_remarks(case), *plain_web_remarks(case)]
-
-
 def _tsniimf_printed_remarks(case: ThrowCase) -> list[Remark]:
     remarks = _tsniimf_remarks(case)
     throw = case.throw
@@ -266,9 +246,15 @@ TSNIIMF = AxialFormula(
     "TsN",
     "TsNIIMF: V. I. Zinchenko, Trudy TsNII morskogo flota, 1970, no. 125, pp. 80-103",
     {
-        "corrected": Reading(_tsniimf_corrected, _tsniimf_remarks),
+        "corrected": Reading(
+            lambda case: FRAME_WEB * case.web_of_thickness(overlapped_thickness(case)),
+            _tsniimf_remarks,
+        ),
         "printed": Reading(_tsniimf_printed, _tsniimf_printed_remarks, _tsniimf_printed_fault),
-        "plain": Reading(_tsniimf_plain, _tsniimf_plain_remarks),
+        "plain": Reading(
+            lambda case: FRAME_WEB * case.web,
+            lambda case: [*_tsniimf_remarks(case), *plain_web_remarks(case)],
+        ),
     },
 )
 
@@ -363,11 +349,10 @@ def _skorchev_as_printed(case: ThrowCase) -> float:
     return case.constants["k_or"] * (factor * case.web + case.pin)
 
 
-def _skorchev_remarks(case: ThrowCase) -> list[Remark]:
-    return [*plain_web_remarks(case), *open_angle_factor_remarks(case, "k_or")]
-
-
-_SKORCHEV = Reading(_skorchev_as_printed, _skorchev_remarks)
+_SKORCHEV = Reading(
+    _skorchev_as_printed,
+    lambda case: [*plain_web_remarks(case), *open_angle_factor_remarks(case, "k_or")],
+)
 
 SKORCHEV = AxialFormula(
     "Skorchev",

@@ -84,30 +84,19 @@ def _ker_wilson_remarks(case: ThrowCase) -> list[Remark]:
     return remarks
 
 
-def _geiger(case: ThrowCase) -> float:
-    """Add 0.4 h to both journals; the webs bend as beams of section h B."""
-    return _with_web_beams(case, 0.4)
-
-
-def _timoshenko_free(case: ThrowCase) -> float:
-    """Add 0.9 h to both journals; the webs bend as beams of section h B."""
-    return _with_web_beams(case, 0.9)
-
-
 def _with_web_beams(case: ThrowCase, share: float) -> float:
+    """Add a share of h to both journals; the webs bend as beams of section h B."""
     throw, added = case.throw, share * case.throw.web_thickness
     inertia = throw.web_thickness * throw.web_width**3 / 12.0
     webs = 2.0 * throw.crank_radius / (case.youngs_modulus * inertia)
     return _journals(case, throw.main_journal_length + added, throw.pin_length + added) + webs
 
 
-def _zimanenko(case: ThrowCase) -> float:
-    """Zimanenko's formula with the main journal's diameter in 0.2 B / R."""
-    return _zimanenko_with(case, case.throw.main_journal_diameter)
-
-
 def _zimanenko_with(case: ThrowCase, diameter: float) -> float:
-    """32 / (pi G) [(L_km + 0.6 h D_km/L_km)/D_km^4 + (0.8 L_shm + 0.2 B D/R)/D_shm^4 + web]."""
+    """32 / (pi G) [(L_km + 0.6 h D_km/L_km)/D_km^4 + (0.8 L_shm + 0.2 B D/R)/D_shm^4 + web].
+
+    The web's share is R sqrt(R / D_shm) / (h B^3); D is the diameter whose index is in doubt.
+    """
     throw = case.throw
     R, h, B = throw.crank_radius, throw.web_thickness, throw.web_width
     journal = throw.main_journal_length + (
@@ -143,12 +132,15 @@ _FORMULAS: Mapping[str, tuple[Reading, str]] = {
         "W. Ker Wilson, Practical Solution of Torsional Vibration Problems",
     ),
     "Geiger": (
-        Reading(_geiger, lambda _: [Remark("The webs are treated as slender beams of length R.")]),
+        Reading(
+            lambda case: _with_web_beams(case, 0.4),
+            lambda _: [Remark("The webs are treated as slender beams of length R.")],
+        ),
         "J. Geiger",
     ),
     "Timoshenko (free)": (
         Reading(
-            _timoshenko_free,
+            lambda case: _with_web_beams(case, 0.9),
             lambda _: [
                 Remark(
                     "For journals free to shift in their bearings; the webs are treated as slender beams."
@@ -157,7 +149,12 @@ _FORMULAS: Mapping[str, tuple[Reading, str]] = {
         ),
         "S. Timoshenko, Vibration Problems in Engineering",
     ),
-    "Zimanenko": (Reading(_zimanenko, _zimanenko_remarks), "Zimanenko"),
+    "Zimanenko": (
+        Reading(
+            lambda case: _zimanenko_with(case, case.throw.main_journal_diameter), _zimanenko_remarks
+        ),
+        "Zimanenko",
+    ),
 }
 
 TORSIONAL_FORMULA_NAMES: tuple[str, ...] = tuple(_FORMULAS)

@@ -17,10 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.checks.choices import is_number
-from crankbase.errors import InputError, quoted
 from geometry.throw import CrankThrow
-from regression.formulas.case import FormulaValue
+from regression.formulas.case import FormulaValue, check_youngs_modulus
 from regression.law.ratios import FILLETS, REAL, Ratios, is_plain, ratios, throw_dimensions
 
 SOURCE = "crankfem: beams fitted to finite-element answers of plain filleted throws (docs/law.md)"
@@ -71,11 +69,7 @@ def hand_formula(throw: CrankThrow, *, youngs_modulus: float = 2.1e11) -> Formul
     >>> round(hand_formula(throw).value * 1e9, 2)
     1.27
     """
-    if not (is_number(youngs_modulus) and youngs_modulus > 0.0):
-        raise InputError(
-            f"youngs_modulus: given {quoted(youngs_modulus)}; allowed is a positive number of Pa, "
-            "because a throw without stiffness has no compliance."
-        )
+    check_youngs_modulus(youngs_modulus)
     shape = ratios(throw_dimensions(throw))
     valid = bool(is_plain(shape))
     remarks = () if valid else (

@@ -18,6 +18,7 @@ from crankbase.checks.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from geometry.throw import CrankThrow
+from regression.formulas.case import check_youngs_modulus
 from regression.law.networks import TIERS, networks, plain_inputs, real_inputs
 from regression.law.ratios import (
     FADES,
@@ -338,11 +339,7 @@ def _picked(of_throw: Ratios, shape: tuple[int, ...], where: NDArray[np.bool_]) 
 
 def check_material(youngs_modulus: float, poisson_ratio: float) -> None:
     """Refuse an invalid Young's modulus, and a Poisson's ratio outside the law (`InputError`)."""
-    if not (is_number(youngs_modulus) and youngs_modulus > 0.0):
-        raise InputError(
-            f"youngs_modulus: given {quoted(youngs_modulus)}; allowed is a positive number of Pa, "
-            "because a throw without stiffness has no compliance."
-        )
+    check_youngs_modulus(youngs_modulus)
     low, high = POISSON_RANGE
     if not (is_number(poisson_ratio) and low <= poisson_ratio <= high):
         raise InputError(

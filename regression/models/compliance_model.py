@@ -7,7 +7,7 @@ and is written as readable JSON.
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 
 
 Value = float | NDArray[np.float64]
+Looked = TypeVar("Looked", Lookup, Lookups)
 
 
 class ModelValues(ModelContent):
@@ -350,15 +351,8 @@ class ComplianceModel(ModelValues):
                     f"{name}: given an array of shape {np.shape(number)}; allowed is one number, "
                     "because `lookup` is for one throw: `lookups` takes arrays."
                 )
-        if gamma_deg is None:
-            return self._lookup(response, dimensions, strict)
-        parts = [self._lookup(part, dimensions, strict) for part in self.angle_law(response)]
-        known = self.responses.get(response)
-        return make_lookup_between_neighbors(
-            fold_angle(gamma_deg),
-            parts,
-            parts[0].symbol if known is None else known.symbol,
-            self._compiled.angle_law_remarks,
+        return self._looked_up(
+            response, gamma_deg, strict, dimensions, make_lookup, make_lookup_between_neighbors
         )
 
     def lookups(
@@ -387,32 +381,31 @@ class ComplianceModel(ModelValues):
         InputError
             As in `axial_compliance`; if the model lacks the response.
         """
-        parts = (response,) if gamma_deg is None else self.angle_law(response)
-        answers = {part: self._answered(part, dimensions, strict) for part in parts}
-        compiled = self._compiled
-        answered = [
-            make_lookups(self.responses[part], compiled.bands[part], answer, compiled.remarks)
-            for part, answer in answers.items()
-        ]
-        if gamma_deg is None:
-            return answered[0]
-        known = self.responses.get(response)
-        return make_lookups_between_neighbors(
-            fold_angle(gamma_deg),
-            answered,
-            answered[0].symbol if known is None else known.symbol,
-            self._compiled.angle_law_remarks,
+        return self._looked_up(
+            response, gamma_deg, strict, dimensions, make_lookups, make_lookups_between_neighbors
         )
 
-    def _lookup(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> Lookup:
-        answer, compiled = self._answered(name, dimensions, strict), self._compiled
-        return make_lookup(self.responses[name], compiled.bands[name], answer, compiled.remarks)
-
-    def _answered(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> ResponseValues:
-        answer = self.answer(name, dimensions)
-        if strict and answer.outside:
-            raise InputError(answer.outside[0].error_sentence)
-        return answer
+    def _looked_up(
+        self,
+        response: str,
+        gamma_deg: ArrayLike | None,
+        strict: bool,
+        dimensions: Mapping[str, Any],
+        make: Callable[..., Looked],
+        make_between_neighbors: Callable[..., Looked],
+    ) -> Looked:
+        compiled, parts = self._compiled, list[Looked]()
+        for name in (response,) if gamma_deg is None else self.angle_law(response):
+            answer = self.answer(name, dimensions)
+            if strict and answer.outside:
+                raise InputError(answer.outside[0].error_sentence)
+            parts.append(make(self.responses[name], compiled.bands[name], answer, compiled.remarks))
+        if gamma_deg is None:
+            return parts[0]
+        known = self.responses.get(response)
+        symbol = parts[0].symbol if known is None else known.symbol
+        angle = fold_angle(gamma_deg)
+        return make_between_neighbors(angle, parts, symbol, compiled.angle_law_remarks)
 
     def reactions(
         self,

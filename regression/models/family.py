@@ -334,7 +334,10 @@ def _format_dimension(name: str, value: float | str | None) -> str:
 def _free_factors(
     family: Family, asked: Mapping[str, float | str], size: float
 ) -> dict[str, float]:
-    """Find factors that are not dimensions, such as ratios, from the dimensions related to them."""
+    """Find factors that are not dimensions, such as ratios, from the dimensions related to them.
+
+    Only by relations with a unique solution, between lengths divided by the throw's size.
+    """
     free = [name for name in family.ranges if declaration(name) is None]
     if not free:
         return {}

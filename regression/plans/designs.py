@@ -638,7 +638,10 @@ def _crossed(
     places: Table,
     levels: Sequence[tuple[float, float, float]] | None = None,
 ) -> Table:
-    """Repeat a design of some factors for every combination of the others' labels."""
+    """Repeat a design of some factors for every combination of the others' labels.
+
+    `places` are 0 to 1 in each range, of labels 0 and 1; 0, 0.5 and 1 mean `levels` if there are any.
+    """
     columns: dict[str, Table] = {}
     for number, (factor, place) in enumerate(zip(varied, places.T, strict=True)):
         if factor.categorical:

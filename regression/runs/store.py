@@ -19,24 +19,22 @@ from typing import Any, TypeVar
 from crankbase.errors import InputError
 from regression.records import MEASURED, ExtraRow, Outcome, StudyStoppedError, content_key
 from regression.runs.store_file import (
-    DAMAGED,
-    MADE_BY,
-    check_place,
-    damaged_store,
-    error_cause,
-    is_ours,
-    open_store,
-    transaction,
-)
-from regression.runs.store_rows import (
     CHECKSUM,
+    DAMAGED,
     EXTRA,
+    MADE_BY,
     RECORDED,
     DamagedRowError,
+    check_place,
+    damaged_store,
     design_values,
+    error_cause,
     extra_values,
+    is_ours,
+    open_store,
     read_design,
     read_extra,
+    transaction,
 )
 
 Row = TypeVar("Row", Outcome, ExtraRow)

@@ -1,15 +1,16 @@
 """Run a study, or continue it; read one back; import results from elsewhere."""
 
+import sqlite3
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.calls import GIGABYTE, Limits
+from crankbase.calls import GIGABYTE
 from crankbase.checks.choices import is_whole_within
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
@@ -28,10 +29,18 @@ from regression.plans.plan import (
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, content_key
 from regression.runs.exchange import StoreResults, factor_value, read_rows, read_store
 from regression.runs.store import Claims, ResultStore
-from regression.runs.store_file import is_database
-from regression.runs.store_rows import damaged_rows_warning
+from regression.runs.store_file import (
+    SCHEMA_VERSION,
+    check_place,
+    connect_readonly,
+    damaged_rows_warning,
+    is_database,
+    is_ours,
+    missing_parts,
+    schema_version,
+)
 from regression.runs.study_table import StudyTable, study_table
-from regression.runs.workers import Claim, design_limits, run_designs
+from regression.runs.workers import design_limits, run_designs
 from regression.throw_values import SAME
 
 # Designs that are looked at, spread over all.
@@ -237,9 +246,10 @@ def run_plan(
         If the store can no longer be written, or the cluster is lost; finished designs are kept.
     """
     check_workers(workers)
+    note = note or (lambda _: None)
     limits = design_limits(plan.accuracy, time_limit, memory_limit)
     if dask is not None:  # refused even if nothing is left to compute
-        from regression.runs.cluster import check_address
+        from regression.runs.cluster import DaskCluster, check_address, run_on_cluster
 
         check_address(dask)
     drawn = plan.planned  # a study that cannot be planned leaves no store behind
@@ -248,7 +258,7 @@ def run_plan(
         planned = with_added(results, plan)
         unique = {design.key: design.inputs for design in planned.designs}
         known = {k: found for k, found in results.outcomes(unique).items() if not found.lost}
-        if results.damaged and note is not None:
+        if results.damaged:
             note(
                 f"{damaged_rows_warning(results.damaged, store)}; their designs are computed again."
             )
@@ -272,7 +282,7 @@ def run_plan(
         def claim(key: str) -> bool | None:
             nonlocal shared
             if not claims.take(key):
-                if not shared and note is not None:
+                if not shared:
                     note(
                         f"another program computes designs of this study in {store}: they are shared."
                     )
@@ -286,41 +296,20 @@ def run_plan(
 
         missing = [(key, inputs) for key, inputs in unique.items() if key not in known]
         older = results.older_results(MODEL_VERSION)
-        if missing and older and note is not None:
-            note(_older_results_text(older, store))
+        if missing and older:
+            note(
+                f"{store}: {sum(older.values())} results are of model version "
+                f"{', '.join(map(str, older))}, not {MODEL_VERSION} (before {CORRECTED_SINCE} they were not "
+                "corrected for discretization); results of different models must not be mixed, so designs "
+                "are computed anew, and the old results stay in the file."
+            )
         if missing and dask is not None:
-            _run_on_dask(missing, keep, dask, limits, note or _silent, claim)
+            with closing(DaskCluster(dask)) as cluster:
+                run_on_cluster(missing, keep, cluster, limits, note, claim)
         else:
             check_study_memory([inputs for _, inputs in missing], workers)
             run_designs(missing, keep, workers, limits, claim)
         return _table(results, plan, planned, computed)
-
-
-def _older_results_text(older: Mapping[int, int], store: str | Path) -> str:
-    versions = ", ".join(map(str, older))
-    return (
-        f"{store}: {sum(older.values())} results are of model version {versions}, not {MODEL_VERSION} "
-        f"(before {CORRECTED_SINCE} they were not corrected for discretization); results of different models "
-        "must not be mixed, so designs are computed anew, and the old results stay in the file."
-    )
-
-
-def _run_on_dask(
-    designs: Iterable[tuple[str, Mapping[str, Any]]],
-    keep: Callable[[Outcome], None],
-    address: str,
-    limits: Limits,
-    note: Note,
-    claim: Claim,
-) -> None:
-    from regression.runs.cluster import DaskCluster, run_on_cluster
-
-    with closing(DaskCluster(address)) as cluster:
-        run_on_cluster(designs, keep, cluster, limits, note, claim)
-
-
-def _silent(_: str) -> None:
-    """Ignore a note."""
 
 
 def read_study(store: str | Path, study: str | None = None) -> StudyTable:
@@ -480,3 +469,103 @@ def _table(
     return study_table(
         plan, planned.designs, outcomes, extra, planned.excluded, computed, results.damaged
     )
+
+
+@dataclass(frozen=True)
+class StudyCheck:
+    """One study of a store, by its key, with the damage of its plan or list of designs ("" if none).
+
+    `designs` counts its designs, `missing` those without a result; None if the plan is damaged, or of
+    another version of the finite element model.
+    """
+
+    study: str
+    damaged: str
+    designs: int | None = None
+    missing: int | None = None
+
+
+@dataclass(frozen=True)
+class StoreCheck:
+    """Result of a check of a store.
+
+    Attributes
+    ----------
+    file : str
+        Why the file is unreliable; empty if SQLite finds it sound.
+    status : dict
+        "done", "failed" and "lost" to the number of sound rows.
+    damaged : dict
+        Design, or position of an imported row, to the fault of its row.
+    """
+
+    path: Path
+    file: str = ""
+    status: Mapping[str, int] = field(default_factory=dict)
+    damaged: Mapping[str, str] = field(default_factory=dict)
+    studies: tuple[StudyCheck, ...] = ()
+
+    @property
+    def sound(self) -> bool:
+        """Whether nothing is damaged."""
+        return not (self.file or self.damaged or any(study.damaged for study in self.studies))
+
+    @property
+    def missing(self) -> int:
+        """Designs without a result, of all studies of this version of the model."""
+        return sum(study.missing or 0 for study in self.studies)
+
+
+def check_store(path: str | Path) -> StoreCheck:
+    """Check a result store: SQLite's integrity check, every row's checksum, every study's plan.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is no result store, or of another layout.
+    StudyStoppedError
+        If it cannot be opened now.
+    """
+    file = Path(path)
+    check_place(file, readonly=True)
+    why = _file_damage(file)
+    if why and is_ours(file):
+        return StoreCheck(file, why)
+    with ResultStore(file, readonly=True) as store:
+        status = {"done": 0, "failed": 0, "lost": 0}
+        for outcome in store.every_outcome():
+            status[outcome.status] += 1
+        studies = tuple(_check_study(store, *known) for known in store.studies().items())
+        store.extra_rows()
+        return StoreCheck(file, why, status, dict(store.damaged), studies)
+
+
+def _file_damage(path: Path) -> str:
+    """State why SQLite finds a file unreliable; empty if it is sound, or not readable for another reason."""
+    try:
+        with closing(connect_readonly(path)) as connection:
+            found = [text for (text,) in connection.execute("PRAGMA integrity_check")]
+            lacking = (
+                missing_parts(connection) if schema_version(connection) == SCHEMA_VERSION else []
+            )
+    except UnicodeDecodeError:  # what SQLite says of it quotes damaged text
+        return "the names of its tables cannot be read"
+    except sqlite3.DatabaseError as error:
+        return "" if isinstance(error, sqlite3.OperationalError) else str(error)
+    if found != ["ok"]:
+        first = " ".join(found[0].replace("*** in database main ***", "").split())
+        return first + ("; and others" if len(found) > 1 else "")
+    return f"it has no {lacking[0]}" if lacking else ""
+
+
+def _check_study(store: ResultStore, key: str, record: Mapping[str, object] | None) -> StudyCheck:
+    if record is None or content_key(record) != key:
+        return StudyCheck(key, "its plan")
+    if record.get("model_version") != MODEL_VERSION:
+        return StudyCheck(key, "")
+    plan = StudyPlan.from_record(record)
+    keys = {design.key for design in registered_designs(store, plan).designs}
+    found = store.outcomes(keys)
+    finished = sum(not outcome.lost for outcome in found.values())
+    damaged = "" if is_list_sound(store, plan) else "its list of designs"
+    return StudyCheck(key, damaged, len(keys), len(keys) - finished)

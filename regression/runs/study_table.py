@@ -249,10 +249,10 @@ def study_table(
             len(good), len(plan.factors)
         ),
         held_out=np.array([row.role == HELD_OUT for row in good], dtype=bool),
-        responses=_columns([row.responses for row in good]),
-        errors=_columns([row.errors for row in good]),
-        dimensions=_columns([row.dimensions for row in good]),
-        outlines=_words([row.outlines for row in good]),
+        responses={n: np.array(v) for n, v in _columns([row.responses for row in good]).items()},
+        errors={n: np.array(v) for n, v in _columns([row.errors for row in good]).items()},
+        dimensions={n: np.array(v) for n, v in _columns([row.dimensions for row in good]).items()},
+        outlines={n: tuple(v) for n, v in _columns([row.outlines for row in good]).items()},
         seconds=np.array([row.seconds for row in good], dtype=float),
         failures=tuple(
             (row.role, row.values or (), row.reason) for row in computed_rows if row.reason
@@ -296,14 +296,7 @@ def _equal(first: tuple[float, ...] | None, other: tuple[float, ...] | None) -> 
     )
 
 
-def _common(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Names that every row has, in the order of the first."""
-    return [name for name in rows[0] if all(name in row for row in rows)] if rows else []
-
-
-def _columns(rows: Sequence[Mapping[str, float]]) -> dict[str, Array]:
-    return {name: np.array([row[name] for row in rows], dtype=float) for name in _common(rows)}
-
-
-def _words(rows: Sequence[Mapping[str, str]]) -> dict[str, tuple[str, ...]]:
-    return {name: tuple(row[name] for row in rows) for name in _common(rows)}
+def _columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+    """Values of what every row has, in the order of the first."""
+    names = [name for name in rows[0] if all(name in row for row in rows)] if rows else []
+    return {name: [row[name] for row in rows] for name in names}

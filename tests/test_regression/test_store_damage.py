@@ -15,8 +15,7 @@ from regression.plans.plan import plan_designs
 from regression.records import ExtraRow, Outcome
 from regression.runs import workers
 from regression.runs.store import ResultStore
-from regression.runs.store_check import check_store
-from regression.runs.study import import_results, read_study, run_plan
+from regression.runs.study import check_store, import_results, read_study, run_plan
 
 PLAN = plan_of_levels(SHARP, {"web_width": (0.280, 0.290, 0.300)}, held_out=37, accuracy=0.1)
 KEYS = [design.key for design in plan_designs(PLAN).designs]
