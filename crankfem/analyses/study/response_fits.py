@@ -289,11 +289,6 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
     dict
         Response name, as in the model, to its fits. A response to which no form can be fitted is
         left out; `ResponseFits.unfitted` gives the reason for the others.
-
-    Raises
-    ------
-    InputError
-        If too few designs have results for even the smallest form, or no held-out design has one.
     """
     if not table.held_out.any():
         why = "; ".join(sorted({reason for _, _, reason in table.failures})[:3])
@@ -316,12 +311,7 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
 
 
 def check_study_can_be_fitted(planned: PlannedStudy) -> None:
-    """Refuse a study whose designs that can be built are too few for any equation.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a study whose designs that can be built are too few for any equation."""
     factors = planned.plan.factors
     runs = [design for design in planned.designs if design.role == RUN]
     values = np.array([design.values for design in runs])
