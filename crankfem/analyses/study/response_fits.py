@@ -410,7 +410,10 @@ def _fit_response(
             skipped.append(f"{form.name}: has the same terms as {twin} in this study.")
     if not fits:
         raise InputError(f"study: no form can be fitted to {name} ({'; '.join(skipped)})")
-    errors = _fe_errors(table, column)
+    # Imported rows may have none.
+    errors = [
+        row.errors[column] for row in table.rows if row.role != MEASURED and column in row.errors
+    ]
     scatter = float(np.std(errors)) if errors else 0.0
     choice = choose(fits, scatter)
     return ResponseFits(
@@ -428,13 +431,6 @@ def _fit_response(
         fe_scatter=scatter,
         encodings=dict(encodings),
     )
-
-
-def _fe_errors(table: StudyTable, column: str) -> list[float]:
-    """Relative errors of a response where known; imported rows may have none."""
-    return [
-        row.errors[column] for row in table.rows if row.role != MEASURED and column in row.errors
-    ]
 
 
 def _fit(table: StudyTable, column: str, form: Form, encoding: Encoding) -> Fit:
