@@ -505,7 +505,7 @@ def _rigid_motions(
     lines: Sequence[JoinedLine],
     size: int,
 ) -> tuple[FloatArray, tuple[str, ...]]:
-    """Return the motions (size, r) that no stiffness resists, those of unit rotation or translation, and names."""
+    """Return the unit motions (size, r) that no stiffness resists, as columns, and their names."""
     unit, count = np.eye(size), len(places)
 
     def motion(values: dict[int, FloatArray | float]) -> FloatArray:
