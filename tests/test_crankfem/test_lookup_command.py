@@ -214,18 +214,9 @@ def test_outside_and_strict(run, path):
     ("pair", "match"),
     [
         ("hue=3", "hue: unknown dimension; allowed are web_width, web_thickness"),
-        (
-            "web_thicknes=3",
-            r"web_thicknes: unknown dimension; did you mean web_thickness\? allowed",
-        ),
-        (
-            "web_thickness=70 m",
-            r"web_thickness: given 70000 mm; allowed is .* \(mm given in place of m",
-        ),
-        (
-            "web_thickness=-70mm",
-            r"web_thickness: given -70 mm; allowed are positive finite numbers\.$",
-        ),
+        ("web_thicknes=3", r"web_thicknes: unknown dimension; did you mean web_thickness\?"),
+        ("web_thickness=70 m", r"web_thickness: given 70000 mm; allowed is .* \(mm given in"),
+        ("web_thickness=-70mm", r"web_thickness: given -70 mm; allowed are positive finite"),
     ],
 )
 def test_lookup_refuses(run, path, pair, match):
@@ -450,19 +441,10 @@ def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):
         (("--limit", "tilt_stiffness_ratio <= soft"), "given 'soft'; write a plain number"),
         (("--first-axial-frequency", ">= 40 Hz"), "frequency: given without --engine"),
         (("--engine", ENGINE), "--engine: given '6chn25-34' without a frequency"),
-        (
-            ("--engine", ENGINE, "--first-axial-frequency", "<= 40 Hz"),
-            "--first-axial-frequency: given '<= 40 Hz'; allowed is at least",
-        ),
-        (
-            ("--engine", ENGINE, "--first-axial-frequency", ">= -4 Hz"),
-            "allowed is a frequency above 0 Hz",
-        ),
+        (("--engine", ENGINE, "--first-axial-frequency", "<= 40 Hz"), "--first-axial-frequency:"),
+        (("--engine", ENGINE, "--first-axial-frequency", ">= -4 Hz"), "allowed is a frequency"),
         (("--fixed", "web_width=400mm"), "fixed: given 400 mm for web_width; allowed is 270 mm"),
-        (
-            ("--limit", "axial_compliance <= 0.1e-9 m/N"),
-            "that no throw of the model's family keeps",
-        ),
+        (("--limit", "axial_compliance <= 0.1e-9 m/N"), "that no throw of the model's family"),
     ],
 )
 def test_unusable_searches(run, path, arguments, match):

@@ -352,11 +352,7 @@ def test_a_map_along_a_curve_takes_no_load():
 @pytest.mark.parametrize(
     ("speed", "load", "sentence"),
     [
-        (
-            70.0,
-            0.5,
-            "speed: given 668.451 1/min; allowed is 763.944 1/min to 2291.83 1/min, because",
-        ),
+        (70.0, 0.5, "speed: given 668.451 1/min; allowed is 763.944 1/min to 2291.83 1/min"),
         (100.0, 1.2, "load: given 1.2; allowed is 0.25 to 1, because the pressure map has no"),
         (100.0, None, "load: given none; allowed are 0.25 to 1"),
         (100.0, [0.5, 0.6], r"load: given an array of shape \(2,\)"),
@@ -480,12 +476,7 @@ def volume():
         (cycle_position, AREA, 1.0, "compression_ratio: given 1; allowed is more than 1"),
         (lambda angle: 0.0 * angle, AREA, 15.0, "position: given 0 m at 0 deg, .*that moves"),
         (lambda angle: np.cos(0.5 * angle), AREA, 15.0, "is back after one turn"),
-        (
-            lambda angle: -cycle_position(angle),
-            AREA,
-            15.0,
-            "highest at .*180 deg; allowed are -30 to 30",
-        ),
+        (lambda angle: -cycle_position(angle), AREA, 15.0, "highest at .*180 deg; allowed are"),
         (lambda angle: np.full(angle.shape, np.nan), AREA, 15.0, "position.*given nan"),
     ],
 )
@@ -583,10 +574,7 @@ def test_usual_values_are_named_with_their_reasons():
         ({"wiebe_shape": -0.5}, "wiebe_shape: given -0.5"),
         ({"wiebe_completeness": 1.0}, "wiebe_completeness: given 1; allowed is more than 0.5"),
         ({"combustion_start_deg": np.nan}, "given nan; allowed are finite numbers of degrees"),
-        (
-            {"combustion_start_deg": -149.0},
-            "combustion_start_deg: given -149 deg, with intake_closes_deg at -145",
-        ),
+        ({"combustion_start_deg": -149.0}, "combustion_start_deg: given -149 deg, with"),
         ({"combustion_duration_deg": 143.2}, "exhaust_opens_deg: given 130 deg, with end of comb"),
         ({"exhaust_opens_deg": 177.6}, "exhaust_opens_deg: given 177.6 .* less than 175 deg"),
         ({"intake_closes_deg": 5.7}, "intake_closes_deg: given 5.7 deg; allowed is more than -270"),
@@ -647,10 +635,7 @@ def test_impossible_ratio_and_strokes_are_refused():
         ({}, "heat: given neither it nor peak_pressure nor mean_effective_pressure"),
         ({"heat": 1.0, "peak_pressure": 1e7}, "heat: given together with"),
         ({"heat": -1.0}, "heat: given -1 J; allowed are finite numbers of zero or more"),
-        (
-            {"heat": 1e6},
-            r"heat: given 1e\+06 J; allowed are 0 to 3\d+\.?\d* J, because more drives",
-        ),
+        ({"heat": 1e6}, r"heat: given 1e\+06 J; allowed are 0 to 3\d+\.?\d* J, because more"),
         ({"peak_pressure": 5e6}, r"peak_pressure: given 5 MPa; allowed are 8\.865 MPa to 50 MPa"),
         ({"peak_pressure": 6e7}, "peak_pressure: given 60 MPa; allowed are"),
         ({"peak_pressure": np.nan}, "peak_pressure: given nan; allowed are"),
@@ -669,18 +654,12 @@ def test_impossible_ratio_and_strokes_are_refused():
             },
             r"allowed are 1\d\.\d+ MPa to .* a combustion_duration_deg from 2 to 136 deg",
         ),
-        (
-            {"peak_pressure": 1e7, "mean_effective_pressure": 0.0},
-            "mean_effective_pressure: given 0 MPa; allowed is more than 0.0229",
-        ),
+        ({"peak_pressure": 1e7, "mean_effective_pressure": 0.0}, "mean_effective_pressure: given"),
         (
             {"peak_pressure": 1e7, "mean_effective_pressure": 1e6, "solve_for": "heat"},
             "solve_for: given 'heat'",
         ),
-        (
-            {"heat": 1.0, "samples": 600},
-            "samples: given 600; allowed are whole numbers of 720 or more",
-        ),
+        ({"heat": 1.0, "samples": 600}, "samples: given 600; allowed are whole numbers of 720 or"),
         ({"heat": 1.0, "samples": 1e4}, "samples: given 10000.0"),
     ],
 )

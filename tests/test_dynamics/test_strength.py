@@ -119,33 +119,13 @@ def test_factors_are_continuous_and_do_not_depend_on_the_size():
     ("name", "value", "allowed"),
     [
         ("overlap", 0.55, r"overlap over pin_diameter \(s\): given 0.55; allowed is up to 0.5,"),
-        (
-            "web_thickness",
-            0.15,
-            r"web_thickness over pin_diameter \(w\): given 0.15; allowed is 0.2 to 0.8",
-        ),
+        ("web_thickness", 0.15, r"web_thickness over pin_diameter \(w\): given 0.15; allowed is"),
         ("web_width", 2.3, r"web_width over pin_diameter \(b\): given 2.3; allowed is 1.1 to 2.2"),
-        (
-            "pin_fillet_radius",
-            0.02,
-            r"pin_fillet_radius over pin_diameter \(r\): given 0.02; allowed is 0.03",
-        ),
-        (
-            "journal_fillet_radius",
-            0.031,
-            r"over journal_diameter \(r\): given 0.02583; allowed is 0.03 to",
-        ),
+        ("pin_fillet_radius", 0.02, r"pin_fillet_radius over pin_diameter \(r\): given 0.02"),
+        ("journal_fillet_radius", 0.031, r"over journal_diameter \(r\): given 0.02583; allowed"),
         ("pin_bore", 0.85, r"pin_bore over pin_diameter \(d_H\): given 0.85; allowed is 0 to 0.8"),
-        (
-            "journal_bore",
-            0.85,
-            r"journal_bore over pin_diameter \(d_G\): given 0.85; allowed is 0 to 0.8",
-        ),
-        (
-            "oil_hole_diameter",
-            0.25,
-            r"\(d_O\): given 0.25; allowed is 0 to 0.2, .* use finite elements",
-        ),
+        ("journal_bore", 0.85, r"journal_bore over pin_diameter \(d_G\): given 0.85; allowed is"),
+        ("oil_hole_diameter", 0.25, r"\(d_O\): given 0.25; allowed is 0 to 0.2, .* use finite"),
     ],
 )
 def test_ratios_outside_are_refused(name, value, allowed):

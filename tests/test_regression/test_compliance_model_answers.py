@@ -136,14 +136,8 @@ def test_outside_the_range_there_is_no_band(model):
 @pytest.mark.parametrize(
     ("factor", "match"),
     [
-        (
-            1000.0,
-            r"given 68000 mm; allowed is the range of the fit, 38 mm .* \(mm given in place of m\?\)",
-        ),
-        (
-            0.001,
-            r"given 0\.068 mm; allowed is .* 100 times beyond it the equation is meaningless\.$",
-        ),
+        (1000.0, r"given 68000 mm; allowed is the range of the fit, 38 mm .* \(mm given in place"),
+        (0.001, r"given 0\.068 mm; allowed is .* 100 times beyond it the equation is"),
     ],
 )
 def test_a_dimension_of_another_unit_is_refused(model, factor, match):
