@@ -204,9 +204,7 @@ def test_outside_and_strict(run, path):
     found = json.loads(run("lookup", path, *outside, "--json"))["mass"]
     assert (found["lower"], found["upper"]) == (None, None)
     assert found["band"] == "none holds outside the range of the fit"
-    with pytest.raises(
-        InputError, match="web_width: given 345 mm; allowed is the range of the fit"
-    ):
+    with pytest.raises(InputError, match="web_width: given 345 mm; allowed is the range of the"):
         run("lookup", path, *outside, "--strict")
 
 
@@ -313,16 +311,12 @@ def test_reactions_outside_the_range(run, reaction_path):
     assert "Axial reaction guided: OUTSIDE the range, where no band applies" in out
     found = json.loads(run("lookup", reaction_path, *outside, "--json"))
     assert found["reactions"]["supports"]["guided"]["band"]["left"]["force"] == [None] * 3
-    with pytest.raises(
-        InputError, match="web_width: given 345 mm; allowed is the range of the fit"
-    ):
+    with pytest.raises(InputError, match="web_width: given 345 mm; allowed is the range of the"):
         run("lookup", reaction_path, *outside, "--strict")
 
 
 def test_a_model_without_reactions_says_so(run, path):
-    with pytest.raises(
-        InputError, match="support: given pinned, but the model has no axial_reaction"
-    ):
+    with pytest.raises(InputError, match="support: given pinned, but the model has no"):
         run("lookup", path, *PAIRS, "--pin-force", "100 kN")
 
 
@@ -453,9 +447,7 @@ def test_unusable_searches(run, path, arguments, match):
 
 
 def test_an_unknown_name_to_minimize(run, path):
-    with pytest.raises(
-        InputError, match="--minimize: given 'hue'; allowed are the responses axial"
-    ):
+    with pytest.raises(InputError, match="--minimize: given 'hue'; allowed are the responses"):
         run("optimum", path, "--minimize", "hue")
 
 
@@ -775,7 +767,5 @@ def test_engines_whose_throws_the_law_does_not_cover_refuse_it(tmp_path, call):
         "[throw]", '[[throw.oil_holes]]\npart = "pin"\ndiameter = "20 mm"\n\n[throw]'
     )
     path.write_text(bored, encoding="utf-8")
-    with pytest.raises(
-        InputError, match=r"vibration.axial_source: given 'law', which does not apply to"
-    ):
+    with pytest.raises(InputError, match=r"vibration.axial_source: given 'law', which does not"):
         refuse_law(load_engine(path))

@@ -294,13 +294,9 @@ def test_strength_asks_for_its_section_forces_and_one_pin_a_throw():
     several = {"further_pins": ({"angle": 1.0, "web_thickness": 0.06},)}
     with pytest.raises(InputError, match="strength: given for throw 1 with several pins"):
         engine.changed(strength=GIVEN, throw=several)
-    with pytest.raises(
-        InputError, match=r"strength.pin_recess: given 70 mm; allowed is less than the web"
-    ):
+    with pytest.raises(InputError, match=r"strength.pin_recess: given 70 mm; allowed is less"):
         engine.changed(strength=GIVEN | {"pin_recess": 0.07})
-    with pytest.raises(
-        InputError, match=r"strength.shrink_fit.shrink_diameter: given 100 mm; allowed is"
-    ):
+    with pytest.raises(InputError, match=r"strength.shrink_fit.shrink_diameter: given 100 mm"):
         engine.changed(
             strength=GIVEN | {"shrink_fit": FIT | {"shrink_diameter": 0.1}},
             throw={"main_journal_bore": 0.12},

@@ -271,7 +271,5 @@ def test_work_that_is_not_that_of_the_gas():
     angles = np.radians(np.arange(0.0, 720.0, 0.5))
     torque = engine_torque(BROKEN_ENGINE, 100.0, [3e4 * np.exp(-(angles**2))])
     check_energy(torque)
-    with pytest.raises(
-        SolveError, match=r"work of the gas differ by a share of .*\(allowed 1e-10\)"
-    ):
+    with pytest.raises(SolveError, match=r"work of the gas differ by a share of .*\(allowed"):
         check_energy(replace(torque, indicated_work=torque.indicated_work + 1e-3))

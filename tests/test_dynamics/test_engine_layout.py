@@ -261,7 +261,5 @@ def test_firing_intervals_are_one_cycle_together(strokes, total):
 def test_a_firing_order_may_be_text():
     engine = EngineLayout(0.07, in_line(0, 180, 180, 0), "1-3-4-2")
     assert engine == EngineLayout(0.07, in_line(0, 180, 180, 0), [1, 3, 4, 2])
-    with pytest.raises(
-        InputError, match="firing_order: given '1;3;4;2'; allowed are cylinder numbers"
-    ):
+    with pytest.raises(InputError, match="firing_order: given '1;3;4;2'; allowed are cylinder"):
         EngineLayout(0.07, in_line(0, 180, 180, 0), "1;3;4;2")

@@ -344,9 +344,7 @@ def test_a_firing_order_that_does_not_fit_the_cranks_is_refused():
         )
         for i, c in enumerate(cranks)
     ]
-    with pytest.raises(
-        InputError, match=r"firing_order: given \[1, 4, 3, 2\]; allowed is an order"
-    ):
+    with pytest.raises(InputError, match=r"firing_order: given \[1, 4, 3, 2\]; allowed is an"):
         EngineLayout(0.07, cylinders, [1, 4, 3, 2])
 
 

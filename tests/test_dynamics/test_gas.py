@@ -383,9 +383,7 @@ def test_maps_that_are_none_are_refused():
             pressure_map(points)
     with pytest.raises(InputError, match="method: given 'nearest'"):
         pressure_map([(100.0, 0.5, own)], method="nearest")
-    with pytest.raises(
-        InputError, match=r"allowed are orders up to 89.5, because the pressure map's"
-    ):
+    with pytest.raises(InputError, match=r"allowed are orders up to 89.5, because the pressure"):
         pressure_map([(100.0, 0.5, own)]).phasors([90.0], [100.0])
 
 
@@ -417,9 +415,7 @@ def test_a_map_from_cycles_has_its_targets_at_the_points():
     )
     assert found.at(speeds[1], 1.0).pressure == close(middle.pressure.pressure, rel=1e-12)
     assert not any("Solved" in text for text in found.remarks)
-    with pytest.raises(
-        InputError, match="at 1500 1/min and load 1: mean_effective_pressure: given"
-    ):
+    with pytest.raises(InputError, match="at 1500 1/min and load 1: mean_effective_pressure:"):
         pressure_map_from_cycles(
             usual_gas_cycle(15.0),
             position,
@@ -671,9 +667,7 @@ def test_targets_out_of_reach_are_refused_with_what_is_in_reach(targets, message
 
 def test_combustion_too_short_or_too_early_is_refused():
     short = replace(FOUR, combustion_duration_deg=1.0)
-    with pytest.raises(
-        InputError, match="combustion_duration_deg: given 1 deg; allowed is 2 deg or"
-    ):
+    with pytest.raises(InputError, match="combustion_duration_deg: given 1 deg; allowed is 2 deg"):
         gas_cycle(short, cycle_position, AREA, heat=100.0)
     early = replace(
         FOUR,

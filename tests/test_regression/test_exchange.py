@@ -127,9 +127,7 @@ def test_parquet_holds_the_same_table_with_units_as_metadata(store, tmp_path):
 def test_parquet_without_its_package_and_other_formats(store, tmp_path, monkeypatch):
     table = run_plan(PLAN, store)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(
-        MissingLibraryError, match=r"pip install 'crankfem\[tables\]', or write a \.csv"
-    ):
+    with pytest.raises(MissingLibraryError, match=r"pip install 'crankfem\[tables\]', or write a"):
         export_table(table, tmp_path / "runs.parquet")
     with pytest.raises(InputError, match=r"^export: given '.*\.xlsx'; allowed are \.csv and"):
         export_table(table, tmp_path / "runs.xlsx")
@@ -260,9 +258,7 @@ def test_rows_beyond_the_studys_ranges_are_not_fitted(
 
 def test_ratios_beyond_their_range_are_not_fitted(store, tmp_path):
     lines = full_lines("run,1.45,obround", factors="width_ratio,web_outline")
-    with pytest.raises(
-        InputError, match=r"column width_ratio: given 1\.45; allowed is 1\.5 to 1\.6"
-    ):
+    with pytest.raises(InputError, match=r"column width_ratio: given 1\.45; allowed is 1\.5 to"):
         import_results(RATIO, store, table_of(tmp_path / "bad.csv", *lines))
 
 
