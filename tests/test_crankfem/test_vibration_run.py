@@ -21,7 +21,7 @@ from crankfem.analyses.vibration.records import (
 )
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration
-from crankfem.cli.arguments import write_columns
+from crankfem.cli.console import write_columns
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
