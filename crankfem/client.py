@@ -190,14 +190,14 @@ class Client:
 
     def follow(self, job: Job) -> Iterator[Job]:
         """Yield a job at each of its changes, until it has ended."""
-        told = None
+        last = None
         while True:
             now = self.job(job.id)
-            if now != told:
+            if now != last:
                 yield now
             if now.state in ENDED:
                 return
-            told = now
+            last = now
             time.sleep(LOOK)
 
     def result(self, job: Job) -> dict[str, Any]:
@@ -212,8 +212,8 @@ class Client:
         if last.state != "done":
             detail = f"The job is {last.state}." if last.problem is None else last.problem.detail
             raise RefusedError(detail)
-        found: dict[str, Any] = json.loads(self._ask(f"jobs/{job.id}/result"))
-        return found
+        content: dict[str, Any] = json.loads(self._ask(f"jobs/{job.id}/result"))
+        return content
 
     def cancel(self, job: Job) -> Job:
         """Cancel a job."""
@@ -251,14 +251,16 @@ class Client:
 
 def _refusal(error: HTTPError) -> Exception:
     try:
-        told = Problem.model_validate_json(error.read())
+        problem = Problem.model_validate_json(error.read())
     except ValueError:
         return RefusedError(f"The service answered {error.code}.", error.code)
     if error.code == 422:
-        sentences = [one.message for one in told.errors] or [told.detail]
+        sentences = [error_of_field.message for error_of_field in problem.errors] or [
+            problem.detail
+        ]
         return InputError("\n".join(sentences))
     after = error.headers.get("Retry-After")
-    return RefusedError(told.detail, error.code, None if after is None else float(after))
+    return RefusedError(problem.detail, error.code, None if after is None else float(after))
 
 
 def _upload(path: str | Path, tables: Sequence[str | Path]) -> dict[str, Any]:

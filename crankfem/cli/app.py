@@ -178,7 +178,7 @@ class OptionsOnce(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the command line."""
         end = args.index("--") if "--" in args else len(args)
-        names = [one.partition("=")[0] for one in args[:end]]
+        names = [argument.partition("=")[0] for argument in args[:end]]
         for option in self.params:
             repeats = getattr(option, "multiple", True) or getattr(option, "is_flag", True)
             if not repeats and sum(name in option.opts for name in names) > 1:
@@ -189,8 +189,10 @@ class OptionsOnce(TyperCommand):
 for listed in COMMANDS:
     # One command has the name of what Python keeps for itself.
     called = listed.command.__name__.strip("_").replace("_", "-")
-    told = examples_text(listed.examples)
-    app.command(called, cls=OptionsOnce, epilog=told, rich_help_panel=listed.group)(listed.command)
+    epilog = examples_text(listed.examples)
+    app.command(called, cls=OptionsOnce, epilog=epilog, rich_help_panel=listed.group)(
+        listed.command
+    )
 
 
 def main() -> None:
@@ -210,9 +212,9 @@ def _usage_error(error: Any) -> tuple[str, str]:
     """Return the sentence about a wrong option or argument, and where to read how it is right."""
     context = getattr(error, "ctx", None)
     apart = split_quantity(sys.argv[1:])
-    told = str(error.format_message())
+    message = str(error.format_message())
     for typers, ours in TYPERS_WORDS.items():
-        told = told.replace(typers, ours)
+        message = message.replace(typers, ours)
     path = "crankfem" if context is None else context.command_path
     if apart is not None:
         words = " ".join(apart)
@@ -220,4 +222,4 @@ def _usage_error(error: Any) -> tuple[str, str]:
             f'{words}: given as two words; write number and unit in quotes, "{words}"',
             f"{path} --help",
         )
-    return told, f"{path} --help"
+    return message, f"{path} --help"

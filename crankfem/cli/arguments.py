@@ -1,17 +1,14 @@
 """What several commands take: throws, models, laws, angles, speeds, quantities and firing orders."""
 
-import csv
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.model import limits_of, range_text
-from crankbase.outputs import atomic_file
 from crankbase.units.quantity import format_quantity, parse_quantity
 from crankfem.cli import console
 from crankfem.files.engine.throw_file import load_throw, names_of_throws
@@ -19,24 +16,19 @@ from crankfem.files.reading.toml_file import TomlFile
 from dynamics.cycle import cycle_degrees
 from dynamics.engine.firing import MOST_CYLINDERS, firing_order_from_text
 from fem.material import STEEL, Material
-from geometry.imported import import_throw
-from geometry.mesher import Throw
-from geometry.solid_files import STEP_ENDINGS
 from geometry.throw import CrankThrow
-from regression.models.compliance_model import ComplianceModel
-from regression.optimum import Limit
 from regression.throw_values import field_unit
+
+if TYPE_CHECKING:
+    from geometry.mesher import Throw
+    from regression.models.compliance_model import ComplianceModel
+    from regression.optimum import Limit
 
 
 def parse_gamma(text: str, quiet: bool = False) -> float:
     """Return the angle of --gamma [deg].
 
     A bare number counts as degrees, with a note: the option once took nothing else.
-
-    Raises
-    ------
-    InputError
-        If it is no angle, or not finite.
     """
     try:
         degrees = float(text)
@@ -68,11 +60,6 @@ def angle_text(gamma_deg: float) -> str:
 
 def parse_speed(text: str | None) -> float | None:
     """Return the speed of --speed [rad/s], None where it is not given.
-
-    Raises
-    ------
-    InputError
-        If it is no speed, or outside the range of the field engine.rated_speed.
 
     Examples
     --------
@@ -109,10 +96,6 @@ def select_throw(
         From `--throw`.
     quiet : bool
         Whether to omit notes.
-
-    Raises
-    ------
-    InputError
     """
     if name is None:
         first, *others = names_of_throws(engine)
@@ -125,7 +108,7 @@ def select_throw(
 
 def select_part(
     engine: str, name: str | None, pins: Sequence[str] | None, quiet: bool = False
-) -> tuple[Throw, Material]:
+) -> tuple["Throw", Material]:
     """Select a throw of a file, or read a CAD part of steel from a STEP file.
 
     Parameters
@@ -138,11 +121,10 @@ def select_part(
         Names of the pins' faces, for STEP files.
     quiet : bool
         Whether to omit notes.
-
-    Raises
-    ------
-    InputError
     """
+    from geometry.imported import import_throw
+    from geometry.solid_files import STEP_ENDINGS
+
     if Path(engine).suffix.lower() not in STEP_ENDINGS:
         if pins:
             raise InputError(
@@ -164,13 +146,8 @@ _LIMIT = re.compile(r"\s*(?P<name>[\w.]+)\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*"
 _BOUND = re.compile(r"\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*")
 
 
-def model_dimensions(model: ComplianceModel, pairs: Sequence[str]) -> dict[str, float | str]:
-    """Read NAME=VALUE pairs: quantities with units, plain numbers, and labels of choices.
-
-    Raises
-    ------
-    InputError
-    """
+def model_dimensions(model: "ComplianceModel", pairs: Sequence[str]) -> dict[str, float | str]:
+    """Read NAME=VALUE pairs: quantities with units, plain numbers, and labels of choices."""
     family = model.family
     choices = {*family.categories, *family.labels}
     known = {*family.ranges, *family.fixed, *family.relations}
@@ -186,12 +163,7 @@ def model_dimensions(model: ComplianceModel, pairs: Sequence[str]) -> dict[str, 
 
 
 def parse_value(name: str, text: str, unit: str) -> float:
-    """Read a quantity with its unit, or a pure number where the unit is "".
-
-    Raises
-    ------
-    InputError
-    """
+    """Read a quantity with its unit, or a pure number where the unit is ""."""
     if unit:
         return parse_quantity(text, unit, name)
     try:
@@ -201,20 +173,17 @@ def parse_value(name: str, text: str, unit: str) -> float:
     return parse_quantity(number, unit, name)
 
 
-def parse_limit(model: ComplianceModel, text: str) -> Limit:
-    """Read a limit on a response or dimension, like "axial_compliance <= 1.2e-9 m/N".
+def parse_limit(model: "ComplianceModel", text: str) -> "Limit":
+    """Read a limit on a response or dimension, like "axial_compliance <= 1.2e-9 m/N"."""
+    from regression.optimum import Limit
 
-    Raises
-    ------
-    InputError
-    """
-    found = _LIMIT.fullmatch(text)
-    if found is None:
+    match = _LIMIT.fullmatch(text)
+    if match is None:
         raise InputError(
             f"--limit: given {text!r}; allowed is NAME <= VALUE or NAME >= VALUE, like "
             '"axial_compliance <= 1.2e-9 m/N".'
         )
-    name = found["name"]
+    name = match["name"]
     response = model.responses.get(name)
     units = model.family.all_units
     if response is None and name not in units:
@@ -224,32 +193,27 @@ def parse_limit(model: ComplianceModel, text: str) -> Limit:
             f"dimensions {', '.join(units)}."
         )
     unit = units[name] if response is None else response.unit
-    bound = parse_value(name, found["value"], unit)
-    if found["sign"] == "<=":
+    bound = parse_value(name, match["value"], unit)
+    if match["sign"] == "<=":
         return Limit((name,), at_most=bound, unit=unit)
     return Limit((name,), at_least=bound, unit=unit)
 
 
 def parse_bound(option: str, text: str) -> float:
-    """Read a lower bound of a frequency, like ">= 40 Hz" or "40 Hz" [Hz].
-
-    Raises
-    ------
-    InputError
-    """
-    found = _BOUND.fullmatch(text)
-    if found is not None and found["sign"] == "<=":
+    """Read a lower bound of a frequency, like ">= 40 Hz" or "40 Hz" [Hz]."""
+    match = _BOUND.fullmatch(text)
+    if match is not None and match["sign"] == "<=":
         raise InputError(
             f'{option}: given {text!r}; allowed is at least a frequency, like ">= 40 Hz", because a '
             "shaft is made stiffer to bring its frequency above the speeds."
         )
-    value = parse_quantity(text if found is None else found["value"], "Hz", option)
+    value = parse_quantity(text if match is None else match["value"], "Hz", option)
     if not value > 0.0:
         raise InputError(f"{option}: given {text!r}; allowed is a frequency above 0 Hz.")
     return value
 
 
-def dimensions_text(model: ComplianceModel, dimensions: Mapping[str, float | str]) -> list[str]:
+def dimensions_text(model: "ComplianceModel", dimensions: Mapping[str, float | str]) -> list[str]:
     """Write dimensions as NAME = VALUE."""
     show = model.family.format_value
     return [
@@ -266,16 +230,10 @@ def parse_quantities(text: str, unit: str, field: str) -> list[float]:
 
     Parameters
     ----------
-    text : str
     unit : str
         The SI unit to convert to.
     field : str
         Name of the option, for the message.
-
-    Raises
-    ------
-    InputError
-        If one cannot be read.
 
     Examples
     --------
@@ -296,10 +254,6 @@ def parse_pin_force(text: str) -> list[float]:
 
     A bare 0 needs no unit.
 
-    Raises
-    ------
-    InputError
-
     Examples
     --------
     >>> parse_pin_force("0, -100 kN, 0"), parse_pin_force("100 kN")
@@ -310,18 +264,18 @@ def parse_pin_force(text: str) -> list[float]:
     parts = text.split(",")
     if any(UNIT.search(part) for part in parts):
         parts = [f"{part} N" if part.strip() == "0" else part for part in parts]
-    found = parse_quantities(",".join(parts), "N", "--pin-force")
-    if len(found) == 2 and re.search(r"\d,\d", text):
+    forces = parse_quantities(",".join(parts), "N", "--pin-force")
+    if len(forces) == 2 and re.search(r"\d,\d", text):
         raise InputError(
             f"--pin-force: given {text!r}, two numbers; allowed is one, with a decimal point, like "
             f'"{text.strip().replace(",", ".", 1)}", or three, x, y, z.'
         )
-    if len(found) not in (1, 3) or not max(map(abs, found)) <= LARGEST_LOAD:
+    if len(forces) not in (1, 3) or not max(map(abs, forces)) <= LARGEST_LOAD:
         raise InputError(
             f'--pin-force: given {text!r}; allowed is one radial force, like "100 kN", or x, y, z, like '
             f'"40, -100, 0 kN", none beyond {LARGEST_LOAD:g} N.'
         )
-    return found if len(found) == 3 else [0.0, 0.0 - found[0], 0.0]
+    return forces if len(forces) == 3 else [0.0, 0.0 - forces[0], 0.0]
 
 
 def _is_number(text: str) -> bool:
@@ -332,48 +286,15 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def write_columns(path: Path, columns: Mapping[str, FloatArray], heading: str = "") -> None:
-    """Write columns of equal length to 12 digits, units in their names; see `write_rows`."""
-    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    write_rows(path, list(columns), ([f"{value:.12g}" for value in row] for row in rows), heading)
-
-
-def write_rows(
-    path: Path, names: Sequence[str], rows: Iterable[Sequence[object]], heading: str = ""
-) -> None:
-    """Write rows below the names of their columns.
-
-    Parameters
-    ----------
-    path : Path
-    names : sequence of n str
-    rows : iterable of sequences of n cells
-    heading : str, optional
-        Content of the first line after a number sign; no such line if empty.
-    """
-    with atomic_file(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
-        if heading:
-            file.write(f"# {heading}\n")
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(names)
-        writer.writerows(rows)
-
-
 def law_throw(
     pairs: Sequence[str], engine: str | None = None, quiet: bool = False
 ) -> tuple[CrankThrow, Material]:
-    """Make a throw of NAME=VALUE pairs, or of an engine's throw that they change.
-
-    Raises
-    ------
-    InputError
-        If a name is not a dimension, a value is not allowed, or they are not a possible throw.
-    """
-    given = console.parse_pairs(pairs, _convert)
+    """Make a throw of NAME=VALUE pairs, or of an engine's throw that they change."""
+    dimensions = console.parse_pairs(pairs, _convert)
     if engine is None:
-        return CrankThrow(**given), STEEL
+        return CrankThrow(**dimensions), STEEL
     throw, material = select_throw(engine, quiet=quiet)
-    return throw.changed(**given), material
+    return throw.changed(**dimensions), material
 
 
 def throw_text(throw: CrankThrow) -> list[str]:
@@ -387,7 +308,7 @@ def throw_text(throw: CrankThrow) -> list[str]:
 
 
 def _convert(name: str, text: str) -> Any:
-    choices = [one for one in CrankThrow.model_fields if field_unit(one) is not None]
+    choices = [field for field in CrankThrow.model_fields if field_unit(field) is not None]
     if name == "web_outline":
         return text.strip()
     if name not in choices:
@@ -410,11 +331,6 @@ def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) ->
         With a unit each, or one at the end for all.
     strokes : int
         Per cycle, 2 or 4.
-
-    Raises
-    ------
-    InputError
-        If both are given, or one cannot be read.
 
     Examples
     --------

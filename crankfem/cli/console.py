@@ -1,13 +1,15 @@
 """Output of the command line: tables on standard output, progress and errors on standard error."""
 
+import csv
 import os
 import sys
 import textwrap
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from typing import Any, NoReturn, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from rich import box
 from rich.console import Console
@@ -19,6 +21,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from crankbase.errors import InputError, visible, with_short_quotes
+from crankbase.outputs import atomic_file
 from crankbase.tables.table import SI, OutputUnits, Table
 from crankbase.units.quantity import split_quantity
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
@@ -30,6 +33,9 @@ from crankfem.jobs.exit_codes import (
     describe_error,
 )
 from regression.records import Outcome
+
+if TYPE_CHECKING:
+    from crankbase.checks.arrays import FloatArray
 
 Value = TypeVar("Value")
 LONGEST_WORD = 20
@@ -209,8 +215,8 @@ def _exit_broken_pipe() -> NoReturn:
 
 def _stop(message: str, code: int) -> NoReturn:
     # Several errors of a file stand below each other.
-    told = "\n       ".join(map(with_short_quotes, message.split("\n")))
-    errors.print(Text("Error:", "bold red"), told, soft_wrap=True, highlight=False)
+    sentence = "\n       ".join(map(with_short_quotes, message.split("\n")))
+    errors.print(Text("Error:", "bold red"), sentence, soft_wrap=True, highlight=False)
     raise SystemExit(code)
 
 
@@ -320,27 +326,45 @@ def number(value: float, digits: int = 4) -> str:
 def parse_pairs(
     pairs: Iterable[str], convert: Callable[[str, str], Value], example: str = "web_width=300mm"
 ) -> dict[str, Value]:
-    """Read name=value pairs from the command line; `example` is used in the message.
-
-    Raises
-    ------
-    InputError
-        If a pair has no equals sign, a name is given twice, or a unit is apart from its number.
-    """
-    found: dict[str, Value] = {}
-    given = list(pairs)
-    apart = split_quantity(given)
+    """Read name=value pairs from the command line; `example` is used in the message."""
+    values: dict[str, Value] = {}
+    texts = list(pairs)
+    apart = split_quantity(texts)
     if apart is not None:
         pair, unit = apart
         raise InputError(
             f"{pair.partition('=')[0]}: given {pair} and {unit} as two words; write number and unit as one, "
             f'{pair}{unit}, or in quotes, "{pair} {unit}".'
         )
-    for pair in given:
+    for pair in texts:
         name, equals, text = pair.partition("=")
         if not equals or not name.strip():
             raise InputError(f"{pair}: given without a value; write name=value, like {example}.")
-        if name.strip() in found:
+        if name.strip() in values:
             raise InputError(f"{name.strip()}: given twice; give it once.")
-        found[name.strip()] = convert(name.strip(), text)
-    return found
+        values[name.strip()] = convert(name.strip(), text)
+    return values
+
+
+def write_columns(path: Path, columns: "Mapping[str, FloatArray]", heading: str = "") -> None:
+    """Write columns of equal length to 12 digits, units in their names; see `write_rows`."""
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    write_rows(path, list(columns), ([f"{value:.12g}" for value in row] for row in rows), heading)
+
+
+def write_rows(
+    path: Path, names: Sequence[str], rows: Iterable[Sequence[object]], heading: str = ""
+) -> None:
+    """Write rows below the names of their columns.
+
+    Parameters
+    ----------
+    heading : str, optional
+        Content of the first line after a number sign; no such line if empty.
+    """
+    with atomic_file(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
+        if heading:
+            file.write(f"# {heading}\n")
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        writer.writerows(rows)

@@ -79,14 +79,14 @@ def interrupts_raise() -> Iterator[None]:
     if signal.getsignal(signal.SIGINT) is not end_at_once:
         yield
         return
-    told = sys.unraisablehook
+    hook = sys.unraisablehook
     sys.unraisablehook = _again
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, end_at_once)
-        sys.unraisablehook = told
+        sys.unraisablehook = hook
 
 
 def _again(unraisable: Any) -> None:

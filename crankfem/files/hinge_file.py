@@ -170,13 +170,13 @@ class RunningPoint(InputModel):
     @model_validator(mode="after")
     def _gas_is_given_once(self) -> Self:
         names = ("mean_pressure", "peak_pressure", "charge_pressure")
-        given = [name for name in names if getattr(self, name) is not None]
-        if self.gas_force_table is not None and given:
+        present = [name for name in names if getattr(self, name) is not None]
+        if self.gas_force_table is not None and present:
             raise InputError(
-                f"{given[0]}: given together with gas_force_table; allowed is one of the two, "
+                f"{present[0]}: given together with gas_force_table; allowed is one of the two, "
                 "because each defines the gas force."
             )
-        missing = [name for name in names if name not in given]
+        missing = [name for name in names if name not in present]
         if self.gas_force_table is None and missing:
             raise InputError(
                 f"{missing[0]}: missing; allowed are {', '.join(names)}, or "
@@ -328,9 +328,9 @@ class HingeFile:
 
     def compared(self, moment: HingeMoment) -> list[tuple[GasSpring, float, HingeProfile | str]]:
         """Return spring, initial radius, and guides or why there are none, of all sizes and pressures."""
-        found: list[tuple[GasSpring, float, HingeProfile | str]] = []
+        compared: list[tuple[GasSpring, float, HingeProfile | str]] = []
         if self.comparison is None:
-            return found
+            return compared
         for size in self.comparison.sizes:
             for pressure in self.comparison.pressures:
                 spring = replace(self.spring, height=size.height, pressure=pressure)
@@ -340,8 +340,8 @@ class HingeFile:
                     )
                 except InputError as error:
                     made = str(error)
-                found.append((spring, size.start_radius, made))
-        return found
+                compared.append((spring, size.start_radius, made))
+        return compared
 
     def point_at(self, field: str, speed: float) -> RunningPoint:
         """Return the operating point of a speed [rad/s]; `field` names it in the message.
@@ -413,7 +413,7 @@ def _read_hinge(content: TomlFile) -> HingeFile:
     )
     operation = content.required("operation", Operation)
     calculated = any(point.pressures is not None for point in operation.points)
-    found = HingeFile(
+    file = HingeFile(
         files=content.files,
         name=crank.name,
         engine=engine,
@@ -427,8 +427,8 @@ def _read_hinge(content: TomlFile) -> HingeFile:
         records=tuple(content.records),
         sources=content.sources,
     )
-    found.point_at("hinge.design_speed", hinge.design_speed)
+    file.point_at("hinge.design_speed", hinge.design_speed)
     for point in operation.points:  # refuses what cannot be read
         if point.gas_force_table is not None:
-            found._gas_force(point)
-    return found
+            file._gas_force(point)
+    return file

@@ -30,10 +30,8 @@ def read_design(
 
     Parameters
     ----------
-    file : InputFile
     factors : tuple of Factor
         Of the study; may be empty.
-    throw : CrankThrow
 
     Returns
     -------
@@ -47,16 +45,16 @@ def read_design(
     InputError
         If the file cannot be read or does not fit the factors; the message names the line.
     """
-    given = file.path.name
+    shown = file.path.name
     header, lines = _read_csv(file)
     names = [_column(cell)[0] for cell in header]
     for name in names:
         if names.count(name) > 1:
-            raise InputError(f"study.file: {name} is twice in {given}; allowed is once.")
+            raise InputError(f"study.file: {name} is twice in {shown}; allowed is once.")
     wanted = {factor.name: factor for factor in factors}
     if wanted and set(names) != set(wanted):
         raise InputError(
-            f"study.file: given the columns {', '.join(names)} in {given}; allowed are the factors "
+            f"study.file: given the columns {', '.join(names)} in {shown}; allowed are the factors "
             f"{', '.join(wanted)}, or no section [study.factors]."
         )
     fields = throw_fields(throw)
@@ -66,10 +64,10 @@ def read_design(
         name, unit = _column(cell)
         if name not in fields and unit:
             raise InputError(
-                f"study.file: {name} in {given} is an unknown throw dimension; "
+                f"study.file: {name} in {shown} is an unknown throw dimension; "
                 f"{unknown_field(name, fields, throw)}."
             )
-        values, factor = _read_column(cell, texts, given, fields, wanted)
+        values, factor = _read_column(cell, texts, shown, fields, wanted)
         columns[name] = (values, factor)
     ordered = factors or tuple(factor for _, factor in columns.values())
     rows = zip(*(columns[factor.name][0] for factor in ordered), strict=True)
@@ -117,8 +115,8 @@ def _read_column(
     wanted: Mapping[str, Factor],
 ) -> tuple[list[float], Factor]:
     name, unit_text = _column(cell)
-    found = fields.get(name)
-    if found is not None and found.choices:
+    field = fields.get(name)
+    if field is not None and field.choices:
         labels = list(dict.fromkeys(text for _, text in texts))
         factor = wanted.get(name) or Factor.of_labels(name, labels)
         for number, text in texts:
@@ -128,7 +126,7 @@ def _read_column(
                     f"{', '.join(factor.labels)}."
                 )
         return [float(factor.labels.index(text)) for _, text in texts], factor
-    unit = "" if found is None else found.unit
+    unit = "" if field is None else field.unit
     values = [
         _cell(text, unit, unit_text, f"study.file: {name} in line {number} of {file}")
         for number, text in texts
@@ -212,8 +210,8 @@ class StudySection(InputModel):
 
     @field_validator("design", mode="before")
     @classmethod
-    def _in_small_letters(cls, given: object) -> object:
-        return given.casefold() if isinstance(given, str) else given
+    def _in_small_letters(cls, word: object) -> object:
+        return word.casefold() if isinstance(word, str) else word
 
     @model_validator(mode="after")
     def _fits_the_design(self) -> Self:
@@ -249,12 +247,10 @@ def study_plan(
 
     Parameters
     ----------
-    content : TomlFile
     throws : mapping
         Of the same file, by name.
     default : str
         Name of the throw that varies where the section names none.
-    material : Material
 
     Raises
     ------
@@ -265,40 +261,40 @@ def study_plan(
     values = content.sections.get("study")
     if values is None:
         return None
-    given = StudySection.from_text(values)
-    throw = throw_of_name(throws, given.throw, "study.throw", default)
-    factors, rows = _factors(given.factors, throw), None
-    if given.file is not None:
-        factors, rows = read_design(content.files.named("study.file", given.file), factors, throw)
+    section = StudySection.from_text(values)
+    throw = throw_of_name(throws, section.throw, "study.throw", default)
+    factors, rows = _factors(section.factors, throw), None
+    if section.file is not None:
+        factors, rows = read_design(content.files.named("study.file", section.file), factors, throw)
     return StudyPlan(
         throw=throw,
         factors=factors,
         design=DesignChoice(
-            kind=given.design,
-            runs=given.runs,
-            resolution=RESOLUTIONS[given.resolution] if given.resolution else None,
-            generators=given.generators,
-            face=given.face,
+            kind=section.design,
+            runs=section.runs,
+            resolution=RESOLUTIONS[section.resolution] if section.resolution else None,
+            generators=section.generators,
+            face=section.face,
             rows=rows,
         ),
-        relations=dict(_paths(given.relations)),
-        constraints=given.constraints,
-        held_out=given.held_out,
-        seed=given.seed,
+        relations=dict(_paths(section.relations)),
+        constraints=section.constraints,
+        held_out=section.held_out,
+        seed=section.seed,
         material=material,
-        accuracy=given.accuracy,
-        stresses=given.stresses,
+        accuracy=section.accuracy,
+        stresses=section.stresses,
     )
 
 
 def _factors(table: Mapping[str, Any], throw: CrankThrow) -> tuple[Factor, ...]:
     fields = throw_fields(throw)
 
-    def is_range(path: str, given: Mapping[str, Any]) -> bool:
+    def is_range(path: str, part_table: Mapping[str, Any]) -> bool:
         part = any(known.startswith(f"{path}.") for known in fields)
-        return not given or (not part and bool(set(given) & set(RANGE_KEYS)))
+        return not part_table or (not part and bool(set(part_table) & set(RANGE_KEYS)))
 
-    return tuple(_factor(path, given, fields, throw) for path, given in _paths(table, is_range))
+    return tuple(_factor(path, text, fields, throw) for path, text in _paths(table, is_range))
 
 
 def _paths(
@@ -307,61 +303,61 @@ def _paths(
     prefix: str = "",
 ) -> Iterator[tuple[str, Any]]:
     """Separate entries of tables of parts, such as [study.factors.counterweight]."""
-    for name, given in table.items():
+    for name, content in table.items():
         path = prefix + name
-        if isinstance(given, dict) and not (ends_at and ends_at(path, given)):
-            yield from _paths(given, ends_at, f"{path}.")
+        if isinstance(content, dict) and not (ends_at and ends_at(path, content)):
+            yield from _paths(content, ends_at, f"{path}.")
         else:
-            yield path, given
+            yield path, content
 
 
 def _factor(
-    path: str, given: object, fields: Mapping[str, ThrowField], throw: CrankThrow
+    path: str, stated: object, fields: Mapping[str, ThrowField], throw: CrankThrow
 ) -> Factor:
-    name, found = f"study.factors.{path}", fields.get(path)
-    if found is not None and found.choices:
-        if not isinstance(given, list) or not all(isinstance(label, str) for label in given):
+    name, field = f"study.factors.{path}", fields.get(path)
+    if field is not None and field.choices:
+        if not isinstance(stated, list) or not all(isinstance(label, str) for label in stated):
             raise InputError(
-                f"{name}: given {given!r}; allowed is a list of {', '.join(found.choices)}."
+                f"{name}: given {stated!r}; allowed is a list of {', '.join(field.choices)}."
             )
-        return Factor.of_labels(path, given)
-    if found is None and _has_text(given):
+        return Factor.of_labels(path, stated)
+    if field is None and _has_text(stated):
         # A name that relations use is a pure number, so this is meant as a field.
         raise InputError(f"{name}: unknown throw dimension; {unknown_field(path, fields, throw)}.")
-    unit = "" if found is None else found.unit
-    if isinstance(given, dict):
-        return _range(path, given, unit)
-    if not isinstance(given, list):
+    unit = "" if field is None else field.unit
+    if isinstance(stated, dict):
+        return _range(path, stated, unit)
+    if not isinstance(stated, list):
         raise InputError(
-            f'{name}: given {given!r}; allowed is a list of levels, like ["270 mm", "300 mm", '
+            f'{name}: given {stated!r}; allowed is a list of levels, like ["270 mm", "300 mm", '
             '"330 mm"], or a range, like { from = "270 mm", to = "330 mm" }.'
         )
-    levels = [parse_quantity(text, unit, f"{name}[{place}]") for place, text in enumerate(given)]
+    levels = [parse_quantity(text, unit, f"{name}[{place}]") for place, text in enumerate(stated)]
     return Factor.of_levels(path, unit, levels)
 
 
-def _has_text(given: object) -> bool:
+def _has_text(value: object) -> bool:
     items: list[object] = []
-    if isinstance(given, dict):
-        items = [value for key, value in given.items() if key != "spacing"]
-    elif isinstance(given, list):
-        items = given
+    if isinstance(value, dict):
+        items = [part for key, part in value.items() if key != "spacing"]
+    elif isinstance(value, list):
+        items = value
     return any(isinstance(item, str) for item in items)
 
 
-def _range(path: str, given: Mapping[str, Any], unit: str) -> Factor:
+def _range(path: str, table: Mapping[str, Any], unit: str) -> Factor:
     name = f"study.factors.{path}"
-    for key in given:
+    for key in table:
         if key not in RANGE_KEYS:
             raise InputError(f"{name}.{key}: unknown field; allowed are {', '.join(RANGE_KEYS)}.")
     for key in ("from", "to"):
-        if key not in given:
+        if key not in table:
             raise InputError(f"{name}.{key}: missing; a range needs both from and to.")
-    low = parse_quantity(given["from"], unit, f"{name}.from")
-    high = parse_quantity(given["to"], unit, f"{name}.to")
-    if "levels" in given:
-        return Factor.spread(path, unit, low, high, given["levels"], given.get("spacing", "even"))
-    if "spacing" in given:
+    low = parse_quantity(table["from"], unit, f"{name}.from")
+    high = parse_quantity(table["to"], unit, f"{name}.to")
+    if "levels" in table:
+        return Factor.spread(path, unit, low, high, table["levels"], table.get("spacing", "even"))
+    if "spacing" in table:
         raise InputError(
             f"{name}.spacing: given without levels; allowed beside it is a number of levels, which it "
             "spreads over the range."

@@ -3,6 +3,7 @@
 import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 from crankbase.errors import InputError
@@ -30,15 +31,7 @@ PAGE, TABLES, DIAGRAMS = "class.html", "class-tables", "class-diagrams"
 
 @dataclass(frozen=True, eq=False)
 class WrittenDocument:
-    """Files that were written, and their inputs.
-
-    Attributes
-    ----------
-    page : Path
-    tables : tuple of Path
-    run : EngineVibration
-    parts : tuple of DocumentPart
-    """
+    """Files that were written, and their inputs."""
 
     page: Path
     tables: tuple[Path, ...]
@@ -59,55 +52,47 @@ def write_class_document(
         Engine file, or the name of a shipped engine.
     output : path
         Folder, which is made if it is not there: the page, its tables as CSV, and its diagrams.
-    progress : Progress, optional
 
     Raises
     ------
-    InputError
-        If the engine file or the folder cannot be used, or a file in the way was not written by crankfem.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     OSError
         If a file cannot be written.
     """
-    told = progress or SilentProgress()
-    told.step("Reading the engine file")
+    reporter = progress or SilentProgress()
+    reporter.step("Reading the engine file")
     read = engine if isinstance(engine, EngineFile) else load_engine(engine)
     refuse_what_cannot_run(read)
     check_submission(read)
     with protected(*(file.path for file in engine_inputs(read))):
         folder = _checked_folder(output)
-        run = engine_vibration(read, step=told.step)
-        told.step("Calculating all cylinders failing")
+        run = engine_vibration(read, step=reporter.step)
+        reporter.step("Calculating all cylinders failing")
         parts = class_document(run)
-        told.step("Drawing diagrams")
+        reporter.step("Drawing diagrams")
         _take_last_away(folder)
         drawn = {}
         with recording_run_files():
-            for picture in (one for part in parts for one in part.pictures):
+            for picture in chain.from_iterable(part.pictures for part in parts):
                 drawn[picture.name] = folder / DIAGRAMS / f"{picture.name}.svg"
                 picture.draw(drawn[picture.name])
-        told.step("Writing the document")
+        reporter.step("Writing the document")
         created = moment(provenance_record()["created"])
         page = write_text(
             folder / PAGE, render_class_document(run, parts, drawn, created), "report"
         )
         with recording_run_files():
             tables = tuple(
-                _write_table(folder / TABLES / f"{one.name}.csv", one.table)
+                _write_table(folder / TABLES / f"{part_table.name}.csv", part_table.table)
                 for part in parts
-                for one in part.tables
+                for part_table in part.tables
             )
     return WrittenDocument(page, tables, run, parts)
 
 
 def _checked_folder(output: str | Path) -> Path:
-    """Make the folders, refuse to replace files that crankfem did not write, and return the first folder.
-
-    Raises
-    ------
-    InputError
-    """
+    """Make the folders, refuse to replace files that crankfem did not write, and return the first folder."""
     folder = Path(output)
     if not str(output).strip() or folder.is_file():
         raise InputError(

@@ -16,7 +16,6 @@ def check_writable(
 
     Parameters
     ----------
-    file : Path
     kind : str
         What is to be written, as `crankbase.outputs.check_output` has it.
     *inputs : Path
@@ -25,11 +24,6 @@ def check_writable(
         What a message calls the file; its path by default.
     recognized : callable, optional
         As for `crankbase.outputs.check_output`.
-
-    Raises
-    ------
-    InputError
-        If it is a folder, in no folder, one of the inputs, or not written by crankfem.
     """
     protect(*inputs)
     with protected(*inputs):
@@ -45,13 +39,9 @@ def check_distinct_files(files: dict[str, Path | None]) -> None:
     ----------
     files : dict
         Option to file, None where it is not given.
-
-    Raises
-    ------
-    InputError
     """
-    given = [(option, file.resolve()) for option, file in files.items() if file is not None]
-    for (first, file), (second, other) in combinations(given, 2):
+    outputs = [(option, file.resolve()) for option, file in files.items() if file is not None]
+    for (first, file), (second, other) in combinations(outputs, 2):
         if file == other:
             raise InputError(
                 f"{second}: given {files[second]}, which {first} writes too; allowed is another file, "
@@ -66,7 +56,6 @@ def check_outputs(
 
     Parameters
     ----------
-    csv : Path or None
     pictures : str or None
         As it stands on the command line.
     *inputs : Path
@@ -78,11 +67,6 @@ def check_outputs(
     -------
     Path or None
         The folder of the pictures, which is made if it is not there.
-
-    Raises
-    ------
-    InputError
-        As `check_writable` and `make_output_folder`.
     """
     protect(*inputs)
     if csv is not None:
@@ -91,14 +75,13 @@ def check_outputs(
 
 
 def make_output_folder(
-    option: str, given: str | Path | None, names: Iterable[str], kind: Kind = "picture"
+    option: str, path_given: str | Path | None, names: Iterable[str], kind: Kind = "picture"
 ) -> Path | None:
     """Make the folder that an option names, and refuse files that cannot be written there.
 
     Parameters
     ----------
-    option : str
-    given : str, Path or None
+    path_given : str, Path or None
         As it stands on the command line.
     names : iterable of str
         Of the files that are to be written into it.
@@ -109,33 +92,29 @@ def make_output_folder(
     -------
     Path or None
         None where the option is not given.
-
-    Raises
-    ------
-    InputError
-        If the folder has no name, a file of that name exists, files cannot be written there, or one of them
-        would replace one that crankfem did not write.
     """
-    if given is None:
+    if path_given is None:
         return None
-    if not str(given).strip():
+    if not str(path_given).strip():
         raise InputError(
             f'{option}: given ""; allowed is a folder, because {kind}s are files in it.'
         )
-    folder = Path(given)
+    folder = Path(path_given)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         in_the_way = isinstance(error, FileExistsError | NotADirectoryError)
         reason = "a file of that name exists" if in_the_way else _system_says(error)
-        raise InputError(f"{option} {given}: cannot be made a folder, because {reason}.") from None
+        raise InputError(
+            f"{option} {path_given}: cannot be made a folder, because {reason}."
+        ) from None
     try:
         # Rights alone do not tell what a file system takes.
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
         raise InputError(
-            f"{option} {given}: files cannot be written there, because {_system_says(error)}."
+            f"{option} {path_given}: files cannot be written there, because {_system_says(error)}."
         ) from None
     for name in names:
         check_output(folder / name, kind)

@@ -111,12 +111,12 @@ def run_engine(
     OSError
         If results, model or report cannot be written.
     """
-    told = TimedProgress(progress or SilentProgress())
-    told.step("Reading the engine file")
+    reporter = TimedProgress(progress or SilentProgress())
+    reporter.step("Reading the engine file")
     check_workers(workers)
     inputs = engine if isinstance(engine, RunInputs) else read_inputs(engine)
     for warning in inputs.mechanism.warnings:
-        told.warn(f"{warning}.")
+        reporter.warn(f"{warning}.")
     path = inputs.engine_file.path
     folder = Path(f"{path.stem}-results" if output is None else output)
     read, study = inputs.paths, inputs.study is not None
@@ -127,47 +127,47 @@ def run_engine(
         ).close()  # which refuses what is no store, before anything is computed
     make_folder(folder)
     with the_only_run(folder), recording_run_files(), protected(*read):
-        return _run(inputs, folder, workers, told)
+        return _run(inputs, folder, workers, reporter)
 
 
-def _run(inputs: RunInputs, folder: Path, workers: int, told: TimedProgress) -> RunResult:
+def _run(inputs: RunInputs, folder: Path, workers: int, reporter: TimedProgress) -> RunResult:
     """Compute, and fill the folder."""
     with Renderings() as renderings:
-        computed = _compute(inputs, folder / STORE, workers, told, renderings)
-        repeat = repeat_record(inputs.files, told.seconds, inputs.option)
-        found = with_units(run_results(computed) | {"repeat": repeat})
-        replace_last_run(folder, found)
+        computed = _compute(inputs, folder / STORE, workers, reporter, renderings)
+        repeat = repeat_record(inputs.files, reporter.seconds, inputs.option)
+        results = with_units(run_results(computed) | {"repeat": repeat})
+        replace_last_run(folder, results)
         if computed.study is not None:
             computed.study.model.save(folder / MODEL)
 
-        told.step("Drawing pictures")
-        drawn = draw_run(folder, computed, found, renderings, told.note)
-        told.stop()
-    found |= {
+        reporter.step("Drawing pictures")
+        drawn = draw_run(folder, computed, results, renderings, reporter.note)
+        reporter.stop()
+    results |= {
         "pictures": drawn.static,
         "interactive": drawn.interactive,
         "picture_note": " ".join(drawn.notes) or None,
-        "repeat": repeat_record(inputs.files, told.seconds, inputs.option),
+        "repeat": repeat_record(inputs.files, reporter.seconds, inputs.option),
     }
-    told.step("Writing the report")
-    write_results(folder, found)
-    report = write_report(found, folder / PICTURES, folder / REPORT)
-    return RunResult(folder, report, found)
+    reporter.step("Writing the report")
+    write_results(folder, results)
+    report = write_report(results, folder / PICTURES, folder / REPORT)
+    return RunResult(folder, report, results)
 
 
 def _compute(
-    inputs: RunInputs, store: Path, workers: int, told: TimedProgress, renderings: Renderings
+    inputs: RunInputs, store: Path, workers: int, reporter: TimedProgress, renderings: Renderings
 ) -> RunComputation:
     """Compute all numbers of a run; only the store of its study is written to."""
     engine_file, with_gas = inputs.engine_file, inputs.with_gas
-    told.step(
+    reporter.step(
         "Analyzing the throw" if len(engine_file.named_throws) == 1 else "Analyzing the throws"
     )
     analyses = analyze_throws(engine_file)
     first, *_ = names = tuple(dict.fromkeys(engine_file.throw_names))
 
-    told.step("Calculating stresses at the fillets")
-    throws = {name: _with_stresses(engine_file, analyses[name], name, told) for name in names}
+    reporter.step("Calculating stresses at the fillets")
+    throws = {name: _with_stresses(engine_file, analyses[name], name, reporter) for name in names}
     stresses = throws[first].stresses
     if stresses is not None:
         shown = shown_loads(stresses)
@@ -181,10 +181,10 @@ def _compute(
 
     study = None
     if inputs.study is not None:
-        told.step("Running the study")
-        study = fitted(run_plan(inputs.study, store, workers, told.design, note=told.warn))
+        reporter.step("Running the study")
+        study = fitted(run_plan(inputs.study, store, workers, reporter.design, note=reporter.warn))
     elif engine_file.study is not None:
-        told.note(
+        reporter.note(
             f"The study is not run: the saved model {inputs.saved_path} is used in its place."
         )
     model = inputs.model if study is None else study.model
@@ -194,19 +194,23 @@ def _compute(
         mechanism=inputs.mechanism,
         model=model,
         coupled=True,
-        step=told.step,
+        step=reporter.step,
     )
     strength = fatigue = fatigue_note = None
     if engine_file.strength is not None:
-        told.step("Assessing the crankshaft's strength")
-        known = {name: own.stresses for name, own in throws.items() if own.stresses is not None}
+        reporter.step("Assessing the crankshaft's strength")
+        known = {
+            name: throw_answer.stresses
+            for name, throw_answer in throws.items()
+            if throw_answer.stresses is not None
+        }
         strength = engine_strength(vibration, mechanism=inputs.mechanism, stresses=known)
         if strength.warning:
-            told.note(strength.warning)
-        told.step("Calculating stresses over the cycle")
+            reporter.note(strength.warning)
+        reporter.step("Calculating stresses over the cycle")
         fatigue, fatigue_note = fatigue_or_reason(vibration, strength, known, inputs.mechanism)
     harmonics = None if inputs.torque is None else inputs.torque.harmonics()
-    told.stop()
+    reporter.stop()
     return RunComputation(
         inputs,
         throws,
@@ -222,7 +226,7 @@ def _compute(
 
 
 def _with_stresses(
-    engine_file: EngineFile, analysis: ThrowAnalysis, name: str, told: TimedProgress
+    engine_file: EngineFile, analysis: ThrowAnalysis, name: str, reporter: TimedProgress
 ) -> ThrowComputation:
     """Compute the stresses at the fillets of a throw, where there are any."""
     strength = engine_file.strength
@@ -233,5 +237,5 @@ def _with_stresses(
     stresses, reason = stresses_or_reason(throw, engine_file.material, mesh)
     if stresses is None:
         of_throw = f" of throw {name}" if engine_file.throws_by_name else ""
-        told.note(f"No stresses at the fillets{of_throw}: {reason}")
+        reporter.note(f"No stresses at the fillets{of_throw}: {reason}")
     return ThrowComputation(analysis, stresses, reason)

@@ -29,7 +29,6 @@ class RunInputs:
 
     Attributes
     ----------
-    engine_file : EngineFile
     mechanism : MechanismFile
         Of the same file.
     torque : TorqueTable or None
@@ -79,11 +78,6 @@ def read_inputs(engine: str | Path | TomlFile, model: Path | None = None) -> Run
         Or its sections, if already read.
     model : Path, optional
         Saved compliance model to take in place of the file's sources and study.
-
-    Raises
-    ------
-    InputError
-        With one sentence that names the field, what was given and what is allowed.
     """
     content = engine_sections(engine)
     engine_file = load_engine(content if model is None else with_model(content, model))
@@ -111,7 +105,6 @@ class ThrowComputation:
 
     Attributes
     ----------
-    analysis : ThrowAnalysis
     stresses : FilletStresses or None
         At its fillets.
     fillet_note : str or None
@@ -129,14 +122,12 @@ class RunComputation:
 
     Attributes
     ----------
-    inputs : RunInputs
     throws : dict of str to ThrowComputation
         Of each distinct throw by its name, first that at the free end; "throw" is that of a file with one.
     mechanism : MechanismRun or None
         None without gas pressure.
     study : StudyResult or None
         None if the engine file has none.
-    vibration : EngineVibration
     harmonics : Harmonics or None
         Of the torque table.
     model : ComplianceModel or None

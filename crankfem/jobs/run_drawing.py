@@ -183,7 +183,7 @@ PICTURED = "axial_compliance"
 def draw_run(
     folder: Path,
     computed: RunComputation,
-    found: Mapping[str, Any],
+    results: Mapping[str, Any],
     renderings: Renderings,
     note: Callable[[str], None],
 ) -> Pictures:
@@ -193,8 +193,7 @@ def draw_run(
     ----------
     folder : Path
         Of the run.
-    computed : RunComputation
-    found : mapping
+    results : mapping
         All numbers of the run, as results.json holds them.
     renderings : Renderings
         What is rendered in the background.
@@ -215,7 +214,7 @@ def draw_run(
     if computed.torque is not None and computed.harmonics is not None:
         pictures.draw(TORQUE, (computed.torque.torque, computed.harmonics))
     pictures.draw(VIBRATION, computed.vibration)
-    pictures.draw(ANGLES, found)
+    pictures.draw(ANGLES, results)
     renderings.collect(pictures)
     pictures.attempt(MESH_FILE, lambda: write_vtu(computed.throw.analysis, folder / MESH_FILE))
     return pictures
@@ -225,9 +224,9 @@ def _draw_throw(pictures: Pictures, computed: RunComputation) -> None:
     engine_file, first = computed.engine_file, computed.throw
     name = engine_file.engine.name
     pictures.draw_one("drawing", lambda path: write_drawing(engine_file.throw, path, name))
-    for own in list(computed.throws)[1:]:
-        throw, title = engine_file.named_throws[own], f"{name}, throw {own}"
-        pictures.draw_one(f"drawing-{own}", partial(write_drawing, throw, title=title))
+    for throw_name in list(computed.throws)[1:]:
+        throw, title = engine_file.named_throws[throw_name], f"{name}, throw {throw_name}"
+        pictures.draw_one(f"drawing-{throw_name}", partial(write_drawing, throw, title=title))
     pictures.plot_one(
         "throw_view", lambda folder: throw_view(folder, first.analysis, first.stresses)
     )

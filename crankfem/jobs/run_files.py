@@ -51,11 +51,6 @@ def check_folder(folder: Path, *, study: bool, inputs: tuple[Path, ...] = ()) ->
         Whether the run has a study, and so writes a model.
     inputs : tuple of Path
         What the run reads.
-
-    Raises
-    ------
-    InputError
-        That names the first of them and says why it may not be replaced.
     """
     if not folder.is_dir():
         return
@@ -82,13 +77,7 @@ def check_folder(folder: Path, *, study: bool, inputs: tuple[Path, ...] = ()) ->
 
 
 def make_folder(folder: Path) -> Path:
-    """Make the folder of a run and that of its pictures, and check that files can be written there.
-
-    Raises
-    ------
-    InputError
-        If they cannot be made or written to.
-    """
+    """Make the folder of a run and that of its pictures, and check that files can be written there."""
     try:
         (folder / PICTURES).mkdir(parents=True, exist_ok=True)
         # Rights alone do not tell what a file system takes.
@@ -105,13 +94,7 @@ def make_folder(folder: Path) -> Path:
 
 @contextmanager
 def the_only_run(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder until this one has ended: its files must be those of one run.
-
-    Raises
-    ------
-    InputError
-        If another run is at work there.
-    """
+    """Keep other runs out of a folder until this one has ended: its files must be those of one run."""
     with Claims(folder / RUNNING) as claims:
         if not claims.take(RUNNING):
             raise InputError(
@@ -134,14 +117,11 @@ def replace_last_run(folder: Path, results: Mapping[str, Any]) -> None:
 
     Parameters
     ----------
-    folder : Path
     results : mapping
         All numbers of the new run; its pictures are not named yet.
 
     Raises
     ------
-    InputError
-        If results.json was not written by crankfem.
     OSError
         If a file cannot be written or removed.
     """
@@ -201,8 +181,8 @@ class TimedProgress:
         Step to the time it took [s].
     """
 
-    def __init__(self, told: Progress) -> None:
-        self._told = told
+    def __init__(self, reporter: Progress) -> None:
+        self._told = reporter
         self._began: tuple[str, float] | None = None
         self.seconds: dict[str, float] = {}
 

@@ -43,10 +43,6 @@ NOT_DRAWN_YET = "The run ended before its pictures were drawn."
 def run_results(computed: RunComputation) -> dict[str, Any]:
     """Return the content of results.json, but for its pictures and how to repeat the run.
 
-    Parameters
-    ----------
-    computed : RunComputation
-
     Returns
     -------
     dict
@@ -55,7 +51,7 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
     engine_file, analysis = computed.engine_file, computed.throw.analysis
     first = _throw_records(computed, next(iter(computed.throws)))
     fe = first["formulas"]["fe"]
-    found: dict[str, Any] = {
+    results: dict[str, Any] = {
         "about": provenance_record(),
         "engine": _engine_record(engine_file),
         "inputs": input_records(input_values(engine_file)),
@@ -81,20 +77,20 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
         "fatigue_note": computed.fatigue_note,
     }
     if engine_file.throws_by_name:
-        found["throws"] = _named_records(computed, first)
+        results["throws"] = _named_records(computed, first)
     if computed.study is not None:
         study = computed.study
-        found["study"] = study_record(study.table, study.fits, study.model)
+        results["study"] = study_record(study.table, study.fits, study.model)
     if computed.model is not None:
-        _add_regression(found, computed)
-    found["checks"] = run_checks(found, engine_file.throw.length, _pin_middle(analysis))
-    for name, own in list(found.get("throws", {}).items())[1:]:
+        _add_regression(results, computed)
+    results["checks"] = run_checks(results, engine_file.throw.length, _pin_middle(analysis))
+    for name, records in list(results.get("throws", {}).items())[1:]:
         throw, middle = engine_file.named_throws[name], _pin_middle(computed.throws[name].analysis)
-        found["checks"] += [
+        results["checks"] += [
             check | {"name": f"{check['name']}, throw {name}"}
-            for check in throw_checks(own["throw"], throw.length, middle)
+            for check in throw_checks(records["throw"], throw.length, middle)
         ]
-    return found
+    return results
 
 
 def _pin_middle(analysis: ThrowAnalysis) -> list[float]:
@@ -105,14 +101,16 @@ def _pin_middle(analysis: ThrowAnalysis) -> list[float]:
 
 def _throw_records(computed: RunComputation, name: str) -> Record:
     """Records of each distinct throw."""
-    own, engine_file = computed.throws[name], computed.engine_file
-    throw = throw_record(own.analysis, _radial_force(computed.inputs))
+    computed_throw, engine_file = computed.throws[name], computed.engine_file
+    throw = throw_record(computed_throw.analysis, _radial_force(computed.inputs))
     formulas = formula_records(engine_file.named_throws[name], engine_file.material)
     return {
-        "throw": throw | {"reciprocity": reciprocity_record(own.analysis)},
-        "formulas": formulas | {"fe": fe_record(own.analysis, 180.0)},
-        "fillets": None if own.stresses is None else stress_record(own.stresses),
-        "fillet_note": own.fillet_note,
+        "throw": throw | {"reciprocity": reciprocity_record(computed_throw.analysis)},
+        "formulas": formulas | {"fe": fe_record(computed_throw.analysis, 180.0)},
+        "fillets": None
+        if computed_throw.stresses is None
+        else stress_record(computed_throw.stresses),
+        "fillet_note": computed_throw.fillet_note,
     }
 
 
@@ -120,13 +118,17 @@ def _named_records(computed: RunComputation, first: Record) -> dict[str, Record]
     """The distinct throws by name: their cranks, counted from 1, and their records."""
     names = computed.engine_file.throw_names
     return {
-        name: {"cranks": [place for place, own in enumerate(names, start=1) if own == name]}
+        name: {
+            "cranks": [
+                place for place, throw_name in enumerate(names, start=1) if throw_name == name
+            ]
+        }
         | (first if number == 0 else _throw_records(computed, name))
         for number, name in enumerate(computed.throws)
     }
 
 
-def _add_regression(found: dict[str, Any], computed: RunComputation) -> None:
+def _add_regression(results: dict[str, Any], computed: RunComputation) -> None:
     """Add the values of the equations for the engine's throws to the formulas, or why there are none."""
     engine_file, model = computed.engine_file, computed.model
     assert model is not None
@@ -136,9 +138,9 @@ def _add_regression(found: dict[str, Any], computed: RunComputation) -> None:
     remarks = (
         ["The section [study] was not run: the model is used in its place."] if instead else []
     )
-    records = {next(iter(computed.throws)): found, **found.get("throws", {})}
-    for name, own in records.items():
-        values, formulas = {}, own["formulas"]
+    records = {next(iter(computed.throws)): results, **results.get("throws", {})}
+    for name, records_of_throw in records.items():
+        values, formulas = {}, records_of_throw["formulas"]
         for kind, response in RESPONSES.items():
             try:
                 answer = throw_lookup(
@@ -211,5 +213,5 @@ def _harmonics_record(computed: RunComputation) -> Record | None:
 
 
 def _two_mass_record(engine_file: EngineFile, harmonics: Harmonics | None) -> Record | None:
-    given = engine_file.two_mass
-    return None if given is None else two_mass_record(checked(given, harmonics))
+    rod = engine_file.two_mass
+    return None if rod is None else two_mass_record(checked(rod, harmonics))

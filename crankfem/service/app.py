@@ -44,17 +44,7 @@ SCRIPT = "text/javascript; charset=utf-8"
 
 
 def make_app(settings: Settings) -> tuple[ASGIApp, JobRunner]:
-    """Make the application with its guard and its runner of jobs.
-
-    Parameters
-    ----------
-    settings : Settings
-
-    Raises
-    ------
-    InputError
-        If its folder cannot be used.
-    """
+    """Make the application with its guard and its runner of jobs."""
     store = JobStore(settings.folder)
     runner = JobRunner(store, settings.bounds)
 
@@ -101,9 +91,9 @@ def _describe(app: FastAPI) -> None:
     plain = app.openapi
 
     def openapi() -> dict[str, Any]:
-        found = plain()
-        found["components"]["schemas"] |= record_schemas()
-        return found
+        schema = plain()
+        schema["components"]["schemas"] |= record_schemas()
+        return schema
 
     app.openapi = openapi  # type: ignore[method-assign]
 
@@ -150,10 +140,10 @@ def _page_routes() -> APIRouter:
 
 
 def _page_file(name: str) -> Response:
-    found = _page_files().get(name)
-    if found is None:
+    file = _page_files().get(name)
+    if file is None:
         raise asking.ProblemError(404, "There is nothing at this path.")
-    text, media = found
+    text, media = file
     return Response(text, media_type=media)
 
 
@@ -163,12 +153,12 @@ def _page_files() -> dict[str, tuple[bytes, str]]:
     from plotly.offline import get_plotlyjs
 
     media = {".html": "text/html; charset=utf-8", ".css": "text/css; charset=utf-8", ".js": SCRIPT}
-    own = {
+    page = {
         file.name: (file.read_bytes(), media[f".{file.name.rpartition('.')[2]}"])
         for file in (files("crankfem.service") / "page").iterdir()
     }
     drawing = files("crankfem.report") / "templates" / "interactive.js"
-    return own | {
+    return page | {
         "plotly.js": (get_plotlyjs().encode(), SCRIPT),
         "interactive.js": (drawing.read_bytes(), SCRIPT),
     }
@@ -184,14 +174,8 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
 
     Parameters
     ----------
-    settings : Settings
     tell : callable
         Called with the address when it accepts requests.
-
-    Raises
-    ------
-    InputError
-        If the folder or the port cannot be used.
     """
     app, runner = make_app(settings)
     bounds = settings.bounds
@@ -252,18 +236,18 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
 
 
 async def _refuse_for_now(scope: Scope, receive: Receive, send: Send) -> None:
-    told = problem(
+    fault = problem(
         HTTPStatus.SERVICE_UNAVAILABLE, "Too many connections are open; try again later."
     )
-    response = problem_response(told, {"Connection": "close", "Retry-After": str(WAIT)})
+    response = problem_response(fault, {"Connection": "close", "Retry-After": str(WAIT)})
     await response(scope, receive, send)
 
 
 def _refusal(status: int, detail: str) -> bytes:
     """The answer to what does not arrive, or cannot be read, as a request."""
-    told = to_json(problem(status, detail))
+    body = to_json(problem(status, detail))
     head = f"HTTP/1.1 {status:d} {HTTPStatus(status).phrase}\r\nContent-Type: {MEDIA_TYPE}\r\n"
-    return f"{head}Content-Length: {len(told)}\r\nConnection: close\r\n\r\n".encode() + told
+    return f"{head}Content-Length: {len(body)}\r\nConnection: close\r\n\r\n".encode() + body
 
 
 class _Server(uvicorn.Server):

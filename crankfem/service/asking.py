@@ -31,10 +31,8 @@ class ProblemError(Exception):
 
     Parameters
     ----------
-    status : int
     detail : str
         A sentence.
-    headers : dict, optional
     """
 
     def __init__(self, status: int, detail: str, headers: dict[str, str] | None = None) -> None:
@@ -44,11 +42,11 @@ class ProblemError(Exception):
 
 def field_errors(error: InputError) -> list[dict[str, str]]:
     """Return the errors by field: "field", empty where a message names none, and "message"."""
-    found = []
+    errors = []
     for sentence in error.sentences:
         named = _FIELD.match(sentence)
-        found.append({"field": named["field"] if named else "", "message": sentence})
-    return found
+        errors.append({"field": named["field"] if named else "", "message": sentence})
+    return errors
 
 
 def problem(status: int, detail: str, errors: list[dict[str, str]] | None = None) -> dict[str, Any]:
@@ -114,23 +112,13 @@ class ThrowQuestion(InputModel):
     material: dict[str, Any] | None = Field(None, description="of the throw; steel by default")
 
     def read_throw(self) -> CrankThrow:
-        """Return the throw.
-
-        Raises
-        ------
-        InputError
-        """
+        """Return the throw."""
         return read_record(CrankThrow, self.throw, "throw")
 
     def read_material(self) -> Material:
-        """Return the material.
-
-        Raises
-        ------
-        InputError
-        """
-        given = self.material
-        return STEEL if given is None else read_record(Material, given, "material")
+        """Return the material."""
+        material = self.material
+        return STEEL if material is None else read_record(Material, material, "material")
 
 
 class OutlineQuestion(ThrowQuestion):
@@ -164,12 +152,7 @@ class NeighborsQuestion(InputModel):
     )
 
     def read_neighbors(self) -> Neighbors | None:
-        """Return the support by neighbors, None without an angle.
-
-        Raises
-        ------
-        InputError
-        """
+        """Return the support by neighbors, None without an angle."""
         if self.gamma_deg is None:
             if self.left_gamma_deg is None:
                 return None
@@ -192,12 +175,7 @@ class ReactionsQuestion(NeighborsQuestion):
     )
 
     def read_support(self) -> Support:
-        """Return the support.
-
-        Raises
-        ------
-        InputError
-        """
+        """Return the support."""
         neighbors = self.read_neighbors()
         if self.support != "neighbors":
             return self.support
@@ -266,8 +244,6 @@ async def read_question(request: Request, kind: type[Asked]) -> Asked:
     ------
     ProblemError
         If it is no JSON object.
-    InputError
-        If the object is none of its kind.
     """
     media = next(
         (value for name, value in request.scope["headers"] if name == b"content-type"), b""
@@ -284,13 +260,7 @@ async def read_question(request: Request, kind: type[Asked]) -> Asked:
 
 
 def read_record(kind: type[Asked], values: Mapping[str, Any], section: str) -> Asked:
-    """Read a record of quantities, each a number in SI units or a text with its unit; null is not given.
-
-    Raises
-    ------
-    InputError
-        With a sentence for each wrong field.
-    """
+    """Read a record of quantities, each a number in SI units or a text with its unit; null is not given."""
     values = {name: value for name, value in values.items() if value is not None}
     if section == kind.section and all(type(value) in (float, int) for value in values.values()):
         return kind(**values)
@@ -299,7 +269,7 @@ def read_record(kind: type[Asked], values: Mapping[str, Any], section: str) -> A
 
 def _texts(kind: type[InputModel], values: Mapping[str, Any]) -> dict[str, object]:
     """Give numbers their SI units, as a file must have them."""
-    found: dict[str, object] = {}
+    texts: dict[str, object] = {}
     for name, value in values.items():
         info = kind.model_fields.get(name)
         unit, part = (None, None) if info is None else (field_extra(info, "unit"), part_kind(info))
@@ -308,6 +278,9 @@ def _texts(kind: type[InputModel], values: Mapping[str, Any]) -> dict[str, objec
         elif part is not None and isinstance(value, Mapping):
             value = _texts(part, {n: v for n, v in value.items() if v is not None})
         elif part is not None and isinstance(value, list):
-            value = [_texts(part, one) if isinstance(one, Mapping) else one for one in value]
-        found[name] = value
-    return found
+            value = [
+                _texts(part, element) if isinstance(element, Mapping) else element
+                for element in value
+            ]
+        texts[name] = value
+    return texts

@@ -21,9 +21,9 @@ from crankbase.errors import InputError
 from crankfem.service.asking import ProblemError, problem, problem_response
 
 
-def log_line(**told: Any) -> None:
+def log_line(**entries: Any) -> None:
     """Write a line; one that finds no space, or no reader, is lost."""
-    line = to_json({"time": round(time.time(), 3)} | told).decode()
+    line = to_json({"time": round(time.time(), 3)} | entries).decode()
     with contextlib.suppress(OSError, ValueError):
         sys.stderr.write(f"{line}\n")
 
@@ -83,17 +83,10 @@ class Settings:
         Of jobs and their files.
     models : Path or None
         Folder of compliance models.
-    host : str
     port : int
         Port; 0 for any free one.
     key : str or None
         That every request to the API must bring; always there where others than this machine can ask.
-    bounds : Bounds
-
-    Raises
-    ------
-    InputError
-        If the port is none, the key is too short, or one is missing.
     """
 
     folder: Path
@@ -171,13 +164,7 @@ HEADERS = [
 
 
 class Guard:
-    """An application around the whole one.
-
-    Parameters
-    ----------
-    app : ASGI application
-    settings : Settings
-    """
+    """An application around the whole one."""
 
     def __init__(self, app: ASGIApp, settings: Settings) -> None:
         self._app, self._settings, self._bounds = app, settings, settings.bounds
@@ -276,14 +263,14 @@ def _is_api(scope: Scope) -> bool:
     return str(scope["path"]).startswith(f"{API}/") or scope["path"] == API
 
 
-def is_key(given: str, key: str) -> bool:
+def is_key(text: str, key: str) -> bool:
     """Compare keys in constant time."""
-    return hmac.compare_digest(given.encode(), key.encode())
+    return hmac.compare_digest(text.encode(), key.encode())
 
 
 def _brings(headers: dict[bytes, bytes], key: str) -> bool:
-    kind, _, given = headers.get(b"authorization", b"").decode("latin-1").partition(" ")
-    if kind.lower() == "bearer" and is_key(given, key):
+    kind, _, token = headers.get(b"authorization", b"").decode("latin-1").partition(" ")
+    if kind.lower() == "bearer" and is_key(token, key):
         return True
     try:
         cookie = SimpleCookie(headers.get(b"cookie", b"").decode("latin-1")).get(COOKIE)

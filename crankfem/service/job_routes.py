@@ -94,14 +94,14 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         try:
             # A process that has just started takes its time on a busy machine.
             checker.call("crankfem.service.tasks:load_checks", time_limit=LOADING)
-            found: dict[str, Any] = checker.call(
+            answer: dict[str, Any] = checker.call(
                 "crankfem.service.tasks:check_upload",
                 asked.model_dump(),
                 time_limit=bounds.check_seconds,
             )
         except ProcessLostError as lost:
             raise InputError(f"text: given a file that cannot be checked: {lost}.") from None
-        return found
+        return answer
 
     @routes.post(
         "/throws/analysis",
@@ -194,11 +194,11 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
 
     def file_named(name: str, path: str) -> Response:
         job_named(name)
-        found = store.file(name, path)
-        if found is None:
+        file = store.file(name, path)
+        if file is None:
             raise ProblemError(404, "The job has no such file, or not yet.")
-        media = MEDIA.get(found.suffix, OTHER)
-        return FileResponse(found, media_type=media, headers=BOXED)
+        media = MEDIA.get(file.suffix, OTHER)
+        return FileResponse(file, media_type=media, headers=BOXED)
 
     @routes.get("/jobs/{name}/result", tags=["jobs"], **described(JSON, None, 404))
     async def read_result(name: str) -> Response:

@@ -31,13 +31,7 @@ FULL_WORDS = (*(os.strerror(number) for number in NO_SPACE), "database or disk i
 
 
 class JobRunner:
-    """Runs the jobs of a store.
-
-    Parameters
-    ----------
-    store : JobStore
-    bounds : Bounds
-    """
+    """Runs the jobs of a store."""
 
     def __init__(self, store: JobStore, bounds: Bounds) -> None:
         self._store, self._bounds = store, bounds
@@ -241,15 +235,15 @@ class JobRunner:
         """Have a process do a job, and return what is to be recorded of its end."""
         bounds, folder = self._bounds, str(self._store.place(name))
 
-        def tell(told: Mapping[str, Any]) -> None:
+        def tell(change: Mapping[str, Any]) -> None:
             try:
-                if "note" in told:
-                    self._store.note(name, told["note"])
+                if "note" in change:
+                    self._store.note(name, change["note"])
                 else:
-                    self._store.change(name, **told)
+                    self._store.change(name, **change)
             except StoreError:  # kept in `trouble`; the job goes on
-                if "note" in told:
-                    notes.append(told["note"])
+                if "note" in change:
+                    notes.append(change["note"])
 
         process.give(
             "crankfem.service.tasks:run_job", kind, question, folder, bounds.workers, remarks=True
@@ -305,13 +299,7 @@ def _failed(status: int, detail: str, errors: list[dict[str, str]] | None = None
 
 
 def _started(folder: Path) -> CallProcess:
-    """Start a worker process as studies have them, and let it load what jobs need.
-
-    Raises
-    ------
-    ProcessLostError
-        If it cannot be started, or is lost before it is ready.
-    """
+    """Start a worker process as studies have them, and let it load what jobs need."""
     try:
         process = CallProcess(spawn_worker(folder), "the worker process")
     except OSError as error:

@@ -56,11 +56,6 @@ class JobStore:
     ----------
     folder : Path
         Made if it is not there.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be used, or is of a newer release.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -205,8 +200,8 @@ class JobStore:
     def question(self, name: str) -> dict[str, Any]:
         """Return the request of a job."""
         (row,) = self._rows("SELECT question FROM jobs WHERE id = ?", name)
-        found: dict[str, Any] = json.loads(row["question"])
-        return found
+        question: dict[str, Any] = json.loads(row["question"])
+        return question
 
     def place(self, name: str) -> Path:
         """Return the folder of a job's files."""
@@ -262,10 +257,10 @@ class JobStore:
     def _identity(self) -> tuple[int, int] | None:
         """Tell the file of the jobs from any other in its place; None without one."""
         try:
-            found = (self.folder / FILE).stat()
+            entry = (self.folder / FILE).stat()
         except OSError:
             return None
-        return found.st_dev, found.st_ino
+        return entry.st_dev, entry.st_ino
 
     def _refusal(self, error: OSError | sqlite3.Error) -> StoreError:
         if self._identity() != self._file:
@@ -307,7 +302,6 @@ class Followers:
 
     Parameters
     ----------
-    store : JobStore
     stopping : callable
         Whether the service ends, and all streams with it.
     """
@@ -323,13 +317,13 @@ class Followers:
         job.followers += 1
         if self._watch is None or self._watch.done():
             self._watch = asyncio.create_task(self._watching())
-        told, when = b"", time.monotonic()
+        last, when = b"", time.monotonic()
         try:
             while True:
                 changed = job.changed
-                if job.text and (job.text != told or time.monotonic() - when > PING / 2):
-                    told, when = job.text, time.monotonic()
-                    yield told
+                if job.text and (job.text != last or time.monotonic() - when > PING / 2):
+                    last, when = job.text, time.monotonic()
+                    yield last
                 elif job.over:
                     return
                 else:
@@ -344,10 +338,10 @@ class Followers:
         pinged = time.monotonic()
         while self._jobs:
             over = self._stopping()
-            found = await asyncio.to_thread(self._look, list(self._jobs))
+            looks = await asyncio.to_thread(self._look, list(self._jobs))
             ping = time.monotonic() - pinged >= PING
             for name, job in self._jobs.items():
-                text, ended = found.get(name, (job.text, False))
+                text, ended = looks.get(name, (job.text, False))
                 job.change(text, ended or over)
                 if ping:
                     job.wake()
@@ -356,11 +350,11 @@ class Followers:
 
     def _look(self, names: list[str]) -> dict[str, tuple[bytes, bool]]:
         """Return the records of jobs, and which of them have ended or are gone."""
-        found = {}
+        looks = {}
         for name in names:
             try:
                 job = self._store.job(name)
             except (OSError, ProblemError):
                 continue  # the next look may find it
-            found[name] = (b"", True) if job is None else (to_json(job), job.state in ENDED)
-        return found
+            looks[name] = (b"", True) if job is None else (to_json(job), job.state in ENDED)
+        return looks

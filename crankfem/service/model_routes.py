@@ -69,37 +69,30 @@ def law_answer(
 
     Parameters
     ----------
-    throw : CrankThrow
-    material : Material
     gamma_deg : float, optional
         Angle to equal neighbors, one more support [deg].
     pin_force : (3,) sequence of float, optional
         Across the shaft, in the throw frame [N]; without it no reactions are returned.
     support : "pinned", "guided" or Neighbors
         For the reactions.
-
-    Raises
-    ------
-    InputError
-        If the throw or the material is outside the law's range, or the force has a part along the shaft.
     """
     axial, torsional = throw_laws(
         throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
     )
     values = {}
-    for name, own in end_answers(axial, torsional).items():
-        if own["support"]:
-            values[f"{name.removesuffix('_guided')}_{own['support']}"] = own
+    for name, lookup_record in end_answers(axial, torsional).items():
+        if lookup_record["support"]:
+            values[f"{name.removesuffix('_guided')}_{lookup_record['support']}"] = lookup_record
     if gamma_deg is not None:
-        for name, own in neighbor_answers(axial, gamma_deg).items():
-            values[f"{name}_neighbors"] = own
+        for name, lookup_record in neighbor_answers(axial, gamma_deg).items():
+            values[f"{name}_neighbors"] = lookup_record
     remarks = [f"{LAW_BANDS} The ratio closest to a limit of the law: {axial.nearest_limit}."]
     reactions = None
     if pin_force is not None and not throw.parts.mirrored:
         remarks.append("No reactions: the law has those of throws with equal webs only.")
     elif pin_force is not None:
-        found = law_reactions(throw, pin_force, support, poisson_ratio=material.poisson_ratio)
-        reactions = reactions_record(found)
+        lookup = law_reactions(throw, pin_force, support, poisson_ratio=material.poisson_ratio)
+        reactions = reactions_record(lookup)
     return {
         "values": values,
         "ratio": axial.ratio,
@@ -110,15 +103,15 @@ def law_answer(
     }
 
 
-def reactions_record(found: ReactionLookup) -> Record:
+def reactions_record(lookup: ReactionLookup) -> Record:
     """Return reactions by a law or a model: of each end force and moment, and how far they may be off."""
     return {
-        "support": found.support,
+        "support": lookup.support,
         **{
             side: {
-                **attributes(getattr(found, side), "force", "moment"),
-                "force_band": attributes(getattr(found.band, side), "force")["force"],
-                "moment_band": attributes(getattr(found.band, side), "moment")["moment"],
+                **attributes(getattr(lookup, side), "force", "moment"),
+                "force_band": attributes(getattr(lookup.band, side), "force")["force"],
+                "moment_band": attributes(getattr(lookup.band, side), "moment")["moment"],
             }
             for side in ("left", "right")
         },
@@ -130,7 +123,6 @@ class QuickRoutes:
 
     Parameters
     ----------
-    app : ASGI application
     routes : sequence of APIRoute
         For POST, their functions of a request and of the parts of its path. The application has them
         too, and describes them.
@@ -144,12 +136,12 @@ class QuickRoutes:
         """Answer a request."""
         if scope.get("method") == "POST":
             for route, matched, function in self._routes:
-                found = matched(scope["path"])
-                if found is not None:
+                match = matched(scope["path"])
+                if match is not None:
                     scope["route"] = route
                     request = Request(scope, receive)
                     try:
-                        response = await function(request, **found.groupdict())
+                        response = await function(request, **match.groupdict())
                     except (InputError, ProblemError) as error:
                         response = await answer_error(request, error)
                     except ClientDisconnect:
@@ -174,13 +166,7 @@ FRESH = 1.0  # seconds for which a model's file is not looked at again
 
 
 class Models:
-    """The available models: those of a folder by name, those of studies by ``job-NAME``.
-
-    Parameters
-    ----------
-    folder : Path or None
-    store : JobStore
-    """
+    """The available models: those of a folder by name, those of studies by ``job-NAME``."""
 
     def __init__(self, folder: Path | None, store: JobStore) -> None:
         self._folder, self._store = folder, store
@@ -189,9 +175,9 @@ class Models:
 
     def names(self) -> list[str]:
         """Return the names of all."""
-        found = [] if self._folder is None else sorted(p.stem for p in self._folder.glob("*.json"))
+        files = [] if self._folder is None else sorted(p.stem for p in self._folder.glob("*.json"))
         jobs = self._store.jobs(MOST_JOBS)
-        return [name for name in found if NAME.fullmatch(name)] + [
+        return [name for name in files if NAME.fullmatch(name)] + [
             f"{OF_JOB}{job.id}" for job in jobs if _model_of(job.files) is not None
         ]
 
@@ -202,8 +188,6 @@ class Models:
         ------
         ProblemError
             If there is none of that name.
-        InputError
-            If its file cannot be used.
         """
         seen, model, path, changed = self._known.get(name, (0.0, None, None, 0))
         now = time.monotonic()
@@ -224,8 +208,8 @@ class Models:
         if self._folder is not None and (self._folder / f"{name}.json").is_file():
             return self._folder / f"{name}.json"
         job = self._store.job(name.removeprefix(OF_JOB)) if name.startswith(OF_JOB) else None
-        own = None if job is None else _model_of(job.files)
-        return None if job is None or own is None else self._store.place(job.id) / own
+        model = None if job is None else _model_of(job.files)
+        return None if job is None or model is None else self._store.place(job.id) / model
 
 
 def _model_of(files: Iterable[str]) -> str | None:
@@ -277,8 +261,8 @@ def _description(name: str, model: ComplianceModel) -> dict[str, Any]:
     return {
         "name": name,
         "responses": {
-            key: {part: getattr(one, part) for part in known}
-            for key, one in model.responses.items()
+            key: {part: getattr(response, part) for part in known}
+            for key, response in model.responses.items()
         },
         "ranges": dict(family.ranges),
         "categories": {key: list(labels) for key, labels in family.categories.items()},
@@ -297,20 +281,20 @@ def _lookups(model: ComplianceModel, asked: LookupQuestion, rows: int | None) ->
     )
     dimensions |= _dimensions(model, asked.dimensions)
     names = model.responses if asked.responses is None else dict.fromkeys(asked.responses)
-    found: dict[str, Any] = {}
+    responses: dict[str, Any] = {}
     refused: dict[str, str] = {}
     for name in names:
         angle = asked.gamma_deg if name in ANGLE_LAWS else None
         look = model.lookup if rows is None else model.lookups
         try:
-            one = look(name, gamma_deg=angle, strict=asked.strict, **dimensions)
+            value = look(name, gamma_deg=angle, strict=asked.strict, **dimensions)
         except InputError as error:
             if asked.strict or asked.responses is not None:
                 raise
             refused[name] = str(error)
             continue
-        found[name] = {part: _plain(getattr(one, part)) for part in TOLD}
-    if not found:
+        responses[name] = {part: _plain(getattr(value, part)) for part in TOLD}
+    if not responses:
         raise InputError(
             next(iter(refused.values()), "responses: given none; allowed are those of the model.")
         )
@@ -320,20 +304,20 @@ def _lookups(model: ComplianceModel, asked: LookupQuestion, rows: int | None) ->
             asked.pin_force, asked.read_support(), strict=asked.strict, **dimensions
         )
         reactions = reactions_record(made)
-    return {"rows": rows, "responses": found, "refused": refused, "reactions": reactions}
+    return {"rows": rows, "responses": responses, "refused": refused, "reactions": reactions}
 
 
 def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
-def _dimensions(model: ComplianceModel, given: Mapping[str, Any]) -> dict[str, Any]:
+def _dimensions(model: ComplianceModel, query: Mapping[str, Any]) -> dict[str, Any]:
     """Take numbers as they are, and texts as quantities with units unless they are labels."""
     family = model.family
     labels = {*family.categories, *family.labels}
-    for name in given:
+    for name in query:
         if name not in labels | family.all_units.keys():
-            family.checked({name: given[name]})  # states that it is unknown
+            family.checked({name: query[name]})  # states that it is unknown
 
     def read(name: str, value: Any) -> Any:
         if isinstance(value, str):
@@ -348,11 +332,11 @@ def _dimensions(model: ComplianceModel, given: Mapping[str, Any]) -> dict[str, A
     def read_several(name: str, values: list[Any]) -> Any:
         if not values:
             raise InputError(f"{name}: given an empty list; allowed is one value or more.")
-        if not all(type(one) is float for one in values):
-            values = [read(name, one) for one in values]
+        if not all(type(number) is float for number in values):
+            values = [read(name, number) for number in values]
         return values if name in labels else np.asarray(values, dtype=float)
 
-    lengths = {name: len(value) for name, value in given.items() if isinstance(value, list)}
+    lengths = {name: len(value) for name, value in query.items() if isinstance(value, list)}
     for name, length in lengths.items():
         if length != max(lengths.values()):
             raise InputError(
@@ -361,7 +345,7 @@ def _dimensions(model: ComplianceModel, given: Mapping[str, Any]) -> dict[str, A
             )
     return {
         name: read_several(name, value) if isinstance(value, list) else read(name, value)
-        for name, value in given.items()
+        for name, value in query.items()
     }
 
 
@@ -375,11 +359,11 @@ async def evaluate_law(request: Request) -> Response:
     asked = await read_question(request, LawQuestion)
     throw, material, support = asked.read_throw(), asked.read_material(), asked.read_support()
 
-    def found() -> Response:
+    def evaluated() -> Response:
         return answer(law_answer(throw, material, asked.gamma_deg, asked.pin_force, support))
 
     # A chain of throws takes long enough to hold others up.
-    return await to_thread.run_sync(found) if isinstance(support, Neighbors) else found()
+    return await to_thread.run_sync(evaluated) if isinstance(support, Neighbors) else evaluated()
 
 
 @routes.post("/validate", **described(ValidThrow, ThrowQuestion))
@@ -420,8 +404,8 @@ def _toml(section: str, record: InputModel, many: bool = False) -> list[str]:
         if isinstance(value, InputModel):
             parts += ["", *_toml(f"{section}.{name}", value)]
         elif isinstance(value, tuple):
-            for one in value:
-                parts += ["", *_toml(f"{section}.{name}", one, many=True)]
+            for table in value:
+                parts += ["", *_toml(f"{section}.{name}", table, many=True)]
         elif unit == "":
             lines.append(f"{name} = {value!r}")
         elif isinstance(value, float):

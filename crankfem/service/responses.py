@@ -50,12 +50,12 @@ def described(
     codes = {401, 403, 503, *refused}
     if asked is not None:
         codes |= {400, 408, 413, 415, 422}
-    found: dict[str, Any] = {"response_model": None, "status_code": status}
+    options: dict[str, Any] = {"response_model": None, "status_code": status}
     if isinstance(kind, str):
         good: dict[str, Any] = {"content": {kind: {"schema": {"type": "string"}}}}
     else:
         good = {"model": kind}
-    found["responses"] = {status: good | {"description": says or "answered"}} | {
+    options["responses"] = {status: good | {"description": says or "answered"}} | {
         code: {
             "description": REFUSALS[str(code)],
             "content": {MEDIA_TYPE: {"schema": {"$ref": f"{REF}{Problem.__name__}"}}},
@@ -63,21 +63,21 @@ def described(
         for code in sorted(codes)
     }
     if asked is not None:
-        found["openapi_extra"] = {
+        options["openapi_extra"] = {
             "requestBody": {
                 "required": True,
                 "content": {JSON: {"schema": _question_schema(asked)}},
             }
         }
-    return found
+    return options
 
 
 def record_schemas() -> dict[str, Any]:
     """Return the schemas of records of quantities, and of problems."""
-    found = {kind.__name__: _record_schema(kind) for kind in RECORDS}
+    schemas = {kind.__name__: _record_schema(kind) for kind in RECORDS}
     whole: dict[str, Any] = Problem.model_json_schema(ref_template=f"{REF}{{model}}")
-    found |= whole.pop("$defs")
-    return found | {Problem.__name__: whole}
+    schemas |= whole.pop("$defs")
+    return schemas | {Problem.__name__: whole}
 
 
 def _question_schema(kind: type[InputModel]) -> dict[str, Any]:
@@ -92,7 +92,7 @@ def _question_schema(kind: type[InputModel]) -> dict[str, Any]:
 
 
 def _record_schema(kind: type[InputModel]) -> dict[str, Any]:
-    own = kind.model_json_schema()["properties"]
+    properties = kind.model_json_schema()["properties"]
     fields: dict[str, Any] = {}
     for name, info in kind.model_fields.items():
         unit, part = field_extra(info, "unit"), part_kind(info)
@@ -106,7 +106,7 @@ def _record_schema(kind: type[InputModel]) -> dict[str, Any]:
             number |= {} if high is None else {"maximum": high}
             inner = {"anyOf": [number, {"type": "string"}]}
         else:
-            inner = own[name]
+            inner = properties[name]
         meaning = f"{info.description or name}{f' [{unit}]' if unit else ''}"
         optional = {} if info.is_required() else {"anyOf": [inner, {"type": "null"}]}
         fields[name] = (optional or inner) | {"description": meaning}

@@ -23,13 +23,7 @@ KEPT = "sent"
 
 
 def read_upload(asked: FileQuestion) -> TomlFile:
-    """Read an uploaded file; whatever reads the files that it names gets those sent with it, and no other.
-
-    Raises
-    ------
-    InputError
-        Also if a name is none of a plain file, because the files are kept in a folder.
-    """
+    """Read an uploaded file; whatever reads the files that it names gets those sent with it, and no other."""
     _check_name("name", asked.name, (".toml",))
     if len(asked.tables) > MOST_TABLES:
         raise InputError(
@@ -133,12 +127,7 @@ def load_checks() -> None:
 def run_job(
     kind: str, question: Mapping[str, Any], folder: str, workers: int, on_remark: OnRemark
 ) -> None:
-    """Do a job, in its folder: messages have no path beyond it.
-
-    Raises
-    ------
-    InputError, MeshError, SolveError
-    """
+    """Do a job, in its folder: messages have no path beyond it."""
     try:
         os.chdir(folder)
     except OSError as error:
@@ -146,7 +135,7 @@ def run_job(
     _JOBS[kind](question, Path(), workers, ToldProgress(on_remark))
 
 
-def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:
+def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldProgress) -> None:
     from crankfem.analyses.provenance import provenance_record
     from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.formula_records import formula_records
@@ -161,7 +150,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
 
     asked = AnalysisQuestion(**question)
     throw, material = asked.read_throw(), asked.read_material()
-    told.step("Meshing and solving")
+    reporter.step("Meshing and solving")
     analysis = analyze_throw(throw, material, asked.accuracy, mesher=mesh_here)
     record: dict[str, Any] = {
         "about": provenance_record(),
@@ -179,52 +168,56 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
         "fillet_note": None,
     }
     _write(folder, with_units(record))
-    told.step("Drawing the throw")
+    reporter.step("Drawing the throw")
     throw_view(folder, analysis)
     if asked.stress:
-        told.step("Calculating stresses at the fillets")
+        reporter.step("Calculating stresses at the fillets")
         stresses, record["fillet_note"] = stresses_or_reason(throw, material)
         if stresses is not None:
             record["fillets"] = stress_record(stresses)
             throw_view(folder, analysis, stresses)
         _write(folder, with_units(record))
-    told.step("Writing the solid")
+    reporter.step("Writing the solid")
     write_text(folder / SOLID, step_text(throw, "full"), "solid")
-    told.step("Drawing the dimensions")
+    reporter.step("Drawing the dimensions")
     write_drawing(throw, folder / THROW_DRAWING, "Crank throw")
 
 
-def _stress(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:
+def _stress(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldProgress) -> None:
     from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.stress import stress_record
     from fem.fillet_stress import fillet_stresses
 
     asked = StressQuestion(**question)
-    told.step("Calculating stresses at the fillets")
+    reporter.step("Calculating stresses at the fillets")
     stresses = fillet_stresses(asked.read_throw(), asked.read_material(), asked.accuracy)
     _write(folder, with_units(stress_record(stresses)))
 
 
-def _study(question: Mapping[str, Any], folder: Path, workers: int, told: ToldProgress) -> None:
+def _study(question: Mapping[str, Any], folder: Path, workers: int, reporter: ToldProgress) -> None:
     from crankfem.analyses.record import with_units
     from crankfem.analyses.study.fit_records import study_record
     from crankfem.analyses.study.studies import run_study
 
     content = read_upload(FileQuestion(**question))
     keep_upload(content, folder)
-    told.step("Running the study")
-    found = run_study(content, folder / "study.sqlite", workers, told.design, note=told.note)
-    found.model.save(folder / MODEL)
-    _write(folder, with_units(study_record(found.table, found.fits, found.model)))
+    reporter.step("Running the study")
+    study = run_study(
+        content, folder / "study.sqlite", workers, reporter.design, note=reporter.note
+    )
+    study.model.save(folder / MODEL)
+    _write(folder, with_units(study_record(study.table, study.fits, study.model)))
 
 
-def _engine(question: Mapping[str, Any], folder: Path, workers: int, told: ToldProgress) -> None:
+def _engine(
+    question: Mapping[str, Any], folder: Path, workers: int, reporter: ToldProgress
+) -> None:
     from crankfem.jobs.pipeline import run_engine
     from crankfem.jobs.run_files import results_text
 
     content = read_upload(FileQuestion(**question))
     keep_upload(content, folder)
-    made = run_engine(content, folder / "results", workers=workers, progress=told)
+    made = run_engine(content, folder / "results", workers=workers, progress=reporter)
     write_text(folder / RESULT, results_text(made.results), "results")
 
 
@@ -241,12 +234,7 @@ _JOBS: dict[str, Callable[[Mapping[str, Any], Path, int, ToldProgress], None]] =
 
 
 def check_upload(question: Mapping[str, Any]) -> dict[str, Any]:
-    """Read and check an uploaded file, and return its interpretation.
-
-    Raises
-    ------
-    InputError
-    """
+    """Read and check an uploaded file, and return its interpretation."""
     from crankfem.analyses.file_check import check_file, check_record
 
     record = check_record(check_file(read_upload(FileQuestion(**question))))

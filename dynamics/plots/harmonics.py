@@ -29,11 +29,6 @@ POINTS = 721
 ANGLE_LABEL, TORQUE_LABEL = "crank angle [deg]", "torque of one throw [N m]"
 
 
-def bar_width(orders: FloatArray) -> float:
-    """Return the combined width of all bars of an order."""
-    return FILLED * float(orders[0] if len(orders) < 2 else np.min(np.diff(orders)))
-
-
 def draw_harmonics(
     axes: Axes | None,
     orders: FloatArray,
@@ -56,7 +51,7 @@ def draw_harmonics(
         Label of the vertical axis, with its unit.
     """
     axes = new_axes(axes)
-    width = bar_width(orders)
+    width = FILLED * float(orders[0] if len(orders) < 2 else np.min(np.diff(orders)))
     each = width / len(amplitudes)
     for place, (name, heights) in enumerate(amplitudes.items()):
         shift = (place - 0.5 * (len(amplitudes) - 1)) * each

@@ -17,13 +17,8 @@ def orders_and_speeds(orders: FloatArray, speeds: FloatArray) -> dict[str, Coord
     """Return the coordinates "order" and "speed"."""
     return {
         "order": (orders, "1", "order, in cycles per crankshaft revolution"),
-        "speed": speed_axis(speeds),
+        "speed": (speeds, "rad/s", "crankshaft speed"),
     }
-
-
-def speed_axis(speeds: FloatArray) -> Coordinate:
-    """Return the coordinate of crankshaft speeds [rad/s]."""
-    return speeds, "rad/s", "crankshaft speed"
 
 
 def angle_axis(angles: FloatArray) -> Coordinate:

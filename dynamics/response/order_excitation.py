@@ -13,10 +13,9 @@ from crankbase.checks.arrays import (
     positive_vector,
     radians_of,
     read_only,
-    turning_speeds,
 )
 from crankbase.checks.choices import whole_within
-from crankbase.errors import InputError, quoted
+from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Dataset, grid
 from dynamics.harmonics import Harmonics
@@ -158,39 +157,8 @@ class OrderExcitation:
             If the speeds are not ascending, or outside the range.
         """
         wanted = checked_speeds(speeds)
-        forces = self.interpolated(np.arange(self.orders.size)[:, np.newaxis], wanted)
+        forces = forces_at(self, np.arange(self.orders.size)[:, np.newaxis], wanted)
         return OrderExcitation(self.orders, wanted, forces)
-
-    def interpolated(self, order_index: NDArray[np.int64], speeds: FloatArray) -> ComplexArray:
-        """Return forces at pairs of order and speed (m,), which are broadcast, shape (m, n).
-
-        Raises
-        ------
-        InputError
-            If a speed is outside the range, or there is no order with the index.
-        """
-        order_index, speeds = np.asarray(order_index), turning_speeds("speeds", speeds)
-        count = len(self.orders)
-        if order_index.dtype.kind not in "iu" or np.any((order_index < 0) | (order_index >= count)):
-            raise InputError(
-                f"order_index: given {quoted(order_index.tolist())}; allowed are the whole numbers 0 to "
-                f"{count - 1}, because they count the orders."
-            )
-        try:
-            np.broadcast_shapes(order_index.shape, speeds.shape)
-        except ValueError:
-            raise InputError(
-                f"order_index: given the shape {order_index.shape} for speeds of shape {speeds.shape}; "
-                "allowed is one for each, because they are pairs."
-            ) from None
-        low, high = self.speeds[[0, -1]]
-        outside = (speeds < low * (1.0 - ROOM)) | (speeds > high * (1.0 + ROOM))
-        if np.any(outside):
-            raise InputError(
-                f"speeds: given {speeds[outside][0]:g} rad/s; allowed are {low:g} to {high:g} rad/s, "
-                "because the excitation is known between them."
-            )
-        return OverSpeed.of(self.speeds, self.forces).at(order_index, np.clip(speeds, low, high))
 
     def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``forces`` over order, speed and node.
@@ -209,6 +177,21 @@ class OrderExcitation:
                 "node": (nodes, "1", "number of the node, from 0"),
             },
         )
+
+
+def forces_at(
+    excitation: OrderExcitation, order_index: NDArray[np.int64], speeds: FloatArray
+) -> ComplexArray:
+    """Return forces at pairs of order and speed [rad/s] (m,), which are broadcast, (m, n), interpolated."""
+    low, high = excitation.speeds[[0, -1]]
+    outside = (speeds < low * (1.0 - ROOM)) | (speeds > high * (1.0 + ROOM))
+    if np.any(outside):
+        raise InputError(
+            f"speeds: given {speeds[outside][0]:g} rad/s; allowed are {low:g} to {high:g} rad/s, "
+            "because the excitation is known between them."
+        )
+    over_speed = OverSpeed.of(excitation.speeds, excitation.forces)
+    return over_speed.at(order_index, np.clip(speeds, low, high))
 
 
 def phasors_of(harmonics: Harmonics, orders: ArrayLike) -> ComplexArray:

@@ -2,8 +2,6 @@
 
 import os
 import sqlite3
-import subprocess
-import time
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -98,20 +96,6 @@ def rows(store: Path) -> list[tuple[object, ...]]:
         return []
     finally:
         connection.close()
-
-
-def wait_for(
-    store: Path, count: int, process: "subprocess.Popen[str]", seconds: float = 900.0
-) -> bool:
-    """Wait until so many designs are finished; False if the process ended before."""
-    deadline = time.monotonic() + seconds
-    while len(rows(store)) < count:
-        if process.poll() is not None:
-            return False
-        if time.monotonic() > deadline:
-            raise TimeoutError(f"{len(rows(store))} of {count} designs after {seconds} s")
-        time.sleep(0.05)
-    return True
 
 
 def total(plan: StudyPlan) -> int:

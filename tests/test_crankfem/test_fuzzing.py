@@ -170,9 +170,6 @@ FOUND = {
     "direction without end": lambda: cf.balances.Hodograph(1, 2.0 + 0.0j, 1.0 + 0.0j).amplitude_along(
         angle_deg=np.inf
     ),
-    "order by no number": lambda: cf.OrderExcitation(
-        [1.0, 2.0], [50.0, 60.0], np.ones((2, 2, 3))
-    ).interpolated(np.array([0.5]), np.array([55.0])),
     "curves that are limits": lambda: cf.judge([()], (50.0, 60.0), cf.limits.BarredRangeRule(100.0)),
     "limit next to nothing": lambda: cf.studies.Limit(("axial_compliance",), at_most=5e-324),
     "length of a web": lambda: cf.strength.CrankWeb(0.2, 0.2, 0.1, 0.1, 0.3, 0.01, 0.01).ratio("depth"),

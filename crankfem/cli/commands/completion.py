@@ -17,11 +17,11 @@ Completion = Callable[[str], list[str]]
 def files(*endings: str, shipped: Iterable[InputKind] = ()) -> Completion:
     """Return the completion of files with these endings, folders on the way, and shipped files of kinds."""
 
-    def found(incomplete: str) -> list[str]:
+    def fitting(incomplete: str) -> list[str]:
         names = [name for kind in shipped for name in shipped_names(kind)]
         return _fitting(incomplete, names, *endings)
 
-    return found
+    return fitting
 
 
 engines = files(".toml", shipped=("engine",))
@@ -50,12 +50,14 @@ def dimensions(ctx: typer.Context, incomplete: str) -> list[str]:
     """Dimensions that the model on the command line asks for, as the beginning of NAME=VALUE."""
     import json
 
-    given = ctx.params.get("model")
-    if given is None or "=" in incomplete:
+    model = ctx.params.get("model")
+    if model is None or "=" in incomplete:
         return []
     try:
-        content = json.loads(Path(str(given)).read_text(encoding="utf-8"))
-        factors = (name for one in content["responses"].values() for name in one["factors"])
+        content = json.loads(Path(str(model)).read_text(encoding="utf-8"))
+        factors = (
+            name for response in content["responses"].values() for name in response["factors"]
+        )
         names = list(dict.fromkeys([*content["ranges"], *factors]))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []
@@ -66,7 +68,7 @@ def _fitting(incomplete: str, names: Iterable[str], *endings: str) -> list[str]:
     """Return the names and files that begin so; folders end in a slash."""
     folder, _, start = incomplete.rpartition("/")
     place = f"{folder}/" if folder or incomplete.startswith("/") else ""
-    found = [name for name in names if name.startswith(incomplete)]
+    fitting = [name for name in names if name.startswith(incomplete)]
     try:
         entries = sorted(Path(place or ".").iterdir()) if endings else []
     except OSError:
@@ -75,7 +77,7 @@ def _fitting(incomplete: str, names: Iterable[str], *endings: str) -> list[str]:
         if not entry.name.startswith(start) or (entry.name.startswith(".") and not start):
             continue
         if entry.is_dir():
-            found.append(f"{place}{entry.name}/")
+            fitting.append(f"{place}{entry.name}/")
         elif entry.suffix.lower() in endings:
-            found.append(f"{place}{entry.name}")
-    return found
+            fitting.append(f"{place}{entry.name}")
+    return fitting

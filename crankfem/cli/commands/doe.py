@@ -188,8 +188,8 @@ def _show_fits(table: "StudyTable", json: bool) -> None:
     from crankfem.analyses.study.studies import fitted
     from crankfem.cli.tables.study_tables import print_comparisons, print_fits
 
-    found = fitted(table)
-    record = study_record(table, found.fits, found.model)
+    fits = fitted(table)
+    record = study_record(table, fits.fits, fits.model)
     if json:
         print_json(record)
         return
@@ -223,42 +223,40 @@ def _export_designs(plan: "StudyPlan", store: Path, folder: Path, kind: str, out
     assert made is not None
     with console.RunProgress(out.quiet) as progress:
         progress.step("Writing the designs")
-        found = export_designs(
+        export = export_designs(
             planned, made, kind, lambda done, total: progress.design(done, total, None)
         )
     if out.json:
         print_json(
             {
-                "table": str(found.table),
-                "files": [str(file) for file in found.files],
-                "written": found.written,
-                "failures": {str(file): reason for file, reason in found.failures.items()},
+                "table": str(export.table),
+                "files": [str(file) for file in export.files],
+                "written": export.written,
+                "failures": {str(file): reason for file, reason in export.failures.items()},
             }
         )
         return
-    present = len(found.files) - len(found.failures)
+    present = len(export.files) - len(export.failures)
     console.print_line(
-        f"{found.table} written: {len(found.files)} designs, of which {present} have a file in the folder ("
-        f"{found.written} written now); lengths in m."
+        f"{export.table} written: {len(export.files)} designs, of which {present} have a file in the folder ("
+        f"{export.written} written now); lengths in m."
     )
-    for file, reason in found.failures.items():
+    for file, reason in export.failures.items():
         console.print_line(f"Not written: {file}: {reason}")
 
 
 def _import(plan: "StudyPlan", store: Path, file: Path, alone: bool, quiet: bool) -> None:
     from regression.runs.study import import_results
 
-    found = import_results(plan, store, file, alone=alone)
-    left_out = f"; {found.left_out} do not belong to this study" if found.left_out else ""
-    own = (
-        f"; {found.coinciding} at the study's own designs are not used" if found.coinciding else ""
-    )
+    got = import_results(plan, store, file, alone=alone)
+    left_out = f"; {got.left_out} do not belong to this study" if got.left_out else ""
+    unused = f"; {got.coinciding} at the study's own designs are not used" if got.coinciding else ""
     console.print_note(
-        f"{file}: {found.designs} finished designs and {found.rows} further rows imported{left_out}{own}.",
+        f"{file}: {got.designs} finished designs and {got.rows} further rows imported{left_out}{unused}.",
         quiet,
     )
-    if found.damaged:
-        console.print_warning(f"{found.damaged}.")
+    if got.damaged:
+        console.print_warning(f"{got.damaged}.")
 
 
 def _run(

@@ -98,8 +98,8 @@ def formulas(
         _one_throw(engine, asked)
 
 
-def _refuse_beside_published(given: Mapping[str, bool]) -> None:
-    for option in (name for name, is_given in given.items() if is_given):
+def _refuse_beside_published(options: Mapping[str, bool]) -> None:
+    for option in (name for name, is_given in options.items() if is_given):
         raise InputError(
             f"{option}: given together with --published; allowed is one of the two, because the "
             "published table is shown as it was printed."

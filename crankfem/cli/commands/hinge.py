@@ -61,7 +61,7 @@ def hinge(
         plot_hinge,
         run_hinge,
     )
-    from crankfem.cli.arguments import write_columns
+    from crankfem.cli.console import write_columns
     from crankfem.cli.tables.hinge_tables import print_hinge
     from crankfem.files.hinge_file import load_hinge
     from crankfem.jobs.outputs import check_outputs

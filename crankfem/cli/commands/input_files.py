@@ -153,15 +153,15 @@ def _copy(source: str, file: Path) -> str:
     from crankfem.files.engine.file_kinds import shipped_files
     from crankfem.jobs.outputs import check_writable
 
-    known = {one.name: one for one in shipped_files()}
-    found = known.get(source.removesuffix(".toml"))
-    if found is None:
+    known = {shipped.name: shipped for shipped in shipped_files()}
+    source_file = known.get(source.removesuffix(".toml"))
+    if source_file is None:
         raise InputError(
             f"--from: given {source!r}; {allowed_names(source, known)}, because these are shipped."
         )
-    check_writable(file, "input file", found.path)
-    write_user_file(file, found.path.read_bytes(), "input file")
-    return found.kind
+    check_writable(file, "input file", source_file.path)
+    write_user_file(file, source_file.path.read_bytes(), "input file")
+    return source_file.kind
 
 
 def _list(json: bool) -> None:
@@ -173,8 +173,8 @@ def _list(json: bool) -> None:
         print_json(
             {
                 "shipped": [
-                    attributes(one, "name", "kind", "about") | {"file": str(one.path)}
-                    for one in shipped_files()
+                    attributes(shipped, "name", "kind", "about") | {"file": str(shipped.path)}
+                    for shipped in shipped_files()
                 ]
             }
         )
@@ -183,7 +183,7 @@ def _list(json: bool) -> None:
         Table(
             "Shipped files, for `crankfem new MY.toml --from NAME` or by name in place of a file",
             [Column(name, words=True) for name in ("name", "kind", "about")],
-            [[one.name, one.kind, one.about] for one in shipped_files()],
+            [[shipped.name, shipped.kind, shipped.about] for shipped in shipped_files()],
         )
     )
 
@@ -207,11 +207,11 @@ def fields(
     from crankbase.tables.table import Column, Table
     from crankfem.files.engine.field_tables import section_tables
 
-    found = section_tables(section)
+    tables = section_tables(section)
     if out.json:
-        print_json({"sections": [asdict(table) for table in found]})
+        print_json({"sections": [asdict(table) for table in tables]})
         return
-    for table in found:
+    for table in tables:
         columns = [Column(name, words=True) for name in ("field", "unit", "allowed", "meaning")]
         rows = [list(astuple(row)) for row in table.rows]
         print_table(Table(f"{table.title} ({table.need})", columns, rows))

@@ -172,13 +172,7 @@ def _record(answer: "Lookup") -> dict[str, Any]:
 def _print_lookups(
     answers: dict[str, "Lookup"], with_angle: bool, units: "OutputUnits"
 ) -> list[str]:
-    """Print a line for each response, those that depend on the angle first, then what all share.
-
-    Returns
-    -------
-    list of str
-        Names of the equations whose bands were printed.
-    """
+    """Print a line for each response, those that depend on the angle first, then what all share."""
     from regression.response_kinds import ANGLE_LAWS, END_MOMENTS
 
     hidden = [name for name in answers if name in END_MOMENTS]
@@ -229,12 +223,16 @@ def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
         ends = dict.fromkeys(percent(error) for error in (min(errors), max(errors)))
         return " to ".join(ends)
 
-    estimates = [one.largest_fe_error for one in used.values() if one.largest_fe_error is not None]
+    estimates = [
+        response.largest_fe_error
+        for response in used.values()
+        if response.largest_fe_error is not None
+    ]
     elements = f" and the finite elements' own estimate ({span(estimates)})" if estimates else ""
-    equations = span([equation_error(one) for one in used.values()])
+    equations = span([equation_error(response) for response in used.values()])
     of = "largest error of the equation at held-out designs and runs"
-    if all(one.band_error is not None for one in used.values()):
-        enough = min(one.band_designs for one in used.values()) >= FEWEST
+    if all(response.band_error is not None for response in used.values()):
+        enough = min(response.band_designs for response in used.values()) >= FEWEST
         share = f"{100.0 * COVERAGE:g} % of throws"
         of = (
             f"error not exceeded by {share}"
@@ -245,12 +243,12 @@ def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
     print_line(f"Bands: {of} ({equations}){elements}; --json lists them by response.")
     unjudged = [
         _title(name)
-        for name, one in used.items()
-        if one.band_error is None and one.largest_heldout_error is None
+        for name, response in used.items()
+        if response.band_error is None and response.largest_heldout_error is None
     ]
     if unjudged:
         print_line(f"  Error underestimated for lack of held-out designs: {', '.join(unjudged)}.")
-    unknown = [_title(name) for name, one in used.items() if one.largest_fe_error is None]
+    unknown = [_title(name) for name, response in used.items() if response.largest_fe_error is None]
     if unknown:
         print_line(f"  The error of the finite elements was not estimated: {', '.join(unknown)}.")
 
@@ -322,17 +320,17 @@ def optimum(
         "torsional": first_torsional_frequency,
     }
     wanted += _frequency_limits(loaded, engine, bounds)
-    found = find_optimum(loaded, minimize, wanted, fixed=held, margins=not no_margin)
+    best = find_optimum(loaded, minimize, wanted, fixed=held, margins=not no_margin)
     if engine is not None:
         kept = (
             f"of the throw of {engine}, the ratio of its compliance in the shaft to the pinned one and "
             "its moment of inertia are kept as the throw changes"
         )
-        found = replace(found, remarks=(*found.remarks, kept))
+        best = replace(best, remarks=(*best.remarks, kept))
     if out.json:
-        print_json(_optimum_record(found))
+        print_json(_optimum_record(best))
         return
-    _print_optimum(loaded, found, out.units)
+    _print_optimum(loaded, best, out.units)
 
 
 def _frequency_limits(
@@ -341,24 +339,24 @@ def _frequency_limits(
     """Limits on the engine's frequencies; its throw is analyzed only if there are any."""
     from crankfem.cli.arguments import parse_bound
 
-    given = {
+    limits = {
         kind: parse_bound(f"--first-{kind}-frequency", text)
         for kind, text in bounds.items()
         if text is not None
     }
-    if not given and engine is None:
+    if not limits and engine is None:
         return []
     if engine is None:
         raise InputError(
-            f"--first-{next(iter(given))}-frequency: given without --engine; allowed is both, because "
+            f"--first-{next(iter(limits))}-frequency: given without --engine; allowed is both, because "
             "the frequency is that of a whole engine."
         )
-    if not given:
+    if not limits:
         raise InputError(
             f"--engine: given {engine!r} without a frequency; allowed is both, like "
             '--first-axial-frequency ">= 40 Hz".'
         )
-    for kind in given:
+    for kind in limits:
         if f"{kind}_compliance" not in model.responses:
             raise InputError(
                 f"--first-{kind}-frequency: given for a model without {kind}_compliance; allowed is a model "
@@ -368,39 +366,39 @@ def _frequency_limits(
     from crankfem.files.engine.engine_file import load_engine
 
     frequencies = engine_frequencies(load_engine(engine))
-    return [frequency_limit(kind, frequencies, model, bound) for kind, bound in given.items()]
+    return [frequency_limit(kind, frequencies, model, bound) for kind, bound in limits.items()]
 
 
-def _optimum_record(found: "Optimum") -> dict[str, Any]:
+def _optimum_record(best: "Optimum") -> dict[str, Any]:
     from crankfem.analyses.record import attributes
 
     return {
-        **attributes(found, "minimized", "value", "unit", "factors", "dimensions"),
-        "at_ends": list(found.at_ends),
+        **attributes(best, "minimized", "value", "unit", "factors", "dimensions"),
+        "at_ends": list(best.at_ends),
         "limits": [
             attributes(check.limit, "name", "sign", "bound", "unit")
             | attributes(check, "value", "worst", "active")
-            for check in found.limits
+            for check in best.limits
         ],
         "responses": {
             name: attributes(answer, "value", "lower", "upper", "unit", "inside")
-            for name, answer in found.lookups.items()
+            for name, answer in best.lookups.items()
         },
-        "throw": None if found.throw is None else found.throw.model_dump(mode="json"),
-        "remarks": list(found.remarks),
-        "evaluations": found.evaluations,
+        "throw": None if best.throw is None else best.throw.model_dump(mode="json"),
+        "remarks": list(best.remarks),
+        "evaluations": best.evaluations,
     }
 
 
-def _print_optimum(model: "ComplianceModel", found: "Optimum", units: "OutputUnits") -> None:
+def _print_optimum(model: "ComplianceModel", best: "Optimum", units: "OutputUnits") -> None:
     from crankbase.tables.table import Column, Table
     from crankfem.cli.arguments import dimensions_text
 
-    print_line(f"Smallest {found.minimized}: {units.quantity(found.value, found.unit, 4)}")
-    for text in dimensions_text(model, found.factors):
-        end = " (end of its range)" if text.partition(" ")[0] in found.at_ends else ""
+    print_line(f"Smallest {best.minimized}: {units.quantity(best.value, best.unit, 4)}")
+    for text in dimensions_text(model, best.factors):
+        end = " (end of its range)" if text.partition(" ")[0] in best.at_ends else ""
         print_line(units.text(f"  {text}{end}"))
-    if found.limits:
+    if best.limits:
         names = ("limit", "bound", "by the equation", "worst in its band", "kept")
         print_table(
             Table(
@@ -414,9 +412,9 @@ def _print_optimum(model: "ComplianceModel", found: "Optimum", units: "OutputUni
                         units.quantity(check.worst, check.limit.unit, 4),
                         "just" if check.active else "with room",
                     ]
-                    for check in found.limits
+                    for check in best.limits
                 ],
             )
         )
-    for remark in found.remarks:
+    for remark in best.remarks:
         print_line(units.text(f"{remark[0].upper()}{remark[1:].rstrip('.')}."))

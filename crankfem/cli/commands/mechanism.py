@@ -65,7 +65,8 @@ def mechanism(
         rod_mass_records,
     )
     from crankfem.analyses.titles import at_speed
-    from crankfem.cli.arguments import parse_speed, write_columns
+    from crankfem.cli.arguments import parse_speed
+    from crankfem.cli.console import write_columns
     from crankfem.cli.tables.mechanism_tables import (
         print_balance,
         print_balanced_masses,
@@ -122,9 +123,9 @@ def mechanism(
         console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)
 
 
-def _rod_models(given: list[str] | None) -> list[RodModelName]:
+def _rod_models(names: list[str] | None) -> list[RodModelName]:
     """Return the one model of the rods' mass, or the two to be compared."""
-    models = given or ["rigid"]
+    models = names or ["rigid"]
     for model in models:
         check_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
     if len(models) > 2 or len(set(models)) < len(models):
@@ -258,16 +259,16 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     path = torque_path(source)
     table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
     firing = firing_angles_deg(*asked.firing, strokes=table.strokes)
-    found = table.harmonics()
-    _check_resolved(asked.orders, found)
-    highest = min(asked.orders or USUAL_ORDERS, found.highest_order)
-    shown = found.up_to(highest)
+    harmonics = table.harmonics()
+    _check_resolved(asked.orders, harmonics)
+    highest = min(asked.orders or USUAL_ORDERS, harmonics.highest_order)
+    shown = harmonics.up_to(highest)
     stars = seen_stars(shown, firing) if firing else ()
     folder = check_outputs(asked.csv, asked.pictures, path, names=table_files(stars))
     if folder is not None:
         picture_torque_table(folder, table, shown, stars)
-    told = found if asked.orders is None else shown
-    record = {"table": path.name} | harmonics_record(told) | residual_record(told, table)
+    listed = harmonics if asked.orders is None else shown
+    record = {"table": path.name} | harmonics_record(listed) | residual_record(listed, table)
     return record | ({"cylinders": fired_record(shown, stars, firing)} if firing else {})
 
 
@@ -287,10 +288,10 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
 
     mechanism = load_mechanism(source)
     engine, strokes, cylinder = mechanism.layout, asked.strokes, asked.cylinder
-    for option, given in zip(("--firing-order", "--firing-angles"), asked.firing, strict=True):
-        if given is not None:
+    for option, order in zip(("--firing-order", "--firing-angles"), asked.firing, strict=True):
+        if order is not None:
             raise InputError(
-                f"{option}: given {given!r} with an engine file; allowed is a torque table, because the file "
+                f"{option}: given {order!r} with an engine file; allowed is a torque table, because the file "
                 "defines when its cylinders fire."
             )
     turning = parse_speed(asked.speed)
@@ -322,18 +323,18 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     return record
 
 
-def _check_resolved(orders: float | None, found: "Harmonics") -> None:
+def _check_resolved(orders: float | None, harmonics: "Harmonics") -> None:
     if orders is None:
         return
-    if orders < found.orders[0]:
+    if orders < harmonics.orders[0]:
         raise InputError(
-            f"--orders: given {orders:g}; allowed is {found.orders[0]:g} or more, because that is the "
+            f"--orders: given {orders:g}; allowed is {harmonics.orders[0]:g} or more, because that is the "
             "lowest order of the cycle."
         )
-    if orders > found.highest_order * (1.0 + 1e-9):
+    if orders > harmonics.highest_order * (1.0 + 1e-9):
         raise InputError(
-            f"--orders: given {orders:g}; allowed is {found.highest_order:g} or less, because "
-            f"{found.samples} samples over one cycle resolve no higher order."
+            f"--orders: given {orders:g}; allowed is {harmonics.highest_order:g} or less, because "
+            f"{harmonics.samples} samples over one cycle resolve no higher order."
         )
 
 

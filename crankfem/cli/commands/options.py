@@ -158,14 +158,23 @@ def with_output(*, units: bool = False, files: bool = False) -> Callable[[Comman
     def decorate(command: Command) -> Command:
         @wraps(command)
         def printing(
-            *, force: bool = False, units: str | None = None, json: bool, quiet: bool, **given: Any
+            *,
+            force: bool = False,
+            units: str | None = None,
+            json: bool,
+            quiet: bool,
+            **arguments: Any,
         ) -> None:
-            command(**given, out=Output(parse_output_units(units), json, quiet, force))
+            command(**arguments, out=Output(parse_output_units(units), json, quiet, force))
 
         signature = inspect.signature(command)
-        own = [one for name, one in signature.parameters.items() if name != "out"]
-        printing.__annotations__ = {one.name: one.annotation for one in [*own, *added]}
-        printing.__signature__ = signature.replace(parameters=[*own, *added])  # type: ignore[attr-defined]
+        parameters = [
+            parameter for name, parameter in signature.parameters.items() if name != "out"
+        ]
+        printing.__annotations__ = {
+            parameter.name: parameter.annotation for parameter in [*parameters, *added]
+        }
+        printing.__signature__ = signature.replace(parameters=[*parameters, *added])  # type: ignore[attr-defined]
         return printing
 
     return decorate
@@ -175,13 +184,7 @@ NOT_ACCEPTABLE, UNDECIDED = "not acceptable", "undecided"
 
 
 def check_has_limits(engine: "EngineFile") -> None:
-    """Refuse an engine without limits, which --strict cannot judge, before anything is computed for it.
-
-    Raises
-    ------
-    InputError
-        If its file gives no gas pressure: then nothing is forced, nor compared with limits.
-    """
+    """Refuse an engine without limits, which --strict cannot judge, before anything is computed for it."""
     if engine.gas is None and engine.gas_map is None:
         raise InputError(
             "--strict: given for an engine file without gas pressure; allowed is one with a section [gas] "

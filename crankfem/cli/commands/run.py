@@ -89,12 +89,12 @@ def _print(results: dict[str, Any], units: "OutputUnits", *, verbose: bool) -> N
         print_worst(results, units)
         return
     named = results.get("throws")
-    for name, own in named.items() if named else [("", results)]:
+    for name, records in named.items() if named else [("", results)]:
         if named:
-            cranks = "crank" if len(own["cranks"]) == 1 else "cranks"
-            console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, own['cranks']))}.")
-        throw_tables.print_throw(own["throw"], units)
-        throw_tables.print_one_throw(own["formulas"], 180.0, units=units)
+            cranks = "crank" if len(records["cranks"]) == 1 else "cranks"
+            console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, records['cranks']))}.")
+        throw_tables.print_throw(records["throw"], units)
+        throw_tables.print_one_throw(records["formulas"], 180.0, units=units)
     if results["study"] is not None:
         study_tables.print_main_fits(results["study"]["fits"])
     print_run(results["vibration"], units)

@@ -67,7 +67,7 @@ def vibration(
     content = any_sections(engine)
     if content is None or file_kind(content) == "chain":
         options = (run_up, csv, pictures, model)
-        others = coupled or strict or any(given is not None for given in options)
+        others = coupled or strict or any(option is not None for option in options)
         _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
         return
     from crankbase.outputs import protect
@@ -80,7 +80,7 @@ def vibration(
     from crankfem.analyses.vibration.run import engine_vibration
     from crankfem.analyses.vibration.run_up import parse_duration
     from crankfem.analyses.vibration.run_up import run_up as turned_up
-    from crankfem.cli.arguments import write_columns
+    from crankfem.cli.console import write_columns
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up, print_verdict
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.files.engine.mechanism_file import engine_inputs, mechanism_of
@@ -96,7 +96,7 @@ def vibration(
     if csv is not None or pictures is not None:
         protect(*(file.path for file in engine_inputs(read)))
     tables = make_output_folder(
-        "--csv", csv, [f"{one}.csv" for one in (*MOTION, "axial_force")], "table"
+        "--csv", csv, [f"{column}.csv" for column in (*MOTION, "axial_force")], "table"
     )
     known = read.gas is not None or read.gas_map is not None
     there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
@@ -105,10 +105,10 @@ def vibration(
     console.print_warnings(mechanism.warnings, out.units)
     with console.RunProgress(out.quiet) as progress:
         run = engine_vibration(read, coupled=coupled, step=progress.step)
-        found = None
+        speed_up = None
         if duration is not None:
             progress.step("Running up")
-            found = turned_up(run, duration)
+            speed_up = turned_up(run, duration)
         progress.finish()
     written = []
     if tables is not None:
@@ -121,17 +121,17 @@ def vibration(
             write_columns(written[-1], *axial_cycle_columns(run.axial_force))
     if drawn is not None:
         written += VIBRATION.draw(drawn, run)
-        if found is not None:
+        if speed_up is not None:
             written.append(drawn / "run_up.svg")
-            picture_run_up(written[-1], run, found)
+            picture_run_up(written[-1], run, speed_up)
     record = run_record(run)
-    if found is not None:
-        record["run_up"] = run_up_record(found)
+    if speed_up is not None:
+        record["run_up"] = run_up_record(speed_up)
     if out.json:
         print_json(record | {"files": [str(path) for path in written]})
     else:
         print_run(record, out.units)
-        if found is not None:
+        if speed_up is not None:
             print_run_up(record["run_up"], out.units)
         for path in written:
             console.print_line(f"Written: {path}")
@@ -143,13 +143,7 @@ def vibration(
 def _print_chain_modes(
     path: str, content: "TomlFile | None", json: bool, units: "OutputUnits", *, only_engines: bool
 ) -> None:
-    """Print the modes of a chain file.
-
-    Raises
-    ------
-    InputError
-        If an option is given that only engines have.
-    """
+    """Print the modes of a chain file."""
     from crankfem.cli.tables.vibration_tables import chain_record, print_chain
     from crankfem.files.chain.chain_file import load_chain
 

@@ -107,7 +107,7 @@ def _print_profile(record: Record, units: OutputUnits) -> None:
     def unit(check: Record) -> OutputUnit:
         return pressure if check["unit"] == "Pa" else length
 
-    def found(check: Record) -> str | None:
+    def reached(check: Record) -> str | None:
         return None if check["value"] is None else unit(check).number(check["value"])
 
     print_table(
@@ -115,7 +115,7 @@ def _print_profile(record: Record, units: OutputUnits) -> None:
             "Feasibility",
             profile["checks"],
             (Column("check", words=True), lambda check: f"{check['name']} [{unit(check).name}]"),
-            (Column("found"), found),
+            (Column("found"), reached),
             (Column("limit"), lambda check: f"> {unit(check).number(check['limit'])}"),
             (
                 Column("met", words=True),
@@ -138,8 +138,8 @@ def _print_turning(record: Record, units: OutputUnits) -> None:
                 Column("fluctuation (max - min)/mean", digits=3),
             ],
             [
-                [name, found["mean_speed_rpm"] / RPM, found["fluctuation"]]
-                for name, found in (
+                [name, case["mean_speed_rpm"] / RPM, case["fluctuation"]]
+                for name, case in (
                     ("with the hinge", hinge),
                     ("without, from the same speed at the top", without),
                     (f"without, flywheel of {_inertia(wheel['inertia'], units)}", wheel),

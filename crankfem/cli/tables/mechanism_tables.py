@@ -32,8 +32,7 @@ from crankfem.analyses.mechanism.rod_models import (
     rod_model_table,
 )
 from crankfem.analyses.record import ASSUMED, Record
-from crankfem.cli.arguments import write_rows
-from crankfem.cli.console import number, print_line, print_notes, print_table
+from crankfem.cli.console import number, print_line, print_notes, print_table, write_rows
 from crankfem.cli.tables.throw_tables import intervals_text
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.torque.star import star_diagram
@@ -156,17 +155,17 @@ def engine_record(mechanism: MechanismFile, torque: EngineTorque, highest: float
     }
 
 
-def pin_force_record(found: PinForceHarmonics) -> Record:
+def pin_force_record(harmonics: PinForceHarmonics) -> Record:
     """Harmonics of one cylinder's tangential and radial force, phases from its firing top."""
     fields = ("tangential", "radial")
     return {
-        "number": found.number,
-        "firing_angle_deg": found.firing_angle_deg,
+        "number": harmonics.number,
+        "firing_angle_deg": harmonics.firing_angle_deg,
         **{
             field: {
-                "gas": harmonics_record(getattr(found, f"{field}_gas")),
-                "inertia": harmonics_record(getattr(found, f"{field}_inertia")),
-                "gas and inertia": harmonics_record(getattr(found, field)),
+                "gas": harmonics_record(getattr(harmonics, f"{field}_gas")),
+                "inertia": harmonics_record(getattr(harmonics, f"{field}_inertia")),
+                "gas and inertia": harmonics_record(getattr(harmonics, field)),
             }
             for field in fields
         },
@@ -176,18 +175,20 @@ def pin_force_record(found: PinForceHarmonics) -> Record:
 def print_engine(record: Record, units: OutputUnits = SI) -> None:
     """Print the torque of an engine, its harmonics and stars."""
     uneven = record["nonuniformity"]
-    said = "" if uneven is None else f", (largest - least) / mean {number(uneven)}"
+    spread_text = "" if uneven is None else f", (largest - least) / mean {number(uneven)}"
     speed = units.of("1/min").with_name(record["speed_rpm"] / RPM, 5)
     print_line(
         f"{record['engine']} at {speed}: mean torque {_with_unit(record['mean'], 'N m', units)}, indicated "
-        f"power {_with_unit(record['power'], 'W', units)}{said}."
+        f"power {_with_unit(record['power'], 'W', units)}{spread_text}."
     )
     print_notes((f"{remark}." for remark in record["remarks"]), units)
     title = "Harmonics of the engine's torque"
     print_table(harmonics_table(record["harmonics"], title, units), units)
     throws = record["throws"]
     amplitudes = [throw["harmonics"]["amplitude"] for throw in throws]
-    shown = table_unit((value for own in amplitudes for value in own), "N m", units)
+    shown = table_unit(
+        (value for throw_amplitudes in amplitudes for value in throw_amplitudes), "N m", units
+    )
     print_table(
         Table(
             f"Amplitudes by throw [{shown.name}]",
@@ -255,7 +256,7 @@ def print_stars(record: Record, units: OutputUnits, *, hinged: bool) -> None:
             ),
             (
                 Column("same star as", digits=6, words=True),
-                lambda star: [own for own in like[star["order"]] if own != star["order"]],
+                lambda star: [order for order in like[star["order"]] if order != star["order"]],
             ),
         ),
         units,
@@ -267,8 +268,8 @@ def print_stars(record: Record, units: OutputUnits, *, hinged: bool) -> None:
         )
     named = ", ".join(f"{order:g}" for order in record["leading_orders"])
     kinds = {star["kind"] for star in record["stars"]}
-    said = "Major orders" if "major" in kinds else "No order is major; the strongest"
-    print_line(f"{said}: {named}." if named else "All orders cancel.")
+    heading = "Major orders" if "major" in kinds else "No order is major; the strongest"
+    print_line(f"{heading}: {named}." if named else "All orders cancel.")
 
 
 def print_pin_forces(record: Record, units: OutputUnits = SI) -> None:
@@ -348,11 +349,11 @@ def print_two_masses(record: Record, units: OutputUnits = SI) -> None:
         )
     )
     speed, running = record["resonant_speed_rpm"], record["running_rpm"]
-    said = ""
+    within = ""
     if running is not None:
         where = "inside" if running[0] <= speed <= running[1] else "outside"
-        said = f", {where} the running range of {running[0]:.4g} to {running[1]:.4g} 1/min"
-    print_line(units.text(f"Order {record['order']:g} resonates at {speed:.1f} 1/min{said}."))
+        within = f", {where} the running range of {running[0]:.4g} to {running[1]:.4g} 1/min"
+    print_line(units.text(f"Order {record['order']:g} resonates at {speed:.1f} 1/min{within}."))
     print_line(units.text(record["statement"]))
     if record["resonances"]:
         print_table(
@@ -360,7 +361,7 @@ def print_two_masses(record: Record, units: OutputUnits = SI) -> None:
                 f"Resonances in the running range, orders up to {record['highest_order']:g}",
                 record["resonances"],
                 (Column("order", digits=None), "order"),
-                (Column("speed", "1/min", decimals=1), lambda one: one["speed_rpm"] / RPM),
+                (Column("speed", "1/min", decimals=1), lambda row: row["speed_rpm"] / RPM),
                 (Column("M_k of one throw", "N m", missing="not resolved"), "amplitude"),
             ),
             units,

@@ -190,8 +190,8 @@ def print_fits(
 def _selected_form(record: Record, form: str | None) -> Record:
     """Return the form for the model: the given one or its equivalent, else the chosen one."""
     wanted = record["chosen"] if form is None else record["twins"].get(form, form)
-    found: Record = next(f for f in record["forms"] if f["form"] == wanted)
-    return found
+    selected: Record = next(f for f in record["forms"] if f["form"] == wanted)
+    return selected
 
 
 def print_main_fits(fits: Mapping[str, Record]) -> None:
@@ -227,8 +227,8 @@ def print_comparisons(records: list[Record]) -> None:
 
 def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None:
     every = {name: _selected_form(record, form) for name, record in fits.items()}
-    moments = {name: one for name, one in every.items() if name in END_MOMENTS}
-    chosen = {name: one for name, one in every.items() if name not in moments}
+    moments = {name: fit for name, fit in every.items() if name in END_MOMENTS}
+    chosen = {name: fit for name, fit in every.items() if name not in moments}
     equations = "their chosen equations" if form is None else f"the form {form}, as given"
     print_table(
         Table.of_records(
@@ -244,7 +244,7 @@ def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None
             (Column("FE"), lambda f: _percent(f["fe_error"])),
         )
     )
-    errors = [one["largest_error_held_out"] for one in moments.values()]
+    errors = [fit["largest_error_held_out"] for fit in moments.values()]
     known = [error for error in errors if error is not None]
     if known:
         print_line(
@@ -291,13 +291,20 @@ def _print_coefficients(form: Record) -> None:
 
 
 def _print_sensitivities(name: str, record: Record) -> None:
-    found = record["sensitivities"]
-    sobol, elasticity = found["sobol"] or {"first": {}, "total": {}}, found["elasticity"]
+    sensitivities = record["sensitivities"]
+    sobol, elasticity = (
+        sensitivities["sobol"] or {"first": {}, "total": {}},
+        sensitivities["elasticity"],
+    )
     shapley = sobol.get("shapley")
 
     def nominal(factor: str) -> str:
-        value = found["nominal"][factor]
-        return value if isinstance(value, str) else format_quantity(value, found["units"][factor])
+        value = sensitivities["nominal"][factor]
+        return (
+            value
+            if isinstance(value, str)
+            else format_quantity(value, sensitivities["units"][factor])
+        )
 
     def change(factor: str) -> str:
         return f"{round(elasticity[factor], 3) + 0.0:+.3f}" if factor in elasticity else ""
@@ -305,7 +312,7 @@ def _print_sensitivities(name: str, record: Record) -> None:
     print_table(
         Table.of_records(
             f"Sensitivity of the {_form_label(name)} by the chosen equation",
-            found["nominal"],
+            sensitivities["nominal"],
             (Column("factor", words=True), str),
             (Column("nominal"), nominal),
             (Column("elasticity"), change),

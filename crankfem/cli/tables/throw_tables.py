@@ -136,7 +136,7 @@ def _down(value: float, decimals: int) -> str:
 def _rule_sentences(record: Record) -> list[str]:
     """The requirements of UR M53, Appendix III, on mesh and stresses, and the values reached."""
     meshings = record["meshings"]
-    layers = [max(one["layers"][k] for one in meshings) for k in range(len(LAYERS))]
+    layers = [max(meshing["layers"][k] for meshing in meshings) for k in range(len(LAYERS))]
     read = [
         fillet["quality"]
         for load in record["loads"]
@@ -144,17 +144,17 @@ def _rule_sentences(record: Record) -> list[str]:
         for fillet in load["fillets"]
     ]
 
-    def told(found: list[Record]) -> str:
-        return "met" if all(one["met"] for one in found) else "not met"
+    def verdict(checks: list[Record]) -> str:
+        return "met" if all(check["met"] for check in checks) else "not met"
 
     return [
-        f"Mesh of UR M53, Appendix III, {told(meshings)}: largest element of the fillets "
+        f"Mesh of UR M53, Appendix III, {verdict(meshings)}: largest element of the fillets "
         f"{_up(max(one['size_share'] for one in meshings), 2)} of the radius (allowed {LARGEST_SIZE:g}), "
         f"layers below {', '.join(_up(layer, 1) for layer in layers)} quarters of it (1, 2, 3), "
         f"{_down(min(one['across_web'] for one in meshings), 1)} elements across the web "
         f"({ACROSS_WEB:.0f} or more).",
         "Its criteria where stresses are read under torque, bending in the crank plane and radial force, "
-        f"{told(read)}: smallest principal stress up to "
+        f"{verdict(read)}: smallest principal stress up to "
         f"{100.0 * max(one['normal_share'] for one in read):.1f} % of the largest "
         f"(below {100.0 * LARGEST_NORMAL:.0f} %), elements within "
         f"{_up(100.0 * max(one['spread'] for one in read), 1)} % of their mean "
@@ -164,33 +164,33 @@ def _rule_sentences(record: Record) -> list[str]:
 
 def _sentences(record: Record) -> list[str]:
     """Remarks that the tables do not contain."""
-    found = [
+    sentences = [
         f"Ends pinned, end sections {record['end_sections']}. Principal: the largest in magnitude, at the "
         "location given; Mises: the largest equivalent stress by von Mises; factor: size of the principal "
         "stress divided by the nominal one, which is a shear stress under a torque; M53: the factor as UR "
         "M53 defines it, at fillets by the largest shear stress under a torque, by von Mises in bending."
     ]
     if mirrored(record):
-        found.append(
+        sentences.append(
             "The fillets at the right web have the same stresses, under a torque with the opposite sign."
         )
     if record["solved_part"] != "full":
-        found.append(
+        sentences.append(
             "Locations at -x have the same stresses, under a torque and bending across the crank plane "
             "with the opposite sign."
         )
     if record["sharp_corners"]:
-        found.append(
+        sentences.append(
             f"No stress is given at {'; '.join(record['sharp_corners'])}: without a fillet the elastic "
             "stress has no bound."
         )
     if any(load.get("oil_holes") for load in record["loads"]):
-        found.append(
+        sentences.append(
             "The exit of an oil hole is its rim and the hole to a depth of one diameter; nominal: the stress "
             "of the pin or main journal without the hole, on its extreme fiber, wherever the hole points."
         )
     if record.get("mesh") == "m53":
-        found += _rule_sentences(record)
+        sentences += _rule_sentences(record)
     errors = [
         peak["error_estimate"]
         for load in record["loads"]
@@ -199,11 +199,11 @@ def _sentences(record: Record) -> list[str]:
     met = (
         "" if record["accuracy_met"] else f", not the {100.0 * record['accuracy']:.2g} % requested"
     )
-    found.append(
+    sentences.append(
         f"Estimated errors of the stresses: {100.0 * min(errors):.2g} to {100.0 * max(errors):.2g} %{met}."
     )
-    found += [f"{file} written." for file in record["pictures"]]
-    return found
+    sentences += [f"{file} written." for file in record["pictures"]]
+    return sentences
 
 
 # What may stand behind a number.
@@ -452,48 +452,45 @@ def reaction_record(
         On the pin [N].
     gamma : float or None
         Angle to equal neighbors, for one more support [deg].
-
-    Raises
-    ------
-    InputError
-        If there is none.
     """
-    supports: dict[str, Support] = {"pinned": "pinned", "guided": "guided"}
+    possible: dict[str, Support] = {"pinned": "pinned", "guided": "guided"}
     if gamma is not None:
-        supports[f"neighbors {gamma:g} deg"] = Neighbors(gamma, gamma)
-    found: Record = {}
+        possible[f"neighbors {gamma:g} deg"] = Neighbors(gamma, gamma)
+    supports: Record = {}
     refused: dict[str, str] = {}
-    for name, support in supports.items():
+    for name, support in possible.items():
         try:
             answer = react(force, support)
         except InputError as error:
             refused[name] = str(error)
             continue
-        found[name] = {
+        supports[name] = {
             kind: {
                 side: attributes(getattr(ends, side), "force", "moment")
                 for side in ("left", "right")
             }
             for kind, ends in (("reactions", answer), ("band", answer.band))
         } | {"inside": bool(answer.inside)}
-    if not found:
+    if not supports:
         raise InputError(next(iter(refused.values())))
-    return {"pin_force": force, "radial_force": -force[1], "supports": found, "refused": refused}
+    return {"pin_force": force, "radial_force": -force[1], "supports": supports, "refused": refused}
 
 
 def print_reactions(record: Record, units: OutputUnits) -> None:
     """Print reactions as those of a throw by finite elements, with their bands."""
     print_table(reaction_table(record, units), units)
     kilonewtons = units.of("kN")
-    for name, own in record["supports"].items():
-        push, band = (own[kind]["left"]["force"][2] for kind in ("reactions", "band"))
-        if not own["inside"]:
-            told = "OUTSIDE the range, where no band applies"
+    for name, support in record["supports"].items():
+        push, band = (support[kind]["left"]["force"][2] for kind in ("reactions", "band"))
+        if not support["inside"]:
+            accuracy = "OUTSIDE the range, where no band applies"
         elif band is None:
-            told = "its band is open"
+            accuracy = "its band is open"
         else:
-            told = f"within {kilonewtons.with_name(band, 3)} of {kilonewtons.with_name(push, 4)}"
-        print_line(f"Axial reaction {name}: {told}")
+            accuracy = (
+                f"within {kilonewtons.with_name(band, 3)} of {kilonewtons.with_name(push, 4)}"
+            )
+        print_line(f"Axial reaction {name}: {accuracy}")
     for name, reason in record["refused"].items():
         print_line(units.text(f"Reactions {name}: left out; {reason}"))
 
@@ -510,7 +507,7 @@ KINDS = {
 def print_check(record: Record, units: OutputUnits = SI) -> None:
     """Print how a file is understood."""
     inputs = record["inputs"]
-    assumed = sum(one["assumed"] for one in inputs)
+    assumed = sum(value["assumed"] for value in inputs)
     verb = "is" if assumed == 1 else "are"
     counted = f"; {assumed} of {len(inputs)} values {verb} assumed" if inputs else ""
     warnings = record["warnings"]
@@ -522,10 +519,10 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
     print_line(f"Sections: {', '.join(record['sections'])}.")
     if record["arrangement"] is not None:
         _print_arrangement(record["engine"], record["arrangement"], units)
-    for name, own in record.get("throws", {}).items():
-        print_shape(own["shape"], units, f"Throw {name}")
-        print_line(law_sentence(own["law"], units))
-        _print_dimensions(own["dimensions"], units, f"The throw {name} as understood")
+    for name, throw_record in record.get("throws", {}).items():
+        print_shape(throw_record["shape"], units, f"Throw {name}")
+        print_line(law_sentence(throw_record["law"], units))
+        _print_dimensions(throw_record["dimensions"], units, f"The throw {name} as understood")
     if record["shape"] is not None and "throws" not in record:
         print_shape(record["shape"], units)
         print_line(law_sentence(record["law"], units))
@@ -537,7 +534,7 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
             inputs,
             (Column("field", words=True), "field"),
             (Column("value", words=True), "given"),
-            (Column("assumed", words=True), lambda one: "yes" if one["assumed"] else ""),
+            (Column("assumed", words=True), lambda value: "yes" if value["assumed"] else ""),
             (Column("source", words=True), "source"),
         )
     )
@@ -582,11 +579,11 @@ def intervals_text(intervals_deg: Sequence[float], units: OutputUnits) -> str:
     """Say at which intervals an engine fires; of intervals that repeat, each once."""
     repeated = repeating_intervals(intervals_deg)
     angle = units.of("deg")
-    told = ", ".join(angle.number(math.radians(step)) for step in repeated)
+    steps = ", ".join(angle.number(math.radians(step)) for step in repeated)
     if len(repeated) == 1:
-        return f"fires every {told} {angle.name}"
+        return f"fires every {steps} {angle.name}"
     again = " in turn" if len(repeated) < len(intervals_deg) else ""
-    return f"fires at intervals of {told} {angle.name}{again}"
+    return f"fires at intervals of {steps} {angle.name}{again}"
 
 
 def _cylinders(count: int) -> str:

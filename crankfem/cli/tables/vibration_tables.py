@@ -47,17 +47,17 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
     forced = record["forced"]
     if "firing" in record:
         print_line(units.text(record["firing"]))
-        print_notes([f"{one}." for one in record["firing_remarks"]], units)
+        print_notes([f"{remark}." for remark in record["firing_remarks"]], units)
     if record.get("load") is not None:
         print_load(record["load"], units)
     for kind in ("axial", "torsional"):
-        own = record[kind]
-        print_table(mode_table(own), units)
+        chain = record[kind]
+        print_table(mode_table(chain), units)
         if forced is None:
-            print_table(critical_table(own), units)
-        sources = source_table(own).select("source", "frequencies", "ratio to chosen")
+            print_table(critical_table(chain), units)
+        sources = source_table(chain).select("source", "frequencies", "ratio to chosen")
         print_table(sources, units)
-        print_notes([f"Not used: {one}." for one in own["unusable"]], units)
+        print_notes([f"Not used: {remark}." for remark in chain["unusable"]], units)
         if forced is not None:
             _print_forced(forced[kind], units)
         if kind == "axial" and record.get("axial_force") is not None:
@@ -75,18 +75,19 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_line(NOT_FORCED)
     else:
         print_assessment(record["assessment"], units)
-        found = record.get("misfiring")
-        if found is not None:
-            print_table(misfiring_table(found, units), units)
+        misfiring = record.get("misfiring")
+        if misfiring is not None:
+            print_table(misfiring_table(misfiring, units), units)
         print_notes(
-            filter(None, found["remarks"] if found else [record.get("misfiring_note")]), units
+            filter(None, misfiring["remarks"] if misfiring else [record.get("misfiring_note")]),
+            units,
         )
         if record["whole"] is None:
             reason = record.get("not_comparable")
             print_notes([f"{CHAINS_USED}; {reason or CHAINS_ALONE}"], units)
         print_judgment(record["assessment"], units)
-        if found is not None:
-            print_line(units.text(f"Misfiring: {found['sentence']}"))
+        if misfiring is not None:
+            print_line(units.text(f"Misfiring: {misfiring['sentence']}"))
 
 
 def print_run_up(record: Record, units: OutputUnits = SI) -> None:
@@ -129,8 +130,8 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
         else:
             reasons = " ".join(chain["reasons"])
             print_line(units.text(f"Lumped model inadequate ({kind} chain): {reasons}"))
-    for one in record.get("differences", ()):
-        print_line(f"{one['sentence'][0].upper()}{one['sentence'][1:]}.")
+    for difference in record.get("differences", ()):
+        print_line(f"{difference['sentence'][0].upper()}{difference['sentence'][1:]}.")
     if record.get("flywheel_tilt") is not None:
         print_line(units.text(record["flywheel_tilt"]["sentence"]))
     split = record["axial_split"]
@@ -140,13 +141,13 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
             "radial": "radial forces alone",
             "both": "both",
         }
-        told = [
+        words = [
             f"{length.number(split[name])} {length.name} by {cause} at "
             + units.text(f"{split[f'{name}_speed_rpm']:.0f} 1/min")
             for name, cause in causes.items()
         ]
         print_line(
-            f"Axial amplitude of the free end, each at its own worst running speed: {', '.join(told)}"
+            f"Axial amplitude of the free end, each at its own worst running speed: {', '.join(words)}"
         )
 
 
@@ -176,10 +177,10 @@ def print_assessment(record: Record, units: OutputUnits = SI) -> None:
 
 def print_judgment(record: Record, units: OutputUnits = SI) -> None:
     """Print ranges of speed, the verdict with its reasons, what decides it, and how sure it is."""
-    for one in (*record["barred"], *record["started_through"]):
+    for passed in (*record["barred"], *record["started_through"]):
         # The verdict has the reasons of those that cannot be accepted.
-        said = one["sentence"] if one["allowed"] else one["shown"]
-        print_line(units.text(f"Range {said}. Its ends: {one['ends']}."))
+        text = passed["sentence"] if passed["allowed"] else passed["shown"]
+        print_line(units.text(f"Range {text}. Its ends: {passed['ends']}."))
     decision = record.get("decision", {"status": "", "sentence": ""})
     if decision["status"] == "undecided":
         print_line(units.text(f"Verdict: undecided, {decision['sentence']}."))
@@ -200,13 +201,13 @@ def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
     if record.get("barred"):
         print_line(units.text(f"{kind.capitalize()}: {barred_within_error(record['barred'])}."))
     print_table(margin_table(record, kind), units)
-    found, motion = record["amplitudes"], units.of(MOTION[kind].printed)
-    if found is not None:
+    drawn, motion = record["amplitudes"], units.of(MOTION[kind].printed)
+    if drawn is not None:
         print_line(
             f"{kind.capitalize()} amplitude of the free end at running speeds: nominal "
-            f"{motion.number(found['nominal'])} {motion.name}; of {found['samples']} random choices of the "
-            f"uncertain values, 90 % give {motion.number(found['percentile_5'])} to "
-            f"{motion.number(found['percentile_95'])} {motion.name}"
+            f"{motion.number(drawn['nominal'])} {motion.name}; of {drawn['samples']} random choices of the "
+            f"uncertain values, 90 % give {motion.number(drawn['percentile_5'])} to "
+            f"{motion.number(drawn['percentile_95'])} {motion.name}"
         )
 
 
@@ -271,7 +272,7 @@ def print_chain(record: Record, units: OutputUnits = SI) -> None:
 
 
 def _largest(shares: dict[str, float]) -> str:
-    name = max(shares, key=lambda one: shares[one])
+    name = max(shares, key=lambda place: shares[place])
     share = shares[name]
     return (
         f"{name} {number(100.0 * share, 3)} %" if share > LEAST_SHARE and np.isfinite(share) else ""
@@ -289,7 +290,6 @@ def print_conclusions(results: Mapping[str, Any], units: OutputUnits = SI) -> No
     ----------
     results : mapping
         Content of results.json.
-    units : OutputUnits, optional
     """
     print_verdict(results, units)
     for line in conclusions(results):
@@ -308,7 +308,6 @@ def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
     ----------
     results : mapping
         Content of results.json.
-    units : OutputUnits, optional
     """
     vibration = results["vibration"]
     if vibration["assessment"] is not None:
@@ -319,8 +318,8 @@ def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
         shown = ["vibration", "speed", "order", "mode", "phase sum"]
     known = [column.name for column in speeds.columns]  # without peaks there are no amplitudes
     if speeds.rows:
-        own = speeds.select(*(name for name in shown if name in known))
-        print_table(replace(own, note=""), units, plain=True)
+        columns = speeds.select(*(name for name in shown if name in known))
+        print_table(replace(columns, note=""), units, plain=True)
 
 
 def print_verdict(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
@@ -332,10 +331,13 @@ def _limits(checks: list[dict[str, Any]], units: OutputUnits) -> Table:
     return Table.of_records(
         "Limits, each at its worst location and running speed",
         worst_of_each(checks),
-        (Column("limit", words=True), lambda one: one["limit"].removesuffix(f" of {one['place']}")),
+        (
+            Column("limit", words=True),
+            lambda check: check["limit"].removesuffix(f" of {check['place']}"),
+        ),
         (Column("where", words=True), "place"),
-        (Column("at", "1/min", decimals=1), lambda one: one["speed_rpm"] / RPM),
-        (Column("reached"), lambda one: units.text(reached_and_permitted(one)[0])),
-        (Column("permitted"), lambda one: units.text(reached_and_permitted(one)[1])),
+        (Column("at", "1/min", decimals=1), lambda check: check["speed_rpm"] / RPM),
+        (Column("reached"), lambda check: units.text(reached_and_permitted(check)[0])),
+        (Column("permitted"), lambda check: units.text(reached_and_permitted(check)[1])),
         (Column("used", "%", 3, missing=UNBOUNDED), "used"),
     )

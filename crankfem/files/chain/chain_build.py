@@ -252,7 +252,6 @@ def chain_of(section: Section, material: Material) -> Chain:
 
     Parameters
     ----------
-    section : TorsionalChainSection or AxialChainSection
     material : Material
         Of its pieces of shaft.
 
@@ -263,13 +262,13 @@ def chain_of(section: Section, material: Material) -> Chain:
         sentence for each element, dashpot, gear and damper with unknown nodes or impossible values.
     """
     nodes = _nodes(section)
-    given = tuple(nodes)
+    names = tuple(nodes)
     errors = InputErrors()
     inner: dict[str | None, list[str]] = {}
     rows: list[_Row] = []
-    for number, element in enumerate(_elements(section, len(given))):
+    for number, element in enumerate(_elements(section, len(names))):
         with errors.noted():
-            left, right = _ends(element, number, given)
+            left, right = _ends(element, number, names)
             if element.shape is None:
                 rows.append(_spring(section, number, element, left, right))
                 continue
@@ -278,24 +277,24 @@ def chain_of(section: Section, material: Material) -> Chain:
             pieces = _piece(element, element.shape, material).divided(element.parts)
             rows += _shaft(section, element, pieces, [left, *between, right])
             # Between neighbors the inner nodes stand in their place of the row, otherwise at its end.
-            places = given.index(left), given.index(right)
-            host = given[min(places)] if abs(places[0] - places[1]) == 1 else None
+            places = names.index(left), names.index(right)
+            host = names[min(places)] if abs(places[0] - places[1]) == 1 else None
             inner.setdefault(host, []).extend(between if host == left else between[::-1])
-    order = [name for own in given for name in (own, *inner.get(own, ()))] + inner.get(None, [])
+    order = [name for node in names for name in (node, *inner.get(node, ()))] + inner.get(None, [])
     number_of = {name: number for number, name in enumerate(order)}
     # Inner nodes of a piece of shaft have nothing but its own inertia.
     values = [nodes.get(name, TorsionalNode(name=name)) for name in order]
 
     def place(field: str, name: str) -> int:
-        _check_known(f"chain.{field}", name, given)
+        _check_known(f"chain.{field}", name, names)
         return number_of[name]
 
     listed: Sequence[TorsionalDashpot | AxialDashpot] = section.dashpots
     dashpots: list[Dashpot] = []
-    for k, own in enumerate(listed):
+    for k, dashpot in enumerate(listed):
         with errors.noted():
-            first, second = (place(f"dashpots[{k}].nodes", name) for name in own.nodes)
-            dashpots.append(Dashpot(first, second, own.damping))
+            first, second = (place(f"dashpots[{k}].nodes", name) for name in dashpot.nodes)
+            dashpots.append(Dashpot(first, second, dashpot.damping))
     gears: list[Gear] = []
     for k, gear in enumerate(section.gears):
         with errors.noted():
@@ -340,15 +339,15 @@ def _nodes(section: Section) -> dict[str, Node]:
                     "because each node has its own there."
                 )
         tables: Sequence[Node] = section.nodes
-        found: dict[str, Node] = {}
+        nodes_by_name: dict[str, Node] = {}
         for number, node in enumerate(tables):
-            if node.name in found:
+            if node.name in nodes_by_name:
                 raise InputError(
                     f"chain.nodes[{number}].name: given {node.name!r} a second time; allowed is a "
                     "different one for each node, because results are named by them."
                 )
-            found[node.name] = node
-        return found
+            nodes_by_name[node.name] = node
+        return nodes_by_name
     names = section.names or tuple(f"node {number}" for number in range(len(listed)))
     if len(names) != len(listed) or len(set(names)) != len(names):
         raise InputError(
@@ -358,8 +357,8 @@ def _nodes(section: Section) -> dict[str, Node]:
     grounds = [_of_each_node(section, beside, len(listed)) for beside in GROUND_FIELDS]
     kind: Any = TorsionalNode if isinstance(section, TorsionalChainSection) else AxialNode
     return {
-        name: kind(name=name, **{field: own}, ground_stiffness=spring, ground_damping=damping)
-        for name, own, spring, damping in zip(names, listed, *grounds, strict=True)
+        name: kind(name=name, **{field: inertia}, ground_stiffness=spring, ground_damping=damping)
+        for name, inertia, spring, damping in zip(names, listed, *grounds, strict=True)
     }
 
 
@@ -419,16 +418,16 @@ def _of_each(field: str, values: float | tuple[float, ...], count: int) -> tuple
     return listed
 
 
-def _ends(element: Element, number: int, given: tuple[str, ...]) -> tuple[str, str]:
+def _ends(element: Element, number: int, nodes: tuple[str, ...]) -> tuple[str, str]:
     if element.nodes is None:
-        if number + 1 >= len(given):
+        if number + 1 >= len(nodes):
             raise InputError(
                 f"chain.elements[{number}].nodes: missing; allowed are the names of two nodes, because "
                 f"there is no node of number {number + 1} that it could lead to by default."
             )
-        return given[number], given[number + 1]
+        return nodes[number], nodes[number + 1]
     for name in element.nodes:
-        _check_known(f"chain.elements[{number}].nodes", name, given)
+        _check_known(f"chain.elements[{number}].nodes", name, nodes)
     if element.nodes[0] == element.nodes[1]:
         raise InputError(
             f"chain.elements[{number}].nodes: given {element.nodes[0]!r} twice; allowed are two "
@@ -437,10 +436,10 @@ def _ends(element: Element, number: int, given: tuple[str, ...]) -> tuple[str, s
     return element.nodes
 
 
-def _check_known(field: str, name: str, given: tuple[str, ...]) -> None:
-    if name not in given:
+def _check_known(field: str, name: str, nodes: tuple[str, ...]) -> None:
+    if name not in nodes:
         raise InputError(
-            f"{field}: given {name!r}; allowed are {', '.join(given)}, because these are the nodes."
+            f"{field}: given {name!r}; allowed are {', '.join(nodes)}, because these are the nodes."
         )
 
 

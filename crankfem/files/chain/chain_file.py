@@ -78,7 +78,9 @@ def read_chain_text(text: str, source: str = "text") -> ChainText:
     try:
         return _read(text)
     except InputError as error:
-        raise InputError("\n".join(f"{source}: {one}" for one in error.sentences)) from None
+        raise InputError(
+            "\n".join(f"{source}: {sentence}" for sentence in error.sentences)
+        ) from None
 
 
 def _read(text: str) -> ChainText:
@@ -117,13 +119,13 @@ def _read(text: str) -> ChainText:
 
 
 def _heading(where: str, line: str) -> tuple[Motion, str]:
-    found = HEADING.fullmatch(line.strip())
-    if found is None:
+    heading = HEADING.fullmatch(line.strip())
+    if heading is None:
         raise InputError(
             f"{where}: given {line.strip()!r}; allowed is torsional or axial, with a colon and a name if "
             "wanted, because units follow from it."
         )
-    return ("torsional" if found[1] == "torsional" else "axial"), (found[2] or "").strip()
+    return ("torsional" if heading[1] == "torsional" else "axial"), (heading[2] or "").strip()
 
 
 def _node(where: str, columns: list[str], units: dict[str, str]) -> tuple[str, dict[str, float]]:
@@ -247,24 +249,24 @@ def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
         raise InputError(
             f"kind: given {kind!r}; allowed are torsional and axial, because units follow from it."
         )
-    for field_name, own in (("name", name), *(("names", own) for own in chain.names)):
-        if (field_name == "names" or own) and not _stands_on_a_line(own):
+    for key, text in (("name", name), *(("names", text) for text in chain.names)):
+        if (key == "names" or text) and not _stands_on_a_line(text):
             raise InputError(
-                f"{field_name}: given {own!r}; allowed are names on one line, with single spaces and without "
+                f"{key}: given {text!r}; allowed are names on one line, with single spaces and without "
                 "#, because two spaces separate columns and # begins a comment."
             )
     units = UNITS[kind]
     lines = [f"{kind}: {name}" if name else kind]
     links = [(pair, _spring(chain, number, units)) for number, pair in enumerate(chain.connections)]
     waiting = 0
-    for node, own in enumerate(chain.names):
+    for node, node_name in enumerate(chain.names):
         while waiting < len(links) and max(links[waiting][0]) <= node:
             pair, text = links[waiting]
             if pair != (node - 1, node):
                 break
             lines.append(f"  {text}")
             waiting += 1
-        lines.append(_node_line(chain, node, own, units))
+        lines.append(_node_line(chain, node, node_name, units))
     rest = links[waiting:]
     rest += [
         ((d.left, d.right), f"dashpot {d.damping!r} {units['damping']}") for d in chain.dashpots
@@ -356,20 +358,20 @@ def load_chain(path: str | Path | InputFile | TomlFile) -> ChainFile:
     if isinstance(path, TomlFile):
         return _read_chain(path)
     file = path if isinstance(path, InputFile) else InputFile(input_path(path, "chain"))
-    found = file.path
-    if found.suffix.lower() != ".toml":
+    place = file.path
+    if place.suffix.lower() != ".toml":
         allowed = "an input file (TOML) or the text of a chain"
         read = read_chain_text(
-            file.text(LARGEST_TEXT_FILE, "the text of a chain", allowed), found.name
+            file.text(LARGEST_TEXT_FILE, "the text of a chain", allowed), place.name
         )
-        _check_sizes(found.name, read.chain)
-        return ChainFile(found, read.name or found.stem, read.kind, read.chain, (), {})
-    sent = None if file.sent is None else {str(found): file.sent}
-    return _read_chain(read_toml(InputFiles(found, sent)))
+        _check_sizes(place.name, read.chain)
+        return ChainFile(place, read.name or place.stem, read.kind, read.chain, (), {})
+    sent = None if file.sent is None else {str(place): file.sent}
+    return _read_chain(read_toml(InputFiles(place, sent)))
 
 
 def _read_chain(content: TomlFile) -> ChainFile:
-    found = content.path
+    path = content.path
     kind = content.sections.get("chain", {}).get("kind")
     known = isinstance(kind, str) and kind in KINDS
     with content.all_errors(
@@ -378,7 +380,7 @@ def _read_chain(content: TomlFile) -> ChainFile:
         content.check_sections({"chain": True, "material": False})
         if not known:
             raise InputError(
-                f"{found.name}: chain.kind: given {kind!r}; allowed are torsional and axial, because units "
+                f"{path.name}: chain.kind: given {kind!r}; allowed are torsional and axial, because units "
                 "follow from it."
             )
         section: Section = content.required("chain", KINDS[str(kind)])
@@ -386,20 +388,17 @@ def _read_chain(content: TomlFile) -> ChainFile:
     try:
         chain = chain_of(section, material)
     except InputError as error:
-        raise InputError("\n".join(f"{found.name}: {one}" for one in error.sentences)) from None
-    _check_sizes(found.name, chain)
+        raise InputError(
+            "\n".join(f"{path.name}: {sentence}" for sentence in error.sentences)
+        ) from None
+    _check_sizes(path.name, chain)
     return ChainFile(
-        found, section.name, section.kind, chain, tuple(content.records), content.sources
+        path, section.name, section.kind, chain, tuple(content.records), content.sources
     )
 
 
 def _check_sizes(file: str, chain: Chain) -> None:
-    """Refuse numbers so small or large that their squares underflow or overflow.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse numbers so small or large that their squares underflow or overflow."""
     sizes = {name: np.abs(getattr(chain, name)) for name in SIZES}
     sizes["dashpots"] = np.array([dashpot.damping for dashpot in chain.dashpots])
     sizes["gears"] = np.abs([gear.ratio for gear in chain.gears])
@@ -451,7 +450,6 @@ def plant_chain(plant: Chain, cylinders: Sequence[int]) -> EngineChain:
 
     Parameters
     ----------
-    plant : Chain
     cylinders : sequence of int
         Number of cylinders on each throw, from the free end.
 

@@ -72,12 +72,7 @@ from regression.plans.plan import StudyPlan
 
 
 def check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> None:
-    """Refuse cylinders that do not exist, and failing ones without a pressure.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse cylinders that do not exist, and failing ones without a pressure."""
     if misfire is None:
         return
     wrong = [number for number in misfire.cylinders or () if not 1 <= number <= engine.cylinders]
@@ -94,12 +89,7 @@ def check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> N
 
 
 def check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
-    """Refuse a pressure map that does not cover the running range.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a pressure map that does not cover the running range."""
     if gas_map is None:
         return
     _check_covers("gas_map.points", [point.speed for point in gas_map.points], engine)
@@ -108,12 +98,7 @@ def check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
 def check_load(
     load: LoadSection | None, gas: Gas | None, gas_map: GasMap | None, engine: Engine
 ) -> None:
-    """Refuse a load without a known pressure, and one that does not cover the running range.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a load without a known pressure, and one that does not cover the running range."""
     if load is None:
         return
     if gas_map is not None:
@@ -138,7 +123,7 @@ def check_load(
 
 def _check_covers(field: str, speeds: Sequence[float], engine: Engine) -> None:
     if min(speeds) > engine.lowest_speed or max(speeds) < engine.highest_speed:
-        given, allowed = (
+        listed, allowed = (
             f"{format_quantity(low, 'rad/s', 5)} to {format_quantity(high, 'rad/s', 5)}"
             for low, high in (
                 (min(speeds), max(speeds)),
@@ -146,32 +131,27 @@ def _check_covers(field: str, speeds: Sequence[float], engine: Engine) -> None:
             )
         )
         raise InputError(
-            f"{field}: given speeds from {given}; allowed are ones that cover the running range of "
+            f"{field}: given speeds from {listed}; allowed are ones that cover the running range of "
             f"{allowed}, because nothing is extrapolated beyond them."
         )
 
 
 def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None:
-    """Refuse an unknown source of compliances before anything is computed.
-
-    Raises
-    ------
-    InputError
-    """
-    for kind, given, formulas in (
+    """Refuse an unknown source of compliances before anything is computed."""
+    for kind, source, formulas in (
         ("axial", vibration.axial_source, AXIAL_FORMULA_NAMES),
         ("torsional", vibration.torsional_source, TORSIONAL_FORMULA_NAMES),
     ):
         fitted = study is not None or vibration.model is not None
         allowed = ["fe", "fe pinned", "law", *(["regression"] if fitted else []), *formulas]
-        if given.casefold() not in [name.casefold() for name in allowed]:
+        if source.casefold() not in [name.casefold() for name in allowed]:
             reason = (
                 ", because the file has neither a section [study] to fit nor a vibration.model"
-                if given.casefold() == "regression"
+                if source.casefold() == "regression"
                 else ""
             )
             raise InputError(
-                f"vibration.{kind}_source: given {given!r}; allowed are {', '.join(allowed)}{reason}."
+                f"vibration.{kind}_source: given {source!r}; allowed are {', '.join(allowed)}{reason}."
             )
 
 
@@ -204,12 +184,7 @@ class WithPlant(Protocol):
 
 
 def check_plant(engine: WithPlant) -> None:
-    """Refuse a plant's chain that lacks cranks, and sections that it would make ineffective.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a plant's chain that lacks cranks, and sections that it would make ineffective."""
     plant = engine.shaft_lines.get(PLANT)
     if plant is None:
         return
@@ -230,12 +205,7 @@ def check_plant(engine: WithPlant) -> None:
 
 
 def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
-    """Refuse a highest order that the engine's cycle does not have.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a highest order that the engine's cycle does not have."""
     lowest = 2.0 / engine.strokes
     if vibration.highest_order < lowest or vibration.highest_order % lowest:
         raise InputError(
@@ -245,12 +215,7 @@ def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
 
 
 def check_thrust_bearing(thrust: ThrustBearing, throws: int) -> None:
-    """Refuse a thrust bearing at a main bearing that does not exist.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a thrust bearing at a main bearing that does not exist."""
     if thrust.main_bearing > throws + 1:
         raise InputError(
             f"thrust_bearing.main_bearing: given {thrust.main_bearing}; allowed is 1 (at the free end) to "
@@ -261,12 +226,7 @@ def check_thrust_bearing(thrust: ThrustBearing, throws: int) -> None:
 def check_strength(
     strength: StrengthSection | None, throws: Sequence[CrankThrow], gas: Gas | GasMap | None
 ) -> None:
-    """Refuse strength without forces, or for throws that the rule does not cover.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse strength without forces, or for throws that the rule does not cover."""
     if strength is None:
         return
     if gas is None:
@@ -506,20 +466,20 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         >>> engine.changed(rod={"length": 0.7}, flywheel={"inertia": 250.0}).rod.length
         0.7
         """
-        given = dict(sections)
-        throws = changed_throws(self.throws_by_name, given.pop("throws", {}))
+        values = dict(sections)
+        throws = changed_throws(self.throws_by_name, values.pop("throws", {}))
         made: dict[str, Any] = {
-            name: changed_section(self, name, section) for name, section in given.items()
+            name: changed_section(self, name, section) for name, section in values.items()
         }
-        told: list[Change] = [
+        changed: list[Change] = [
             change
             for name, section in made.items()
             for change in changes(getattr(self, name), section)
         ]
         for name in dict.fromkeys((*self.throws_by_name, *throws)):
             before, after = self.throws_by_name.get(name), throws.get(name)
-            told += changes(before, after, f"throws.{name}")
-        records, provenance = without_changed(self.records, self.provenance, told)
+            changed += changes(before, after, f"throws.{name}")
+        records, provenance = without_changed(self.records, self.provenance, changed)
         study = self._study_of(throws or {PLAIN: made.get("throw", self.throw)}, made)
         if throws and "throw" not in made:
             made["throw"] = throws[free_end_throw_name(throws, made.get("shaft", self.shaft))]
@@ -534,7 +494,9 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         study = self.study
         if study is None:
             return None
-        name = next((name for name, own in self.named_throws.items() if own == study.throw), None)
+        name = next(
+            (name for name, throw in self.named_throws.items() if throw == study.throw), None
+        )
         if name is None or name not in throws:
             return None
         material = made.get("material", self.material)
@@ -548,16 +510,11 @@ def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> 
 
     Parameters
     ----------
-    content : TomlFile
     needed : collection of str, optional
         Required sections; those of a whole engine by default.
-
-    Raises
-    ------
-    InputError
     """
     allowed = {
-        name: one.required if needed is None else name in needed for name, one in SECTIONS.items()
+        name: kind.required if needed is None else name in needed for name, kind in SECTIONS.items()
     }
     named = "throws" in content.sections
     content.check_sections(allowed | {"throw": allowed["throw"] and not named})
@@ -584,7 +541,11 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
     content = engine_sections(path)
     kind = file_kind(content)
     if kind == "throw":
-        needed = [f"[{name}]" for name, one in SECTIONS.items() if one.required and name != "throw"]
+        needed = [
+            f"[{name}]"
+            for name, section in SECTIONS.items()
+            if section.required and name != "throw"
+        ]
         raise InputError(
             f"{content.path.name}: describes a throw, not an engine; add the sections {', '.join(needed)}, "
             "or use it with a command for throws: `crankfem check` lists them."
@@ -594,7 +555,7 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
             f"{content.path.name}: describes a crank mechanism, not a whole engine; add the sections "
             "[flywheel] and [thrust_bearing], or use it with mechanism, harmonics, throw and draw."
         )
-    models = {name: one.model for name, one in SECTIONS.items() if name != "throws"}
+    models = {name: section.model for name, section in SECTIONS.items() if name != "throws"}
     with content.all_errors(models, {"throws": read_throws}):
         return _read_engine(content)
 
@@ -604,16 +565,16 @@ def _read_engine(content: TomlFile) -> EngineFile:
     throws: dict[str, CrankThrow] = {}
     sections: dict[str, Any] = {}
     kinds = section_kinds(EngineFile)
-    for own in fields(EngineFile):  # in this order the report shows them
-        if own.name == "throw":
+    for part in fields(EngineFile):  # in this order the report shows them
+        if part.name == "throw":
             throws = read_throws(content)
-        elif own.name == "torque_table":
-            sections[own.name] = torque_table_file(content)
-        elif own.name == "shaft_lines":
-            sections[own.name] = read_shaft_lines(content)
-        elif own.name in kinds:
-            model, _ = kinds[own.name]
-            sections[own.name] = content.model(model.section, model) or DEFAULTS.get(own.name)
+        elif part.name == "torque_table":
+            sections[part.name] = torque_table_file(content)
+        elif part.name == "shaft_lines":
+            sections[part.name] = read_shaft_lines(content)
+        elif part.name in kinds:
+            model, _ = kinds[part.name]
+            sections[part.name] = content.model(model.section, model) or DEFAULTS.get(part.name)
     first = free_end_throw_name(throws, sections["shaft"])
     return EngineFile(
         **sections,

@@ -56,7 +56,7 @@ def section_tables(section: str | None = None) -> list[SectionTable]:
         return chain_tables()
     if section is not None and section not in SECTIONS:
         name = section.rpartition(".")[2]
-        having = [own for own, one in SECTIONS.items() if name in one.model.model_fields]
+        having = [other for other, kind in SECTIONS.items() if name in kind.model.model_fields]
         if having:
             raise InputError(
                 f"section: given {section!r}; {name} is a field of {', '.join(having)}: allowed are sections."
@@ -66,9 +66,9 @@ def section_tables(section: str | None = None) -> list[SectionTable]:
         )
     return [
         table
-        for name, one in SECTIONS.items()
+        for name, kind in SECTIONS.items()
         if section in (None, name)
-        for table in _tables(one.model, TITLES.get(name, f"[{name}]"), one.need)
+        for table in _tables(kind.model, TITLES.get(name, f"[{name}]"), kind.need)
     ]
 
 

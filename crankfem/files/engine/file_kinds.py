@@ -62,7 +62,7 @@ def engine_sections(source: str | Path | TomlFile) -> TomlFile:
     return replace(content, records=[])
 
 
-def any_sections(given: str) -> TomlFile | None:
+def any_sections(file: str) -> TomlFile | None:
     """Return the sections of any file of input, or of a shipped one; None if it is the text of a chain.
 
     Raises
@@ -70,10 +70,10 @@ def any_sections(given: str) -> TomlFile | None:
     InputError
         If there is no such file, it cannot be read, or has the ending of TOML but is not.
     """
-    name = Path(given).name.removesuffix(".toml")
+    name = Path(file).name.removesuffix(".toml")
     others: tuple[InputKind, ...] = ("hinge", "chain")
     kinds = [kind for kind in others if name in shipped_names(kind)]
-    path = input_path(given, *kinds[:1])
+    path = input_path(file, *kinds[:1])
     return read_toml(path) if path.suffix.lower() == ".toml" or _has_sections(path) else None
 
 
@@ -88,8 +88,8 @@ def _has_sections(path: Path) -> bool:
 
 def torque_table_file(content: TomlFile) -> InputFile | None:
     """Return the torque table that a file names, if it names one."""
-    given = content.model("torque", TorqueTable)
-    return None if given is None else content.files.named("torque.table", given.table, "tables")
+    section = content.model("torque", TorqueTable)
+    return None if section is None else content.files.named("torque.table", section.table, "tables")
 
 
 # Orders in which cylinders in line usually fire, by strokes per cycle; the cranks follow from them, for
@@ -171,11 +171,11 @@ def crank_angles_deg(firing_order: tuple[int, ...], strokes: int) -> list[float]
     [0.0, 240.0, 120.0, 120.0, 240.0, 0.0]
     """
     cycle = 180.0 * strokes
-    found = [math.nan] * len(firing_order)
+    angles = [math.nan] * len(firing_order)
     for place, cylinder in enumerate(firing_order):
         # A cylinder that fires later has its crank so much behind the first.
-        found[cylinder - 1] = round(-place * cycle / len(firing_order) % 360.0, 9) % 360.0
-    return found
+        angles[cylinder - 1] = round(-place * cycle / len(firing_order) % 360.0, 9) % 360.0
+    return angles
 
 
 def _text() -> str:

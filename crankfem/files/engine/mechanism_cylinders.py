@@ -131,12 +131,7 @@ def engine_cylinders(
 def check_sizes(
     engine: Engine, throw: CrankThrow, rod: Rod, piston: Piston, section: str = "throw"
 ) -> None:
-    """Refuse cranks, rods and pin offsets that contradict each other; the section names the throw.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse cranks, rods and pin offsets that contradict each other; the section names the throw."""
     radius = throw.crank_radius
     if not math.isclose(2.0 * radius, engine.stroke, rel_tol=1e-3):
         raise InputError(
@@ -181,7 +176,7 @@ def inertia_remarks(*rods: Rod | HingedRods | None) -> list[str]:
 def side_by_side(throw: CrankThrow, throws: Sequence[int], hinged: HingedRods | None) -> bool:
     """Return whether several rods share a pin."""
     carried = set() if hinged is None else {number - 1 for number in hinged.cylinders}
-    on_pins = [own for place, own in enumerate(throws) if place not in carried]
+    on_pins = [pin for place, pin in enumerate(throws) if place not in carried]
     return len(throw.parts.pins) == 1 and len(on_pins) > len(set(on_pins))
 
 
@@ -197,7 +192,8 @@ def _main_cylinders(engine: Engine, hinged: HingedRods | None) -> dict[int, int]
                     "because the engine has these cylinders."
                 )
     return {
-        own - 1: main - 1 for own, main in zip(hinged.cylinders, hinged.main_cylinders, strict=True)
+        rider - 1: main - 1
+        for rider, main in zip(hinged.cylinders, hinged.main_cylinders, strict=True)
     }
 
 
@@ -222,18 +218,12 @@ def _positions(
     throw_angles: Sequence[float],
     main_of: dict[int, int],
 ) -> list[float]:
-    """Position of each cylinder along the shaft: on its throw's pin, or side by side on it.
-
-    Raises
-    ------
-    InputError
-        If there are too few pins, or they are not where the cranks are.
-    """
+    """Position of each cylinder along the shaft: on its throw's pin, or side by side on it."""
     positions = [0.0] * len(throws)
     for number, start in zip(range(max(throws) + 1), throw_starts(crank_throws), strict=False):
         pins = crank_throws[number].parts.pins
         on_pin = [
-            place for place, own in enumerate(throws) if own == number and place not in main_of
+            place for place, throw in enumerate(throws) if throw == number and place not in main_of
         ]
         if len(on_pin) > 1 and len(pins) not in (1, len(on_pin)):
             raise InputError(
@@ -284,34 +274,30 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
 
     Engines in banks and those of one or two cylinders are often built with uneven intervals: where no
     firing order makes them even, or by far more even, that is a note.
-
-    Parameters
-    ----------
-    engine : Engine
     """
     steps = engine.firing_intervals_deg
     if max(steps) - min(steps) < np.degrees(EVEN):
         return FiringEvenness()
     together = tuple(_together(engine))
-    told = _shown(steps)
+    uneven = _shown(steps)
     even = even_firing_order(engine.firing_angles, engine.strokes)
     order = "-".join(map(str, engine.firing_order))
     if even is not None:
         every = sum(steps) / len(steps)
         better = (
-            f"engine.firing_order: given {order}, which fires at uneven intervals of {told}; an order such "
+            f"engine.firing_order: given {order}, which fires at uneven intervals of {uneven}; an order such "
             f"as {'-'.join(map(str, even))} fires every {every:g} deg with the same cranks"
         )
         return FiringEvenness((*together, better))
     banked = engine.bank_angles is not None
     angles = "crank and bank angles" if banked else "crank angles"
-    fires = f"the cylinders fire at uneven intervals of {told}; no firing order is even with these {angles}"
+    fires = f"the cylinders fire at uneven intervals of {uneven}; no firing order is even with these {angles}"
     best = least_uneven_order(engine.firing_angles, engine.strokes)
     spread = max(steps) - min(steps)
     least = spread if best is None else np.degrees(max(best[1]) - min(best[1]))
     if best is not None and least < spread - np.degrees(EVEN):
         such = "-".join(map(str, best[0]))
-        at = _shown([float(np.degrees(one)) for one in best[1]])
+        at = _shown([float(np.degrees(angle)) for angle in best[1]])
         fires += f", and the least uneven is such as {such} at {at}"
         if engine.cylinders > 2 and spread > MUCH * least:
             return FiringEvenness((*together, f"engine.firing_order: given {order}; {fires}"))

@@ -313,12 +313,7 @@ def _remarks(file: EngineFile | MechanismSections) -> tuple[str, ...]:
 
 
 def load_any(path: str | Path | TomlFile) -> EngineFile | MechanismFile | ThrowFile:
-    """Read and check a file of any kind: a whole engine, a mechanism, or a throw.
-
-    Raises
-    ------
-    InputError
-    """
+    """Read and check a file of any kind: a whole engine, a mechanism, or a throw."""
     content = engine_sections(path)
     kind = file_kind(content)
     if kind == "mechanism":
@@ -336,7 +331,6 @@ def with_throws(
 
     Parameters
     ----------
-    mechanism : MechanismFile
     masses : MassProperties or sequence of such, optional
         Of the one throw that all cranks have, or of each crank's, from the free end, if
         known.
@@ -350,11 +344,16 @@ def with_throws(
     """
     each, starts = _masses_along(mechanism, masses), mechanism.bearing_positions
     sense, rotating = mechanism.turning_sense, []
-    for number, (own, throw) in enumerate(zip(each, mechanism.crank_throws, strict=True)):
-        found, angle = unbalance(own, 0.0), math.radians(mechanism.throw_angles_deg[number])
+    for number, (masses_of_throw, throw) in enumerate(
+        zip(each, mechanism.crank_throws, strict=True)
+    ):
+        moments, angle = (
+            unbalance(masses_of_throw, 0.0),
+            math.radians(mechanism.throw_angles_deg[number]),
+        )
         # Real and imaginary part lie along +y and against +x, as in the layout's frame.
-        static = complex(found.static[1], -sense * found.static[0])
-        far = complex(found.dynamic[1], -sense * found.dynamic[0]) / throw.length
+        static = complex(moments.static[1], -sense * moments.static[0])
+        far = complex(moments.dynamic[1], -sense * moments.dynamic[0]) / throw.length
         for moment, place in ((static - far, starts[number]), (far, starts[number + 1])):
             rotating.append(
                 RotatingMass(
@@ -363,7 +362,7 @@ def with_throws(
                     position=place,
                 )
             )
-    inertia = mechanism.attached_inertia + math.fsum(own.inertia_about_shaft for own in each)
+    inertia = mechanism.attached_inertia + math.fsum(mass.inertia_about_shaft for mass in each)
     return replace(mechanism.layout, rotating=tuple(rotating), shaft_inertia=inertia)
 
 
@@ -374,14 +373,14 @@ def _masses_along(
     throws = mechanism.crank_throws
     if masses is None:
         density = mechanism.material.density
-        found = {throw: throw_masses(throw, density) for throw in dict.fromkeys(throws)}
-        return [found[throw] for throw in throws]
+        known = {throw: throw_masses(throw, density) for throw in dict.fromkeys(throws)}
+        return [known[throw] for throw in throws]
     if isinstance(masses, MassProperties) and len(set(throws)) == 1:
         return [masses] * len(throws)
     if isinstance(masses, MassProperties) or len(masses) != len(throws):
-        given = "one throw" if isinstance(masses, MassProperties) else f"{len(masses)} throws"
+        of_which = "one throw" if isinstance(masses, MassProperties) else f"{len(masses)} throws"
         raise InputError(
-            f"masses: given those of {given}; allowed are those of each of {len(throws)} "
+            f"masses: given those of {of_which}; allowed are those of each of {len(throws)} "
             "cranks, because their throws differ."
         )
     return masses
@@ -446,7 +445,7 @@ def pressures_at(
     assert mechanism.gas is not None
     curve = curve_at(mechanism, np.asarray(speeds, dtype=np.float64))
     maps = pressures_along(curve, mechanism.gas, mechanism.layout, motored=motored)
-    return tuple(zip(*(one.diagrams for one in maps), strict=True))
+    return tuple(zip(*(diagram_map.diagrams for diagram_map in maps), strict=True))
 
 
 def mechanism_inputs(mechanism: EngineFile | MechanismFile) -> tuple[Path, ...]:

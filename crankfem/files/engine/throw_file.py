@@ -46,12 +46,7 @@ def load_throw(path: str | Path | TomlFile, name: str | None = None) -> tuple[Cr
 
 
 def names_of_throws(path: str | Path | TomlFile) -> tuple[str, ...]:
-    """Return the names of the throws in a file, first that at the free end; "throw" for a plain file.
-
-    Raises
-    ------
-    InputError
-    """
+    """Return the names of the throws in a file, first that at the free end; "throw" for a plain file."""
     content, throws = _throws(path)
     first = _first(content, throws)
     return (first, *(name for name in throws if name != first))
@@ -63,12 +58,10 @@ class ThrowFile:
 
     Attributes
     ----------
-    path : Path
     throws : dict
         Its throws by name; "throw" is that of a plain file.
     throw : CrankThrow
         The first of them along the shaft.
-    material : Material
     records : tuple of InputRecord
         Every value with its source.
     """
@@ -81,12 +74,7 @@ class ThrowFile:
 
 
 def load_throw_file(path: str | Path | TomlFile) -> ThrowFile:
-    """Read and check a file that describes a throw alone.
-
-    Raises
-    ------
-    InputError
-    """
+    """Read and check a file that describes a throw alone."""
     read = engine_sections(path)
     with read.all_errors({"engine": Engine}):
         return _read_throw_file(read)
@@ -140,12 +128,7 @@ def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
 
 
 def load_study(path: str | Path | TomlFile) -> StudyPlan:
-    """Read the plan of a study from a file with the sections [throw] and [study].
-
-    Raises
-    ------
-    InputError
-    """
+    """Read the plan of a study from a file with the sections [throw] and [study]."""
     content, throws = _throws(path, "study")
     first = _first(content, throws)
     plan = study_plan(content, throws, first, content.model("material", Material) or STEEL)

@@ -125,7 +125,6 @@ def engine_power(
     ----------
     engine : Engine
         The section of the engine file.
-    layout : EngineLayout
     pressures : sequence of n GasPressure
         Of each cylinder at full load.
     """
@@ -178,13 +177,13 @@ class UsualRange:
     basis: str = SHIPPED
     margin: float = 2.0
 
-    def warning(self, field: str, given: str, value: float) -> Iterator[str]:
+    def warning(self, field: str, text: str, value: float) -> Iterator[str]:
         """Give the sentence about a value far outside of the range; none about any other."""
         if self.low / self.margin <= value <= self.high * self.margin:
             return
         shown = self.meaning.format(f"{value:.3g} {self.unit}")
         yield (
-            f"{field}: {given}, which {shown}; usual is {self.low:g} to {self.high:g} {self.unit} "
+            f"{field}: {text}, which {shown}; usual is {self.low:g} to {self.high:g} {self.unit} "
             f"({self.basis})"
         )
 
@@ -259,11 +258,11 @@ def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[str]:
 
 def _sharp_corners(section: str, throw: CrankThrow) -> Iterator[str]:
     """Tell of fillets that are left out, and what that does to the axial compliance."""
-    given = throw.model_fields_set
-    if "fillet_radius" in given or given.issuperset(FILLETS):
+    fields = throw.model_fields_set
+    if "fillet_radius" in fields or fields.issuperset(FILLETS):
         return
     left_out = next(
-        (other for one, other in (FILLETS, FILLETS[::-1]) if one in given), "fillet_radius"
+        (other for fillet, other in (FILLETS, FILLETS[::-1]) if fillet in fields), "fillet_radius"
     )
     usual = USUAL_FILLET * throw.main_journal_diameter
     try:
@@ -282,7 +281,7 @@ def _out_of_proportion(
     section: str, throw: CrankThrow, sizes: Sequence[tuple[str, float, str]]
 ) -> Iterator[str]:
     """Name the sizes far out of proportion, or the main journal's where another one would suit them all."""
-    told: list[str] = []
+    remarks: list[str] = []
     journal, low, high = throw.main_journal_diameter, 0.0, math.inf
     for field, value, ratio in sizes:
         by = DIVISORS.get(ratio, "main_journal_diameter")
@@ -290,17 +289,17 @@ def _out_of_proportion(
         if by == "main_journal_diameter":
             low = max(low, value / (usual.high * usual.margin))
             high = min(high, value * usual.margin / usual.low if usual.low > 0.0 else math.inf)
-        told += usual.warning(
+        remarks += usual.warning(
             field, f"given {format_quantity(value, 'm')}", value / getattr(throw, by)
         )
-    if len(told) > 1 and low <= high and not low <= journal <= high:
+    if len(remarks) > 1 and low <= high and not low <= journal <= high:
         suiting = " to ".join(format_quantity(end, "m", 3) for end in (low, high))
-        told = [
+        remarks = [
             f"{section}.main_journal_diameter: given {format_quantity(journal, 'm')}, with which "
-            f"{len(told)} other dimensions of the throw are out of proportion; all of them suit {suiting} "
+            f"{len(remarks)} other dimensions of the throw are out of proportion; all of them suit {suiting} "
             f"({LAW})"
         ]
-    yield from told
+    yield from remarks
 
 
 class Sized(Protocol):
@@ -342,51 +341,49 @@ def engine_warnings(
 
     Parameters
     ----------
-    file : Sized
     power : EnginePower or None
         At rated speed; None without gas pressure.
-    thrust : ThrustBearing or None
     """
     of_throws = list(throw_warnings(file.named_throws))
     yield from of_throws
     engine, throw, bore = file.engine, file.crank_throws[0], file.engine.bore
 
-    def told(field: str, value: float, unit: str, usual: UsualRange, ratio: float) -> Iterator[str]:
+    def warn(field: str, value: float, unit: str, usual: UsualRange, ratio: float) -> Iterator[str]:
         return usual.warning(field, f"given {format_quantity(value, unit, 5)}", ratio)
 
     journal, rod, pitch = throw.main_journal_diameter, file.rod.length, throw.length
-    yield from told("engine.stroke", engine.stroke, "m", STROKE, engine.stroke / bore)
+    yield from warn("engine.stroke", engine.stroke, "m", STROKE, engine.stroke / bore)
     # A journal that is wrong against the throw is not told again against other parts.
-    wrong_journal = any(".main_journal_diameter: " in one for one in of_throws)
+    wrong_journal = any(".main_journal_diameter: " in sentence for sentence in of_throws)
     if not wrong_journal:
-        yield from told("throw.main_journal_diameter", journal, "m", JOURNAL, journal / bore)
+        yield from warn("throw.main_journal_diameter", journal, "m", JOURNAL, journal / bore)
     yield from PITCH.warning(
         "throw",
         f"{format_quantity(pitch, 'm', 5)} from one main bearing to the next",
         pitch / bore / _cylinders_in_line(file),
     )
-    yield from told("rod.length", rod, "m", ROD_LENGTH, rod / throw.crank_radius)
+    yield from warn("rod.length", rod, "m", ROD_LENGTH, rod / throw.crank_radius)
     swept = 0.25 * math.pi * bore**2 * engine.stroke * 1e3  # [dm^3]
     for field, mass, usual in (
         ("piston.mass", file.piston.mass, PISTON_MASS),
         ("rod.mass", file.rod.mass, ROD_MASS),
     ):
-        yield from told(field, mass, "kg", usual, mass / swept)
+        yield from warn(field, mass, "kg", usual, mass / swept)
     for field, speed, usual in (
         ("engine.rated_speed", engine.rated_speed, PISTON_SPEED),
         ("engine.highest_speed", engine.highest_speed, HIGHEST_PISTON_SPEED),
     ):
-        yield from told(field, speed, "rad/s", usual, engine.mean_piston_speed(speed))
+        yield from warn(field, speed, "rad/s", usual, engine.mean_piston_speed(speed))
     if power is not None:
         mean = power.mean_indicated_pressure / 1e6
         yield from INDICATED.warning("gas", "the pressure over the cycle", mean)
     if file.flywheel is not None:
         inertia = file.flywheel.inertia
         gyration = math.sqrt(inertia / file.flywheel.mass)
-        yield from told("flywheel.inertia", inertia, "kg m^2", FLYWHEEL, gyration / bore)
+        yield from warn("flywheel.inertia", inertia, "kg m^2", FLYWHEEL, gyration / bore)
     if thrust is not None and not wrong_journal:
         stiffness = thrust.stiffness
-        yield from told(
+        yield from warn(
             "thrust_bearing.stiffness", stiffness, "N/m", THRUST, stiffness / journal / 1e9
         )
 
@@ -394,5 +391,5 @@ def engine_warnings(
 def _cylinders_in_line(file: Sized) -> int:
     """Return the cylinders of one bank that the first throw carries, one behind the other."""
     banks = file.engine.bank_angles or (0.0,) * file.engine.cylinders
-    first = [round(bank, 6) for bank, own in zip(banks, file.throws, strict=True) if own == 0]
+    first = [round(bank, 6) for bank, throw in zip(banks, file.throws, strict=True) if throw == 0]
     return max(Counter(first).values())

@@ -37,7 +37,7 @@ def shipped_torques() -> tuple[str, ...]:
     return tuple(sorted(path.name for path in (data_folder() / "tables").glob("*torque*.csv")))
 
 
-def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
+def input_path(file: str | Path, kind: InputKind = "engine") -> Path:
     """Find a file of input by path, or a shipped one by name.
 
     Raises
@@ -45,25 +45,29 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
     InputError
         If there is neither.
     """
-    if not isinstance(given, (str, os.PathLike)):
+    if not isinstance(file, (str, os.PathLike)):
         raise InputError(
-            f"file: given {quoted(given)}; allowed is the path of {WORDS[kind]}, or the name of a shipped "
+            f"file: given {quoted(file)}; allowed is the path of {WORDS[kind]}, or the name of a shipped "
             "one."
         )
-    path = Path(given)
+    path = Path(file)
     try:
         if path.is_file():
             return path
         shipped = data_folder() / FOLDERS[kind] / f"{path.name.removesuffix('.toml')}.toml"
         if path.parent == Path() and shipped.is_file():
             return shipped
-        fault = f"{given}: {not_a_file(path) or 'does not exist'}"
+        fault = f"{file}: {not_a_file(path) or 'does not exist'}"
     except OSError as error:
-        fault = f"{given}: cannot be searched for; the system reports: {error.strerror}"
-    others = [one for one in FOLDERS if one != kind and path.name in shipped_names(one)]
+        fault = f"{file}: cannot be searched for; the system reports: {error.strerror}"
+    others = [
+        folder_kind
+        for folder_kind in FOLDERS
+        if folder_kind != kind and path.name in shipped_names(folder_kind)
+    ]
     if others:
-        fault = f"{given}: is {WORDS[others[0]].replace(' file', '')}, not {WORDS[kind]}"
-    if not str(given).strip():
+        fault = f"{file}: is {WORDS[others[0]].replace(' file', '')}, not {WORDS[kind]}"
+    if not str(file).strip():
         fault = '"": names no file'
     meant = did_you_mean(path.name.removesuffix(".toml"), shipped_names(kind), cutoff=0.7)
     raise InputError(
@@ -72,7 +76,7 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
     )
 
 
-def torque_path(given: str | Path) -> Path:
+def torque_path(file: str | Path) -> Path:
     """Find a torque table by path, or a shipped one by the name of its file.
 
     Raises
@@ -80,7 +84,7 @@ def torque_path(given: str | Path) -> Path:
     InputError
         If there is neither.
     """
-    path = Path(given)
+    path = Path(file)
     shipped = data_folder() / "tables" / path.name
     if path.is_file() or path.parent != Path() or path.name not in shipped_torques():
         return path

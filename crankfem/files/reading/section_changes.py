@@ -30,23 +30,22 @@ class Change:
 
 def section_kinds(owner: type) -> dict[str, tuple[type[InputModel], bool]]:
     """Return the sections of a class by name: their type, and whether they may be missing."""
-    found = {}
+    kinds = {}
     for name, hint in get_type_hints(owner).items():
         for kind in get_args(hint) if isinstance(hint, UnionType) else (hint,):
             if isinstance(kind, type) and issubclass(kind, InputModel):
-                found[name] = (kind, NoneType in get_args(hint))
-    return found
+                kinds[name] = (kind, NoneType in get_args(hint))
+    return kinds
 
 
-def changed_section(owner: object, name: str, given: object) -> InputModel | None:
+def changed_section(owner: object, name: str, section_or_values: object) -> InputModel | None:
     """Return a section of a file with its changes.
 
     Parameters
     ----------
     owner : object
         The file as read; its annotations define its sections.
-    name : str
-    given : InputModel, mapping or None
+    section_or_values : InputModel, mapping or None
         The whole section; the fields that change with their values [SI]; or None.
 
     Raises
@@ -58,54 +57,56 @@ def changed_section(owner: object, name: str, given: object) -> InputModel | Non
     if name not in kinds:
         raise InputError(f"{name}: unknown section; {allowed_names(name, kinds)}.")
     kind, optional = kinds[name]
-    if given is None:
+    if section_or_values is None:
         if optional:
             return None
         raise InputError(
             f"{name}: given None; allowed are its fields or a whole section, because every engine has it."
         )
-    if isinstance(given, Mapping):
+    if isinstance(section_or_values, Mapping):
         section = getattr(owner, name)
-        return kind(**given) if section is None else section.changed(**given)
-    if not isinstance(given, kind):
+        return (
+            kind(**section_or_values) if section is None else section.changed(**section_or_values)
+        )
+    if not isinstance(section_or_values, kind):
         raise InputError(
-            f"{name}: given {given!r}; allowed are fields with their values, such as "
+            f"{name}: given {section_or_values!r}; allowed are fields with their values, such as "
             f"{{{next(iter(kind.model_fields))!r}: ...}}, or a whole section of the type {kind.__name__}."
         )
-    return given
+    return section_or_values
 
 
-def changed_throws(throws: Mapping[str, CrankThrow], given: object) -> dict[str, CrankThrow]:
+def changed_throws(throws: Mapping[str, CrankThrow], new: object) -> dict[str, CrankThrow]:
     """Return named throws with changes to some of them.
 
     Parameters
     ----------
     throws : mapping
         Empty if the file has one throw without a name.
-    given : mapping
+    new : mapping
         Name to a throw, to fields that change [SI] (all fields of a new throw), or to None: removed.
 
     Raises
     ------
     InputError
-        If throws have no names, or values are impossible.
+        If throws have no names, or new are impossible.
     """
-    if not isinstance(given, Mapping) or (given and not throws):
+    if not isinstance(new, Mapping) or (new and not throws):
         raise InputError(
-            f"throws: given {given!r}; allowed are names with changes, in an engine with throws by name; the "
+            f"throws: given {new!r}; allowed are names with changes, in an engine with throws by name; the "
             "one throw of another is changed by throw={...}."
         )
     made = dict(throws)
-    for name, own in given.items():
-        if own is None:
+    for name, change in new.items():
+        if change is None:
             made.pop(name, None)
-        elif isinstance(own, CrankThrow):
-            made[name] = own
-        elif isinstance(own, Mapping):
-            made[name] = throws[name].changed(**own) if name in throws else CrankThrow(**own)
+        elif isinstance(change, CrankThrow):
+            made[name] = change
+        elif isinstance(change, Mapping):
+            made[name] = throws[name].changed(**change) if name in throws else CrankThrow(**change)
         else:
             raise InputError(
-                f"throws.{name}: given {own!r}; allowed are fields with their values, a whole CrankThrow, "
+                f"throws.{name}: given {change!r}; allowed are fields with their new, a whole CrankThrow, "
                 "or None."
             )
     return made
@@ -120,16 +121,17 @@ def changes(
 
 
 def without_changed(
-    records: Sequence[InputRecord], provenance: Provenance, told: Sequence[Change]
+    records: Sequence[InputRecord], provenance: Provenance, changed: Sequence[Change]
 ) -> tuple[tuple[InputRecord, ...], dict[str, tuple[str, bool]]]:
     """Return records and provenance in which changed values no longer have their former sources."""
 
     def stale(name: str) -> bool:
         return any(
-            name == one.field or name.startswith((f"{one.field}.", f"{one.field}[")) for one in told
+            name == change.field or name.startswith((f"{change.field}.", f"{change.field}["))
+            for change in changed
         )
 
-    new = {one.field: one.record for one in told if one.record is not None}
+    new = {change.field: change.record for change in changed if change.record is not None}
     kept: list[InputRecord] = []
     for record in records:
         if not stale(record.field):
@@ -137,11 +139,11 @@ def without_changed(
         elif record.field in new:
             kept.append(new.pop(record.field))
     kept.extend(new.values())
-    own = {name: origin for name, origin in provenance.items() if not stale(name)}
-    for one in told:
-        if one.record is not None:
-            own[one.field] = (one.record.source, one.record.assumed)
-    return tuple(kept), own
+    remaining = {name: origin for name, origin in provenance.items() if not stale(name)}
+    for change in changed:
+        if change.record is not None:
+            remaining[change.field] = (change.record.source, change.record.assumed)
+    return tuple(kept), remaining
 
 
 def _changes(prefix: str, before: object, after: InputModel | None) -> Iterator[Change]:
@@ -159,9 +161,9 @@ def _changes(prefix: str, before: object, after: InputModel | None) -> Iterator[
         if new is not None:
             shown = _format_change(new, field_extra(info, "unit"))
             meaning, symbol = info.description or "", field_extra(info, "symbol") or ""
-            own = name in getattr(after, "model_fields_set", ())
-            source = SOURCE if own else "default"
-            assumed = not own and name not in kind.choices
+            set_now = name in getattr(after, "model_fields_set", ())
+            source = SOURCE if set_now else "default"
+            assumed = not set_now and name not in kind.choices
             record = InputRecord(field, shown, meaning, symbol, source, assumed)
         yield Change(field, record)
 

@@ -36,17 +36,12 @@ def check_keys(name: str, text: str) -> None:
     ----------
     name : str
         Of the file, for the message.
-    text : str
-
-    Raises
-    ------
-    InputError
     """
-    found = _LONG_KEY.search(text)
-    if found is not None:
-        line = text.count("\n", 0, found.start()) + 1
+    deep = _LONG_KEY.search(text)
+    if deep is not None:
+        line = text.count("\n", 0, deep.start()) + 1
         raise InputError(
-            f"{name}: line {line}, {shortened(found[0])!r}: given a key of more than {DEEPEST_TABLE} names; "
+            f"{name}: line {line}, {shortened(deep[0])!r}: given a key of more than {DEEPEST_TABLE} names; "
             f"allowed is {DEEPEST_TABLE} at most, because sections are nested no deeper than a table or two."
         )
 
@@ -89,10 +84,10 @@ def check_content(name: str, content: dict[str, Any]) -> None:
         if isinstance(value, dict):
             for key in value:
                 _check_text(name, f"{field}.{key}".lstrip("."), key)
-            inner = [(f"{field}.{key}".lstrip("."), depth + 1, own) for key, own in value.items()]
+            inner = [(f"{field}.{key}".lstrip("."), depth + 1, part) for key, part in value.items()]
             waiting.extend(reversed(inner))
         elif isinstance(value, list):
-            inner = [(f"{field}[{place}]", depth + 1, own) for place, own in enumerate(value)]
+            inner = [(f"{field}[{place}]", depth + 1, part) for place, part in enumerate(value)]
             waiting.extend(reversed(inner))
         elif isinstance(value, str):
             _check_text(name, field, value)
@@ -229,11 +224,11 @@ def not_toml(text: str, error: Exception) -> str:
     """
     if not isinstance(error, tomllib.TOMLDecodeError):
         return "given a number of thousands of digits; allowed are numbers of 64 bits, as TOML has them."
-    found = AT_LINE.search(str(error))
+    at_line = AT_LINE.search(str(error))
     # What is wrong shows at the beginning of a line; patterns would take long over all of a very long one.
     lines = [line[:LONGEST_LINE] for line in text.splitlines()]
     # What is never closed is found at the end of the file, of which no line is told.
-    place = int(found[1]) if found else _first_fault(lines)
+    place = int(at_line[1]) if at_line else _first_fault(lines)
     if not 1 <= place <= len(lines):
         return f"is not TOML ({error}); allowed is a TOML file."
     line = lines[place - 1]
@@ -248,15 +243,15 @@ def not_toml(text: str, error: Exception) -> str:
     plain = QUOTED.sub('""', line).partition("#")[0]
     bare = BARE.search(plain)
     if bare is not None:
-        given = bare[1].strip()
-        if "," in given and not bare[0].startswith("="):
+        text_after = bare[1].strip()
+        if "," in text_after and not bare[0].startswith("="):
             return (
-                f"{shown} given {given} in a list without quotes; write each quantity in quotes, with a "
+                f"{shown} given {text_after} in a list without quotes; write each quantity in quotes, with a "
                 "decimal point, because commas separate the values of a list."
             )
         return (
-            f"{shown} given {given} without quotes; write a quantity in quotes, "
-            f"{either(readings(given) or (given,))}, because it is text with its unit."
+            f"{shown} given {text_after} without quotes; write a quantity in quotes, "
+            f"{either(readings(text_after) or (text_after,))}, because it is text with its unit."
         )
     fault = _fault(line)
     if fault is not None:
@@ -284,15 +279,15 @@ def _before(lines: list[str], place: int) -> int | None:
     """Return the number of an earlier line that gives the same section or name, None if there is none."""
     line = lines[place - 1]
     header = HEADER.match(line)
-    given = header or NAME.match(line)
-    if given is None:
+    start = header or NAME.match(line)
+    if start is None:
         return None
     for number in range(place - 1, 0, -1):
         other = lines[number - 1]
         if header is None and other.lstrip().startswith("["):
             return None
-        found = given.re.match(other)
-        if found is not None and found[1].strip() == given[1].strip():
+        match = start.re.match(other)
+        if match is not None and match[1].strip() == start[1].strip():
             return number
     return None
 
@@ -393,23 +388,13 @@ class TomlFile:
             )
 
     def model(self, section: str, kind: type[Model]) -> Model | None:
-        """Validate one section; None if the file lacks it.
-
-        Raises
-        ------
-        InputError
-        """
+        """Validate one section; None if the file lacks it."""
         if section not in self.sections:
             return None
         return self.made(section, kind, self.sections[section])
 
     def made(self, section: str, kind: type[Model], values: Mapping[str, Any]) -> Model:
-        """Validate values as a section, and record them.
-
-        Raises
-        ------
-        InputError
-        """
+        """Validate values as a section, and record them."""
         made = kind.from_text(values, section)
         self._record(section, made, values)
         return made
@@ -428,10 +413,6 @@ class TomlFile:
             Section to its model.
         others : mapping, optional
             Section without a model to its reader.
-
-        Raises
-        ------
-        InputError
         """
         try:
             yield
@@ -443,19 +424,14 @@ class TomlFile:
                         kinds[name].from_text(values, name)
                     elif others and name in others:
                         others[name](self)
-            told = {line for error in errors.found for line in error.sentences}
-            alone = [] if told.issuperset(first.sentences) else [first]
+            lines = {line for error in errors.found for line in error.sentences}
+            alone = [] if lines.issuperset(first.sentences) else [first]
             with self.with_lines():
                 raise InputError.of_all([*alone, *errors.found]) from None
 
     @contextmanager
     def with_lines(self) -> Iterator[None]:
-        """Say of errors about fields in which lines of the file these are.
-
-        Raises
-        ------
-        InputError
-        """
+        """Say of errors about fields in which lines of the file these are."""
         try:
             yield
         except InputError as error:
@@ -469,12 +445,7 @@ class TomlFile:
         return f"{sentence.removesuffix('.')} ({self.path.name}, {place})."
 
     def required(self, section: str, kind: type[Model]) -> Model:
-        """Validate one required section.
-
-        Raises
-        ------
-        InputError
-        """
+        """Validate one required section."""
         made = self.model(section, kind)
         if made is None:
             raise InputError(f"{self.path.name}: the section [{section}] is missing.")
@@ -494,16 +465,16 @@ class TomlFile:
                 continue
             if name in values:
                 source, assumed = self.provenance.get(field_name, (self.path.name, False))
-                given = _show(values[name])
+                shown = _show(values[name])
             elif value is None or field_extra(info, "feature"):
                 continue
             else:
                 source, assumed = "default", name not in type(made).choices
-                given = _show(value, field_extra(info, "unit")) or "not given"
+                shown = _show(value, field_extra(info, "unit")) or "not given"
             self.records.append(
                 InputRecord(
                     field=field_name,
-                    given=given,
+                    given=shown,
                     meaning=info.description or "",
                     symbol=field_extra(info, "symbol") or "",
                     source=source,
@@ -512,7 +483,7 @@ class TomlFile:
             )
 
 
-def read_toml(given: Path | InputFiles) -> TomlFile:
+def read_toml(file: Path | InputFiles) -> TomlFile:
     """Read a file into sections.
 
     Raises
@@ -520,7 +491,7 @@ def read_toml(given: Path | InputFiles) -> TomlFile:
     InputError
         If it cannot be read, is not TOML, or has values outside sections.
     """
-    files = given if isinstance(given, InputFiles) else InputFiles(given)
+    files = file if isinstance(file, InputFiles) else InputFiles(file)
     path = files.path
     if path.suffix.lower() in (".step", ".stp"):
         raise InputError(

@@ -31,15 +31,15 @@ def read_throws(content: TomlFile) -> dict[str, CrankThrow]:
     InputError
         With a sentence for each wrong field of each throw; of one like another, for its own fields.
     """
-    given = content.sections.get("throws")
-    if given is None:
+    tables = content.sections.get("throws")
+    if tables is None:
         return {PLAIN: content.required("throw", CrankThrow)}
-    if not given:
+    if not tables:
         raise InputError("throws: given no throw; allowed are sections like [throws.a].")
     made, errors = {}, InputErrors()
-    for name in given:
+    for name in tables:
         with errors.noted():
-            made[name] = _named(content, name, given)
+            made[name] = _named(content, name, tables)
     errors.tell()
     return made
 
@@ -51,7 +51,6 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
     ----------
     throws : mapping
         From `read_throws`.
-    layout : ShaftLayout or None
     count : int
         Number of cranks.
 
@@ -154,7 +153,6 @@ def throws_along_shaft(
 
     Parameters
     ----------
-    throws : mapping
     names : sequence of n str
         From `throw_names`.
     angles_deg : array_like of shape (n,)
@@ -174,9 +172,9 @@ def throws_along_shaft(
     return along
 
 
-def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow:
+def _named(content: TomlFile, name: str, tables: Mapping[str, Any]) -> CrankThrow:
     """Read a named throw, with the fields of the throw that it is like."""
-    section, values = f"throws.{name}", given[name]
+    section, values = f"throws.{name}", tables[name]
     if not isinstance(values, Mapping):
         raise InputError(
             f"{section}: given {values!r}; allowed is a section [{section}] with the fields of a throw."
@@ -186,20 +184,20 @@ def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow
             f"throws: given a throw of the name {name!r}; allowed are letters, digits, - and _, and "
             "another name than throw, because results and pictures have this name."
         )
-    own = {key: value for key, value in values.items() if key not in NamedThrow.model_fields}
-    beside = {key: value for key, value in values.items() if key not in own}
+    dimensions = {key: value for key, value in values.items() if key not in NamedThrow.model_fields}
+    beside = {key: value for key, value in values.items() if key not in dimensions}
     if not beside:
-        return content.made(section, CrankThrow, own)
+        return content.made(section, CrankThrow, dimensions)
     try:
         also = content.made(section, NamedThrow, beside)
     except InputError as error:
-        lines = [] if "like" in beside else _sentences(own, section)
+        lines = [] if "like" in beside else _sentences(dimensions, section)
         raise InputError("\n".join([*error.sentences, *lines])) from None
     if also.like is None:
-        return content.made(section, CrankThrow, own)
+        return content.made(section, CrankThrow, dimensions)
     full = [
         other
-        for other, fields in given.items()
+        for other, fields in tables.items()
         if isinstance(fields, Mapping) and "like" not in fields
     ]
     if also.like not in full:
@@ -207,17 +205,19 @@ def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow
             f"{section}.like: given {also.like!r}; allowed is another throw that is given in full"
             f"{': ' if full else ', but there is none'}{', '.join(full)}."
         )
-    merged = _with_missing_fields(content, section, own, f"throws.{also.like}", given[also.like])
+    merged = _with_missing_fields(
+        content, section, dimensions, f"throws.{also.like}", tables[also.like]
+    )
     try:
         throw = content.made(section, CrankThrow, merged)
     except InputError as error:
         # What is wrong in the other throw is told of that one.
-        other = given[also.like]
+        other = tables[also.like]
         there = zip(
             _sentences(other, section), _sentences(other, f"throws.{also.like}"), strict=True
         )
-        told = dict(there)
-        raise InputError("\n".join(told.get(line, line) for line in error.sentences)) from None
+        renamed = dict(there)
+        raise InputError("\n".join(renamed.get(line, line) for line in error.sentences)) from None
     return throw.reversed() if also.reversed else throw
 
 
@@ -225,7 +225,7 @@ def _sentences(values: Mapping[str, Any], section: str) -> list[str]:
     """The errors in the fields of a throw."""
     try:
         CrankThrow.from_text(
-            {name: own for name, own in values.items() if name not in NamedThrow.model_fields},
+            {name: value for name, value in values.items() if name not in NamedThrow.model_fields},
             section,
         )
     except InputError as error:
@@ -236,19 +236,19 @@ def _sentences(values: Mapping[str, Any], section: str) -> list[str]:
 def _with_missing_fields(
     content: TomlFile,
     section: str,
-    own: Mapping[str, Any],
+    values: Mapping[str, Any],
     other_section: str,
     other: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Return the fields of a table with those of another that it lacks, with their sources."""
-    merged = dict(own)
+    merged = dict(values)
     for key, value in other.items():
         place, origin = f"{section}.{key}", f"{other_section}.{key}"
-        if key not in own:
+        if key not in values:
             merged[key] = value
             for field, source in list(content.provenance.items()):
                 if field == origin or field.startswith((f"{origin}.", f"{origin}[")):
                     content.provenance[place + field.removeprefix(origin)] = source
-        elif isinstance(value, Mapping) and isinstance(own[key], Mapping):
-            merged[key] = _with_missing_fields(content, place, own[key], origin, value)
+        elif isinstance(value, Mapping) and isinstance(values[key], Mapping):
+            merged[key] = _with_missing_fields(content, place, values[key], origin, value)
     return merged

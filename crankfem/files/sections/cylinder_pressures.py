@@ -84,13 +84,7 @@ def name_fields(error: InputError) -> str:
 def _of_section(
     gas: Gas, layout: EngineLayout, calculate: Callable[[FullLoad, EngineLayout], Result]
 ) -> Result:
-    """Calculate from the section's values; errors name its fields and pressures above ambient.
-
-    Raises
-    ------
-    InputError
-        If the cycle's values do not fit, or it cannot reach them.
-    """
+    """Calculate from the section's values; errors name its fields and pressures above ambient."""
     peak = None if gas.peak_pressure is None else gas.peak_pressure + ATMOSPHERE
     above = "" if gas.peak_pressure is None else format_quantity(gas.peak_pressure, "Pa")
     if peak is not None and peak > HIGHEST_PEAK:
@@ -157,9 +151,9 @@ class LoadSection(InputModel):
     @model_validator(mode="after")
     def _says_one_thing(self) -> Self:
         if (self.law is None) == (not self.points):
-            given = "neither it nor points" if self.law is None else "both it and points"
+            what = "neither it nor points" if self.law is None else "both it and points"
             raise InputError(
-                f"load.law: given {given}; allowed is one of the two, because each defines the load at all "
+                f"load.law: given {what}; allowed is one of the two, because each defines the load at all "
                 "speeds."
             )
         speeds = [point.speed for point in self.points]
@@ -271,10 +265,8 @@ def pressures_along(
 
     Parameters
     ----------
-    curve : LoadCurve
     gas : Gas
         Full load.
-    layout : EngineLayout
     motored : bool, optional
         Without combustion, at the same boost.
 
@@ -338,12 +330,12 @@ def _between(speeds: FloatArray, known: FloatArray, values: Sequence[float]) -> 
 def _check_within(speeds: FloatArray, known: FloatArray) -> None:
     outside = (speeds < known[0] * (1.0 - SAME)) | (speeds > known[-1] * (1.0 + SAME))
     if np.any(outside):
-        given, low, high = (
+        outer, low, high = (
             format_quantity(float(speed), "rad/s", 5)
             for speed in (speeds[outside][0], known[0], known[-1])
         )
         raise InputError(
-            f"load.points: given none for {given}; allowed are speeds from {low} to {high}, because nothing "
+            f"load.points: given none for {outer}; allowed are speeds from {low} to {high}, because nothing "
             "is extrapolated beyond the points."
         )
 
@@ -355,7 +347,6 @@ def load_speeds(
 
     Parameters
     ----------
-    section : LoadSection
     rated_speed : float
         [rad/s]
     speed_range : tuple of two floats

@@ -79,11 +79,11 @@ class Engine(InputModel):
 
     @field_validator("firing_order", mode="before")
     @classmethod
-    def _read_order(cls, given: object) -> object:
-        if not isinstance(given, str):
-            return given
+    def _read_order(cls, order: object) -> object:
+        if not isinstance(order, str):
+            return order
         try:
-            return firing_order_from_text(given)
+            return firing_order_from_text(order)
         except InputError as error:  # the field's name is put in front once more
             raise ValueError(str(error).removeprefix("firing_order: ")) from None
 
@@ -117,14 +117,14 @@ class Engine(InputModel):
             ("bank_angles", "angles"),
             ("throws", "throws"),
         ):
-            given = getattr(self, name)
-            if given is not None and len(given) != self.cylinders:
+            numbers = getattr(self, name)
+            if numbers is not None and len(numbers) != self.cylinders:
                 raise InputError(
-                    f"engine.{name}: given {len(given)} {kind}; allowed is one for each of the "
+                    f"engine.{name}: given {len(numbers)} {kind}; allowed is one for each of the "
                     f"{self.cylinders} cylinders."
                 )
             if kind == "angles":
-                refuse_many_turns(f"engine.{name}", given or ())
+                refuse_many_turns(f"engine.{name}", numbers or ())
         if sorted(self.firing_order) != list(range(1, self.cylinders + 1)):
             raise InputError(
                 f"engine.firing_order: given {list(self.firing_order)}; allowed is each cylinder number "
@@ -339,10 +339,10 @@ class ThrustBearing(InputModel):
 def _refuse_bearing_from_zero(values: Mapping[str, object]) -> None:
     """Refuse the field that counted from 0: read as main_bearing it would be the bearing before."""
     if "bearing" in values:
-        given = values["bearing"]
-        now = int(str(given)) + 1 if str(given).isdecimal() else "its number"
+        count = values["bearing"]
+        now = int(str(count)) + 1 if str(count).isdecimal() else "its count"
         raise InputError(
-            f"thrust_bearing.bearing: given {quoted(given)}; this field counted from 0 at the free end, main "
+            f"thrust_bearing.bearing: given {quoted(count)}; this field counted from 0 at the free end, main "
             f"bearings count from 1 like cylinders: write main_bearing = {now} in its place."
         )
 

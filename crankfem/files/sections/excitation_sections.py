@@ -93,10 +93,10 @@ class Misfire(InputModel):
 
     @model_validator(mode="after")
     def _names_some_once(self) -> Self:
-        given = self.cylinders
-        if given is not None and (not given or len(set(given)) < len(given)):
+        cylinders = self.cylinders
+        if cylinders is not None and (not cylinders or len(set(cylinders)) < len(cylinders)):
             raise InputError(
-                f"misfire.cylinders: given {list(given)}; allowed are one or more numbers, each "
+                f"misfire.cylinders: given {list(cylinders)}; allowed are one or more numbers, each "
                 "once, because these cylinders fail."
             )
         return self
@@ -164,8 +164,8 @@ class PropellerForcesSection(InputModel):
         """
         phases = ("thrust_phases", "torque_phases")
         in_degrees: dict[str, Any] = {
-            f"{name}_deg": None if given is None else np.degrees(given)
-            for name, given in ((name, getattr(self, name)) for name in phases)
+            f"{name}_deg": None if phase is None else np.degrees(phase)
+            for name, phase in ((name, getattr(self, name)) for name in phases)
         }
         return PropellerForces(**self.model_dump(exclude={"node", "ratio", *phases}), **in_degrees)
 
@@ -175,7 +175,6 @@ def gas_map_pressure(section: GasMap, strokes: int, files: InputFiles) -> Pressu
 
     Parameters
     ----------
-    section : GasMap
     strokes : int
         Of the engine, 2 or 4.
     files : InputFiles
@@ -186,15 +185,15 @@ def gas_map_pressure(section: GasMap, strokes: int, files: InputFiles) -> Pressu
     InputError
         If a table cannot be used, or the points do not form a map.
     """
-    found: dict[str, GasPressure] = {}
+    diagrams: dict[str, GasPressure] = {}
     for number, point in enumerate(section.points):
         name = point.pressure_table
-        if name not in found:
+        if name not in diagrams:
             table = files.named(f"gas_map.points[{number}].pressure_table", name, "tables")
-            found[name] = read_pressure_table(table, strokes)
+            diagrams[name] = read_pressure_table(table, strokes)
     try:
         return pressure_map(
-            ((point.speed, point.load, found[point.pressure_table]) for point in section.points),
+            ((point.speed, point.load, diagrams[point.pressure_table]) for point in section.points),
             method=section.method,
         )
     except InputError as error:
@@ -206,7 +205,6 @@ def gas_map_load(section: GasMap, rated_speed: float) -> Load | None:
 
     Parameters
     ----------
-    section : GasMap
     rated_speed : float
         Of the engine [rad/s].
     """
@@ -226,7 +224,6 @@ def motored_for_misfire(
     ----------
     gas : Gas
         The section of the engine file.
-    layout : EngineLayout
     pressure : sequence of n GasPressure
         Of the firing cylinders.
 
@@ -245,10 +242,10 @@ def motored_for_misfire(
         return motored_pressures(gas, layout)
     return tuple(
         motored_from_compression(
-            own,
+            firing,
             cylinder_volume(piston_position(layout, number), cylinder.area, gas.compression_ratio),
         )
-        for number, (own, cylinder) in enumerate(
+        for number, (firing, cylinder) in enumerate(
             zip(pressure, layout.cylinders, strict=True), start=1
         )
     )

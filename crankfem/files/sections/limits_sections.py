@@ -241,13 +241,13 @@ class LimitsInput(InputModel):
             Field, such as "limits.axial_amplitude", to its source and whether it is assumed.
         """
         sources = provenance or {}
-        found = {}
+        limits = {}
         for name, (quantity, place, unit) in GIVEN.items():
             value = getattr(self, name)
             if value is None:
                 continue
             source, assumed = sources.get(f"limits.{name}", ("", False))
-            found[name] = given_limit(
+            limits[name] = given_limit(
                 quantity,
                 value,
                 unit,
@@ -261,10 +261,10 @@ class LimitsInput(InputModel):
                 rated_speed, strokes=strokes, kind=kind, firing_interval_deg=firing_interval_deg
             )
             _, assumed = sources.get("limits.crankshaft_rule", ("", False))
-            found["crankshaft_stress"] = replace(by_rule, assumed=assumed)
+            limits["crankshaft_stress"] = replace(by_rule, assumed=assumed)
         for shaft in self.shafts:
-            found[f"shaft: {shaft.element}"] = shaft.limit(rated_speed)
-        return found
+            limits[f"shaft: {shaft.element}"] = shaft.limit(rated_speed)
+        return limits
 
     def _crankshaft_limit(self, rated_speed: float, **engine: Any) -> VibrationLimit:
         return CRANKSHAFT_RULES[self.crankshaft_rule](
@@ -349,11 +349,11 @@ class RangesInput(InputModel):
 
 
 def _spreads(
-    *given: tuple[Kind, tuple[float, float] | None, str],
+    *spreads: tuple[Kind, tuple[float, float] | None, str],
     places: tuple[int | str, ...] | None = None,
 ) -> tuple[Spread, ...]:
     return tuple(
         Spread(kind, *factors, places=places, name=name)
-        for kind, factors, name in given
+        for kind, factors, name in spreads
         if factors is not None
     )

@@ -88,13 +88,13 @@ class Bearings(InputModel):
 
     @model_validator(mode="after")
     def _range_holds_the_stiffness(self) -> Self:
-        for name, given, outside in (
+        for name, end, outside in (
             ("lowest_stiffness", self.lowest_stiffness, float.__gt__),
             ("highest_stiffness", self.highest_stiffness, float.__lt__),
         ):
-            if given is not None and outside(given, self.stiffness):
+            if end is not None and outside(end, self.stiffness):
                 raise InputError(
-                    f"bearings.{name}: given {given:g} N/m; allowed is a range that holds the stiffness of "
+                    f"bearings.{name}: given {end:g} N/m; allowed is a range that holds the stiffness of "
                     f"{self.stiffness:g} N/m, because that is its nominal value."
                 )
         return self
@@ -170,10 +170,10 @@ class TorsionalDamperSection(InputModel):
     def _has_its_data(self) -> Self:
         needed = [f"{' and '.join(names)} for {kind}" for kind, names in DATA.items()]
         for name in dict.fromkeys(name for names in DATA.values() for name in names):
-            given = getattr(self, name) is not None
-            if given != (name in DATA[self.kind]):
+            present = getattr(self, name) is not None
+            if present != (name in DATA[self.kind]):
                 raise InputError(
-                    f"torsional_damper.{name}: {'given' if given else 'not given'} with kind "
+                    f"torsional_damper.{name}: {'given' if present else 'not given'} with kind "
                     f"{self.kind}; allowed are {', '.join(needed)}, because these are their data."
                 )
         return self
