@@ -197,9 +197,9 @@ def _memory(number: int, tree: bool) -> float:
     total = 0.0
     with contextlib.suppress(psutil.Error):  # gone: its closed output says so
         process = psutil.Process(number)
-        for one in [process, *(process.children(recursive=True) if tree else ())]:
+        for running in [process, *(process.children(recursive=True) if tree else ())]:
             with contextlib.suppress(psutil.Error):
-                total += one.memory_info().rss
+                total += running.memory_info().rss
     return total
 
 

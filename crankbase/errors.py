@@ -47,7 +47,7 @@ def visible(text: str) -> str:
     >>> print(visible("a\x1b]0;title\x07"))
     a\x1b]0;title\x07
     """
-    return _CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+    return _CONTROL.sub(lambda control: control[0].encode("unicode_escape").decode(), text)
 
 
 def quoted(value: object) -> str:
@@ -68,10 +68,10 @@ def with_short_quotes(message: str) -> str:
     if len(message) <= LONGEST_QUOTE:
         return message
     pieces, place = [], 0
-    while (found := _GIVEN.search(message, place)) is not None:
-        begin, end = found.span()
-        if found[1]:
-            begin, end = found.start(1), _closing(message, found.end(1))
+    while (quote := _GIVEN.search(message, place)) is not None:
+        begin, end = quote.span()
+        if quote[1]:
+            begin, end = quote.start(1), _closing(message, quote.end(1))
         pieces += [message[place:begin], shortened(message[begin:end])]
         place = end
     pieces.append(message[place:])
@@ -82,10 +82,10 @@ def with_short_quotes(message: str) -> str:
 def _closing(message: str, place: int) -> int:
     """Return the end of the list that begins before `place`."""
     depth = 1
-    for found in _NESTED.finditer(message, place):
-        depth += {"[": 1, "(": 1, "{": 1, "]": -1, ")": -1, "}": -1}.get(found[0], 0)
+    for bracket in _NESTED.finditer(message, place):
+        depth += {"[": 1, "(": 1, "{": 1, "]": -1, ")": -1, "}": -1}.get(bracket[0], 0)
         if depth == 0:
-            return found.end()
+            return bracket.end()
     return place
 
 

@@ -71,9 +71,9 @@ def wrong_kind(begin: bytes) -> str | None:
     if begin.startswith(UTF_16):
         return "is text in UTF-16; save it as UTF-8"
     plain = begin.removeprefix(b"\xef\xbb\xbf").lstrip()
-    for beginning, said in BEGINNINGS:
+    for beginning, kind in BEGINNINGS:
         if plain.startswith(beginning):
-            return said
+            return kind
     return CSV if TABLE.match(plain) else None
 
 
@@ -142,9 +142,9 @@ class InputFile:
     sent: bytes | None = None
 
     @classmethod
-    def of(cls, given: "GivenFile") -> "InputFile":
+    def of(cls, file: "GivenFile") -> "InputFile":
         """Return a file that is given by its path."""
-        return given if isinstance(given, InputFile) else cls(Path(given))
+        return file if isinstance(file, InputFile) else cls(Path(file))
 
     def content(self, most: int, what: str) -> bytes:
         """Read the file, of so many bytes at most; `what` is for the message.

@@ -28,21 +28,21 @@ def free_memory() -> float:
         with contextlib.suppress(OSError, ValueError):
             allowed = float((CONTROL_FOLDER / limit).read_text(encoding="ascii"))
             used = float((CONTROL_FOLDER / use).read_text(encoding="ascii"))
-            told = (CONTROL_FOLDER / statistics).read_text(encoding="ascii").split()
-            numbers = dict(zip(told[::2], told[1::2], strict=False))
+            words = (CONTROL_FOLDER / statistics).read_text(encoding="ascii").split()
+            numbers = dict(zip(words[::2], words[1::2], strict=False))
             cached = max(float(numbers.get(name, 0.0)) for name in CACHED)
             free = min(free, max(allowed - used + cached, 0.0))
     return free
 
 
-def check_memory(needed: float, given: str, advice: str) -> None:
+def check_memory(needed: float, request: str, advice: str) -> None:
     """Refuse work that needs more memory than is free.
 
     Parameters
     ----------
     needed : float
         Predicted [byte].
-    given : str
+    request : str
         The request, such as "accuracy: given 0.001, whose mesh takes".
     advice : str
         The remedy, after "so".
@@ -56,6 +56,6 @@ def check_memory(needed: float, given: str, advice: str) -> None:
     free = free_memory()
     if needed > free:
         raise NotEnoughMemoryError(
-            f"{given} about {needed / GIGABYTE:.2g} GB of memory; allowed is what fits into the "
+            f"{request} about {needed / GIGABYTE:.2g} GB of memory; allowed is what fits into the "
             f"{free / GIGABYTE:.2g} GB that are free, so {advice}."
         )

@@ -28,10 +28,12 @@ def field_extra(info: FieldInfo, key: str) -> Any:
 
 def sentences(model: type[BaseModel], error: ValidationError) -> list[str]:
     """Turn what pydantic found into sentences for people, one for each field."""
-    found: dict[str, str] = {}
-    for one in error.errors():
-        found.setdefault(str(one["loc"][0]) if one["loc"] else "", sentence(model, one))
-    return list(found.values())
+    by_field: dict[str, str] = {}
+    for finding in error.errors():
+        by_field.setdefault(
+            str(finding["loc"][0]) if finding["loc"] else "", sentence(model, finding)
+        )
+    return list(by_field.values())
 
 
 def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
@@ -39,7 +41,7 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
     location = [str(part) for part in first["loc"]]
     section = getattr(model, "section", "")
     prefix = f"{section}." if section else ""
-    given = first.get("input")
+    entry = first.get("input")
     if first["type"] == "value_error":
         text = str(first["ctx"]["error"])
         if not location:
@@ -54,14 +56,14 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
         return f"{field}: unknown field; {allowed_names(name, model.model_fields)}."
     known = model.model_fields.get(name)
     if known is None:
-        return f"{field}: given {quoted(given)}; {first['msg']}."
+        return f"{field}: given {quoted(entry)}; {first['msg']}."
     unit = field_extra(known, "unit")
-    shown = quoted(given)
-    if unit is not None and is_number(given):
-        shown = format_quantity(float(given), unit)
+    shown = quoted(entry)
+    if unit is not None and is_number(entry):
+        shown = format_quantity(float(entry), unit)
     if first["type"] == "literal_error":
         expected = str(first["ctx"]["expected"]).replace("'", "")
-        return f"{field}: given {quoted(given)}; allowed is {expected}."
+        return f"{field}: given {quoted(entry)}; allowed is {expected}."
     allowed = range_text(known) if unit is not None else ""
     bound = _BOUNDS.get(first["type"])
     if unit is None and bound is not None:
@@ -275,8 +277,8 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
 
     def _given(self) -> dict[str, Any]:
         """Return the given values, without defaults, in the fields' order."""
-        given = self.model_fields_set
-        return {name: getattr(self, name) for name in type(self).model_fields if name in given}
+        names = self.model_fields_set
+        return {name: getattr(self, name) for name in type(self).model_fields if name in names}
 
     def __repr__(self) -> str:
         """Show the given values, as many as a few lines hold."""
@@ -351,9 +353,9 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         try:
             return cls(**converted)
         except InputError as error:
-            own = f"{cls.section}." if cls.section else ""
-            told = [prefix + line.removeprefix(own) for line in error.sentences]
-            raise InputError("\n".join(told)) from None
+            section_prefix = f"{cls.section}." if cls.section else ""
+            lines = [prefix + line.removeprefix(section_prefix) for line in error.sentences]
+            raise InputError("\n".join(lines)) from None
 
 
 def _field_errors(
@@ -365,11 +367,11 @@ def _field_errors(
             dict(converted), self_instance=kind.__new__(kind)
         )
     except ValidationError as error:
-        own = f"{kind.section}." if kind.section else ""
+        section_prefix = f"{kind.section}." if kind.section else ""
         return [
-            InputError(prefix + sentence(kind, one).removeprefix(own))
-            for one in error.errors()
-            if one["loc"] and one["loc"][0] not in unread
+            InputError(prefix + sentence(kind, finding).removeprefix(section_prefix))
+            for finding in error.errors()
+            if finding["loc"] and finding["loc"][0] not in unread
         ]
     return []
 

@@ -329,7 +329,7 @@ def _read_list(folder: Path) -> dict[str, dict[str, Any]]:
             name: {
                 "kind": str(entry["kind"]),
                 "run": entry["run"] is True,
-                "sha256": [str(one) for one in entry["sha256"]],
+                "sha256": [str(digest) for digest in entry["sha256"]],
             }
             for name, entry in content["files"].items()
             # A name, and no way out of the folder.

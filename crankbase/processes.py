@@ -177,12 +177,12 @@ def _wait_for_the_end(owner: int, pipe: int) -> None:
 
 
 def _main() -> None:
-    task, *given = sys.argv[1:]
+    task, *arguments_left = sys.argv[1:]
     if task == REMOVE:
-        _remove_at_the_end(*given)
+        _remove_at_the_end(*arguments_left)
         return
     gc.set_threshold(GARBAGE_THRESHOLD)
-    pipe, module, *arguments = given
+    pipe, module, *arguments = arguments_left
     _end_with_owner(int(pipe))
     sys.argv = [module, *arguments]
     runpy.run_module(module, run_name="__main__", alter_sys=True)

@@ -52,7 +52,7 @@ def lazy_exports(package: str, file: str) -> tuple[Callable[[str], Any], Callabl
         return value
 
     def dir_() -> list[str]:
-        own = {name for name in vars(sys.modules[package]) if name.startswith("__")}
-        return sorted(own | set(source_modules()))
+        dunders = {name for name in vars(sys.modules[package]) if name.startswith("__")}
+        return sorted(dunders | set(source_modules()))
 
     return getattr_, dir_

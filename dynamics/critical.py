@@ -289,13 +289,12 @@ def critical_speeds(
             f"speed_range: given ({shown}) rad/s; allowed is the lowest speed and then a higher "
             "one, because critical speeds are looked for between them."
         )
+    speeds = (2.0 * math.pi * natural)[:, np.newaxis] / excited
     meetings = (
-        CriticalSpeed(mode, frequency, order, 2.0 * math.pi * frequency / order)
-        for mode, frequency in enumerate(natural.tolist())
-        for order in excited.tolist()
+        CriticalSpeed(mode, float(natural[mode]), float(excited[k]), float(speeds[mode, k]))
+        for mode, k in np.argwhere(within(speeds, *limits.tolist())).tolist()
     )
-    within_range = (meeting for meeting in meetings if within(meeting.speed, *limits.tolist()))
-    return tuple(sorted(within_range, key=lambda item: (item.speed, item.mode, item.order)))
+    return tuple(sorted(meetings, key=lambda meeting: (meeting.speed, meeting.mode, meeting.order)))
 
 
 def vector_sums(

@@ -262,12 +262,12 @@ class RefinementLevel:
     ) -> tuple[CondensedClass, ...]:
         """Condense classes on the same mesh."""
         known = self.solved_part
-        given = (self.mesh, self.stiffness, self.pins)
+        solved_mesh = (self.mesh, self.stiffness, self.pins)
         parts = [
             known
             if one == known.symmetry
             else condense(
-                *given, one, self.solver, problem.end_sections, problem.watch, problem.degree
+                *solved_mesh, one, self.solver, problem.end_sections, problem.watch, problem.degree
             )
             for one in symmetries
         ]
@@ -276,8 +276,8 @@ class RefinementLevel:
         with problem.watch.lap("error estimate"):
             energies = class_energies(parts, self.mesh, problem.material)
             corrected = {
-                part.symmetry: corrected_class(part, own, self.effectivity)
-                for part, own in zip(parts, energies, strict=True)
+                part.symmetry: corrected_class(part, energy, self.effectivity)
+                for part, energy in zip(parts, energies, strict=True)
             }
         corrected.setdefault(known.symmetry, self.axial_part)
         return tuple(corrected[one] for one in symmetries)

@@ -63,11 +63,13 @@ def physical_gradients(corners: Array, gradients: Array, weights: Array) -> tupl
     return gradients[None] @ adjugate, determinant * weights
 
 
-def _cross(one: Array, other: Array, product: Array) -> None:
+def _cross(left: Array, other: Array, product: Array) -> None:
     """Cross products of vectors along the last axis."""
     for axis in range(3):
         after, last = (axis + 1) % 3, (axis + 2) % 3
-        product[..., axis] = one[..., after] * other[..., last] - one[..., last] * other[..., after]
+        product[..., axis] = (
+            left[..., after] * other[..., last] - left[..., last] * other[..., after]
+        )
 
 
 def element_stiffnesses(

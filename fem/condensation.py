@@ -239,7 +239,7 @@ def _pin_loads(
     """Loads (3 n, a) of the class, whose work is that on the whole throw, and what they are (a, 2)."""
     carried = np.flatnonzero(symmetry.central_motions)
     components = np.array(
-        [(pin, one) for pin in range(len(pins)) for one in carried], dtype=np.int64
+        [(pin, component) for pin in range(len(pins)) for component in carried], dtype=np.int64
     ).reshape(-1, 2)
     loads = np.zeros((len(mesh.points), 3, len(components)))
     for pin, unit in enumerate(pins):
@@ -297,12 +297,12 @@ def unit_end_motions(
     """Nodes (s,) of each meshed end section, and their displacements (s, 3, k) for unit amplitudes."""
     ends = end_amplitudes(symmetry, sections)
     beyond = 12 + sections.bending * np.arange(3)
-    found = []
+    columns = []
     for place, section in enumerate(end_sections(symmetry)):
         nodes = nodes_on(mesh, section)
-        own = np.r_[6 * place : 6 * place + 6, beyond[place] : beyond[place + 1]]
-        found.append((nodes, sections.fields(mesh.points[nodes]) @ ends[own]))
-    return found
+        numbers = np.r_[6 * place : 6 * place + 6, beyond[place] : beyond[place + 1]]
+        columns.append((nodes, sections.fields(mesh.points[nodes]) @ ends[numbers]))
+    return columns
 
 
 def uncoupled(upper: sparse.csr_array, blocked: NDArray[np.bool_]) -> sparse.csr_array:

@@ -78,8 +78,10 @@ def stresses_at(
         xx, yy, zz, xy, yz, zx [Pa].
     """
     weights = np.ones(len(gradients))
-    found, _ = _stresses(points, elements, displacement[:, :, None], material, gradients, weights)
-    return found[..., 0]
+    stresses, _ = _stresses(
+        points, elements, displacement[:, :, None], material, gradients, weights
+    )
+    return stresses[..., 0]
 
 
 def _stresses(
@@ -93,7 +95,7 @@ def _stresses(
     """Stresses (m, q, 6, k) of k solutions (n, 3, k), and the volumes (m, q) of the places' weights."""
     lame, shear = material.lame_constant, material.shear_modulus
     count = displacements.shape[2]
-    found = np.empty((len(elements), len(gradients), 6, count))
+    stresses = np.empty((len(elements), len(gradients), 6, count))
     volumes = np.empty((len(elements), len(gradients)))
     for batch in _batches(len(elements), count):
         nodes = elements[batch]
@@ -101,9 +103,9 @@ def _stresses(
         of_nodes = displacements[nodes].reshape(len(nodes), 1, 10, 3 * count)
         # slopes[m, q, j, i] = d u_i / d x_j
         slopes = (spatial.transpose(0, 1, 3, 2) @ of_nodes).reshape(*spatial.shape[:2], 3, 3, count)
-        found[batch] = shear * (slopes[:, :, ROWS, COLUMNS] + slopes[:, :, COLUMNS, ROWS])
-        found[batch, :, :3] += lame * np.trace(slopes, axis1=2, axis2=3)[:, :, None]
-    return found, volumes
+        stresses[batch] = shear * (slopes[:, :, ROWS, COLUMNS] + slopes[:, :, COLUMNS, ROWS])
+        stresses[batch, :, :3] += lame * np.trace(slopes, axis1=2, axis2=3)[:, :, None]
+    return stresses, volumes
 
 
 def recovered_stress(
@@ -170,12 +172,14 @@ def _recovered(points: Array, elements: Integers, stress: Array) -> Array:
 def _patch_sizes(points: Array, corners: Integers, number: Integers, count: int) -> Array:
     """Mean distance (v,) of the patches' other corners from their own [m]."""
     total, weight = np.zeros(count), np.zeros(count)
-    for one in range(4):
+    for corner in range(4):
         for other in range(4):
-            if one != other:
-                length = np.linalg.norm(points[corners[:, one]] - points[corners[:, other]], axis=1)
-                total += np.bincount(number[:, one], length, count)
-                weight += np.bincount(number[:, one], minlength=count)
+            if corner != other:
+                length = np.linalg.norm(
+                    points[corners[:, corner]] - points[corners[:, other]], axis=1
+                )
+                total += np.bincount(number[:, corner], length, count)
+                weight += np.bincount(number[:, corner], minlength=count)
     return np.asarray(total / weight)
 
 
@@ -283,8 +287,8 @@ def energy_errors(
     points: Array, elements: Integers, displacement: Array, material: Material
 ) -> EnergyErrors:
     """Estimate the energy of the error of one solution; parameters as for `stresses_at`."""
-    found = stress_errors(points, elements, displacement[:, :, None], material)
-    return found.energy_errors(np.ones(1))
+    errors = stress_errors(points, elements, displacement[:, :, None], material)
+    return errors.energy_errors(np.ones(1))
 
 
 def _differences(

@@ -157,7 +157,7 @@ def shapes_of_class(
 
 
 def shapes_of_throw(
-    mesh: ThrowMesh, one: CondensedClass, parts: Sequence[FixedInterfaceShapes]
+    mesh: ThrowMesh, symmetry_part: CondensedClass, parts: Sequence[FixedInterfaceShapes]
 ) -> FixedInterfaceShapes:
     """Combine the shapes of all classes: natural modes first, ascending."""
     none = FixedInterfaceShapes(
@@ -165,8 +165,8 @@ def shapes_of_throw(
         squares=np.zeros(0),
         natural=np.zeros(0, dtype=bool),
         shapes=np.zeros((mesh.unknowns, 0)),
-        coupling=np.zeros((2 * one.sections.count, 0)),
-        pin_loads=np.zeros((len(one.pin_loads), 0, 6)),
+        coupling=np.zeros((2 * symmetry_part.sections.count, 0)),
+        pin_loads=np.zeros((len(symmetry_part.pin_loads), 0, 6)),
     )
     parts = [none, *parts]
     symmetries = [symmetry for part in parts for symmetry in part.symmetries]
@@ -251,8 +251,8 @@ class DynamicSuperelement:
         """Return it in section motions over another ring; see `Superelement.shared_with`."""
         if sections == self.sections:
             return self
-        own = both_ends(self.sections.amplitudes_of(sections))
-        return replace(self._changed(own.T), sections=sections)
+        shares = both_ends(self.sections.amplitudes_of(sections))
+        return replace(self._changed(shares.T), sections=sections)
 
     def _changed(self, ends: Array) -> "DynamicSuperelement":
         """Return it with other motions of the end sections, matrix (2 n, 2 n)."""
@@ -385,7 +385,7 @@ def dynamic_superelement(
     cutoff = cutoff_factor * highest_frequency
     sections = classes[0].sections
     stiffness, mass = np.zeros((2, 2 * sections.count, 2 * sections.count))
-    found = []
+    shapes = []
     with closing(SharedSolver(solver, few_sides=False)) as shared:
         for part in classes:
             shares, copies = part.shares, part.symmetry.copies
@@ -397,12 +397,12 @@ def dynamic_superelement(
                 with class_problem(
                     mesh, matrices, part.symmetry, held_ends=True, solver=shared
                 ) as problem:
-                    found.append(
+                    shapes.append(
                         shapes_of_class(
                             problem, part, matrices.stiffness, inertia, cutoff, corrections
                         )
                     )
-    inside = shapes_of_throw(mesh, classes[0], found)
+    inside = shapes_of_throw(mesh, classes[0], shapes)
     end_pin_loads = sum(part.shares.T @ part.pin_loads for part in classes)
     count = len(inside.squares)
     mass = np.block([[mass, inside.coupling], [inside.coupling.T, np.eye(count)]])

@@ -34,8 +34,8 @@ def compliance_table(supports: Iterable[str], **compliances: Callable[[str], flo
     return table(
         {"support": (names, "")}
         | {
-            one: ([found(name) for name in names], WORDS[one][0])
-            for one, found in compliances.items()
+            compliance: ([found(name) for name in names], WORDS[compliance][0])
+            for compliance, found in compliances.items()
         }
     ).set_index("support")
 
@@ -131,5 +131,8 @@ class Reactions:
         """
         ends = {"left": self.left, "right": self.right}
         return load_table(
-            {name: np.concatenate([one.force, one.moment]) for name, one in ends.items()}
+            {
+                name: np.concatenate([reaction.force, reaction.moment])
+                for name, reaction in ends.items()
+            }
         )

@@ -69,8 +69,8 @@ def displacement_field(
     (n, 3) or (n, 3, k) array
         [m]
     """
-    given = len(motions)
-    field = np.asarray(sum(part.fields @ (part.shares[:, :given] @ motions) for part in classes))
+    count = len(motions)
+    field = np.asarray(sum(part.fields @ (part.shares[:, :count] @ motions) for part in classes))
     if pin_loads is not None:
         for part in classes:
             pins, components = part.pin_components.T
@@ -103,7 +103,7 @@ def images(
         Four of a quarter, two of a half, one of a whole throw; first the meshed part itself. Nodes on
         the cuts are in each image that they belong to.
     """
-    found = []
+    parts = []
     for image in mirror_images(mesh):
         # What the image does is the mirror image of what the part would do for mirrored motions and
         # loads. Pins lie on the cuts.
@@ -112,8 +112,8 @@ def images(
         mirrored = np.concatenate([image.motion_signs * left, image.motion_signs * right])
         loads = None if pin_loads is None else pin_loads * image.motion_signs
         field = displacement_field(classes, mirrored, loads)
-        found.append(Image(image.points(mesh.points), field * image.signs, image.inside_out))
-    return tuple(found)
+        parts.append(Image(image.points(mesh.points), field * image.signs, image.inside_out))
+    return tuple(parts)
 
 
 # Ways in which the ends of a throw can move and strain it.
@@ -263,8 +263,8 @@ def stress_fields(
     sites = []
     for name, kind, diameter, radius, on in _places(throw, surface.points):
         nodes = np.flatnonzero(on)
-        own = surface.points[nodes], frames[nodes], local[nodes]
-        sites.append(StressedSite(name, kind, diameter, radius, *own))
+        surface_places = surface.points[nodes], frames[nodes], local[nodes]
+        sites.append(StressedSite(name, kind, diameter, radius, *surface_places))
     return StressFields(tuple(sites), whole, unit, int(mesh.points.size))
 
 
@@ -272,7 +272,7 @@ def _places(
     throw: CrankThrow, points: Array
 ) -> Sequence[tuple[str, str, float, float, NDArray[np.bool_]]]:
     """Name, kind, diameter, radius and nodes of each fillet and each exit."""
-    found = [
+    places = [
         (
             fillet.name,
             "pin fillet" if fillet.journal.is_pin else "journal fillet",
@@ -283,11 +283,13 @@ def _places(
         for fillet in throw_fillets(throw.parts)
     ]
     for hole in throw.parts.drillings:
-        journal = next(one for one in throw.parts.cylinders if one.name == hole.journal)
+        journal = next(
+            cylinder for cylinder in throw.parts.cylinders if cylinder.name == hole.journal
+        )
         for outlet in hole.exits:
             sizes = 2.0 * journal.radius, hole.radius
-            found.append((outlet.name, "oil hole", *sizes, outlet.holds(points)))
-    return found
+            places.append((outlet.name, "oil hole", *sizes, outlet.holds(points)))
+    return places
 
 
 def _scales(length: float) -> Array:
@@ -306,7 +308,7 @@ def _fields(part: CondensedClass, motions: Array) -> Array:
     The loads on the pin hold the ends: with the amplitudes of `StressFields.amplitudes` the ends move
     freely.
     """
-    found = np.zeros((*part.fields.shape[:2], 2 * STRAINING))
-    found[..., :STRAINING] = part.fields @ (part.symmetry.shares @ motions)
-    found[..., STRAINING + part.pin_components[:, 1]] = part.pin_fields
-    return found
+    fields = np.zeros((*part.fields.shape[:2], 2 * STRAINING))
+    fields[..., :STRAINING] = part.fields @ (part.symmetry.shares @ motions)
+    fields[..., STRAINING + part.pin_components[:, 1]] = part.pin_fields
+    return fields

@@ -89,7 +89,7 @@ class FilletMeshing:
     @property
     def met(self) -> bool:
         """Whether the mesh is as fine as the rule requires."""
-        layers = all(own <= most for own, most in zip(self.layers, LAYERS, strict=True))
+        layers = all(thickness <= most for thickness, most in zip(self.layers, LAYERS, strict=True))
         return self.size_share <= LARGEST_SIZE and layers and self.across_web >= ACROSS_WEB
 
 
@@ -157,7 +157,7 @@ def fillet_meshings(mesh: ThrowMesh, fillets: Sequence[Fillet]) -> tuple[FilletM
         HEIGHT * element_sizes(mesh.points, corners),
     )
     volumes = element_volumes(mesh.points, mesh.elements)
-    found = []
+    meshings = []
     for fillet in fillets:
         flat = facets.reshape(-1, 3)
         here = (fillet.holds(flat) & on_crank_side(fillet, flat)).reshape(-1, 3).all(axis=1)
@@ -177,8 +177,10 @@ def fillet_meshings(mesh: ThrowMesh, fillets: Sequence[Fillet]) -> tuple[FilletM
         web = _in_web(fillet.web, places)
         mean = float(volumes[web] @ heights[web] / volumes[web].sum())
         across = (fillet.web.end - fillet.web.start) / mean
-        found.append(FilletMeshing(fillet.name, size, size / fillet.radius, tuple(layers), across))
-    return tuple(found)
+        meshings.append(
+            FilletMeshing(fillet.name, size, size / fillet.radius, tuple(layers), across)
+        )
+    return tuple(meshings)
 
 
 def reading_quality(loaded: LoadedThrow, node: int, load: int, *, shear: bool) -> ReadingQuality:
@@ -207,8 +209,8 @@ def reading_quality(loaded: LoadedThrow, node: int, load: int, *, shear: bool) -
 
 def _corners(mesh: ThrowMesh, whole: WholeNodes, node: int) -> Integers:
     """Numbers, in the whole throw, of a node that is a corner, or of the ends of the edge that it halves."""
-    image, own = (int(found[0]) for found in np.nonzero(whole.numbers == node))
-    element, place = (int(found[0]) for found in np.nonzero(mesh.elements == own))
+    image, number = (int(found[0]) for found in np.nonzero(whole.numbers == node))
+    element, place = (int(found[0]) for found in np.nonzero(mesh.elements == number))
     places = [place] if place < 4 else EDGES[place - 4]
     return np.asarray(whole.numbers[image, mesh.elements[element, places]])
 
@@ -217,7 +219,7 @@ def _single_stresses(loaded: LoadedThrow, node: int, load: int) -> Array:
     """Stress (e, 6) at a corner node of the whole throw by each element round it."""
     mesh, whole = loaded.mesh, whole_nodes(loaded.mesh)
     _, gradients = shapes_at_nodes()
-    found = []
+    singles = []
     for image, numbers in zip(whole.images, whole.numbers, strict=True):
         element, corner = np.nonzero(np.isin(mesh.elements[:, :4], np.flatnonzero(numbers == node)))
         stress = stresses_at(
@@ -227,8 +229,8 @@ def _single_stresses(loaded: LoadedThrow, node: int, load: int) -> Array:
             loaded.material,
             gradients,
         )
-        found.append(stress[np.arange(len(element)), corner])
-    return np.concatenate(found)
+        singles.append(stress[np.arange(len(element)), corner])
+    return np.concatenate(singles)
 
 
 def _in_web(web: WebPlate, points: Array) -> NDArray[np.bool_]:
@@ -293,15 +295,17 @@ def fillet_surface(loaded: LoadedThrow) -> FilletSurface:
     whole = whole_nodes(mesh)
     points = whole.collect([image.points(mesh.points) for image in whole.images])
     displacement = whole.collect([loaded.displacement(image) for image in whole.images])
-    found = surface_stress(
+    stresses = surface_stress(
         points,
         whole_facets(whole, facets),
         np.tile(on_fillet, len(whole.images)),
         displacement,
         loaded.material,
     )
-    meshed = np.isin(found.nodes, whole.numbers[0])
-    return FilletSurface(found.nodes, points[found.nodes], found.stress, meshed, found.normals)
+    meshed = np.isin(stresses.nodes, whole.numbers[0])
+    return FilletSurface(
+        stresses.nodes, points[stresses.nodes], stresses.stress, meshed, stresses.normals
+    )
 
 
 def fillet_points(mesh: ThrowMesh) -> Array:
@@ -490,7 +494,7 @@ class FilletStresses:
     def rule_met(self) -> bool:
         """Whether the mesh, and the stresses under the loads of UR M53, meet its requirements."""
         read = [peak.quality.met for peak in self.peaks if peak.load.kind in RULE_LOADS]
-        return all(read) and all(found.met for found in self.meshings)
+        return all(read) and all(meshing.met for meshing in self.meshings)
 
     @property
     def accuracy_met(self) -> bool:

@@ -101,7 +101,7 @@ def nominal_hole_stress(parts: ThrowParts, outlet: DrillingExit, load: UnitLoad)
         [Pa/N] or [Pa/(N m)]; under a torque a shear stress.
     """
     hole = outlet.drilling
-    journal = next(one for one in parts.cylinders if one.name == hole.journal)
+    journal = next(cylinder for cylinder in parts.cylinders if cylinder.name == hole.journal)
     modulus = torsion_modulus(journal)
     if load.kind == "torsion":
         return 1.0 / modulus

@@ -172,15 +172,15 @@ def pin_load(
         # A force couple z x (moment x z) turns about the moment's own direction.
         couple = np.array([moment[1], -moment[0], 0.0])
         pressures = [
-            one + other
-            for one, other in zip(
+            pressure + other
+            for pressure, other in zip(
                 _pressure_patterns(surface, across, couple=False),
                 _pressure_patterns(surface, couple, couple=True),
                 strict=True,
             )
         ]
         rest = surface.uniform(wanted - _resultants(surface, pressures))
-        tractions = [one + other for one, other in zip(pressures, rest, strict=True)]
+        tractions = [pressure + other for pressure, other in zip(pressures, rest, strict=True)]
     return NodalLoads(surface.nodes, surface.images, surface.nodal(tractions)[..., None])
 
 

@@ -302,9 +302,9 @@ def class_problem(
     inside = np.searchsorted(whole, free)
 
     def apply(sides: Array) -> Array:
-        given = np.zeros((len(whole), sides.shape[1]))
-        given[inside] = sides
-        return factors.apply(given)[inside]
+        motions = np.zeros((len(whole), sides.shape[1]))
+        motions[inside] = sides
+        return factors.apply(motions)[inside]
 
     try:
         yield ClassProblem(
@@ -572,20 +572,20 @@ def _lowest_modes(
     last of them is still below the highest one required.
     """
     wanted = dict.fromkeys(symmetries, min(count, -(-count // len(symmetries)) + 2))
-    found = {symmetry: solve(symmetry, number) for symmetry, number in wanted.items()}
+    solved = {symmetry: solve(symmetry, number) for symmetry, number in wanted.items()}
     while True:
-        elastic = np.concatenate([found[each].squares[rigid_count(each) :] for each in symmetries])
+        elastic = np.concatenate([solved[each].squares[rigid_count(each) :] for each in symmetries])
         highest = np.sort(elastic)[count - 1]
         short = [
             each
             for each in symmetries
-            if found[each].squares[-1] < highest and wanted[each] < count
+            if solved[each].squares[-1] < highest and wanted[each] < count
         ]
         if not short:
-            return list(found.values())
+            return list(solved.values())
         for each in short:
             wanted[each] = min(count, 2 * wanted[each])
-            found[each] = solve(each, wanted[each])
+            solved[each] = solve(each, wanted[each])
 
 
 def _checked_rigid_squares(classes: Sequence[ClassModes], shift: float) -> Array:

@@ -54,7 +54,7 @@ def end_moment_numbers(throw: Superelement, length: float, alike: bool) -> dict[
         right (opposed) or half of their sum (alike). The throw is free to lengthen.
     """
     guided = _end_moments(throw, "guided", length)
-    found = {
+    moments = {
         "radial_end_moment_left_guided": -guided[RX, RADIAL],
         "radial_end_moment_right_guided": guided[6 + RX, RADIAL],
         "axial_end_moment_left_guided": -guided[RX, AXIAL],
@@ -63,12 +63,12 @@ def end_moment_numbers(throw: Superelement, length: float, alike: bool) -> dict[
         "tangential_end_moment_alike_guided": _alike(guided),
     }
     if not alike:
-        return found
+        return moments
     in_line, quarter, opposite = (
         _end_moments(throw, Neighbors(angle, angle), length) for angle in (0.0, 90.0, 180.0)
     )
     straight, turned = _opposed(in_line), _opposed(quarter)
-    return found | {
+    return moments | {
         "radial_end_moment_in_line": -in_line[RX, RADIAL],
         "axial_end_moment_in_line": -in_line[RX, AXIAL],
         "tangential_end_moment_in_line": straight,
@@ -79,9 +79,9 @@ def end_moment_numbers(throw: Superelement, length: float, alike: bool) -> dict[
 
 def _end_moments(throw: Superelement, support: Support, length: float) -> Array:
     """Reactions (12, 4) on the ends of the axially free throw under each load, divided by the length."""
-    one = throw.joined if isinstance(support, Neighbors) else throw
-    loads = np.hstack([one.radial_loads[:, :1], one.tangential_loads[:, :1]])
-    reactions = one.stiffness @ all_end_motions(throw, support, loads)
+    element = throw.joined if isinstance(support, Neighbors) else throw
+    loads = np.hstack([element.radial_loads[:, :1], element.tangential_loads[:, :1]])
+    reactions = element.stiffness @ all_end_motions(throw, support, loads)
     reactions[:, RADIAL:] -= loads
     return np.asarray(reactions[:12] / length)
 
@@ -253,8 +253,8 @@ def evaluate_throw(
     corrected = checked_superelement(classes, radials, level.mesh)
     discrete = combine_classes([one.discrete or one for one in classes], radials)
     values, plain = (_plain_answers(one, throw.length, part) for one in (corrected, discrete))
-    given = list(values.values()), list(plain.values())
-    bars = error_bars(*given, level.axial_correction, missing=corrected.missing)
+    estimates = list(values.values()), list(plain.values())
+    bars = error_bars(*estimates, level.axial_correction, missing=corrected.missing)
     answers: dict[str, Answer] = {
         name: (value, bar / abs(value or 1.0))
         for (name, value), bar in zip(values.items(), bars.tolist(), strict=True)
@@ -282,14 +282,14 @@ def evaluate_throw(
 
 def _plain_answers(throw: Superelement, length: float, part: str) -> dict[str, float]:
     """Results that follow from a superelement, without another result's error."""
-    found: dict[str, float] = {}
+    answers: dict[str, float] = {}
     for support in SUPPORTS:
         answer = support_throw(throw, support)
-        found[f"axial_compliance_{support}"] = answer.axial
-        found[f"torsional_compliance_{support}"] = answer.torsional
-        found[f"influence_coefficient_{support}"] = answer.influence
+        answers[f"axial_compliance_{support}"] = answer.axial
+        answers[f"torsional_compliance_{support}"] = answer.torsional
+        answers[f"influence_coefficient_{support}"] = answer.influence
     law = effective_angle_law(throw)
-    found |= {
+    answers |= {
         "axial_compliance_opposite": law.opposite,
         "axial_compliance_in_line": law.in_line,
         "tilt_stiffness_ratio": law.ratio,
@@ -297,8 +297,8 @@ def _plain_answers(throw: Superelement, length: float, part: str) -> dict[str, f
         "influence_coefficient_in_line": law.influence_in_line,
     }
     if part != "full":
-        found |= end_moment_numbers(throw, length, alike=part == "quarter")
-    return found
+        answers |= end_moment_numbers(throw, length, alike=part == "quarter")
+    return answers
 
 
 def _ratio(numerator: Answer, denominator: Answer) -> Answer:
@@ -307,7 +307,7 @@ def _ratio(numerator: Answer, denominator: Answer) -> Answer:
 
 
 def _largest_factor(throw: CrankThrow, material: Material, mesher: Mesher) -> Answer:
-    found = fillet_stresses(throw, material, STRESS_ACCURACY, mesher=mesher)
-    peaks = [peak for peak in found.peaks if peak.load.kind in STRESS_LOADS]
+    stresses = fillet_stresses(throw, material, STRESS_ACCURACY, mesher=mesher)
+    peaks = [peak for peak in stresses.peaks if peak.load.kind in STRESS_LOADS]
     largest = max(peaks, key=lambda peak: peak.factor)
     return largest.factor, largest.error_estimate

@@ -308,12 +308,12 @@ def _choose(solver: str, watch: Stopwatch) -> str:
     if solver == "superlu":
         return solver
     with watch.lap("loading the solver"):
-        found = _pardiso() is not None
-    if not found and solver == "pardiso":
+        installed = _pardiso() is not None
+    if not installed and solver == "pardiso":
         raise SolveError(
             "The solver pardiso is not installed; install it with: pip install pypardiso"
         )
-    return "pardiso" if found else "superlu"
+    return "pardiso" if installed else "superlu"
 
 
 @cache
@@ -458,9 +458,9 @@ def rigid_body_motions(count: int = 12) -> Array:
 
 def scaled_stiffness(stiffness: ArrayLike, length: float) -> Array:
     """Return a stiffness (n, n) in N/m alone, with rotations measured as length x angle."""
-    given = np.asarray(stiffness, dtype=float)
-    size = _sizes(len(given), length)
-    return given * np.outer(size, size)
+    matrix = np.asarray(stiffness, dtype=float)
+    size = _sizes(len(matrix), length)
+    return matrix * np.outer(size, size)
 
 
 def rigid_body_residual(stiffness: ArrayLike, length: float) -> float:
@@ -508,8 +508,8 @@ def check_reciprocity(
     """
     turns = np.abs(ends[[3, 4, 5, 9, 10, 11]]).any(axis=0)
     size = np.where(turns, 1.0 / length, 1.0)
-    energies, forces = (one * np.outer(size, size) for one in stiffness)
-    works, reactions = (one * size[:, None] * _unit(length) for one in pin_loads)
+    energies, forces = (pair * np.outer(size, size) for pair in stiffness)
+    works, reactions = (pair * size[:, None] * _unit(length) for pair in pin_loads)
     apart = np.max(np.abs(forces - energies)) / np.max(np.abs(energies))
     off = np.max(np.abs(reactions - works), initial=0.0)
     _check(

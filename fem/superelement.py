@@ -101,11 +101,11 @@ class Superelement:
         """Return the superelement in section motions over another ring, that of a neighbor's bore."""
         if sections == self.sections:
             return self
-        own = both_ends(self.sections.amplitudes_of(sections))
+        shares = both_ends(self.sections.amplitudes_of(sections))
         return replace(
             self,
-            stiffness=own.T @ self.stiffness @ own,
-            pin_loads=own.T @ self.pin_loads,
+            stiffness=shares.T @ self.stiffness @ shares,
+            pin_loads=shares.T @ self.pin_loads,
             sections=sections,
         )
 
@@ -183,8 +183,8 @@ def checked_superelement(
     """
     made = combine_classes(classes, radials)
     centers = [pin.center for pin in pin_surfaces(mesh)]
-    for one in (made, *([made.bending] if made.bending else [])):
-        check_superelement(one.stiffness, one.pin_loads, mesh.length, centers)
+    for element in (made, *([made.bending] if made.bending else [])):
+        check_superelement(element.stiffness, element.pin_loads, mesh.length, centers)
     return made
 
 
@@ -228,7 +228,10 @@ def superelement_of_end_forces(classes: Sequence[CondensedClass], radials: Array
         the solutions are in equilibrium.
     """
     return combine_classes(
-        [replace(one, stiffness=one.end_forces, pin_loads=one.pin_reactions) for one in classes],
+        [
+            replace(part, stiffness=part.end_forces, pin_loads=part.pin_reactions)
+            for part in classes
+        ],
         radials,
     )
 
@@ -361,9 +364,13 @@ def sharing_sections(throws: Sequence[Superelement]) -> list[Superelement]:
     Those of the widest section, of the lowest degree that a throw was solved with. If adjacent journals
     differ in diameter or bore, both move as the same polynomials.
     """
-    lowest = min((throw.joined.sections for throw in throws), key=lambda one: one.degree).sections
+    lowest = min(
+        (throw.joined.sections for throw in throws), key=lambda sections: sections.degree
+    ).sections
     joined = [throw.with_sections(lowest).joined for throw in throws]
-    widest = max((throw.sections for throw in joined), key=lambda one: (one.radius, one.bore))
+    widest = max(
+        (throw.sections for throw in joined), key=lambda sections: (sections.radius, sections.bore)
+    )
     return [throw.shared_with(widest) for throw in joined]
 
 
@@ -381,8 +388,8 @@ def assemble_shaft(throws: Sequence[Superelement]) -> Array:
     sections = throws[0].sections
     stiffness = np.zeros((sections.count * (len(throws) + 1),) * 2)
     for place, throw in enumerate(throws):
-        own = shaft_unknowns(place, len(throws), sections.bending)
-        stiffness[np.ix_(own, own)] += throw.stiffness
+        unknowns = shaft_unknowns(place, len(throws), sections.bending)
+        stiffness[np.ix_(unknowns, unknowns)] += throw.stiffness
     return stiffness
 
 
@@ -453,8 +460,8 @@ def _solve(stiffness: Array, loads: Array, blocked: NDArray[np.bool_]) -> Array:
     return motions
 
 
-def _lateral_stiffness(given: ArrayLike, sections: int) -> Array:
-    lateral = np.asarray(given, dtype=np.float64)
+def _lateral_stiffness(stiffness: ArrayLike, sections: int) -> Array:
+    lateral = np.asarray(stiffness, dtype=np.float64)
     if lateral.shape not in ((), (sections,)):
         raise InputError(
             f"bearing_stiffness: given an array of shape {lateral.shape}; allowed is one number for all, or "

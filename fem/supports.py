@@ -224,13 +224,13 @@ def _between_neighbors(throw: Superelement, pin_loads: Array, support: Neighbors
         np.r_[6 * end + RX, 6 * end + RY, 12 + bending * end + np.arange(bending)] for end in (0, 1)
     ]
     coupled, through = np.concatenate(sides), np.array([6 + UZ, 6 + RZ])
-    own, coupling, through_part = (
+    uncoupled, coupling, through_part = (
         throw.stiffness[np.ix_(rows, columns)]
         for rows, columns in ((coupled, coupled), (coupled, through), (through, through))
     )
     forces = np.hstack([np.eye(2), pin_loads[through]])
     carried = np.linalg.solve(through_part, coupling.T).T
-    condensed = own - carried @ coupling.T
+    condensed = uncoupled - carried @ coupling.T
     loads = np.hstack([np.zeros((len(coupled), 2)), pin_loads[coupled]]) - carried @ forces
 
     @cache
@@ -393,7 +393,10 @@ class PinResponse:
         """
         places = {"left": self.left, "pin": self.pin, "right": self.right}
         return motion_table(
-            {name: np.concatenate([one.displacement, one.rotation]) for name, one in places.items()}
+            {
+                name: np.concatenate([motion.displacement, motion.rotation])
+                for name, motion in places.items()
+            }
         )
 
 
@@ -419,13 +422,13 @@ def local_motion(classes: Sequence[CondensedClass], load: NodalLoads, pins: int)
 
     By reciprocity it is the work of the load on the fields of unit loads on the pins.
     """
-    found = np.zeros(6 * pins)
+    motion = np.zeros(6 * pins)
     for part in classes:
         work = np.einsum(
             "sa,sac->c", load.of_class(part.symmetry)[..., 0], part.pin_fields[load.nodes]
         )
-        found[part.pin_components @ (6, 1)] += work
-    return found
+        motion[part.pin_components @ (6, 1)] += work
+    return motion
 
 
 def pin_response(
@@ -503,8 +506,8 @@ def spread_load(
     InputError
         If they are not three finite numbers each, there is no such pin, or the distribution is unknown.
     """
-    given = checked_vector("force", force, "N"), checked_vector("moment", moment, "N m")
-    return pin_load(pin_surfaces(mesh)[checked_pin(pin, len(mesh.pins))], *given, distribution)
+    load = checked_vector("force", force, "N"), checked_vector("moment", moment, "N m")
+    return pin_load(pin_surfaces(mesh)[checked_pin(pin, len(mesh.pins))], *load, distribution)
 
 
 def unevenness(
@@ -533,13 +536,13 @@ def end_load(
 
     On the motions of the superelement where throws meet, the 12 of rigid sections first.
     """
-    given = checked_vector("pin_force", force, "N"), checked_vector("pin_moment", moment, "N m")
+    load = checked_vector("pin_force", force, "N"), checked_vector("pin_moment", moment, "N m")
     pins = superelement.joined.pin_loads
-    uniform = pins[checked_pin(pin, len(mesh.pins))] @ np.concatenate(given)
+    uniform = pins[checked_pin(pin, len(mesh.pins))] @ np.concatenate(load)
     if distribution == "uniform":
         return np.asarray(uniform)
     return np.asarray(
-        uniform + equivalent_load(classes, unevenness(mesh, pin, *given, distribution))
+        uniform + equivalent_load(classes, unevenness(mesh, pin, *load, distribution))
     )
 
 

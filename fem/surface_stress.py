@@ -353,27 +353,27 @@ class Fillet:
 
 def throw_fillets(parts: ThrowParts) -> tuple[Fillet, ...]:
     """Fillets of a throw from its left end to its right."""
-    found = []
+    fillets = []
     for journal, web, radius, at_start in _roots(parts):
         if radius > 0.0:
             start = journal.start if at_start else journal.end - radius
-            found.append(
+            fillets.append(
                 Fillet(_root_name(journal, web), journal, web, radius, start, start + radius)
             )
-    return tuple(found)
+    return tuple(fillets)
 
 
 def sharp_corners(parts: ThrowParts) -> tuple[str, ...]:
     """Names of the re-entrant corners at main journals and pins that have no fillet."""
-    found = []
+    corners = []
     for number, web in enumerate(parts.webs):
         before, after = parts.cylinders[number : number + 2]
         if web.end == web.start:
-            found.append(f"{before.name} and {after.name} where they meet")
+            corners.append(f"{before.name} and {after.name} where they meet")
     for journal, web, radius, _ in _roots(parts):
         if radius == 0.0 and web.end > web.start:
-            found.append(_root_name(journal, web))
-    return tuple(found)
+            corners.append(_root_name(journal, web))
+    return tuple(corners)
 
 
 def _root_name(journal: Cylinder, web: WebPlate) -> str:
@@ -382,9 +382,9 @@ def _root_name(journal: Cylinder, web: WebPlate) -> str:
 
 def _roots(parts: ThrowParts) -> list[tuple[Cylinder, WebPlate, float, bool]]:
     """Journal, web, fillet radius and whether it is the journal's start, of each journal's root."""
-    found = []
+    roots = []
     for number, web in enumerate(parts.webs):
         before, after = parts.cylinders[number : number + 2]
-        found.append((before, web, before.end_fillet, False))
-        found.append((after, web, after.start_fillet, True))
-    return found
+        roots.append((before, web, before.end_fillet, False))
+        roots.append((after, web, after.start_fillet, True))
+    return roots

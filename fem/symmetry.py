@@ -220,7 +220,7 @@ class SectionMotions:
     @property
     def sections(self) -> Sections:
         """The user's name of the choice."""
-        return next(one for one in SECTIONS if degree_of(one) == self.degree)
+        return next(degree for degree in SECTIONS if degree_of(degree) == self.degree)
 
     @cached_property
     def mirror_x(self) -> Array:
@@ -240,14 +240,14 @@ class SectionMotions:
         Translations and motions beyond the rigid ones are in m, rotations in rad.
         """
         x, y = places[:, 0], places[:, 1]
-        found = np.zeros((len(places), 3, self.count))
-        found[:, [0, 1, 2], [0, 1, 2]] = 1.0
-        found[:, 2, 3], found[:, 2, 4] = y, -x
-        found[:, 0, 5], found[:, 1, 5] = -y, x
+        motions = np.zeros((len(places), 3, self.count))
+        motions[:, [0, 1, 2], [0, 1, 2]] = 1.0
+        motions[:, 2, 3], motions[:, 2, 4] = y, -x
+        motions[:, 0, 5], motions[:, 1, 5] = -y, x
         terms, coefficients = _basis(self.degree, self.bore / self.radius)
         values = _monomials(terms, np.column_stack([x, y]) / self.radius)
-        found[:, :, RIGID_COUNT:] = values @ coefficients
-        return found
+        motions[:, :, RIGID_COUNT:] = values @ coefficients
+        return motions
 
     def turn(self, angle: float) -> Array:
         """Matrix (b, b) of amplitudes beyond the rigid motions as the section turns by an angle [rad]."""
@@ -257,9 +257,9 @@ class SectionMotions:
         cosine, sine = np.cos(angle), np.sin(angle)
         turned = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
         before = self.fields(places @ turned[:2, :2])[:, :, RIGID_COUNT:]
-        own = self.fields(places)[:, :, RIGID_COUNT:]
+        bending = self.fields(places)[:, :, RIGID_COUNT:]
         return np.asarray(
-            np.einsum("q,qak,ab,qbl->kl", weights, own, turned, before, optimize=True)
+            np.einsum("q,qak,ab,qbl->kl", weights, bending, turned, before, optimize=True)
         )
 
     def amplitudes_of(self, other: "SectionMotions") -> Array:
@@ -267,9 +267,9 @@ class SectionMotions:
         if self == other:
             return np.eye(self.count)
         places, _ = self._ring()
-        own = self.fields(places).reshape(-1, self.count)
-        given = other.fields(places).reshape(-1, other.count)
-        return np.asarray(np.linalg.lstsq(own, given, rcond=None)[0])
+        here = self.fields(places).reshape(-1, self.count)
+        there = other.fields(places).reshape(-1, other.count)
+        return np.asarray(np.linalg.lstsq(here, there, rcond=None)[0])
 
     def up_to(self, sections: Sections) -> "SectionMotions":
         """The motions of a lower degree.
@@ -333,10 +333,10 @@ def both_ends(matrix: Array) -> Array:
     count, rigid = len(matrix), RIGID_COUNT
     left = np.r_[:rigid, 2 * rigid : rigid + count]
     right = np.r_[rigid : 2 * rigid, rigid + count : 2 * count]
-    found = np.zeros((2 * count, 2 * count))
+    twice = np.zeros((2 * count, 2 * count))
     for end in (left, right):
-        found[np.ix_(end, end)] = matrix
-    return found
+        twice[np.ix_(end, end)] = matrix
+    return twice
 
 
 def _signs(odd: Array, coefficients: Array) -> Array:
@@ -348,9 +348,9 @@ def _signs(odd: Array, coefficients: Array) -> Array:
 def _monomials(terms: NDArray[np.int64], places: Array) -> Array:
     """Displacements (q, 3, t) of monomials (axis, a, b) at places (q, 2)."""
     axes, first, second = terms.T
-    found = np.zeros((len(places), 3, len(terms)))
-    found[:, axes, np.arange(len(terms))] = places[:, :1] ** first * places[:, 1:] ** second
-    return found
+    monomials = np.zeros((len(places), 3, len(terms)))
+    monomials[:, axes, np.arange(len(terms))] = places[:, :1] ** first * places[:, 1:] ** second
+    return monomials
 
 
 @lru_cache(maxsize=KEPT)
@@ -395,12 +395,12 @@ def _basis(degree: int, bore: float) -> tuple[NDArray[np.int64], Array]:
 def _rigid_coefficients(terms: NDArray[np.int64], products: Array) -> Array:
     """Coefficients (t, 6) of the rigid motions, of unit mean square; none (t, 6) of degree 0."""
     place = {tuple(term): number for number, term in enumerate(terms.tolist())}
-    found = np.zeros((len(terms), RIGID_COUNT))
+    coefficients = np.zeros((len(terms), RIGID_COUNT))
     if (2, 0, 1) not in place:
-        return found
+        return coefficients
     for axis in range(3):
-        found[place[axis, 0, 0], axis] = 1.0
-    found[place[2, 0, 1], 3], found[place[2, 1, 0], 4] = 1.0, -1.0
-    found[place[0, 0, 1], 5], found[place[1, 1, 0], 5] = -1.0, 1.0
-    sizes = np.sqrt(np.einsum("tk,ts,sk->k", found, products, found))
-    return np.asarray(found / sizes)
+        coefficients[place[axis, 0, 0], axis] = 1.0
+    coefficients[place[2, 0, 1], 3], coefficients[place[2, 1, 0], 4] = 1.0, -1.0
+    coefficients[place[0, 0, 1], 5], coefficients[place[1, 1, 0], 5] = -1.0, 1.0
+    sizes = np.sqrt(np.einsum("tk,ts,sk->k", coefficients, products, coefficients))
+    return np.asarray(coefficients / sizes)

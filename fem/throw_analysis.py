@@ -225,7 +225,7 @@ class SolvedSuperelement(SolvedThrow):
     @property
     def discrete(self) -> Self:
         """The same throw without correction: for comparisons on one mesh."""
-        classes = tuple(one.discrete or one for one in self.classes)
+        classes = tuple(part.discrete or part for part in self.classes)
         plain = combine_classes(classes, self.superelement.radials)
         taken = axial_correction(self.superelement, plain)
         return replace(self, classes=classes, superelement=plain, error_estimate=taken)
@@ -233,7 +233,7 @@ class SolvedSuperelement(SolvedThrow):
     @property
     def corrected(self) -> bool:
         """Whether results are corrected for discretization: not if the correction would be too large."""
-        return all(one.discrete is not None for one in self.classes)
+        return all(part.discrete is not None for part in self.classes)
 
     @property
     def stiffness_error(self) -> NDArray[np.float64]:
@@ -282,7 +282,7 @@ class SolvedSuperelement(SolvedThrow):
             If the degree is higher than that of the solution.
         """
         kept = self.superelement.joined.sections.up_to(sections)
-        classes = tuple(one.up_to(kept if kept.bending else RIGID) for one in self.classes)
+        classes = tuple(part.up_to(kept if kept.bending else RIGID) for part in self.classes)
         return replace(
             self, classes=classes, superelement=self.superelement.with_sections(sections)
         )
@@ -426,8 +426,8 @@ class ThrowAnalysis(SolvedSuperelement):
     def _end_load(
         self, pin: int, force: ArrayLike, moment: ArrayLike, distribution: Distribution
     ) -> NDArray[np.float64]:
-        given = (pin, force, moment, distribution)
-        return end_load(self.superelement, self.classes, self.mesh, *given)
+        load = (pin, force, moment, distribution)
+        return end_load(self.superelement, self.classes, self.mesh, *load)
 
     def pin_response(
         self,
@@ -457,9 +457,9 @@ class ThrowAnalysis(SolvedSuperelement):
         InputError
             As for `reactions`.
         """
-        given = checked_vector("force", force, "N"), checked_vector("moment", moment, "N m")
-        ends = self._end_load(pin, *given, distribution)
-        local = pin_motion(self.superelement, self.classes, self.mesh, pin, *given, distribution)
+        load = checked_vector("force", force, "N"), checked_vector("moment", moment, "N m")
+        ends = self._end_load(pin, *load, distribution)
+        local = pin_motion(self.superelement, self.classes, self.mesh, pin, *load, distribution)
         return pin_response(self.superelement, support, ends, local, pin)
 
     def pin_compliance(self, support: Support = "pinned", pin: int = 0) -> NDArray[np.float64]:

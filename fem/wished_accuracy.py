@@ -17,7 +17,7 @@ class AccuracyRange:
     def __str__(self) -> str:
         return f"{self.least:g} to {self.most:g}"
 
-    def checked(self, field: str, given: object) -> float:
+    def checked(self, field: str, accuracy: object) -> float:
         """Return a required accuracy, checked.
 
         Raises
@@ -25,12 +25,12 @@ class AccuracyRange:
         InputError
             If it is not a number of the range.
         """
-        if not is_number(given) or not self.least <= given <= self.most:
+        if not is_number(accuracy) or not self.least <= accuracy <= self.most:
             raise InputError(
-                f"{field}: given {quoted(given)}; allowed is a number from {self}, the relative error of "
+                f"{field}: given {quoted(accuracy)}; allowed is a number from {self}, the relative error of "
                 f"{self.error_of}."
             )
-        return float(given)
+        return float(accuracy)
 
 
 COMPLIANCE_ACCURACY = AccuracyRange(0.001, 0.1, "e_n")

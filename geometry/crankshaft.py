@@ -72,10 +72,10 @@ class ShaftEnds(InputModel):
             ("free_end_diameter", "free_end_length"),
             ("flange_diameter", "flange_thickness"),
         ):
-            for given, missing in ((first, second), (second, first)):
-                if getattr(self, given) is not None and getattr(self, missing) is None:
+            for present, missing in ((first, second), (second, first)):
+                if getattr(self, present) is not None and getattr(self, missing) is None:
                     raise InputError(
-                        f"{self.section}.{missing}: missing; it must be given together with {given}."
+                        f"{self.section}.{missing}: missing; it must be given together with {present}."
                     )
         return self
 
@@ -182,14 +182,14 @@ class Crankshaft:
         MeshError
             If a throw's solid cannot be built.
         """
-        found: dict[CrankThrow, MassProperties] = {}
+        by_throw: dict[CrankThrow, MassProperties] = {}
         parts = []
         for throw, angle, start in zip(
             self.throws, self.crank_angles_deg, self.starts[:-1], strict=True
         ):
-            if throw not in found:
-                found[throw] = throw_masses(throw, density)
-            parts.append(found[throw].moved(angle_deg=angle, along=float(start)))
+            if throw not in by_throw:
+                by_throw[throw] = throw_masses(throw, density)
+            parts.append(by_throw[throw].moved(angle_deg=angle, along=float(start)))
         parts += [
             cylinder_mass_properties(diameter, low, high, density)
             for diameter, low, high in self.end_cylinders

@@ -260,22 +260,22 @@ class DrillingExit:
 def alike(first: tuple[Drilling, ...], second: tuple[Drilling, ...]) -> bool:
     """Whether oil holes are the same ones to round-off, in any order."""
     return len(first) == len(second) and all(
-        any(_same(one, other) for other in second) for one in first
+        any(_same(hole, other) for other in second) for hole in first
     )
 
 
-def _same(one: Drilling, other: Drilling) -> bool:
-    mine, its = ((h.radius, h.exit_radius, len(h.exits)) for h in (one, other))
+def _same(hole: Drilling, other: Drilling) -> bool:
+    mine, its = ((h.radius, h.exit_radius, len(h.exits)) for h in (hole, other))
     if not np.allclose(mine, its, rtol=1e-9, atol=0.0):
         return False
-    size = one.journal_radius
+    size = hole.journal_radius
     return all(
         any(
             np.allclose(near.point, far.point, rtol=0.0, atol=1e-9 * size)
             and np.allclose(near.direction, far.direction, rtol=0.0, atol=1e-9)
             for far in other.exits
         )
-        for near in one.exits
+        for near in hole.exits
     )
 
 

@@ -170,10 +170,10 @@ def forget_array_types() -> None:
     gmsh returns its arrays with such types; in a long study they take 70 kB a mesh.
     """
     kept: dict[Any, Any] = getattr(ctypes, "_pointer_type_cache", {})
-    for one in list(kept):
-        number: Any = getattr(one, "_type_", None)
-        if isinstance(one, type) and issubclass(one, ctypes.Array) and number in NUMBERS:
-            kept.pop(one, None)
+    for kind in list(kept):
+        number: Any = getattr(kind, "_type_", None)
+        if isinstance(kind, type) and issubclass(kind, ctypes.Array) and number in NUMBERS:
+            kept.pop(kind, None)
 
 
 def middle_point(gmsh: Any, dimension: int, tag: int) -> NDArray[np.float64]:

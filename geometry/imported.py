@@ -148,19 +148,19 @@ def decode_string(text: str) -> str:
     r"""Decode the inside of a STEP string: '' and the \X2\, \X4\, \X\, \S\ and \P\ directives."""
     page = "A"
 
-    def replacement(found: re.Match[str]) -> str:
+    def replacement(escape: re.Match[str]) -> str:
         nonlocal page
-        if found["page"] is not None:
-            page = found["page"].upper()
+        if escape["page"] is not None:
+            page = escape["page"].upper()
             return ""
-        if found["two"] is not None:
-            return bytes.fromhex(found["two"]).decode("utf-16-be", "replace")
-        if found["four"] is not None:
-            return bytes.fromhex(found["four"]).decode("utf-32-be", "replace")
-        if found["one"] is not None:
-            return chr(int(found["one"], 16))
-        if found["upper"] is not None:
-            code = (ord(found["upper"]) + 128) % 256
+        if escape["two"] is not None:
+            return bytes.fromhex(escape["two"]).decode("utf-16-be", "replace")
+        if escape["four"] is not None:
+            return bytes.fromhex(escape["four"]).decode("utf-32-be", "replace")
+        if escape["one"] is not None:
+            return chr(int(escape["one"], 16))
+        if escape["upper"] is not None:
+            code = (ord(escape["upper"]) + 128) % 256
             return bytes([code]).decode(f"iso8859_{ord(page) - ord('A') + 1}", "replace")
         return "\\"
 
@@ -182,15 +182,15 @@ class _Entities:
         self._records: dict[int, str] = {}
         self.last_read = 0
         for statement in _statements(text):
-            found = RECORD.match(statement)
-            if found:
-                self._records[int(found[1])] = found[2]
+            record_match = RECORD.match(statement)
+            if record_match:
+                self._records[int(record_match[1])] = record_match[2]
 
     def of_kind(self, *keywords: str) -> Iterator[int]:
         """Numbers of the entities of these types; of a compound one the first type counts."""
         for number, record in self._records.items():
-            found = KEYWORD.match(record)
-            if found and found[1].upper() in keywords:
+            keyword = KEYWORD.match(record)
+            if keyword and keyword[1].upper() in keywords:
                 yield number
 
     def with_text(self, text: str) -> Iterator[int]:
@@ -266,21 +266,21 @@ def _file_unit(entities: _Entities, source: str) -> float:
             if "LENGTH_UNIT" in entities.read(unit):
                 units[_unit(entities, unit, source)] = None
     if len(units) != 1:
-        given = "no unit of length" if not units else f"{len(units)} different units of length"
-        raise InputError(f"{source}: given a STEP file with {given}; allowed is one with one.")
+        units_text = "no unit of length" if not units else f"{len(units)} different units of length"
+        raise InputError(f"{source}: given a STEP file with {units_text}; allowed is one with one.")
     return next(iter(units))
 
 
 def _unit(entities: _Entities, number: int, source: str) -> float:
     unit = entities.read(number)
-    given = ", ".join(unit)
+    unit_name = ", ".join(unit)
     if "SI_UNIT" in unit:
         size = _meter_part(unit)
         if size is not None:
             return size
-        given = " ".join(unit["SI_UNIT"])
+        unit_name = " ".join(unit["SI_UNIT"])
     elif "CONVERSION_BASED_UNIT" in unit:
-        given, measure_number = unit["CONVERSION_BASED_UNIT"]
+        unit_name, measure_number = unit["CONVERSION_BASED_UNIT"]
         measure = entities.read(measure_number)
         value, base = measure.get("MEASURE_WITH_UNIT") or measure["LENGTH_MEASURE_WITH_UNIT"]
         # As a plain number or as LENGTH_MEASURE(number).
@@ -290,7 +290,7 @@ def _unit(entities: _Entities, number: int, source: str) -> float:
         if size is not None and factor > 0.0:
             return float(factor * size)
     raise InputError(
-        f"{source}: given a STEP file with the unit of length {given}; allowed are the meter and its "
+        f"{source}: given a STEP file with the unit of length {unit_name}; allowed are the meter and its "
         "parts, and units that the file defines directly by them, like the inch."
     )
 
@@ -516,7 +516,7 @@ def import_throw(
         )
     process = shared_process() if process is None else process
     try:
-        found: ImportedThrow = process.call(
+        imported: ImportedThrow = process.call(
             "geometry.recognition:recognize",
             str(path),
             hashlib.sha256(content).hexdigest(),
@@ -525,7 +525,7 @@ def import_throw(
         )
     except ProcessLostError as error:
         raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
-    return found
+    return imported
 
 
 def _all_pins(faces: tuple[StepFace, ...]) -> tuple[str, ...]:
@@ -558,8 +558,8 @@ def _named(
     """Faces of a name, all of which must have the required kind of surface."""
     if name is None:
         return None
-    found = tuple(face for face in faces if _plain(face.name) == _plain(name))
-    if not found:
+    named = tuple(face for face in faces if _plain(face.name) == _plain(name))
+    if not named:
         names = list(dict.fromkeys(face.name for face in faces))
         listed = ", ".join(map(repr, names[:MOST_NAMES]))
         more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
@@ -567,13 +567,13 @@ def _named(
             f"{field}: given {name!r}; allowed are the names of faces in the file, {listed}{more}, or "
             "None to find it by shape."
         )
-    for face in found:
+    for face in named:
         if face.kind != kind:
             allowed = "a plane" if kind == PLANE else "a cylinder"
             raise InputError(
                 f"{field}: given {name!r}, which names a face on a {face.kind}; allowed is {allowed}."
             )
-    return found
+    return named
 
 
 def _named_pins(
@@ -617,7 +617,7 @@ def _web(name: str, before: Cylinder, after: Cylinder, corners: Array) -> WebPla
     half = 0.5 * _width(plate, height, corners)
     low, high = -foot.radius, plate.distance + tip.radius
     turns = ((0.0, low), (half, low), (half, high), (0.0, high))
-    outline = Outline(tuple(Line(one, other) for one, other in pairwise(turns)))
+    outline = Outline(tuple(Line(corner, other) for corner, other in pairwise(turns)))
     return WebPlate(name, start, end, foot.axis, tip.axis, outline)
 
 

@@ -391,7 +391,7 @@ class ThrowMesh:
 
         cuts = (CRANK_PLANE, MIDDLE_PLANE)
         facets = {cut: self.surfaces[cut] for cut in cuts if cut in self.surfaces}
-        outside = [found for name, found in self.surfaces.items() if name not in cuts]
+        outside = [corners for name, corners in self.surfaces.items() if name not in cuts]
         count = len(self.elements)
         elements = "1 element" if count == 1 else f"{count:,} elements"
         title = f"{self.part.capitalize()} mesh, {elements}"

@@ -237,8 +237,8 @@ def _crossings(piece: Line | Arc, half: float) -> list[float]:
     if piece.radius <= half:
         return []
     rise = math.sqrt(piece.radius**2 - half**2)
-    found = (piece.center[1] - rise, piece.center[1] + rise)
-    return [v for v in found if low <= v <= high]
+    heights = (piece.center[1] - rise, piece.center[1] + rise)
+    return [v for v in heights if low <= v <= high]
 
 
 def rectangle(

@@ -227,10 +227,10 @@ def _signature(parts: ThrowParts, reverse: bool) -> list[tuple[object, ...]]:
     def reach(start: float, end: float) -> Point:
         return (place(end), place(start)) if reverse else (place(start), place(end))
 
-    found: list[tuple[object, ...]] = []
+    places: list[tuple[object, ...]] = []
     for item in parts.cylinders:
         fillets = (item.start_fillet, item.end_fillet)
-        found.append(
+        places.append(
             (
                 item.axis, item.radius, reach(item.start, item.end),
                 fillets[::-1] if reverse else fillets, item.bore_radius, item.bore_axis,
@@ -239,7 +239,7 @@ def _signature(parts: ThrowParts, reverse: bool) -> list[tuple[object, ...]]:
     for web in parts.webs:
         joined = (web.foot, web.tip)
         between_pins = web.foot != (0.0, 0.0)
-        found.append(
+        places.append(
             (
                 reach(web.start, web.end),
                 joined[::-1] if reverse and between_pins else joined,
@@ -255,8 +255,8 @@ def _signature(parts: ThrowParts, reverse: bool) -> list[tuple[object, ...]]:
         )  # fmt: skip
     count = len(parts.cylinders)
     if reverse:
-        found = found[:count][::-1] + found[count:][::-1]
-    return found
+        places = places[:count][::-1] + places[count:][::-1]
+    return places
 
 
 def _equal_to_round_off(first: object, second: object) -> bool:

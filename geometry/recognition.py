@@ -360,12 +360,12 @@ class _Recognition:
         tolerance = 10.0 * self._tolerance
         for face in named or ():
             self._check_end(field, face.name, self._matching(field, face), extreme, tolerance)
-        found = [
+        faces = [
             face
             for face in self._faces
             if face.kind == "Plane" and face.along and abs(face.low - extreme) < tolerance
         ]
-        if not found:
+        if not faces:
             raise InputError(
                 f"{field}: given a part without a plane face normal to z at its "
                 f"{'smallest' if field == 'left_end' else 'largest'} z; allowed is a throw along z"
@@ -376,7 +376,7 @@ class _Recognition:
             self._remarks.append(
                 f"The {end} was found by shape, as the plane at the end of the part."
             )
-        return found
+        return faces
 
     def _check_end(
         self, field: str, name: str, face: Face, extreme: float, tolerance: float
@@ -395,17 +395,17 @@ class _Recognition:
     def _matching(self, field: str, wanted: StepFace) -> Face:
         """Find the face in gmsh by its surface and, among several on it, by its corners."""
         kind = "Plane" if wanted.kind == PLANE else "Cylinder"
-        found = [
+        faces = [
             face
             for face in self._faces
             if face.kind == kind and same_surface(face, wanted, self._tolerance)
         ]
-        if not found:
+        if not faces:
             raise InputError(
                 f"{field}: given {wanted.name!r}, a face that is not where the file's text has it; allowed "
                 "is a file of the part itself, not of an assembly that moves it."
             )
-        return min(found, key=lambda face: self._distance(face, wanted))
+        return min(faces, key=lambda face: self._distance(face, wanted))
 
     def _distance(self, face: Face, wanted: StepFace) -> float:
         """How far the file's corners of a face are from those in gmsh at most."""
@@ -420,74 +420,74 @@ class _Recognition:
 
     def _journal(self, side: str, end: float) -> Round:
         """The main journal that an end cuts."""
-        found = [
+        rounds = [
             item
             for item in self._rounds
             if item.radius > 0.0
             and math.hypot(*item.axis) < self._tolerance
             and abs((item.low if side == "left" else item.high) - end) < self._tolerance
         ]
-        if not found:
+        if not rounds:
             raise InputError(
                 f"{side}_end: given a part without a cylinder about the z axis at its {side} end; allowed "
                 "is one whose main journals lie on the z axis."
             )
-        return max(found, key=lambda item: item.radius)
+        return max(rounds, key=lambda item: item.radius)
 
     def _find_pins(self, named: tuple[tuple[StepFace, ...], ...] | None) -> list[Round]:
         """The pins from the left."""
         if named is None:
-            found = self._pins_by_shape()
+            pins = self._pins_by_shape()
         else:
-            found = [self._pin(faces) for faces in named]
-            if len(set(found)) < len(found):
+            pins = [self._pin(faces) for faces in named]
+            if len(set(pins)) < len(pins):
                 raise InputError("pins: given two names for one pin; allowed is one for each pin.")
-        return sorted(found, key=lambda item: (item.low, item.axis))
+        return sorted(pins, key=lambda item: (item.low, item.axis))
 
     def _pins_by_shape(self) -> list[Round]:
-        found = [
+        rounds = [
             item
             for item in self._rounds
             if item.radius > 0.0 and item.whole and math.hypot(*item.axis) > self._tolerance
         ]
-        thickest = max((item.radius for item in found), default=0.0)
-        found = [item for item in found if item.radius >= THINNEST_PIN * thickest]
-        if not found:
+        thickest = max((item.radius for item in rounds), default=0.0)
+        rounds = [item for item in rounds if item.radius >= THINNEST_PIN * thickest]
+        if not rounds:
             raise InputError(
                 "pins: given a part without a round cylinder parallel to z beside the z axis; allowed is "
                 "a throw with a crankpin."
             )
-        sizes = [(format_quantity(2.0 * item.radius, "m"), item.axis) for item in found]
+        sizes = [(format_quantity(2.0 * item.radius, "m"), item.axis) for item in rounds]
         where = "; ".join(
             f"diameter {size} at {format_quantity(math.hypot(*axis), 'm')}" for size, axis in sizes
         )
         self._remarks.append(
             f"The pins were found by shape, as round cylinders beside the shaft axis: {where}."
         )
-        return found
+        return rounds
 
     def _pin(self, named: tuple[StepFace, ...]) -> Round:
         """The whole of a pin of which at least one face is named."""
         name = named[0].name
         tags = {self._checked_pin(name, self._matching("pins", face)) for face in named}
-        found = [item for item in self._rounds if tags & set(item.tags)]
-        if len(found) > 1:
+        rounds = [item for item in self._rounds if tags & set(item.tags)]
+        if len(rounds) > 1:
             raise InputError(
-                f"pins: given {name!r} for {len(found)} different cylinders; allowed is one name for each "
+                f"pins: given {name!r} for {len(rounds)} different cylinders; allowed is one name for each "
                 "pin."
             )
-        return found[0]
+        return rounds[0]
 
     def _checked_pin(self, name: str, face: Face) -> int:
         if not face.along:
-            given, allowed = "that is not parallel to z", "one that is"
+            fault, allowed = "that is not parallel to z", "one that is"
         elif face.radius < 0.0:
-            given, allowed = "that is a hole", "the outside of a crankpin"
+            fault, allowed = "that is a hole", "the outside of a crankpin"
         elif math.hypot(face.point[0], face.point[1]) < self._tolerance:
-            given, allowed = "about the shaft axis", "one beside it"
+            fault, allowed = "about the shaft axis", "one beside it"
         else:
             return face.tag
-        raise InputError(f"pins: given {name!r}, a cylinder {given}; allowed is {allowed}.")
+        raise InputError(f"pins: given {name!r}, a cylinder {fault}; allowed is {allowed}.")
 
     def _meetings(
         self, row: list[Round], ends: set[int]
@@ -503,14 +503,14 @@ class _Recognition:
                     first = point[2] - item.low < item.high - point[2]
                     zone = (number, "start" if first else "end")
                     out = self._normal(other, point)
-                    own = self._normal(tag, point)
-                    if float(out @ own) > math.cos(SMOOTH):
+                    normal = self._normal(tag, point)
+                    if float(out @ normal) > math.cos(SMOOTH):
                         where = middle_point(self._gmsh, 2, other)
                         if math.dist(where[:2], item.axis) > item.radius + self._tolerance:
                             fillets.setdefault(zone, []).append(other)
                             radius = curvature_radius(self._gmsh, other)
                             radii[zone] = min(radius, radii.get(zone, math.inf))
-                    elif self._concave(point, own, out, 1e-3 * item.radius):
+                    elif self._concave(point, normal, out, 1e-3 * item.radius):
                         corners.setdefault(zone, []).append(curve)
         return {zone: sorted(set(tags)) for zone, tags in fillets.items()}, corners, radii
 
@@ -590,7 +590,7 @@ class _Recognition:
             BORE,
         ]
         return tuple(
-            (name, tuple(sorted(tag for tag, own in names.items() if own == name)))
+            (name, tuple(sorted(tag for tag, surface in names.items() if surface == name)))
             for name in order
             if name != BORE or BORE in names.values()
         )

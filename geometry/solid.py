@@ -69,11 +69,13 @@ def drilled_journal(
         if hole.journal == journal.name and _lowest(hole) < limit and (whole or _beside(hole))
     ]
 
-    def make(one: Cylinder, drilled: Sequence[Drilling]) -> Entity:
-        solid = revolve(gmsh, one, whole)
+    def make(cylinder: Cylinder, drilled: Sequence[Drilling]) -> Entity:
+        solid = revolve(gmsh, cylinder, whole)
         if whole:
-            gmsh.model.occ.rotate([solid], *one.axis, 0.0, 0.0, 0.0, 1.0, _clear_angle(drilled))
-        return _drilled(gmsh, one, drilled, solid)
+            gmsh.model.occ.rotate(
+                [solid], *cylinder.axis, 0.0, 0.0, 0.0, 1.0, _clear_angle(drilled)
+            )
+        return _drilled(gmsh, cylinder, drilled, solid)
 
     if not holes:
         return revolve(gmsh, journal, whole)
@@ -108,10 +110,10 @@ def _drilled(gmsh: Any, journal: Cylinder, holes: Sequence[Drilling], solid: Ent
     points = {curve: _points_on(gmsh, curve) for _, curve in gmsh.model.getEntities(1)}
     for hole in holes:
         if hole.exit_radius > 0.0:
-            found = [curve for curve, on in points.items() if _is_edge(hole, on)]
-            if not found:
+            edges = [curve for curve, on in points.items() if _is_edge(hole, on)]
+            if not edges:
                 raise MeshError(f"the exits of oil hole {hole.number} were not found.")
-            radii |= dict.fromkeys(found, hole.exit_radius)
+            radii |= dict.fromkeys(edges, hole.exit_radius)
     if radii:
         solid = _only_volume(occ.fillet([solid[1]], list(radii), list(radii.values())))
     return solid

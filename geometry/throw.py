@@ -92,7 +92,7 @@ def pin_tables(throw: ThrowDimensions) -> list[FurtherPin]:
 
 def _drillings(throw: ThrowDimensions, cylinders: Sequence[Cylinder]) -> tuple[Drilling, ...]:
     """Lay out the oil holes; positions in main journals count from the throw's ends."""
-    found = []
+    drillings = []
     for number, hole in enumerate(throw.oil_holes, start=1):
         names = [cylinder.name for cylinder in cylinders]
         if hole.part not in names:
@@ -104,7 +104,7 @@ def _drillings(throw: ThrowDimensions, cylinders: Sequence[Cylinder]) -> tuple[D
         middle = {LEFT_JOURNAL: journal.start, RIGHT_JOURNAL: journal.end}.get(
             hole.part, 0.5 * (journal.start + journal.end)
         )
-        found.append(
+        drillings.append(
             Drilling(
                 number=number,
                 journal=journal.name,
@@ -120,7 +120,7 @@ def _drillings(throw: ThrowDimensions, cylinders: Sequence[Cylinder]) -> tuple[D
                 through=hole.through,
             )
         )
-    return tuple(found)
+    return tuple(drillings)
 
 
 def _web_edges(
@@ -197,8 +197,8 @@ def _given(value: float | None) -> float:
     return value
 
 
-def _own_or_common(own: float | None, common: float) -> float:
-    return common if own is None else own
+def _own_or_common(special: float | None, common: float) -> float:
+    return common if special is None else special
 
 
 def _crank_axis(radius: float, angle: float) -> Point:
@@ -225,7 +225,7 @@ def _end_web(
     outer: float,
 ) -> WebPlate:
     """Lay out a web between a main journal and a pin; `outer` is the z direction of the journal."""
-    name, own = table.replace("_", " "), getattr(throw, table)
+    name, special = table.replace("_", " "), getattr(throw, table)
 
     def dimension(kind: str, otherwise: float = 0.0) -> float:
         return _own_or_common(web_dimension(throw, table, kind)[1], otherwise)
@@ -254,7 +254,7 @@ def _end_web(
         drop = thickness - foot_thickness
         slopes.append(Slope(begin, outline.foot, drop, pin_face, outer, -1.0))
 
-    weight = (own and own.counterweight) or throw.counterweight
+    weight = (special and special.counterweight) or throw.counterweight
     sector = None
     if weight is not None:
         middle = 0.5 * (start + end) - outer * weight.offset

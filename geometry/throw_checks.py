@@ -21,9 +21,9 @@ def in_mm(value: float) -> str:
     return format_quantity(value, "m")
 
 
-def dimension_error(field: str, given: float, allowed: str, reason: str) -> InputError:
+def dimension_error(field: str, value: float, allowed: str, reason: str) -> InputError:
     """Make the error of a dimension [m]: given value, allowed values and reason."""
-    return InputError(f"throw.{field}: given {in_mm(given)}; allowed is {allowed}, {reason}.")
+    return InputError(f"throw.{field}: given {in_mm(value)}; allowed is {allowed}, {reason}.")
 
 
 def label(cylinder: Cylinder) -> str:
@@ -81,7 +81,7 @@ def check_drillings(parts: ThrowParts) -> None:
         With one sentence.
     """
     for hole in parts.drillings:
-        journal = next(one for one in parts.cylinders if one.name == hole.journal)
+        journal = next(cylinder for cylinder in parts.cylinders if cylinder.name == hole.journal)
         _check_diameter(hole, journal)
         _check_exit_radius(hole)
         if hole.bore_radius > 0.0:
@@ -97,35 +97,35 @@ def _field(hole: Drilling, name: str) -> str:
 
 
 def _check_diameter(hole: Drilling, journal: Cylinder) -> None:
-    given, outside = 2.0 * hole.radius, 2.0 * hole.journal_radius
+    diameter, outside = 2.0 * hole.radius, 2.0 * hole.journal_radius
     low, high = SMALLEST_HOLE * outside, LARGEST_HOLE * outside
-    if not low * (1.0 - 1e-12) <= given <= high * (1.0 + 1e-12):
+    if not low * (1.0 - 1e-12) <= diameter <= high * (1.0 + 1e-12):
         reason = (
             "a larger one leaves too little of it"
-            if given > high
+            if diameter > high
             else "a smaller one does not matter (leave it out)"
         )
         raise dimension_error(
             _field(hole, "diameter"),
-            given,
+            diameter,
             f"{in_mm(low)} to {in_mm(high)} in the {label(journal)} of {in_mm(outside)}",
             f"because {reason}",
         )
 
 
 def _check_exit_radius(hole: Drilling) -> None:
-    given, low = hole.exit_radius, SMALLEST_EXIT * 2.0 * hole.radius
+    radius, low = hole.exit_radius, SMALLEST_EXIT * 2.0 * hole.radius
     room = (WIDEST_EXIT * hole.journal_radius - hole.radius) / (1.0 + WIDEST_EXIT)
     high = min(2.0 * hole.radius, room)
-    if given and not low * (1.0 - 1e-12) <= given <= high * (1.0 + 1e-12):
+    if radius and not low * (1.0 - 1e-12) <= radius <= high * (1.0 + 1e-12):
         reason = (
             "a smaller one acts as a sharp edge (give 0)"
-            if given < low
+            if radius < low
             else f"the hole of {in_mm(2.0 * hole.radius)} cannot be opened further"
         )
         raise dimension_error(
             _field(hole, "exit_radius"),
-            given,
+            radius,
             f"0, or {in_mm(low)} to {in_mm(high)}",
             f"because {reason}",
         )
@@ -215,13 +215,13 @@ def _check_apart(first: Drilling, second: Drilling) -> None:
     """Holes must not meet each other, nor their exits."""
     wall = WALL_BESIDE_HOLE * 2.0 * min(first.radius, second.radius)
     between = min(
-        _distance(one, other) - first.radius - second.radius
-        for one in _stretches(first)
+        _distance(part, other) - first.radius - second.radius
+        for part in _stretches(first)
         for other in _stretches(second)
     )
     exits = min(
-        float(np.linalg.norm(one[:, None] - other[None], axis=2).min())
-        for one in _rims(first)
+        float(np.linalg.norm(part[:, None] - other[None], axis=2).min())
+        for part in _rims(first)
         for other in _rims(second)
     )
     if min(between, exits) < wall:
@@ -245,9 +245,9 @@ def _stretches(hole: Drilling) -> list[tuple[Array, Array]]:
     ]
 
 
-def _distance(one: tuple[Array, Array], other: tuple[Array, Array]) -> float:
+def _distance(stretch: tuple[Array, Array], other: tuple[Array, Array]) -> float:
     """Distance of two stretches [m]."""
-    points = one[0] + np.linspace(0.0, 1.0, STEPS)[:, None] * (one[1] - one[0])
+    points = stretch[0] + np.linspace(0.0, 1.0, STEPS)[:, None] * (stretch[1] - stretch[0])
     way = other[1] - other[0]
     share = np.clip((points - other[0]) @ way / (way @ way), 0.0, 1.0)
     return float(np.linalg.norm(points - other[0] - share[:, None] * way, axis=1).min())
@@ -273,8 +273,12 @@ def check_counterweight(
     outer: float,
 ) -> None:
     """A counterweight must be one piece with its web and clear bearing and rod."""
-    own = getattr(throw, web.name.replace(" ", "_"))
-    table = f"{web.name.replace(' ', '_')}." if own is not None and own.counterweight else ""
+    web_table = getattr(throw, web.name.replace(" ", "_"))
+    table = (
+        f"{web.name.replace(' ', '_')}."
+        if web_table is not None and web_table.counterweight
+        else ""
+    )
     name = f"{table}counterweight"
     reach = -web.outline.foot
     if sector.outer_radius < COUNTERWEIGHT_STANDS_OUT * reach:
@@ -553,8 +557,8 @@ def _seats(parts: ThrowParts) -> list[list[tuple[Cylinder, float]]]:
     """The two cylinders adjacent to each web, with the distances of their axes from its outline [m]."""
     return [
         [
-            (one, web.outline.distance(0.0 if one.axis == web.foot else web.distance))
-            for one in parts.cylinders[place : place + 2]
+            (cylinder, web.outline.distance(0.0 if cylinder.axis == web.foot else web.distance))
+            for cylinder in parts.cylinders[place : place + 2]
         ]
         for place, web in enumerate(parts.webs)
     ]
@@ -583,14 +587,14 @@ def _check_fillets(
     throw: ThrowDimensions, parts: ThrowParts, seats: list[list[tuple[Cylinder, float]]]
 ) -> None:
     """Fillets must leave part of their journal, fit their webs, and be large enough to matter."""
-    given: dict[str, float] = {}
+    radii: dict[str, float] = {}
     limits: dict[str, list[tuple[float, Callable[[], str]]]] = {}
     lowest: dict[str, float] = {}
     for cylinder in parts.cylinders:
         name = cylinder_field(throw, parts, cylinder, "fillet_radius")
         if max(cylinder.start_fillet, cylinder.end_fillet) == 0.0:
             continue
-        given[name] = max(cylinder.start_fillet, cylinder.end_fillet)
+        radii[name] = max(cylinder.start_fillet, cylinder.end_fillet)
         # Of a main journal, the throw has half.
         length = (cylinder.end - cylinder.start) * (1.0 if cylinder.is_pin else 2.0)
         limits.setdefault(name, []).append(
@@ -614,7 +618,7 @@ def _check_fillets(
                         f"because its foot is {in_mm(ledge)} inside the edge of the {web_label(throw, web)}, "
                         "too close to be meshed",
                     )
-    for name, radius in given.items():
+    for name, radius in radii.items():
         highest, reason = min(limits[name], key=lambda limit: limit[0])
         if lowest[name] * (1.0 - 1e-12) <= radius <= highest * (1.0 + 1e-12):
             continue
@@ -685,11 +689,11 @@ def _check_slopes(throw: ThrowDimensions, web: WebPlate) -> None:
             if slope.towards > 0.0
             else ("foot_thickness", "crankpin")
         )
-        name, given = web_field(throw, web, kind), thickness - slope.drop
-        if not THINNEST_END * thickness <= given <= thickness:
+        name, end_thickness = web_field(throw, web, kind), thickness - slope.drop
+        if not THINNEST_END * thickness <= end_thickness <= thickness:
             raise dimension_error(
                 name,
-                given,
+                end_thickness,
                 f"{in_mm(THINNEST_END * thickness)} to {in_mm(thickness)}",
                 f"because the web of {in_mm(thickness)} gets thinner towards its end, but not to an edge",
             )
@@ -697,7 +701,7 @@ def _check_slopes(throw: ThrowDimensions, web: WebPlate) -> None:
         if room < SHORTEST_SLOPE * width:
             raise dimension_error(
                 name,
-                given,
+                end_thickness,
                 f"only {in_mm(thickness)}",
                 f"because the {joined} leaves no room on the web's face to thin it",
             )

@@ -342,7 +342,7 @@ class ThrowDimensions(InputModel):
 def web_dimension(throw: ThrowDimensions, table: str, kind: str) -> tuple[str, Any]:
     """Field and value of a dimension of the "left_web" or "right_web": its own, or that of both webs."""
     web = getattr(throw, table)
-    own = None if web is None else getattr(web, kind, None)
-    if own is not None:
-        return f"{table}.{kind}", own
+    special = None if web is None else getattr(web, kind, None)
+    if special is not None:
+        return f"{table}.{kind}", special
     return f"web_{kind}", getattr(throw, f"web_{kind}")

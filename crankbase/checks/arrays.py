@@ -66,9 +66,9 @@ def check_shape(field: str, values: ArrayLike, *allowed: tuple[int, ...]) -> Non
     InputError
     """
     if np.shape(values) not in allowed:
-        told = " or ".join("one number" if shape == () else str(shape) for shape in allowed)
+        shapes = " or ".join("one number" if shape == () else str(shape) for shape in allowed)
         raise InputError(
-            f"{field}: given an array of shape {np.shape(values)}; allowed is {told}, because every value "
+            f"{field}: given an array of shape {np.shape(values)}; allowed is {shapes}, because every value "
             "is used at its place."
         )
 
@@ -171,8 +171,8 @@ def one_for_each(
     InputError
         As `nonnegative_vector` or `positive_vector`, and if the length does not fit.
     """
-    given = finite_array(field, values)
-    array = np.full(count, given) if given.ndim == 0 else given
+    numbers = finite_array(field, values)
+    array = np.full(count, numbers) if numbers.ndim == 0 else numbers
     checked = _bounded_vector(field, array, unit, reason, zero_allowed=zero_allowed)
     if checked.size != count:
         raise InputError(
@@ -210,9 +210,9 @@ def regular_array(field: str, values: ArrayLike, kinds: str, allowed: str) -> ND
             "because every value is used at its place."
         ) from None
     if raw.dtype.kind not in kinds:
-        given = f"values of type {raw.dtype.name}" if raw.ndim else repr(values)
+        shown = f"values of type {raw.dtype.name}" if raw.ndim else repr(values)
         raise InputError(
-            f"{field}: given {given}; allowed are {allowed}, "
+            f"{field}: given {shown}; allowed are {allowed}, "
             "because text and other types carry no value in SI units."
         )
     return raw
@@ -275,8 +275,8 @@ def _bounded_number(
     allowed = _allowed(unit, reason, zero_allowed=zero_allowed)
     raw = np.asarray(value)
     if raw.ndim != 0 or raw.dtype.kind not in "iuf":
-        given = f"an array of shape {raw.shape}" if raw.ndim else quoted(value)
-        raise InputError(f"{field}: given {given}; {allowed}.")
+        shown = f"an array of shape {raw.shape}" if raw.ndim else quoted(value)
+        raise InputError(f"{field}: given {shown}; {allowed}.")
     number = float(raw)
     if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero_allowed):
         raise InputError(f"{field}: given {_with_unit(number, unit)}; {allowed}.")
@@ -323,14 +323,14 @@ def checked_degrees(field: str, angles_deg: ArrayLike, *, vector: bool = False) 
         If one is not a finite number, or they are evenly spread over 2 pi or 4 pi: nobody uses so many
         even steps over 6.283 or 12.566 degrees.
     """
-    given = (finite_vector if vector else finite_array)(field, angles_deg)
-    if given.ndim == 1 and given.size >= FEWEST_EVEN:
-        step = (given[-1] - given[0]) / (given.size - 1)
-        even = np.allclose(np.diff(given), step, rtol=0.0, atol=SAME * abs(step))
-        lengths = abs(step) * np.array([[given.size - 1], [given.size]])
+    angles = (finite_vector if vector else finite_array)(field, angles_deg)
+    if angles.ndim == 1 and angles.size >= FEWEST_EVEN:
+        step = (angles[-1] - angles[0]) / (angles.size - 1)
+        even = np.allclose(np.diff(angles), step, rtol=0.0, atol=SAME * abs(step))
+        lengths = abs(step) * np.array([[angles.size - 1], [angles.size]])
         if even and np.any(np.isclose(lengths, TURNS, rtol=SAME, atol=0.0)):
-            raise _radians_error(field, given)
-    return given
+            raise _radians_error(field, angles)
+    return angles
 
 
 def refuse_many_turns(field: str, angles: Iterable[float]) -> None:
@@ -363,14 +363,14 @@ def refuse_crank_radians(field: str, angles_deg: ArrayLike) -> None:
     ------
     InputError
     """
-    given = finite_array(field, angles_deg).ravel()
-    if given.size < 2 or np.max(np.abs(given)) > TURNS[-1] or np.ptp(given) < 1.0:
+    angles = finite_array(field, angles_deg).ravel()
+    if angles.size < 2 or np.max(np.abs(angles)) > TURNS[-1] or np.ptp(angles) < 1.0:
         return
-    taken, steps = np.degrees(given)[:, np.newaxis], 360.0 / PARTS
+    taken, steps = np.degrees(angles)[:, np.newaxis], 360.0 / PARTS
     off = np.min(np.max(np.abs(taken - steps * np.round(taken / steps)), axis=0))
-    halves = np.abs(2.0 * given - np.round(2.0 * given)) < SAME
-    if off <= (ROUNDED if given.size > 2 else ROUNDED_PAIR) and not np.all(halves):
-        raise _radians_error(field, given)
+    halves = np.abs(2.0 * angles - np.round(2.0 * angles)) < SAME
+    if off <= (ROUNDED if angles.size > 2 else ROUNDED_PAIR) and not np.all(halves):
+        raise _radians_error(field, angles)
 
 
 def refuse_radians_between(field: str, angle_deg: float, low_deg: float, high_deg: float) -> None:
@@ -390,8 +390,8 @@ def refuse_radians_between(field: str, angle_deg: float, low_deg: float, high_de
         )
 
 
-def _radians_error(field: str, given: FloatArray) -> InputError:
+def _radians_error(field: str, angles: FloatArray) -> InputError:
     return InputError(
-        f"{field}: given {given.size} angles from {np.min(given):.4g} to {np.max(given):.4g}, those of "
+        f"{field}: given {angles.size} angles from {np.min(angles):.4g} to {np.max(angles):.4g}, those of "
         "turns in radians; allowed are degrees: write numpy.degrees(...) around them."
     )

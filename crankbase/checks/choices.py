@@ -11,7 +11,7 @@ from typing import TypeGuard
 from crankbase.errors import InputError, quoted
 
 
-def check_choice(option: str, given: object, allowed: Iterable[str], because: str) -> None:
+def check_choice(option: str, word: object, allowed: Iterable[str], because: str) -> None:
     """Refuse a word that is not allowed.
 
     Raises
@@ -20,21 +20,21 @@ def check_choice(option: str, given: object, allowed: Iterable[str], because: st
         If it is not a word, or not one of these.
     """
     words = list(allowed)
-    if not isinstance(given, str) or given not in words:
+    if not isinstance(word, str) or word not in words:
         raise InputError(
-            f"{option}: given {quoted(given)}; allowed are {', '.join(words)}, because {because}."
+            f"{option}: given {quoted(word)}; allowed are {', '.join(words)}, because {because}."
         )
 
 
-def check_kind(field: str, given: object, kind: type | UnionType, allowed: str) -> None:
+def check_kind(field: str, value: object, kind: type | UnionType, allowed: str) -> None:
     """Refuse an object of another kind; `allowed` names what it must be.
 
     Raises
     ------
     InputError
     """
-    if not isinstance(given, kind):
-        raise InputError(f"{field}: given {quoted(given)}; allowed is {allowed}.")
+    if not isinstance(value, kind):
+        raise InputError(f"{field}: given {quoted(value)}; allowed is {allowed}.")
 
 
 def check_not_given(option: str, given: object, shown: str, because: str) -> None:
@@ -52,7 +52,7 @@ def check_not_given(option: str, given: object, shown: str, because: str) -> Non
         )
 
 
-def did_you_mean(given: str, names: Iterable[str], cutoff: float = 0.6, form: str = "{}") -> str:
+def did_you_mean(word: str, names: Iterable[str], cutoff: float = 0.6, form: str = "{}") -> str:
     """Return "did you mean NAME? " of the closest name; nothing if none is close, or several share the word.
 
     Parameters
@@ -70,16 +70,16 @@ def did_you_mean(given: str, names: Iterable[str], cutoff: float = 0.6, form: st
     ''
     """
     known = list(names)
-    if sum(given in name.split("_") for name in known) > 1:
+    if sum(word in name.split("_") for name in known) > 1:
         return ""
-    close = get_close_matches(given, known, n=1, cutoff=cutoff)
+    close = get_close_matches(word, known, n=1, cutoff=cutoff)
     return f"did you mean {form.format(close[0])}? " if close else ""
 
 
-def allowed_names(given: str, names: Iterable[str]) -> str:
+def allowed_names(word: str, names: Iterable[str]) -> str:
     """Return the allowed names for an unknown one, the most similar first."""
     known = list(names)
-    return f"{did_you_mean(given, known)}allowed are {', '.join(known)}"
+    return f"{did_you_mean(word, known)}allowed are {', '.join(known)}"
 
 
 # No samples, steps, cycles or places are as many.
@@ -110,7 +110,7 @@ def is_whole_within(value: object, low: int, high: int) -> TypeGuard[int]:
     return is_whole(value) and low <= value <= high
 
 
-def whole_within(field: str, given: object, low: int, high: int, reason: str) -> int:
+def whole_within(field: str, number: object, low: int, high: int, reason: str) -> int:
     """Return a whole number from `low` to `high`.
 
     Raises
@@ -118,10 +118,10 @@ def whole_within(field: str, given: object, low: int, high: int, reason: str) ->
     InputError
         If it is not.
     """
-    if not is_whole_within(given, low, high):
+    if not is_whole_within(number, low, high):
         allowed = f"is {low}" if low == high else f"are the whole numbers {low} to {high}"
-        raise InputError(f"{field}: given {quoted(given)}; allowed {allowed}, because {reason}.")
-    return int(given)
+        raise InputError(f"{field}: given {quoted(number)}; allowed {allowed}, because {reason}.")
+    return int(number)
 
 
 def whole_number(field: str, given: int, least: int, reason: str) -> int:

@@ -109,11 +109,11 @@ class OutputUnits:
         """Return the unit that replaces one of `UNITS`, or a power of ten of it."""
         power = POWER_OF_TEN if printed.startswith(POWER_OF_TEN) else ""
         unit, size = UNITS[printed.removeprefix(POWER_OF_TEN)]
-        found = self._converted(unit)
-        if found is None:
+        unit_in_use = self._converted(unit)
+        if unit_in_use is None:
             return OutputUnit(printed, size * (1e-9 if power else 1.0))
         scale = 1e-9 if power else 1.0
-        return OutputUnit(power + found[0], found[1] * scale, True, size * scale)
+        return OutputUnit(power + unit_in_use[0], unit_in_use[1] * scale, True, size * scale)
 
     def quantity(self, value: float, unit: str, digits: int = 6) -> str:
         """Write a number in the SI unit `unit` with its display unit."""
@@ -126,17 +126,17 @@ class OutputUnits:
         """Return a sentence with the quantities in it converted, to at least as many digits."""
         return _QUANTITY.sub(self._replaced, sentence) if self.wished else sentence
 
-    def _replaced(self, found: re.Match[str]) -> str:
-        unit, size = UNITS[found["unit"]]
+    def _replaced(self, match: re.Match[str]) -> str:
+        unit, size = UNITS[match["unit"]]
         converted = self._converted(unit)
         if converted is None:
-            return found[0]
-        own = OutputUnit(converted[0], converted[1], wished=True)
+            return match[0]
+        shown = OutputUnit(converted[0], converted[1], wished=True)
 
         def write(number: re.Match[str]) -> str:
-            return own.number(float(number[0]) * size, max(_digits(number[0]), 3))
+            return shown.number(float(number[0]) * size, max(_digits(number[0]), 3))
 
-        return f"{_NUMBERS.sub(write, found['numbers'])} {own.name}"
+        return f"{_NUMBERS.sub(write, match['numbers'])} {shown.name}"
 
     def _converted(self, unit: str) -> tuple[str, float] | None:
         """Return name and size of the unit that replaces an SI one: as a whole, else by its factors."""
@@ -147,11 +147,11 @@ class OutputUnits:
             return whole
         size, names, changed = 1.0, [], False
         for factor, power in _factors(unit):
-            own = self._requested(factor)
-            changed = changed or own is not None
-            name, one = (factor, 1.0) if own is None else own
+            requested = self._requested(factor)
+            changed = changed or requested is not None
+            name, factor_size = (factor, 1.0) if requested is None else requested
             names.append((f"({name})" if re.search(r"[ /]", name) else name, power))
-            size *= one**power
+            size *= factor_size**power
         return (_joined(names), size) if changed else None
 
     def _requested(self, unit: str) -> tuple[str, float] | None:
@@ -177,19 +177,19 @@ def parse_output_units(text: str | None) -> OutputUnits:
     if text is None:
         return SI
     listed = SYSTEMS.get(text.strip().casefold(), text)
-    found: list[tuple[Kind, str, float]] = []
+    wished: list[tuple[Kind, str, float]] = []
     for name in (part.strip() for part in listed.split(",")):
         if not name and listed == SYSTEMS["si"]:
             continue
         kind, size = _parsed(name)
-        for other_kind, other, _ in found:
+        for other_kind, other, _ in wished:
             if other_kind == kind:
                 raise InputError(
                     f"--units: given {other!r} and {name!r}, which are units of one kind; allowed is one "
                     "of them, because a number is printed once."
                 )
-        found.append((kind, name, size))
-    return OutputUnits(tuple(found))
+        wished.append((kind, name, size))
+    return OutputUnits(tuple(wished))
 
 
 def _parsed(name: str) -> tuple[Kind, float]:
@@ -197,20 +197,20 @@ def _parsed(name: str) -> tuple[Kind, float]:
     try:
         if not name or re.match(r"\d", name.removeprefix("1/")):
             raise NoUnitError("a number or nothing")
-        one = unit_quantity(name)
+        quantity = unit_quantity(name)
     except NoUnitError:
         raise InputError(
             f"--units: given {name!r}, which is no unit; allowed are units with commas between them, like "
             '"in, lbf, ksi", or one of imperial and SI.'
         ) from None
-    kind, shifted = _kind(one.to_root_units()), not one._is_multiplicative
+    kind, shifted = _kind(quantity.to_root_units()), not quantity._is_multiplicative
     if shifted or kind not in _printed_kinds():
         raise InputError(
             f"--units: given {name!r}, of a kind that is never printed; allowed are units of length, "
             "force, torque, stress, mass, inertia, compliance, angle, speed, frequency, power, energy and "
             "time."
         )
-    return kind, float(one.to_base_units().magnitude)
+    return kind, float(quantity.to_base_units().magnitude)
 
 
 def _kind(root: Any) -> Kind:
@@ -233,12 +233,12 @@ def _printed_kinds() -> frozenset[Kind]:
 def _factors(unit: str) -> list[tuple[str, int]]:
     """Split a unit: "rad/(N m)" into rad, N and m with their powers."""
     above, _, below = unit.partition("/")
-    found = []
+    factors = []
     for part, sign in ((above, 1), (below.strip("()"), -1)):
         for factor in part.split():
             name, _, power = factor.partition("^")
-            found.append((name, sign * int(power or 1)))
-    return found
+            factors.append((name, sign * int(power or 1)))
+    return factors
 
 
 def _joined(factors: list[tuple[str, int]]) -> str:
@@ -424,10 +424,10 @@ class Table:
 
 def merged_rows(rows: list[list[str]]) -> list[list[str]]:
     """Combine rows that differ in the first column only, such as "1, 3" or "1 to 6"."""
-    found: dict[tuple[str, ...], list[str]] = {}
+    merged: dict[tuple[str, ...], list[str]] = {}
     for first, *rest in rows:
-        found.setdefault(tuple(rest), []).append(first)
-    return [[format_names(names), *rest] for rest, names in found.items()]
+        merged.setdefault(tuple(rest), []).append(first)
+    return [[format_names(names), *rest] for rest, names in merged.items()]
 
 
 def format_names(names: list[str]) -> str:

@@ -36,10 +36,10 @@ def readings(text: str) -> tuple[str, ...]:
     >>> readings("82.5 mm"), readings("17 0 mm")
     ((), ())
     """
-    found = _QUANTITY.fullmatch(text.strip())
-    if found is None or _PLAIN.fullmatch(found[2]):
+    match = _QUANTITY.fullmatch(text.strip())
+    if match is None or _PLAIN.fullmatch(match[2]):
         return ()
-    sign, digits, power, unit = found.groups()
+    sign, digits, power, unit = match.groups()
     split = [tuple(digits.split(mark)) for mark in ",." if digits.count(mark) == 1]
     numbers = []
     for whole, fraction in (*split, (digits, "")):
@@ -58,7 +58,7 @@ def either(meant: tuple[str, ...]) -> str:
     >>> either(("1.2 mm", "1200 mm"))
     '"1.2 mm" or "1200 mm", whichever is meant'
     """
-    named = " or ".join(f'"{one}"' for one in meant)
+    named = " or ".join(f'"{reading}"' for reading in meant)
     return f"{named}, whichever is meant" if len(meant) > 1 else named
 
 
@@ -119,14 +119,14 @@ def unit_quantity(text: str) -> Any:
     from pint.errors import PintError
 
     try:
-        one = registry.Quantity(1.0, registry.parse_units(spelled))
-        size = float(one.to_root_units().magnitude)
+        quantity = registry.Quantity(1.0, registry.parse_units(spelled))
+        size = float(quantity.to_root_units().magnitude)
     # Pint takes "nan" for a number, and fails by an assertion where it finds no unit at all.
     except (PintError, OverflowError, ValueError, AssertionError):
         raise NoUnitError(text) from None
     if not SMALLEST_UNIT <= size <= 1.0 / SMALLEST_UNIT:
         raise NoUnitError("too small or large for a number")
-    return one
+    return quantity
 
 
 def _normalized_unit(text: str) -> str:
@@ -145,17 +145,17 @@ def _normalized_unit(text: str) -> str:
         spelled = step(spelled)
     powers = 1.0
 
-    def one(found: re.Match[str]) -> str:
+    def factor(match: re.Match[str]) -> str:
         nonlocal powers
-        power = abs(float(found["power"] or found["root"] or 1.0))
+        power = abs(float(match["power"] or match["root"] or 1.0))
         if power == 0.0:
             raise NoUnitError("a unit to the power of zero is none")
         powers *= max(1.0, power)
         return "1"
 
-    left, more = _FACTOR.sub(one, spelled), 1
+    left, more = _FACTOR.sub(factor, spelled), 1
     while more:
-        left, more = _BRACKET.subn(one, left)
+        left, more = _BRACKET.subn(factor, left)
     if powers > LARGEST_POWER or _PRODUCT.fullmatch(left) is None:
         raise NoUnitError("no product of powers")
     return spelled
@@ -194,18 +194,18 @@ def parse_quantity(
     InputError
         If the unit is missing, unknown or of another kind, or the number is not finite.
     """
-    given = f"{field}: given {_shortened_text(text)}"
-    told = f"; allowed is {allowed}" if allowed else ""
+    fault = f"{field}: given {_shortened_text(text)}"
+    remedy = f"; allowed is {allowed}" if allowed else ""
     if unit == "":
-        return _pure_number(text, given, told)
+        return _pure_number(text, fault, remedy)
     if not isinstance(text, str) and not is_number(text):
         example = _example(unit, limits)
-        raise InputError(f'{given}; write a number with its unit, like "{example}"{told}.')
+        raise InputError(f'{fault}; write a number with its unit, like "{example}"{remedy}.')
     if not isinstance(text, str):
-        raise _without_unit(given, _shortened_text(text), unit, limits, told)
-    value = _evaluate(text, unit, given, limits, told)
+        raise _without_unit(fault, _shortened_text(text), unit, limits, remedy)
+    value = _evaluate(text, unit, fault, limits, remedy)
     if not math.isfinite(value):
-        raise InputError(f"{given}, which is not finite{told}.")
+        raise InputError(f"{fault}, which is not finite{remedy}.")
     return value
 
 
@@ -245,12 +245,12 @@ def other_unit(text: object, unit: str, value: float, limits: Limits) -> str:
     >>> other_unit("68 m", "m", 68.0, (0.0002, 1.5))
     '68 mm'
     """
-    found = NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
-    if found is None or _is_within(value, limits):
+    match = NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
+    if match is None or _is_within(value, limits):
         return ""
-    for one in WRITTEN.get(unit, ()) if abs(float(found[1])) < LARGEST_MEANT else ():
-        if _is_within(float(found[1]) * float(unit_quantity(one).to(unit).magnitude), limits):
-            return f"{found[1]} {one}"
+    for usual in WRITTEN.get(unit, ()) if abs(float(match[1])) < LARGEST_MEANT else ():
+        if _is_within(float(match[1]) * float(unit_quantity(usual).to(unit).magnitude), limits):
+            return f"{match[1]} {usual}"
     return ""
 
 
@@ -275,27 +275,27 @@ def split_quantity(words: Sequence[str]) -> tuple[str, str] | None:
 def _example(unit: str, limits: Limits, number: str = "") -> str:
     """Write a quantity that is allowed: the number that was given in a usual unit, else one in the range."""
     units = WRITTEN.get(unit, (unit,))
-    for one in units if number else ():
-        value = float(number) * float(unit_quantity(one).to(unit).magnitude)
+    for usual in units if number else ():
+        value = float(number) * float(unit_quantity(usual).to(unit).magnitude)
         if _is_within(value, limits):
-            return f"{number} {one}"
+            return f"{number} {usual}"
     low, high = limits
     if low is not None and high is not None:
         middle = math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
     else:
         middle = 1.0 if low is None and high is None else float(low or high or 0.0)
-    for one in units:
-        size = float(unit_quantity(one).to(unit).magnitude)
+    for usual in units:
+        size = float(unit_quantity(usual).to(unit).magnitude)
         for rounded in (float(f"{middle / size:.1g}"), middle / size):
             if 0.01 <= abs(rounded) < 1e5 and _is_within(rounded * size, limits):
-                return f"{rounded:g} {one}"
+                return f"{rounded:g} {usual}"
     return f"{middle:g} {unit}"
 
 
-def _without_unit(given: str, number: str, unit: str, limits: Limits, told: str) -> InputError:
+def _without_unit(fault: str, number: str, unit: str, limits: Limits, remedy: str) -> InputError:
     return InputError(
-        f"{given}, a bare number that could be in any unit; "
-        f'write it with its unit, like "{_example(unit, limits, number)}"{told}.'
+        f"{fault}, a bare number that could be in any unit; "
+        f'write it with its unit, like "{_example(unit, limits, number)}"{remedy}.'
     )
 
 
@@ -303,59 +303,59 @@ def _shortened_text(text: object) -> str:
     return quoted(text) if isinstance(text, str | int) else shortened(str(text))
 
 
-def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> float:
+def _evaluate(text: str, unit: str, fault: str, limits: Limits, remedy: str) -> float:
     # A text that long is no quantity, and would take long to look at.
-    found = NUMBER_AND_UNIT.fullmatch(text) if len(text) <= LONGEST_QUANTITY else None
-    size = None if found is None else PLAIN_SIZES.get((found[2], unit))
-    if found is not None and size is not None:
-        return _scaled(float(found[1]), size)
-    if found is not None and (found[2], unit) == TURNING:
-        return _scaled(float(found[1]), 1.0 / 60.0) * (2.0 * math.pi)
+    match = NUMBER_AND_UNIT.fullmatch(text) if len(text) <= LONGEST_QUANTITY else None
+    size = None if match is None else PLAIN_SIZES.get((match[2], unit))
+    if match is not None and size is not None:
+        return _scaled(float(match[1]), size)
+    if match is not None and (match[2], unit) == TURNING:
+        return _scaled(float(match[1]), 1.0 / 60.0) * (2.0 * math.pi)
     try:
-        if found is None:
+        if match is None:
             raise NoUnitError("no number in front")
-        number, one = float(found[1]), unit_quantity(found[2])
+        number, quantity = float(match[1]), unit_quantity(match[2])
     except NoUnitError:
         meant = tuple(
-            one if one[-1].isalpha() else _example(unit, limits, one)
-            for one in (readings(text) if len(text) <= LONGEST_QUANTITY else ())
-            if one[-1].isalpha() or re.fullmatch(r"[+-]?\d+(\.\d+)?", one)
+            reading if reading[-1].isalpha() else _example(unit, limits, reading)
+            for reading in (readings(text) if len(text) <= LONGEST_QUANTITY else ())
+            if reading[-1].isalpha() or re.fullmatch(r"[+-]?\d+(\.\d+)?", reading)
         )
         if meant:
             raise InputError(
-                f"{given}; write a decimal point and no separators, like {either(meant)}{told}."
+                f"{fault}; write a decimal point and no separators, like {either(meant)}{remedy}."
             ) from None
-        if found is not None and re.fullmatch(r"[^\W\d]\w*", found[2]):
+        if match is not None and re.fullmatch(r"[^\W\d]\w*", match[2]):
             raise InputError(
-                f"{given}, in an unknown unit; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
-                f"unit{told}."
+                f"{fault}, in an unknown unit; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
+                f"unit{remedy}."
             ) from None
         # As behind a sign for a diameter: "Ø180 mm".
         tail = re.sub(r"^[^\d.+\-\u2012-\u2015\u2212]+", "", text[:LONGEST_QUANTITY])
         example = tail if _is_quantity(tail) else _example(unit, limits)
         raise InputError(
-            f'{given}, which is not one number with one unit; write for example "{example}"{told}.'
+            f'{fault}, which is not one number with one unit; write for example "{example}"{remedy}.'
         ) from None
-    if one.unitless and not found[2]:
-        raise _without_unit(given, found[1], unit, limits, told)
-    turning = unit == "rad/s" and one.check("1/[time]") and not _names_an_angle(one)
+    if quantity.unitless and not match[2]:
+        raise _without_unit(fault, match[1], unit, limits, remedy)
+    turning = unit == "rad/s" and quantity.check("1/[time]") and not _names_an_angle(quantity)
     from pint.errors import PintError
 
     try:
         # "500 1/min" and "8.3 Hz" mean revolutions in a field of speeds.
-        size = float(one.to("1/s" if turning else unit).magnitude)
+        size = float(quantity.to("1/s" if turning else unit).magnitude)
     except PintError:  # of another dimension, or an offset unit such as degC
         raise InputError(
-            f"{given}, which is no {_kind(unit)}; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
-            f"unit{told}."
+            f"{fault}, which is no {_kind(unit)}; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
+            f"unit{remedy}."
         ) from None
     return _scaled(number, size) * (2.0 * math.pi if turning else 1.0)
 
 
 def _is_quantity(text: str) -> bool:
-    found = NUMBER_AND_UNIT.fullmatch(text)
+    match = NUMBER_AND_UNIT.fullmatch(text)
     with suppress(NoUnitError):
-        return found is not None and not unit_quantity(found[2]).unitless
+        return match is not None and not unit_quantity(match[2]).unitless
     return False
 
 
@@ -369,19 +369,19 @@ def _names_an_angle(quantity: Any) -> bool:
     return "radian" in str(quantity.to_root_units().units)
 
 
-def _pure_number(text: object, given: str, limits: str) -> float:
+def _pure_number(text: object, fault: str, limits: str) -> float:
     if (
         isinstance(text, str)
         and NUMBER_AND_UNIT.fullmatch(text)
         and not text.strip()[-1:].isalpha()
     ):
-        raise InputError(f"{given}, a number in quotes; write it without quotes{limits}.")
+        raise InputError(f"{fault}, a number in quotes; write it without quotes{limits}.")
     if not isinstance(text, float) and not is_whole(text):
         meant = readings(text) if isinstance(text, str) and len(text) <= LONGEST_QUANTITY else ()
         like = f", like {either(meant)}" if meant else ""
-        raise InputError(f"{given}; write a plain number without a unit{like}{limits}.")
+        raise InputError(f"{fault}; write a plain number without a unit{like}{limits}.")
     if not is_number(text):  # also a whole number of hundreds of digits
-        raise InputError(f"{given}, which is not finite{limits}.")
+        raise InputError(f"{fault}, which is not finite{limits}.")
     return float(text)
 
 

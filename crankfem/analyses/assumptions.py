@@ -66,11 +66,11 @@ def input_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
     mechanism = mechanism_of(engine) if engine is not None else file
     assert isinstance(mechanism, MechanismFile)
     given = {record.field for record in file.records}
-    found = [*_of_mechanism(mechanism, given)]
+    records = [*_of_mechanism(mechanism, given)]
     if engine is not None:
-        found += [*_of_shaft(engine, given), *_of_damping(engine), *_of_limits(engine)]
+        records += [*_of_shaft(engine, given), *_of_damping(engine), *_of_limits(engine)]
     own = [record for record in file.records if _matters(record, mechanism, engine)]
-    return (*own, *found)
+    return (*own, *records)
 
 
 def assumed_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
@@ -154,12 +154,12 @@ def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]
     if gas is None or gas.pressure_table is not None:
         return
     cycle = assumed_cycle(gas, layout)
-    found = {*FIXED_IN_CYCLE}
+    records = {*FIXED_IN_CYCLE}
     if gas.peak_pressure is not None and gas.mean_effective_pressure is not None:
-        found.add("combustion_start_deg")  # it is solved for
+        records.add("combustion_start_deg")  # it is solved for
     for name in USUAL_VALUES:
         field = f"gas.{name_of_field(name)}"
-        if name in found or field in given:
+        if name in records or field in given:
             continue
         reason = USUAL_VALUES[name].reason
         if name == "intake_pressure" and gas.peak_pressure is not None:

@@ -57,14 +57,12 @@ def unbalanced_share(
 
 
 def run_checks(
-    found: Mapping[str, Any], length: float, pin_center: Sequence[float]
+    checks: Mapping[str, Any], length: float, pin_center: Sequence[float]
 ) -> list[Record]:
     """Return all self-checks possible with the results of a run.
 
     Parameters
     ----------
-    found : mapping
-        Content of results.json.
     length : float
         Of the throw [m].
     pin_center : (3,) sequence
@@ -76,13 +74,13 @@ def run_checks(
         In the order in which a report shows them.
     """
     return [
-        *throw_checks(found["throw"], length, pin_center),
-        *_angle_checks(found),
-        *_fillet_checks(found.get("fillets")),
-        *_study_checks(found["study"]),
-        *_mechanism_checks(found["mechanism"]),
-        *_power_checks(found["vibration"]["forced"]),
-        *_chain_checks(found["vibration"]["whole"]),
+        *throw_checks(checks["throw"], length, pin_center),
+        *_angle_checks(checks),
+        *_fillet_checks(checks.get("fillets")),
+        *_study_checks(checks["study"]),
+        *_mechanism_checks(checks["mechanism"]),
+        *_power_checks(checks["vibration"]["forced"]),
+        *_chain_checks(checks["vibration"]["whole"]),
     ]
 
 

@@ -70,8 +70,8 @@ def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
         if isinstance(value, list | tuple)
         else ()
     )
-    for name, one in inside:
-        yield from _not_finite(one, f"{path}.{name}" if path else str(name))
+    for name, part in inside:
+        yield from _not_finite(part, f"{path}.{name}" if path else str(name))
 
 
 def attributes(source: object, *names: str) -> Record:
@@ -104,7 +104,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return plain(value)
     if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
+        return [_plain(part) for part in value]
     if isinstance(value, float) and math.isinf(value):
         return None
     return value
@@ -237,8 +237,6 @@ def with_units(content: Record, within: str = "") -> Record:
 
     Parameters
     ----------
-    content : dict
-        JSON content.
     within : str, optional
         Name under which such content appears in other records, "torque" or "axial".
     """
@@ -260,13 +258,13 @@ def units_of(content: Record, within: str = "") -> dict[str, str]:
         object around it, with the unit: as text, or by name or position like the numbers. Numbers without a
         declaration are left out.
     """
-    found = {}
+    units = {}
     for path in dict.fromkeys(number_paths(content)):
         known = _unit_at((within, *path) if within else path)
         if known is not None:
             key, unit = known
-            found[key.removeprefix(f"{within}.")] = unit
-    return found
+            units[key.removeprefix(f"{within}.")] = unit
+    return units
 
 
 def number_paths(content: object, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
@@ -333,6 +331,6 @@ def _fields(model: type[InputModel]) -> dict[str, str]:
     fields: dict[str, str] = {}
     for name, info in model.model_fields.items():
         part = part_kind(info)
-        own = {name: field_extra(info, "unit") or "1"} if part is None else _fields(part)
-        fields |= own | fields  # of fields alike the outermost is meant
+        units = {name: field_extra(info, "unit") or "1"} if part is None else _fields(part)
+        fields |= units | fields  # of fields alike the outermost is meant
     return fields

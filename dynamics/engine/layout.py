@@ -4,6 +4,7 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
+from functools import cached_property
 
 from crankbase.checks.arrays import (
     FloatArray,
@@ -264,7 +265,7 @@ class EngineLayout:
                 self, "firing_angles_deg", self._checked_angles(self.firing_angles_deg)
             )
 
-    @property
+    @cached_property
     def firing_deg(self) -> tuple[float, ...]:
         """Shaft angle at which each cylinder fires, cylinder by cylinder [deg].
 

@@ -224,10 +224,10 @@ def mechanism_balance_record(run: MechanismRun) -> Record:
         without the throws' solids, the major axes.
     """
     bare = replace(run.layout, rotating=())
-    found = run.balance
-    first = balance(bare, found.speed, (1,), about=found.about, model=found.model).of(1)
+    record = run.balance
+    first = balance(bare, record.speed, (1,), about=record.about, model=record.model).of(1)
     return {
-        **balance_record(found),
+        **balance_record(record),
         "throws": list(_throw_records(run)),
         "without_throws": {"force": first.force.major, "moment": first.moment.major},
     }
@@ -265,7 +265,7 @@ def _throw_records(run: MechanismRun) -> Iterable[Record]:
 
 
 def _without_round_off(moment: complex, scale: float) -> list[float]:
-    return [0.0 if abs(one) < 1e-12 * scale else one for one in (moment.real, moment.imag)]
+    return [0.0 if abs(part) < 1e-12 * scale else part for part in (moment.real, moment.imag)]
 
 
 def moving_mass_table(record: Record) -> Table:

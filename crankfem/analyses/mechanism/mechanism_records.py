@@ -29,16 +29,16 @@ COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
 RESIDUALS = {"residual_rms": "residual rms", "residual_largest": "largest residual"}
 
 
-def harmonics_record(found: Harmonics) -> Record:
+def harmonics_record(harmonics: Harmonics) -> Record:
     """Mean and harmonics M_k sin(k w t + a_k)."""
     names = ("strokes", "samples", "mean", "highest_order", *COLUMNS[:-1])
-    return {**attributes(found, *names), "phase_deg": np.rad2deg(found.phase).tolist()}
+    return {**attributes(harmonics, *names), "phase_deg": np.rad2deg(harmonics.phase).tolist()}
 
 
-def residual_record(found: Harmonics, table: TorqueTable) -> Record:
+def residual_record(harmonics: Harmonics, table: TorqueTable) -> Record:
     """Difference of a table's samples from mean and harmonics up to each order, in its unit."""
-    each = found.each_at(crank_angle_deg=table.crank_angle_deg)
-    residual = table.torque - found.mean - np.cumsum(each, axis=0)
+    each = harmonics.each_at(crank_angle_deg=table.crank_angle_deg)
+    residual = table.torque - harmonics.mean - np.cumsum(each, axis=0)
     return {
         "residual_rms": np.sqrt(np.mean(residual**2, axis=1)).tolist(),
         "residual_largest": np.max(np.abs(residual), axis=1).tolist(),
@@ -60,35 +60,35 @@ def stars_record(stars: Sequence[Star]) -> Record:
     }
 
 
-def seen_stars(found: Harmonics, firing_angles_deg: ArrayLike) -> tuple[Star, ...]:
+def seen_stars(harmonics: Harmonics, firing_angles_deg: ArrayLike) -> tuple[Star, ...]:
     """Return the star of each order except the one for which an even number of samples has one phase only."""
-    blind = found.highest_order if found.samples % 2 == 0 else math.inf
+    blind = harmonics.highest_order if harmonics.samples % 2 == 0 else math.inf
     return star_diagram(
-        orders=found.orders[found.orders < blind * (1.0 - 1e-9)],
+        orders=harmonics.orders[harmonics.orders < blind * (1.0 - 1e-9)],
         firing_angles_deg=firing_angles_deg,
-        strokes=found.strokes,
+        strokes=harmonics.strokes,
     )
 
 
 def fired_record(
-    found: Harmonics, stars: Sequence[Star], firing_angles_deg: Sequence[float]
+    harmonics: Harmonics, stars: Sequence[Star], firing_angles_deg: Sequence[float]
 ) -> Record:
     """Stars of cylinders with these harmonics each, phases from their firing tops, and their torque."""
     count = len(stars)
     sums = np.array([0.0 if star.kind == "balanced" else star.resultant for star in stars])
     directions = np.array([math.radians(star.resultant_direction_deg) for star in stars])
-    amplitude = sums * found.amplitude[:count]
-    phase = np.where(amplitude > 0.0, (found.phase[:count] - directions) % (2.0 * np.pi), 0.0)
+    amplitude = sums * harmonics.amplitude[:count]
+    phase = np.where(amplitude > 0.0, (harmonics.phase[:count] - directions) % (2.0 * np.pi), 0.0)
     left_out = [
-        f"order {order:g} is left out, because {found.samples} samples resolve only one phase of it"
-        for order in found.orders[count:].tolist()
+        f"order {order:g} is left out, because {harmonics.samples} samples resolve only one phase of it"
+        for order in harmonics.orders[count:].tolist()
     ]
     return {
         "firing_angles_deg": list(firing_angles_deg),
         **stars_record(stars),
         "torque": {
-            "mean": len(firing_angles_deg) * found.mean,
-            "orders": found.orders[:count].tolist(),
+            "mean": len(firing_angles_deg) * harmonics.mean,
+            "orders": harmonics.orders[:count].tolist(),
             "cosine": (amplitude * np.sin(phase)).tolist(),
             "sine": (amplitude * np.cos(phase)).tolist(),
             "amplitude": amplitude.tolist(),
@@ -146,12 +146,12 @@ def acceleration_columns(
     columns = {}
     for number in cylinders:
         alpha = shaft_angles - math.radians(layout.cylinders[number - 1].top_shaft_angle_deg)
-        found = acceleration_orders(layout, number, speed, max(ORDERS))
+        parts = acceleration_orders(layout, number, speed, max(ORDERS))
         columns[f"cylinder_{number}_acceleration_m_s2"] = piston_acceleration(
             layout, number, speed, angles_deg=np.degrees(alpha)
         )
         for order in ORDERS:
-            columns[f"cylinder_{number}_order_{order}_m_s2"] = order_part(found, order, alpha)
+            columns[f"cylinder_{number}_order_{order}_m_s2"] = order_part(parts, order, alpha)
     return columns
 
 
@@ -194,25 +194,27 @@ def acceleration_record(layout: EngineLayout, speed: float, cylinders: Sequence[
 def _piston_record(
     layout: EngineLayout, speed: float, number: int, alpha: FloatArray, whole: FloatArray
 ) -> Record:
-    found = acceleration_orders(layout, number, speed, HIGHEST_ORDER)
+    parts = acceleration_orders(layout, number, speed, HIGHEST_ORDER)
     count = HIGHEST_ORDER
-    zero = found.amplitude[:count] <= ROUND_OFF * found.amplitude[0]
+    zero = parts.amplitude[:count] <= ROUND_OFF * parts.amplitude[0]
     # Adding zero makes a negative zero positive.
-    phase = np.round(np.degrees(np.arctan2(found.sine[:count], found.cosine[:count])), 9) + 0.0
-    left = whole - sum(order_part(found, order, alpha) for order in ORDERS)
+    phase = np.round(np.degrees(np.arctan2(parts.sine[:count], parts.cosine[:count])), 9) + 0.0
+    left = whole - sum(order_part(parts, order, alpha) for order in ORDERS)
     return {
         "cylinder": number,
         "rod": _rod(layout, number),
         "largest": float(np.max(whole)),
         "orders": list(range(1, count + 1)),
-        "amplitude": np.where(zero, 0.0, found.amplitude[:count]).tolist(),
+        "amplitude": np.where(zero, 0.0, parts.amplitude[:count]).tolist(),
         "phase_deg": np.where(zero, 0.0, phase).tolist(),
         "left": float(np.max(np.abs(left))),
     }
 
 
-def _difference_record(number: int, alpha: FloatArray, main: FloatArray, own: FloatArray) -> Record:
-    apart = main - own
+def _difference_record(
+    number: int, alpha: FloatArray, main: FloatArray, hinged: FloatArray
+) -> Record:
+    apart = main - hinged
     most, least = int(np.argmax(apart)), int(np.argmin(apart))
     return {
         "cylinder": number,
@@ -220,7 +222,7 @@ def _difference_record(number: int, alpha: FloatArray, main: FloatArray, own: Fl
         "largest_deg": math.degrees(alpha[most]),
         "least": float(apart[least]),
         "least_deg": math.degrees(alpha[least]),
-        "mean_largest": 0.5 * float(np.max(main) + np.max(own)),
+        "mean_largest": 0.5 * float(np.max(main) + np.max(hinged)),
     }
 
 

@@ -94,8 +94,6 @@ def plot_hinged_rods(
 
     Parameters
     ----------
-    engine, speed, orders, cylinders
-        As in `hinged_rod_effects`.
     title : str, optional
         Above all panels.
 
@@ -225,27 +223,27 @@ def plot_polar_loads(
             axes.set_title(plain_text(title))
 
 
-def plot_model_difference(path: Path, found: ModelDifference, *, title: str = "") -> None:
+def plot_model_difference(path: Path, difference: ModelDifference, *, title: str = "") -> None:
     """Plot the crankpin load by two rod models, and their difference over the shaft angle."""
-    per_piston = 1e-6 / (KILO * found.piston_area)  # MPa for each kN
+    per_piston = 1e-6 / (KILO * difference.piston_area)  # MPa for each kN
     with figure(path, 2, width=11.8, height=6.4) as (polar, shares):
-        loads = list(zip(found.models, (found.first, found.second), strict=True))
+        loads = list(zip(difference.models, (difference.first, difference.second), strict=True))
         draw_polar_loads(polar, loads, "crank", 30.0)
         scale = (lambda force: force * per_piston, lambda pressure: pressure / per_piston)
         for side, axis in (("top", "xaxis"), ("right", "yaxis")):
             second = getattr(polar, f"secondary_{axis}")(side, functions=scale)
             second.set(**{f"{axis[0]}label": "force over piston area [MPa]"})
-        degrees = found.first.angles_deg
+        degrees = difference.first.angles_deg
         for values, color, name in (
-            (found.of_same_angle, RED, "of the size at the same angle"),
-            (found.of_mean, GREEN, "of the mean size"),
+            (difference.of_same_angle, RED, "of the size at the same angle"),
+            (difference.of_mean, GREEN, "of the mean size"),
         ):
             shares.plot(degrees, 100.0 * values, color=color, linewidth=1.3, label=name)
         shares.axhline(0.0, color=GRAY, linewidth=0.8)
         shares.set_xlim(degrees[0], 2.0 * degrees[-1] - degrees[-2])
         shares.set_xticks(np.arange(0.0, degrees[-1] + 90.0, 90.0))
         shares.set_xlabel("shaft angle [deg]")
-        shares.set_ylabel(f"force, {found.models[1]} less {found.models[0]} [%]")
+        shares.set_ylabel(f"force, {difference.models[1]} less {difference.models[0]} [%]")
         legend_below(shares, 2)
         add_title((polar, shares), title)
 
@@ -279,16 +277,16 @@ def plot_engine_torque(path: Path, torque: EngineTorque, *, title: str = "") -> 
 
 
 def plot_amplitudes(
-    path: Path, found: Harmonics, stars: Sequence[Star], *, title: str = ""
+    path: Path, harmonics: Harmonics, stars: Sequence[Star], *, title: str = ""
 ) -> None:
     """Plot the amplitudes of the engine's torque by order, colored by the star of the order."""
-    amplitude = np.where(_uncancelled(found), found.amplitude, 0.0)
+    amplitude = np.where(_uncancelled(harmonics), harmonics.amplitude, 0.0)
     with figure(path, width=7.2, height=3.6) as axes:
         for kind, color in KIND_COLORS.items():
             orders = [star.order for star in stars if star.kind == kind]
-            heights = [amplitude[found.index_of(order)] / 1000.0 for order in orders]
+            heights = [amplitude[harmonics.index_of(order)] / 1000.0 for order in orders]
             if orders:
-                axes.bar(orders, heights, width=0.6 * found.orders[0], color=color, label=kind)
+                axes.bar(orders, heights, width=0.6 * harmonics.orders[0], color=color, label=kind)
         axes.set_xlabel("harmonic order [cycles per revolution]")
         axes.set_ylabel(r"amplitude $M_k$ [kN m]")
         axes.set_title("Harmonics of the engine's torque")
@@ -305,7 +303,7 @@ def plot_stars(path: Path, stars: Sequence[Star], *, title: str = "") -> None:
     with figure(path, width=2.3 * columns, height=2.6 * rows + 0.2) as axes:
         for place, group in enumerate(groups):
             row, column = divmod(place, columns)
-            orders = ", ".join(f"{own.order:g}" for own in group)
+            orders = ", ".join(f"{star.order:g}" for star in group)
             words = f"{'orders' if len(group) > 1 else 'order'} {orders}"
             draw_star(axes, group[0], words, (STAR_STEP * column, -1.15 * STAR_STEP * row))
         finish_stars(axes, rows, columns)
@@ -344,14 +342,14 @@ def table_files(stars: Sequence[Star]) -> list[str]:
     ]
 
 
-def plot_torque(path: Path, samples: FloatArray, found: Harmonics) -> None:
+def plot_torque(path: Path, samples: FloatArray, harmonics: Harmonics) -> None:
     """Plot torque samples with the sum of the harmonics, and the amplitudes by order."""
-    whole = found.orders.size == found.samples // 2
-    summed = "sum of all harmonics" if whole else f"sum up to order {found.orders[-1]:g}"
+    whole = harmonics.orders.size == harmonics.samples // 2
+    summed = "sum of all harmonics" if whole else f"sum up to order {harmonics.orders[-1]:g}"
     with figure(path, 2, width=8.6, height=3.4) as (left, right):
-        draw_samples(left, samples, found, summed=summed)
+        draw_samples(left, samples, harmonics, summed=summed)
         draw_harmonics(
-            right, found.orders, {"amplitude": found.amplitude}, r"amplitude $M_k$ [N m]"
+            right, harmonics.orders, {"amplitude": harmonics.amplitude}, r"amplitude $M_k$ [N m]"
         )
 
 
@@ -362,16 +360,16 @@ def _uncancelled(harmonics: Harmonics) -> NDArray[np.bool_]:
     )
 
 
-def plot_single_harmonics(path: Path, found: Harmonics, *, title: str = "") -> None:
+def plot_single_harmonics(path: Path, harmonics: Harmonics, *, title: str = "") -> None:
     """Plot harmonics of a torque, each in its own panel, the lowest if there are too many.
 
     Orders that cancel in the sum of several cylinders are left out.
     """
-    left = np.flatnonzero(_uncancelled(found))[:MOST_PANELS]
+    left = np.flatnonzero(_uncancelled(harmonics))[:MOST_PANELS]
     if not left.size:
         with figure(path, width=4.0, height=1.2) as axes:
             axes.set_axis_off()
-            axes.set_title(f"All orders up to {found.orders[-1]:g} cancel.", fontsize=9)
+            axes.set_title(f"All orders up to {harmonics.orders[-1]:g} cancel.", fontsize=9)
             add_title(axes, title)
         return
     count = len(left)
@@ -380,12 +378,12 @@ def plot_single_harmonics(path: Path, found: Harmonics, *, title: str = "") -> N
     size = {"width": 2.9 * columns + 0.4, "height": 2.1 * rows + 0.3}
     with figure(path, columns, **size, rows=rows) as axes:
         panels = axes.ravel().tolist()
-        top = 1.1 * float(np.max(found.amplitude[left]))
+        top = 1.1 * float(np.max(harmonics.amplitude[left]))
         for place, panel in enumerate(panels):
             if place >= count:
                 panel.set_axis_off()
                 continue
-            draw_one_harmonic(panel, found, int(left[place]), "N m")
+            draw_one_harmonic(panel, harmonics, int(left[place]), "N m")
             panel.set_ylim(-top, top)
             if place % columns:
                 panel.set_ylabel("")

@@ -131,7 +131,7 @@ def compare_rod_models(run: MechanismRun) -> tuple[ModelComparison, ...]:
     """Compare the rod models with the rigid rod, for the same gas and speed."""
     rigid = run.forces if run.forces.model == "rigid" else _with_model(run, "rigid")
     loads = crankpin_loads(rigid)
-    found = []
+    differences = []
     for name in ROD_MODELS[1:]:
         forces = _with_model(run, name)
         crankpin = max(
@@ -139,8 +139,8 @@ def compare_rod_models(run: MechanismRun) -> tuple[ModelComparison, ...]:
             for crankpin_load, load in zip(crankpin_loads(forces), loads, strict=True)
         )
         side = float(np.max(np.abs(forces.side - rigid.side)) / np.max(np.abs(rigid.side)))
-        found.append(ModelComparison(name, crankpin, side))
-    return tuple(found)
+        differences.append(ModelComparison(name, crankpin, side))
+    return tuple(differences)
 
 
 def _with_model(run: MechanismRun, model: RodModelName) -> MechanismForces:
@@ -221,7 +221,7 @@ def rod_mass_records(layout: EngineLayout) -> list[Record]:
         The foot is at the crankpin, or at the slave pin.
     """
     rods = [cylinder.rod for cylinder in layout.cylinders]
-    found = []
+    records = []
     for rod in dict.fromkeys(rods):
         places = {"at_foot": 0j, "at_piston_pin": complex(rod.length), "at_center": rod.center}
         rows = []
@@ -237,13 +237,13 @@ def rod_mass_records(layout: EngineLayout) -> list[Record]:
                     "inertia": _without_round_off(model.added_inertia, rod.inertia),
                 }
             )
-        found.append(
+        records.append(
             {
                 "cylinders": [number for number, own in enumerate(rods, start=1) if own == rod],
                 "models": rows,
             }
         )
-    return found
+    return records
 
 
 def _without_round_off(value: float | None, scale: float) -> float | None:
@@ -280,7 +280,7 @@ def rod_mass_table(records: list[Record]) -> Table:
     )
 
 
-def model_difference_record(found: ModelDifference) -> Record:
+def model_difference_record(difference: ModelDifference) -> Record:
     """Return the crankpin loads of two rod models, and their difference, as plain JSON content.
 
     Returns
@@ -291,15 +291,15 @@ def model_difference_record(found: ModelDifference) -> Record:
         each, "largest_of_same_angle" and "largest_of_mean", signed, at "..._deg"; and how "mean" and
         "maximum" of the second model differ from those of the first, as shares.
     """
-    first, second = found.first, found.second
+    first, second = difference.first, difference.second
     degrees = first.angles_deg
     return {
-        **attributes(found, "models", "piston_area", "of_same_angle", "of_mean"),
+        **attributes(difference, "models", "piston_area", "of_same_angle", "of_mean"),
         "crankpin": first.name,
         "shaft_angles_deg": degrees.tolist(),
         "sizes": [first.magnitude.tolist(), second.magnitude.tolist()],
-        **_largest("of_same_angle", found.of_same_angle, degrees),
-        **_largest("of_mean", found.of_mean, degrees),
+        **_largest("of_same_angle", difference.of_same_angle, degrees),
+        **_largest("of_mean", difference.of_mean, degrees),
         "mean": second.mean / first.mean - 1.0,
         "maximum": second.maximum / first.maximum - 1.0,
     }

@@ -196,15 +196,15 @@ def torsional_damper(engine_file: EngineFile) -> TorsionalDamper | None:
     InputError
         If there is no free end to carry it.
     """
-    given = engine_file.torsional_damper
-    if given is None:
+    damper = engine_file.torsional_damper
+    if damper is None:
         return None
     if engine_file.free_end is None:
         raise InputError(
             "torsional_damper: given without the section [free_end]; allowed are both, because the hub "
             "of the damper is part of the free end's inertia."
         )
-    return given.damper()
+    return damper.damper()
 
 
 def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str]:
@@ -217,8 +217,8 @@ def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str
     if damping is not None:
         magnifier = damping.axial_magnifier if kind == "axial" else damping.torsional_magnifier
         if magnifier is not None:
-            told, assumed = engine_file.provenance.get(f"damping.{kind}_magnifier", ("", False))
-            return magnifier, f"{ASSUMED}: {told}" if assumed else "engine file"
+            source, assumed = engine_file.provenance.get(f"damping.{kind}_magnifier", ("", False))
+            return magnifier, f"{ASSUMED}: {source}" if assumed else "engine file"
         if kind == "torsional" and damping.damps_torsion:
             return None, ""
     return DEFAULT_MAGNIFIER, f"{ASSUMED}, {MAGNIFIER_SOURCE}"
@@ -238,17 +238,17 @@ def magnifier_damping(engine_file: EngineFile, chain: EngineChain) -> tuple[Arra
     if source.startswith(ASSUMED) and np.any(damped_springs := chain.chain.damped_springs):
         undamped = modes.strain_shares[~damped_springs, modes.rigid :].sum(axis=0)
         apart = ", by its share of strain in parts without damping of their own"
-    said = f"magnifier {magnifier:g} of every elastic mode{apart}: {source}"
-    return 0.5 / magnifier * undamped, said
+    sentence = f"magnifier {magnifier:g} of every elastic mode{apart}: {source}"
+    return 0.5 / magnifier * undamped, sentence
 
 
 def damped_engine_chain(engine_file: EngineFile, chain: EngineChain) -> DampedChain:
     """Return the chain with the damping of engine and shaft; dampers and couplings add theirs."""
-    added, told = magnifier_damping(engine_file, chain)
-    found = damped(chain.chain, modal_damping=added)
-    record = found.record if added is None else (*found.record[:-1], told)
+    added, magnifier = magnifier_damping(engine_file, chain)
+    system = damped(chain.chain, modal_damping=added)
+    record = system.record if added is None else (*system.record[:-1], magnifier)
     unit = "N s/m" if chain.kind == "axial" else "N m s/rad"
-    return replace(found, record=tuple(said.replace(UNIT, unit) for said in record))
+    return replace(system, record=tuple(sentence.replace(UNIT, unit) for sentence in record))
 
 
 class Motion(NamedTuple):
@@ -295,11 +295,6 @@ def shaft_surroundings(
     engine_file: EngineFile, analysis: Analyses, bearings: MainBearings | None = None
 ) -> tuple[ShaftSurroundings, tuple[str, ...]]:
     """Return the surroundings of the throws, as the engine file gives them.
-
-    Parameters
-    ----------
-    engine_file, analysis, bearings
-        As for `whole_shaft`.
 
     Returns
     -------

@@ -55,24 +55,19 @@ def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawVa
     InputError
         If the law does not cover one of the throws, with its name.
     """
-    found: dict[CrankThrow, LawValue] = {}
+    lookups: dict[CrankThrow, LawValue] = {}
     for name, throw in engine_file.named_throws.items():
         try:
             own = law_answers(throw, engine_file.material)[quantity]
         except InputError as error:
             which = f"throw {name}" if engine_file.throws_by_name else "this throw"
             raise InputError(f"does not apply to {which}: {str(error).rstrip('.')}") from None
-        found[throw] = LawValue(own["value"], own["lower"], own["upper"])
-    return found
+        lookups[throw] = LawValue(own["value"], own["lower"], own["upper"])
+    return lookups
 
 
 def refuse_law(engine_file: EngineFile) -> None:
-    """Refuse the law as a source if it does not cover a throw.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse the law as a source if it does not cover a throw."""
     vibration = engine_file.vibration
     for kind, own in (("axial", vibration.axial_source), ("torsional", vibration.torsional_source)):
         if own.casefold() != LAW:
@@ -135,14 +130,14 @@ def throw_lookups(
     InputError
         As `throw_lookup`, with the name of the throw.
     """
-    found: dict[CrankThrow, Lookup] = {}
+    lookups: dict[CrankThrow, Lookup] = {}
     for name, throw in engine_file.named_throws.items():
         try:
-            found[throw] = throw_lookup(model, response, throw, engine_file.material)
+            lookups[throw] = throw_lookup(model, response, throw, engine_file.material)
         except InputError as error:
             own = f"throw {name}" if engine_file.throws_by_name else "this throw"
             raise InputError(f"does not apply to {own}: {str(error).rstrip('.')}") from None
-    return found
+    return lookups
 
 
 def chosen_regressions(vibration: VibrationSettings) -> dict[str, str]:
@@ -152,12 +147,7 @@ def chosen_regressions(vibration: VibrationSettings) -> dict[str, str]:
 
 
 def refuse_regression(engine_file: EngineFile, model: ComplianceModel | None) -> None:
-    """Refuse a regression as a source if there is none, or if it does not cover the throws.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a regression as a source if there is none, or if it does not cover the throws."""
     for kind, response in chosen_regressions(engine_file.vibration).items():
         if model is None:
             raise InputError(
@@ -457,17 +447,13 @@ def source_spread(
     kind : {"axial", "torsional"}
     source : str
         As named in `axial_sources` and `torsional_sources`; usable for this engine.
-    shaft : ShaftCompliances
-        Of the throws in the shaft.
-    model : ComplianceModel or None
-        If the source is a regression.
 
     Returns
     -------
     Spread
         Of all throws together, with its origin.
     """
-    estimates = (own.error_estimate for own in analyses_by_name(engine_file, analysis).values())
+    estimates = (throw.error_estimate for throw in analyses_by_name(engine_file, analysis).values())
     error = max(estimates)
     if source == GIVEN:
         return Spread(
@@ -486,16 +472,16 @@ def source_spread(
         found = throw_lookups(engine_file, model, RESPONSES[kind]).values()
         return Spread(
             "compliance",
-            min(own.lower / own.value for own in found if own.lower is not None),
-            max(own.upper / own.value for own in found if own.upper is not None),
-            name=f"error of the regression ({'; '.join(dict.fromkeys(own.band for own in found))})",
+            min(throw.lower / throw.value for throw in found if throw.lower is not None),
+            max(throw.upper / throw.value for throw in found if throw.upper is not None),
+            name=f"error of the regression ({'; '.join(dict.fromkeys(throw.band for throw in found))})",
         )
     if source == LAW:
         values = law_values(engine_file, RESPONSES[kind]).values()
         return Spread(
             "compliance",
-            min(own.lower / own.value for own in values),
-            max(own.upper / own.value for own in values),
+            min(throw.lower / throw.value for throw in values),
+            max(throw.upper / throw.value for throw in values),
             name="error of the law, not exceeded by 95 of 100 throws",
         )
     return _formula_spread(engine_file, kind, source, getattr(shaft, kind), error)
@@ -507,7 +493,7 @@ def _formula_spread(
     """Range of a formula: its ratio to finite elements for shipped throws, and for the engine's own."""
     throws = engine_file.crank_throws
     here = sum(_row(engine_file, kind, source, throws, engine_file.material)) / sum(by_elements)
-    found = [(here, error)]
+    ratios = [(here, error)]
     single = all(_pins(throw) == 1 for throw in throws)
     for analyzed_throw in analyzed_throws():
         if single and _pins(analyzed_throw.throw) > 1:
@@ -517,12 +503,12 @@ def _formula_spread(
         )
         beside = sum(row) / sum(_elements(engine_file, kind, analyzed_throw))
         if beside > 0.0:
-            found.append((beside, analyzed_throw.error_estimate))
-    others = [beside for beside, _ in found[1:]]
+            ratios.append((beside, analyzed_throw.error_estimate))
+    others = [beside for beside, _ in ratios[1:]]
     return Spread(
         "compliance",
-        min(1.0, *((1.0 - off) / beside for beside, off in found)),
-        max(1.0, *((1.0 + off) / beside for beside, off in found)),
+        min(1.0, *((1.0 - off) / beside for beside, off in ratios)),
+        max(1.0, *((1.0 + off) / beside for beside, off in ratios)),
         name=f"error of the formula {source} ({min(others):.2f} to {max(others):.2f} times finite elements "
         f"for the throws of {len(others)} shipped engines at the angles of these cranks, {here:.2f} times "
         "for the engine's own)",

@@ -109,16 +109,16 @@ def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
         f"{100.0 * ratio:.3g} %{'' if own else ' (assumed)'}"
         for ratio, own in zip(_damping_ratios(engine_file), known, strict=True)
     )
-    found = [
+    remarks = [
         "modes have the damping of the chains, weighted by their energy shares, of critical damping: "
         f"axial motion {axial}, torsion {torsional}, bending {bending}"
     ]
     if engine_file.damping is not None and engine_file.damping.cylinder_damping:
-        found.append(
+        remarks.append(
             "the damping of the cylinders in torsion (damping.cylinder_damping), which the torsional chain "
             "has, is left out"
         )
-    return tuple(found)
+    return tuple(remarks)
 
 
 def _damping_ratios(engine_file: EngineFile) -> tuple[float, float, float]:
@@ -222,7 +222,7 @@ class ShaftComparison:
     @property
     def verdicts(self) -> tuple[ChainVerdict, ...]:
         """Of the compared chains."""
-        return tuple(one for one in (self.axial, self.torsional) if one is not None)
+        return tuple(verdict for verdict in (self.axial, self.torsional) if verdict is not None)
 
     def plot(
         self,
@@ -361,12 +361,12 @@ def not_comparable(engine_file: EngineFile) -> str:
     return ""
 
 
-def _line_nodes(engine_file: EngineFile, given: PropellerForcesSection) -> set[str]:
+def _line_nodes(engine_file: EngineFile, forces: PropellerForcesSection) -> set[str]:
     """Nodes of the shaft lines on which a propeller's torque and thrust, if there are some, can act."""
     lines = engine_file.shaft_lines
     acting: tuple[tuple[Kind, Sequence[float]], ...] = (
-        ("torsional", given.torque_shares),
-        ("axial", given.thrust_shares),
+        ("torsional", forces.torque_shares),
+        ("axial", forces.thrust_shares),
     )
     named = [set(lines[kind].names[1:]) if kind in lines else set() for kind, own in acting if own]
     return set.intersection(*named)
@@ -487,8 +487,6 @@ def compare_with_chains(
 
     Parameters
     ----------
-    axial, torsional : EngineChain
-        Of the same engine.
     coupled, axial_response, torsional_response : optional
         Forced vibration under the same forces at the same speeds; by default only modes are compared.
     running_range : tuple of two floats, optional

@@ -81,7 +81,7 @@ def formula_records(
 
 def _records(values: Mapping[str, FormulaValue]) -> list[Record]:
     names = ("value", "unit", "valid", "variant", "remarks", "source")
-    return [{"name": name, **attributes(own, *names)} for name, own in values.items()]
+    return [{"name": name, **attributes(formula, *names)} for name, formula in values.items()]
 
 
 def fe_axial(analysis: ThrowAnalysis, gamma_deg: float) -> float:
@@ -204,7 +204,7 @@ def engine_spread(
     InputError
         As `axial_formulas`.
     """
-    found = formula_records(throw, material, gamma_deg, variant, constants)
+    records = formula_records(throw, material, gamma_deg, variant, constants)
     fe = fe_record(analyze_throw(throw, material, accuracy=accuracy), gamma_deg)
     return EngineSpread(
         engine=engine,
@@ -214,7 +214,7 @@ def engine_spread(
         ratios={
             kind: {
                 record["name"]: Ratio(record["value"] / fe[kind], record["valid"])
-                for record in found[kind]
+                for record in records[kind]
             }
             for kind in ("axial", "torsional")
         },
@@ -236,12 +236,12 @@ def spread_of_engines(
     progress : callable, optional
         Called before each engine with its number from 1, their count, and its name.
     """
-    found = []
+    spreads = []
     for number, (name, throw, material) in enumerate(engines, start=1):
         if progress is not None:
             progress(number, len(engines), name)
-        found.append(compute(name, throw, material))
-    return tuple(found)
+        spreads.append(compute(name, throw, material))
+    return tuple(spreads)
 
 
 def formula_spreads(spreads: Sequence[EngineSpread], kind: str) -> dict[str, FormulaSpread]:
@@ -313,7 +313,7 @@ def plot_formulas(
     """
     if finite_elements is not None:
         positive_number("finite_elements", finite_elements, "", "a compliance is above zero")
-    units = {one.unit for one in found.values()}
+    units = {formula.unit for formula in found.values()}
     if len(units) != 1:
         raise InputError(
             f"found: given values in {', '.join(sorted(units)) or 'no unit'}; allowed are the formulas of "
@@ -325,8 +325,8 @@ def plot_formulas(
     draw_formula_bars(
         axes,
         list(found),
-        np.array([one.value for one in found.values()]) / size,
-        [one.valid for one in found.values()],
+        np.array([formula.value for formula in found.values()]) / size,
+        [formula.valid for formula in found.values()],
         f"{kind} compliance [{unit}]",
         None if finite_elements is None else finite_elements / size,
     )
@@ -356,7 +356,7 @@ def plot_formulas_over_angle(
     tables = [axial_formulas(throw, angle, material=used) for angle in ANGLES_DEG.tolist()]
     # A compliance that is not above zero has no meaning: it leaves a gap.
     curves = {
-        name: np.array([v if (v := one[name].value) > 0.0 else np.nan for one in tables])
+        name: np.array([v if (v := formulas[name].value) > 0.0 else np.nan for formulas in tables])
         for name in tables[0]
     }
     if analysis is None:

@@ -53,30 +53,30 @@ def law_answers(
     axial, torsional = throw_laws(
         throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
     )
-    found = end_answers(axial, torsional)
-    return found if gamma_deg is None else found | neighbor_answers(axial, gamma_deg)
+    answers = end_answers(axial, torsional)
+    return answers if gamma_deg is None else answers | neighbor_answers(axial, gamma_deg)
 
 
 def end_answers(axial: AxialLaw, torsional: TorsionalLaw) -> dict[str, Record]:
     """Values of both laws with ends pinned and guided, as `law_answers` returns them."""
-    found: dict[str, Record] = {}
+    answers: dict[str, Record] = {}
     for law, names in ((axial, _AXIAL), (torsional, _TORSIONAL)):
         for response, (name, unit) in names.items():
             support = "guided" if "guided" in name else "pinned" if unit else ""
             lower, upper = _band(law, name)
-            found[response] = _answer(getattr(law, name), lower, upper, unit, support)
-    return found
+            answers[response] = _answer(getattr(law, name), lower, upper, unit, support)
+    return answers
 
 
 def neighbor_answers(axial: AxialLaw, gamma_deg: float) -> dict[str, Record]:
     """Axial compliance and c between equal neighbors [deg]; their bands join those of three numbers."""
     support = f"between neighbors at {gamma_deg:g} deg"
-    found = {}
+    answers = {}
     for response, law in ((AXIAL, axial.axial), (INFLUENCE, axial.influence)):
         names = (_AXIAL[f"{response}_guided"][0], _AXIAL[response][0], "ratio")
         lower, upper = between_ends(fold_angle(gamma_deg), [_band(axial, name) for name in names])
-        found[response] = _answer(float(law(gamma_deg)), lower, upper, "m/N", support)
-    return found
+        answers[response] = _answer(float(law(gamma_deg)), lower, upper, "m/N", support)
+    return answers
 
 
 def _band(law: AxialLaw | TorsionalLaw, name: str) -> tuple[float, float]:
@@ -101,11 +101,11 @@ def law_sentence(record: Record, units: OutputUnits = SI) -> str:
     answers = record["answers"]
     if answers is None:
         return units.text(f"The law does not apply to this throw: {record['reason']}")
-    own, twist = answers[AXIAL], answers[TORSIONAL]
+    pinned, twist = answers[AXIAL], answers[TORSIONAL]
     axial, torsional = units.of("1e-9 m/N"), units.of("1e-9 rad/(N m)")
-    width = percent(own["upper"] / own["value"] - 1.0)
+    width = percent(pinned["upper"] / pinned["value"] - 1.0)
     return (
-        f"By the law, without finite elements: e_n {axial.with_name(own['value'])} within {width} %, ends "
+        f"By the law, without finite elements: e_n {axial.with_name(pinned['value'])} within {width} %, ends "
         f"pinned ({axial.with_name(answers[f'{AXIAL}_guided']['value'])} guided), torsional compliance "
         f"{torsional.with_name(twist['value'])} pinned."
     )
@@ -141,7 +141,7 @@ def law_lookups(
     """Look a throw up by the law; arguments and errors as `law_answers`."""
     answers = {
         name: Lookup(
-            **own,
+            **answer,
             inside=True,
             remarks=(),
             error=None,
@@ -149,6 +149,6 @@ def law_lookups(
             band="95 of 100 throws with rigid end sections lie in it",
             symbol=name.replace("_", " "),
         )
-        for name, own in law_answers(throw, material, gamma_deg).items()
+        for name, answer in law_answers(throw, material, gamma_deg).items()
     }
     return LawLookups(answers, partial(law_reactions, throw, poisson_ratio=material.poisson_ratio))

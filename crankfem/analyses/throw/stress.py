@@ -134,8 +134,8 @@ def stress_record(stresses: FilletStresses) -> Record:
         "elements_across_fillets": stresses.fineness,
         "mesh": stresses.mesh,
         "meshings": [
-            attributes(found, "fillet", "size", "size_share", "layers", "across_web", "met")
-            for found in stresses.meshings
+            attributes(meshing, "fillet", "size", "size_share", "layers", "across_web", "met")
+            for meshing in stresses.meshings
         ],
         "rule_met": stresses.rule_met,
         "unknowns": mesh.unknowns,

@@ -51,9 +51,9 @@ def support_table(record: Record) -> Table:
 def section_sentence(record: Record) -> str:
     """State the effect of rigid sections on the axial compliance of a `throw_record`; empty if unknown."""
     shares = [
-        f"{percent(own['section_errors']['axial_compliance'] / own['axial_compliance'])} % of e_n {name}"
-        for name, own in record["supports"].items()
-        if own.get("section_errors")
+        f"{percent(held['section_errors']['axial_compliance'] / held['axial_compliance'])} % of e_n {name}"
+        for name, held in record["supports"].items()
+        if held.get("section_errors")
     ]
     if not shares:
         return ""
@@ -70,8 +70,8 @@ def loaded_table(record: Record, units: OutputUnits = SI) -> Table:
         table,
         columns=[*table.columns, Column("P", "kN")],
         rows=[
-            [*row, own["axial_force"]]
-            for row, own in zip(table.rows, record["supports"].values(), strict=True)
+            [*row, supported["axial_force"]]
+            for row, supported in zip(table.rows, record["supports"].values(), strict=True)
         ],
         note=f"P: axial force at the right end that keeps the length under {pin_force_words(record, units)}.",
     )
@@ -82,8 +82,8 @@ def pin_force_words(record: Record, units: OutputUnits = SI) -> str:
     unit = units.of("kN")
     # Records of older versions know radial forces only.
     x, y, z = record.get("pin_force", (0.0, -record["radial_force"], 0.0))
-    own = record.get("dimensions", {})
-    several = own.get("further_pins") or len(own.get("pins", ())) > 1
+    dimensions = record.get("dimensions", {})
+    several = dimensions.get("further_pins") or len(dimensions.get("pins", ())) > 1
     pin = "the first pin" if several else "the pin"
     if x == z == 0.0 and y <= 0.0:
         return f"a radial force of {unit.with_name(-y)} on {pin}"
@@ -146,7 +146,7 @@ def throw_record(
     acting = (0.0, -radial_force, 0.0) if pin_force is None else tuple(pin_force)
     for name, support in named.items():
         answer = analysis.supported(support)
-        found, error = analysis.reactions(acting, support), analysis.error_bars(support)
+        ends, error = analysis.reactions(acting, support), analysis.error_bars(support)
         supports[name] = {
             "axial_compliance": answer.axial,
             "torsional_compliance": answer.torsional,
@@ -160,7 +160,7 @@ def throw_record(
             "axial_force_per_radial": answer.influence / answer.axial,
             "axial_force": float(answer.stretches[0] @ acting) / answer.axial,
             "reactions": {
-                side: attributes(getattr(found, side), "force", "moment")
+                side: attributes(getattr(ends, side), "force", "moment")
                 for side in ("left", "right")
             },
         }
@@ -196,11 +196,11 @@ def _section_errors(analysis: ThrowAnalysis, support: Support) -> Record | None:
     """Effect of rigid sections on compliances; None if sections bend, or were solved as rigid only."""
     if isinstance(support, Neighbors) or analysis.sections == "rigid":
         return None
-    found = analysis.section_errors(support)
+    errors = analysis.section_errors(support)
     return {
-        "axial_compliance": found.axial,
-        "torsional_compliance": found.torsional,
-        "influence_coefficient": found.influence,
+        "axial_compliance": errors.axial,
+        "torsional_compliance": errors.torsional,
+        "influence_coefficient": errors.influence,
     }
 
 
@@ -325,8 +325,8 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
         law = (results["formulas"].get("law") or {}).get(f"{kind}_compliance")
         if law is not None:
             width = percent(law["upper"] / law["value"] - 1.0)
-            said = f"Fitted to finite elements of thousands of throws; 95 of 100 err by less than {width} %."
-            rows.append(row("the law", law["value"], "law", [said]))
+            text = f"Fitted to finite elements of thousands of throws; 95 of 100 err by less than {width} %."
+            rows.append(row("the law", law["value"], "law", [text]))
         own_rows = [
             row(f["name"], f["value"], f["name"], f["remarks"], f["valid"])
             for f in results["formulas"][kind]
@@ -342,13 +342,13 @@ def further_compliances(results: Mapping[str, Any]) -> dict[str, Record]:
     return {
         name: compliance_tables(
             {
-                "throw": own["throw"],
-                "formulas": own["formulas"],
-                "throws": {name: own},
+                "throw": parts["throw"],
+                "formulas": parts["formulas"],
+                "throws": {name: parts},
                 "vibration": {kind: {"sources": []} for kind in UNITS},
             }
         )
-        for name, own in list((results.get("throws") or {}).items())[1:]
+        for name, parts in list((results.get("throws") or {}).items())[1:]
     }
 
 

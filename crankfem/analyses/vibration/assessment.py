@@ -80,8 +80,6 @@ def engine_decision(
     ----------
     status : {"fine", "barred range needed", "not acceptable"}
         Of its verdict.
-    findings : sequence of pairs of VibrationLimit and AmplitudeCurve
-        Quantities compared with limits.
     again : callable, optional
         Status of a changed engine; without it no other magnifier is tried.
 
@@ -108,8 +106,8 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
     tensile, yielding = strengths(engine_file)
 
     def judged(**given: float) -> Status:
-        told = None if TENSILE in given else limits.tensile_strength
-        strong = told is None and given.get(TENSILE, tensile) > CRANKSHAFT_STRENGTHS[False]
+        strength = None if TENSILE in given else limits.tensile_strength
+        strong = strength is None and given.get(TENSILE, tensile) > CRANKSHAFT_STRENGTHS[False]
         changed = engine_file.changed(limits={**given, "alloy": limits.alloy or strong})
         own = {limit.name: limit for limit in engine_limits(changed)[0].values()}
         return engine_verdict(changed, [(own[lim.name], curve) for lim, curve in findings]).status
@@ -183,7 +181,7 @@ def _at_change(low: Trial, high: Trial, judged: Judged) -> list[Trial]:
         steps = round(0.5 * (high.value - low.value) / STRENGTH_STEP)
         tried = _tried(low, low.value + max(1, steps) * STRENGTH_STEP, judged)
         low, high = (tried, high) if tried.acceptable == low.acceptable else (low, tried)
-    return [one for one in (low, high) if one not in first]
+    return [trial for trial in (low, high) if trial not in first]
 
 
 # Largest step from one factor to the next: a resonance then moves by 7 %, which no running range is
@@ -353,12 +351,6 @@ def assess(
     ----------
     engine_file : EngineFile
         Its sections [limits] and [ranges] are used if given.
-    harmonics : CylinderHarmonics
-        What excites.
-    chains : pair of Vibration
-        The axial and the torsional one.
-    forced : pair of ForcedVibration
-        Theirs.
     shaft, analysis, model
         Source of the compliances; see `source_spread`.
     held : sequence of HeldChains
@@ -437,16 +429,16 @@ def _source_trials(
 ) -> tuple[Trial, ...]:
     """The verdicts by the factor on the compliances of one kind, 1 for those used."""
     kind, source = vibration.kind, vibration.chosen.source
-    given = getattr(engine_file.ranges, f"{kind}_compliance", None) is not None
+    ranged = getattr(engine_file.ranges, f"{kind}_compliance", None) is not None
     return tuple(
         Trial(
-            field=f"ranges.{kind}_compliance" if given else f"vibration.{kind}_source",
+            field=f"ranges.{kind}_compliance" if ranged else f"vibration.{kind}_source",
             name=f"{kind} compliance, ratio to that by {SOURCES.get(source, source)}",
             value=factor,
             unit="",
             status=verdict.status,
             taken=factor == 1.0,
-            why="the range given" if given else "the error of its source",
+            why="the range given" if ranged else "the error of its source",
         )
         for factor, verdict in tried.items()
     )

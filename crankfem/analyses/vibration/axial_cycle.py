@@ -61,7 +61,7 @@ def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForc
 
 
 def axial_cycle_record(
-    found: AxialForceOverCycle,
+    cycle: AxialForceOverCycle,
     forced: ForcedVibration,
     engine_file: EngineFile,
     coupled: CoupledResponse | None = None,
@@ -70,13 +70,11 @@ def axial_cycle_record(
 
     Parameters
     ----------
-    forced : ForcedVibration
-        Axial.
     coupled : CoupledResponse, optional
         Of the whole crankshaft, if it has the same bodies as the chain.
     """
     thrust = engine_file.thrust_bearing
-    on_bearing, running = found.thrust_bearing, forced.running_range
+    on_bearing, running = cycle.thrust_bearing, forced.running_range
     node = forced.engine_chain.sections[thrust.section_index]
     by_chain = thrust.stiffness * forced.response.synthesis.amplitude[:, node]
     whole = None
@@ -84,10 +82,10 @@ def axial_cycle_record(
         moved = coupled.split(f"main bearing {thrust.main_bearing} uz").both_sum
         whole = _largest(coupled.speeds, thrust.stiffness * moved, running)
     record: Record = {
-        "speed_rpm": found.speed * RPM,
-        "thrust_bearing": None if on_bearing is None else _extremes(found, on_bearing),
-        "held": _extremes(found, found.held),
-        "throws": [_extremes(found, own) for own in found.throws.T],
+        "speed_rpm": cycle.speed * RPM,
+        "thrust_bearing": None if on_bearing is None else _extremes(cycle, on_bearing),
+        "held": _extremes(cycle, cycle.held),
+        "throws": [_extremes(cycle, own) for own in cycle.throws.T],
         "running": _largest(forced.response.speeds, by_chain, running),
         "running_whole": whole,
     }
@@ -95,18 +93,18 @@ def axial_cycle_record(
     return record | {"sentences": _sentences(record, "" if alone else MEAN_LEFT_OUT)}
 
 
-def axial_cycle_columns(found: AxialForceOverCycle) -> tuple[dict[str, FloatArray], str]:
+def axial_cycle_columns(cycle: AxialForceOverCycle) -> tuple[dict[str, FloatArray], str]:
     """Return all forces over the shaft angle, and a description."""
-    return found.columns(), (
-        f"axial forces over the cycle at {found.speed * RPM:.10g} 1/min: on the thrust bearing with "
+    return cycle.columns(), (
+        f"axial forces over the cycle at {cycle.speed * RPM:.10g} 1/min: on the thrust bearing with "
         "vibration, on held ends without vibration, pressing each throw's ends apart"
     )
 
 
-def _extremes(found: AxialForceOverCycle, force: FloatArray) -> Record:
+def _extremes(cycle: AxialForceOverCycle, force: FloatArray) -> Record:
     """Lowest and highest value of a force [N], and their angles."""
     low, high = int(np.argmin(force)), int(np.argmax(force))
-    degrees = found.shaft_angles_deg
+    degrees = cycle.shaft_angles_deg
     return {
         "lowest": float(force[low]),
         "lowest_angle_deg": float(degrees[low]),

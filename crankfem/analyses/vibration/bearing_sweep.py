@@ -133,35 +133,35 @@ class BearingSweep:
         held = self.bearings
         over = f"Main bearings of {compact(held.lowest)} to {compact(held.highest)} N/m"
         over += " (assumed)" if held.assumed else ""
-        found = []
+        parts = []
         for kind in KINDS[::-1]:
             moved = [
-                f"{_range(own, '.1f')} Hz by the {by}"
-                for by, own in (
+                f"{_range(curve, '.1f')} Hz by the {by}"
+                for by, curve in (
                     ("chain", self.chains.get(kind)),
                     ("whole crankshaft", self.shaft.get(kind)),
                 )
-                if own is not None and np.any(np.isfinite(own))
+                if curve is not None and np.any(np.isfinite(curve))
             ]
-            others = [f"{_range(own, '.1f')} Hz" for own in self.further.get(kind, ())]
+            others = [f"{_range(curve, '.1f')} Hz" for curve in self.further.get(kind, ())]
             if moved and others:
                 moved[-1] += f", and in part {' and '.join(others)}"
             if moved:
-                found.append(f"first {kind} frequency of the crankshaft {', '.join(moved)}")
-        found = [f"{over}: {'; '.join(found)}."]
+                parts.append(f"first {kind} frequency of the crankshaft {', '.join(moved)}")
+        parts = [f"{over}: {'; '.join(parts)}."]
         if self.used:
             uses = ", ".join(
                 f"{_range(100.0 * used, '.0f')} % ({name}"
                 f"{', above the running range included' if name in self.beyond else ''})"
                 for name, used in self.used.items()
             )
-            said = (
+            change = (
                 f"the verdict changes within this range: {self.status_by_stiffness}"
                 if self.flips
                 else f'with all other values as used, the verdict is "{self.statuses[0]}" over all of it'
             )
-            found.append(f"Over that range, the share of the limit used is {uses}; {said}.")
-        return tuple(found)
+            parts.append(f"Over that range, the share of the limit used is {uses}; {change}.")
+        return tuple(parts)
 
     @property
     def status_by_stiffness(self) -> str:
@@ -187,8 +187,8 @@ class BearingSweep:
         return table(
             {"stiffness": (self.stiffness, "N/m")}
             | {f"{kind} chain": (chain, "Hz") for kind, chain in self.chains.items()}
-            | {f"{kind} whole crankshaft": (own, "Hz") for kind, own in self.shaft.items()}
-            | {f"used of {name}": (own, "1") for name, own in self.used.items()}
+            | {f"{kind} whole crankshaft": (curve, "Hz") for kind, curve in self.shaft.items()}
+            | {f"used of {name}": (curve, "1") for name, curve in self.used.items()}
             | ({"status": (list(self.statuses), "")} if self.statuses else {})
         )
 
@@ -298,8 +298,10 @@ def with_answers(
     """
     nominal = len(each) // 2
     return tuple(
-        one if place == nominal else replace(one, answers=_answers(engine_file, one, harmonics))
-        for place, one in enumerate(each)
+        chains
+        if place == nominal
+        else replace(chains, answers=_answers(engine_file, chains, harmonics))
+        for place, chains in enumerate(each)
     )
 
 
@@ -307,12 +309,12 @@ def answers_by_chain(
     each: Sequence[HeldChains], nominal: ForcedVibration
 ) -> dict[Chain, ForcedVibration]:
     """Return the forced vibration of one kind by its chain: the nominal one first, then the others."""
-    found = {nominal.engine_chain.chain: nominal}
-    for one in each:
-        for answer in one.answers or ():
+    answers = {nominal.engine_chain.chain: nominal}
+    for held in each:
+        for answer in held.answers or ():
             if answer.kind == nominal.kind:
-                found[answer.engine_chain.chain] = answer
-    return found
+                answers[answer.engine_chain.chain] = answer
+    return answers
 
 
 def _first(chain: EngineChain) -> float:
@@ -331,16 +333,16 @@ def _followed(
     rigid = modes[0].rigid
     follow = followed_modes(shafts[0].mass, [mode.shapes[:, rigid:] for mode in modes])
     frequencies, alike = np.full((2, *follow.shape), math.nan)
-    for place, (shaft, own, chain) in enumerate(zip(shafts, modes, chains, strict=True)):
+    for place, (shaft, chain_modes, chain) in enumerate(zip(shafts, modes, chains, strict=True)):
         first = chain.first_mode(chain.chain.modes())
         if first is None:
             continue
-        likeness = mode_likeness(shaft, own, chain, [first])[0]
-        scores = (own.shares[CLASSES.index(chain.kind)] * likeness)[rigid + follow[place]]
+        likeness = mode_likeness(shaft, chain_modes, chain, [first])[0]
+        scores = (chain_modes.shares[CLASSES.index(chain.kind)] * likeness)[rigid + follow[place]]
         best = float(np.max(scores))
         alike[place] = scores
         known = (scores >= min(DIVIDED, best)) & (scores > 0.0)
-        frequencies[place, known] = own.frequencies[rigid + follow[place]][known]
+        frequencies[place, known] = chain_modes.frequencies[rigid + follow[place]][known]
     there = np.isfinite(frequencies).any(axis=0)
     if not there.any():
         return frequencies[:, 0], np.empty((0, len(modes)))

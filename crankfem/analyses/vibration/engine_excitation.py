@@ -164,8 +164,6 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
     ----------
     engine_file : EngineFile
         With gas pressure.
-    mechanism : MechanismFile
-        Of the same engine.
 
     Raises
     ------
@@ -185,10 +183,10 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
             ),
         ]
     )
-    found = pressures_of_cylinders(engine_file, mechanism, speeds)
+    pressures_at_speeds = pressures_of_cylinders(engine_file, mechanism, speeds)
     indicated = [
         indicated_power(mechanism.layout, pressures, speed)
-        for pressures, speed in zip(found, speeds.tolist(), strict=True)
+        for pressures, speed in zip(pressures_at_speeds, speeds.tolist(), strict=True)
     ]
     law, section, rated = "constant", engine_file.load, mechanism.power
     if engine_file.gas_map is not None:
@@ -205,7 +203,9 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
         speeds=speeds,
         power=np.array([power for power, _ in indicated]),
         mean_pressure=np.array([mean for _, mean in indicated]),
-        peak_pressure=np.array([max(one.peak_pressure for one in each) for each in found]),
+        peak_pressure=np.array(
+            [max(pressure.peak_pressure for pressure in each) for each in pressures_at_speeds]
+        ),
         intake_pressure=(
             None if law in ("constant", "map") else curve_at(mechanism, speeds).intake_pressure
         ),
@@ -285,8 +285,6 @@ def failing_harmonics(
     ----------
     engine_file : EngineFile
         Its section [misfire] may exclude compression, too; then no gas acts.
-    firing : CylinderHarmonics
-        From `engine_harmonics`.
 
     Raises
     ------
@@ -296,7 +294,7 @@ def failing_harmonics(
     """
     misfire = engine_file.misfire
     if misfire is not None and not misfire.compression:
-        none = tuple(np.zeros((1, *own.shape[1:]), dtype=np.complex128) for own in firing.gas)
+        none = tuple(np.zeros((1, *gas.shape[1:]), dtype=np.complex128) for gas in firing.gas)
         weights = (constant_weight,) * len(none)
         return replace(firing, gas=none, weights=weights, takes_load=False)
     if engine_file.gas is None:
@@ -348,11 +346,11 @@ def calculated_speeds(
 
 def merged_speeds(speeds: Frequencies, others: Frequencies) -> NDArray[np.float64]:
     """Return speeds with others added, ascending; nearly equal ones are dropped."""
-    given = np.asarray(speeds, dtype=np.float64)
+    known = np.asarray(speeds, dtype=np.float64)
     added = np.unique(np.asarray(others, dtype=np.float64))
     added = added[np.diff(added, prepend=0.0) > SAME_SPEED * added]
-    near = np.min(np.abs(given[:, np.newaxis] - added), axis=1, initial=np.inf)
-    return np.sort(np.concatenate((given[near > SAME_SPEED * given], added)))
+    near = np.min(np.abs(known[:, np.newaxis] - added), axis=1, initial=np.inf)
+    return np.sort(np.concatenate((known[near > SAME_SPEED * known], added)))
 
 
 def forces_over_speeds(
@@ -362,8 +360,6 @@ def forces_over_speeds(
 
     Parameters
     ----------
-    harmonics : CylinderHarmonics
-        From `engine_harmonics`.
     speeds : (S,) array
         Ascending, as those of `calculated_speeds`.
     """
@@ -390,10 +386,6 @@ def excitation_along_shaft(
     ----------
     axial : SourceResult
         The axial chain and its compliances.
-    cranks : EngineChain
-        The torsional chain.
-    twisted : ForcedResponse
-        Of the torsional chain.
 
     Returns
     -------
@@ -431,31 +423,26 @@ def excitation_along_shaft(
 
 def excitation_remarks(engine_file: EngineFile, kind: Kind) -> tuple[str, ...]:
     """Remarks on excitation other than cylinders that all fire with one diagram."""
-    found = []
+    remarks = []
     if engine_file.gas_map is not None:
         count = len(engine_file.gas_map.points)
         beside = "" if engine_file.gas is None else ", in place of the section [gas]"
-        found.append(f"the cylinders' pressure follows a map of {count} diagrams{beside}")
+        remarks.append(f"the cylinders' pressure follows a map of {count} diagrams{beside}")
     propeller_forces = engine_file.propeller_forces
     if propeller_forces is not None and (
         propeller_forces.torque_shares if kind == "torsional" else propeller_forces.thrust_shares
     ):
-        found.append(
+        remarks.append(
             f"the propeller's {'torque' if kind == 'torsional' else 'thrust'} varies at node "
             f"{propeller_forces.node}"
         )
-    return tuple(found)
+    return tuple(remarks)
 
 
 def with_propeller(
     engine_file: EngineFile, chain: EngineChain, excitation: OrderExcitation
 ) -> OrderExcitation:
     """Add the excitation by a propeller, if the file gives its harmonics for this kind.
-
-    Parameters
-    ----------
-    excitation : OrderExcitation
-        Of the engine, on the chain.
 
     Raises
     ------
@@ -508,9 +495,9 @@ def compared_axial_forces(
     return compare_axial_forces(
         forces,
         compliances,
-        [own.influence_coefficient("pinned") for own in each],
+        [throw.influence_coefficient("pinned") for throw in each],
         shaft.influence * (compliances / shaft.axial)[:, None],
-        own_compliances=[own.axial_compliance("pinned") for own in each],
+        own_compliances=[throw.axial_compliance("pinned") for throw in each],
         pins=engine_file.pins,
     )
 
@@ -537,12 +524,7 @@ def calculated_range(
 
 
 def refuse_vibration(engine_file: EngineFile) -> None:
-    """Refuse limits, sources of compliances and parts of chains with which no vibration is calculated.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse limits, sources of compliances and parts of chains with which no vibration is calculated."""
     refuse_limits(engine_file)
     refuse_law(engine_file)
     _refuse_formulas(engine_file)
@@ -553,7 +535,7 @@ def _refuse_formulas(engine_file: EngineFile) -> None:
     """Refuse a published formula as the source where it gives a throw no compliance above zero."""
     throws, material = engine_file.crank_throws, engine_file.material
     vibration = engine_file.vibration
-    for kind, given, sources in (
+    for kind, source, sources in (
         (
             "axial",
             vibration.axial_source,
@@ -562,9 +544,9 @@ def _refuse_formulas(engine_file: EngineFile) -> None:
         ("torsional", vibration.torsional_source, torsional_by_formulas(throws, material)),
     ):
         for name, (values, _) in sources.items():
-            if name.casefold() == given.casefold() and not np.all(values > 0.0):
+            if name.casefold() == source.casefold() and not np.all(values > 0.0):
                 raise InputError(
-                    f"vibration.{kind}_source: given {given!r}, which gives a throw a compliance of "
+                    f"vibration.{kind}_source: given {source!r}, which gives a throw a compliance of "
                     f"{np.min(values):.3g}; give another source, such as 'fe', because a compliance is above "
                     "zero."
                 )

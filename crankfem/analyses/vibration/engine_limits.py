@@ -274,12 +274,7 @@ def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float 
 
 
 def refuse_limits(engine_file: EngineFile) -> None:
-    """Refuse limits on parts that the engine lacks, rules that do not fit, and limits if nothing is excited.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse limits on parts that the engine lacks, rules that do not fit, limits without excitation."""
     _ = engine_limits(engine_file)
     compliances = np.full(len(engine_file.throw_angles_deg), ANY_COMPLIANCE)
     inertias = engine_throw_inertias(engine_file, ANY_INERTIA)
@@ -295,12 +290,7 @@ def refuse_limits(engine_file: EngineFile) -> None:
 
 
 def check_limited_elements(limits: LimitsInput, elements: Sequence[str]) -> None:
-    """Refuse limits on elements that the torsional chain does not have.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse limits on elements that the torsional chain does not have."""
     for name in ("coupling_torque", "coupling_heat"):
         if getattr(limits, name) is not None and COUPLING not in elements:
             raise InputError(
@@ -372,8 +362,8 @@ class ComparedQuantity:
 def compared_quantities(engine_file: EngineFile) -> dict[str, ComparedQuantity]:
     """Return name, unit and limit of each possible item of `compared_series`, by its key."""
     limits, _ = engine_limits(engine_file)
-    found = {key: ComparedQuantity(name, unit, None) for key, (name, unit) in COMPARED.items()}
-    return found | {
+    compared = {key: ComparedQuantity(name, unit, None) for key, (name, unit) in COMPARED.items()}
+    return compared | {
         key: ComparedQuantity(limit.name, limit.unit, limit) for key, limit in limits.items()
     }
 
@@ -383,14 +373,16 @@ def compared_series(
 ) -> dict[str, OrderSeries]:
     """Return the quantities with limits, and motions and torques of `COMPARED` that the engine has."""
     limits, _ = engine_limits(engine_file)
-    found = {key: limited_series(key, engine_file, axial, torsional) for key in limits}
+    compared = {key: limited_series(key, engine_file, axial, torsional) for key in limits}
     loads = torsional.loads.elements
     for key in ("torsional_amplitude", "axial_amplitude", "coupling_torque"):
-        if key not in found and (key != "coupling_torque" or COUPLING in loads.names):
-            found[key] = limited_series(key, engine_file, axial, torsional)
-    for own in (loads, torsional.loads.dashpots):
-        rings = [place for place, name in enumerate(own.names) if name.endswith(DAMPER)]
+        if key not in compared and (key != "coupling_torque" or COUPLING in loads.names):
+            compared[key] = limited_series(key, engine_file, axial, torsional)
+    for loads_of_part in (loads, torsional.loads.dashpots):
+        rings = [place for place, name in enumerate(loads_of_part.names) if name.endswith(DAMPER)]
         if rings:
-            names = tuple(own.names[place] for place in rings)
-            found["damper_torque"] = replace(own, values=own.values[:, :, rings], names=names)
-    return found
+            names = tuple(loads_of_part.names[place] for place in rings)
+            compared["damper_torque"] = replace(
+                loads_of_part, values=loads_of_part.values[:, :, rings], names=names
+            )
+    return compared

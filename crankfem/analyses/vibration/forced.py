@@ -255,9 +255,11 @@ def _sections(engine_file: EngineFile, chain: EngineChain) -> dict[int, float]:
     sections: dict[int, float] = {}
     for element in range(crank_element_count(chain)):
         ends = chain.chain.connections[element]
-        own = [moduli[chain.throw_nodes.index(node)] for node in ends if node in chain.throw_nodes]
-        if own:  # of a plant, parts before the first crank have no section that is known
-            sections[element] = min(own)
+        joined = [
+            moduli[chain.throw_nodes.index(node)] for node in ends if node in chain.throw_nodes
+        ]
+        if joined:  # of a plant, parts before the first crank have no section that is known
+            sections[element] = min(joined)
     return sections
 
 
@@ -325,7 +327,9 @@ class ForcedVibration(ChainAnswer):
         ]
         if not met:
             return (float(self.frequencies[mode - 1]) / undamped,)
-        return tuple(one.frequency / undamped for one in met if one.has_peak and mode in one.modes)
+        return tuple(
+            peak.frequency / undamped for peak in met if peak.has_peak and mode in peak.modes
+        )
 
     @property
     def peaks(self) -> tuple[DampedCritical, ...]:
@@ -459,8 +463,6 @@ def forced_vibrations(
     ----------
     axial, torsional : Vibration
         Modes of the chains with the chosen compliances.
-    shaft : ShaftCompliances
-        Of the throws in the shaft.
     further : (m,) array, optional
         Further natural frequencies to be resolved by the speeds [Hz].
 

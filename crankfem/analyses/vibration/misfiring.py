@@ -155,13 +155,13 @@ class FiringCheck:
     def _finding(self, cylinders: Cylinders, reached: Reached) -> str:
         normal, limit = self.normal, self.limit
         if limit is None or np.isinf(reached.permitted):
-            found = f"at most {self._amount(reached)}"
+            use = f"at most {self._amount(reached)}"
         else:
-            found = use_in_words(limit, reached.speed, reached.value, reached.permitted, DIGITS)
-            found += self._by_the_other(limit, reached)
+            use = use_in_words(limit, reached.speed, reached.value, reached.permitted, DIGITS)
+            use += self._by_the_other(limit, reached)
         elsewhere = "" if normal.place == reached.place else f", {normal.place}"
         return (
-            f"{named(cylinders)} misfiring, {limit_at(self.quantity, reached.place)}: {found}; with "
+            f"{named(cylinders)} misfiring, {limit_at(self.quantity, reached.place)}: {use}; with "
             f"all cylinders firing {self._amount(normal)}{self._share(normal, reached)}{elsewhere}"
         )
 
@@ -318,18 +318,18 @@ class Misfiring:
         first = self.worst.news if self.worst.normal_keeps else ""
         most = max(self.checks, key=lambda check: check.misfiring.used)
         newest = most.new is not None and most.new.reached is most.misfiring
-        told = [first, "" if newest else most.sentence]
-        told.append("" if most.normal_keeps and most is self.worst else most.news)
+        sentences = [first, "" if newest else most.sentence]
+        sentences.append("" if most.normal_keeps and most is self.worst else most.news)
         who = named(self.cases[0]) if len(self.cases) == 1 else "a cylinder"
         keeps = (
             f"restrict running to {_listed(self.remaining)} then"
             if self.remaining
             else "no running speed keeps them"
         )
-        told.append(
+        sentences.append(
             f"While {who} misfires, limits are exceeded from {_listed(self.exceeded)}: {keeps}."
         )
-        return " ".join(filter(None, told))
+        return " ".join(filter(None, sentences))
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -361,8 +361,8 @@ class Misfiring:
         for low, high in barred:
             parts = (
                 part
-                for own in left
-                for part in ((own[0], min(own[1], low)), (max(own[0], high), own[1]))
+                for kept in left
+                for part in ((kept[0], min(kept[1], low)), (max(kept[0], high), kept[1]))
             )
             left = tuple(part for part in parts if part[1] > part[0] * (1.0 + NARROW))
         return replace(self, remaining=left)
@@ -379,11 +379,6 @@ def misfiring_or_reason(
     chains: EngineChains, mechanism: MechanismFile, harmonics: CylinderHarmonics
 ) -> tuple[Misfiring | None, str]:
     """Calculate the vibration while cylinders misfire; without a section [misfire] each one in turn.
-
-    Parameters
-    ----------
-    harmonics : CylinderHarmonics
-        Of normal firing.
 
     Returns
     -------
@@ -491,23 +486,25 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
             if key not in alone or reached.used > alone[key][0].used:
                 alone[key] = reached, case
     _refine(added, speeds, each)
-    worst = {key: max(cases, key=lambda case: own[case].severity) for key, own in each.items()}
+    worst = {
+        key: max(cases, key=lambda case: by_case[case].severity) for key, by_case in each.items()
+    }
     drawn = max(filter(of_stress, each), key=lambda key: each[key][worst[key]].used, default=None)
     checks = [
         FiringCheck(
             quantity=quantities[key].name,
             unit=quantities[key].unit,
             limit=quantities[key].limit,
-            normal=own[()],
+            normal=by_case[()],
             cylinders=worst[key],
-            misfiring=own[worst[key]],
-            each={case: one for case, one in own.items() if case},
-            over_speed=_over_speed(added, speeds, key, worst[key], own[worst[key]].place)
+            misfiring=by_case[worst[key]],
+            each={case: reached_in_case for case, reached_in_case in by_case.items() if case},
+            over_speed=_over_speed(added, speeds, key, worst[key], by_case[worst[key]].place)
             if key == drawn
             else None,
-            new=_new(added, key, own, worst[key], alone.get(key)),
+            new=_new(added, key, by_case, worst[key], alone.get(key)),
         )
-        for key, own in each.items()
+        for key, by_case in each.items()
     ]
     return Misfiring(
         cases=cases,
@@ -557,7 +554,7 @@ def _new(
 
 def _listed(ranges: Sequence[tuple[float, float]]) -> str:
     """Write ranges of speeds one after the other."""
-    shown = [shown_range(*one) for one in ranges]
+    shown = [shown_range(*ends) for ends in ranges]
     return " and ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
 
 
@@ -576,8 +573,8 @@ def _over_speed(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return speeds, and the amplitude at a place in normal firing and in one case of misfiring."""
     normal, failing = (
-        at_place(found[key], place).synthesis.amplitude[:, 0]
-        for _, found in added.at(speeds, [(), case])
+        at_place(series[key], place).synthesis.amplitude[:, 0]
+        for _, series in added.at(speeds, [(), case])
     )
     return speeds, normal, failing
 
@@ -604,10 +601,12 @@ def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
     quantities = compared_quantities(added.chains.engine_file)
     pairs = []
     for key, own in each.items():
-        most = max(one.severity for case, one in own.items() if case)
+        most = max(reached.severity for case, reached in own.items() if case)
         near_worst = tuple(NEARLY_LARGEST * size for size in most)
         pairs += [
-            (key, case) for case, one in own.items() if not case or one.severity >= near_worst
+            (key, case)
+            for case, reached in own.items()
+            if not case or reached.severity >= near_worst
         ]
     cases = list(dict.fromkeys(case for _, case in pairs))
     best = {pair: each[pair[0]][pair[1]] for pair in pairs}
@@ -621,7 +620,7 @@ def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
             rows.append(np.where(np.isfinite(own), own * factors, 0.0))
         return np.array(rows)
 
-    tops = np.searchsorted(speeds, [one.speed for one in best.values()])
+    tops = np.searchsorted(speeds, [reached.speed for reached in best.values()])
     near = np.unique(np.clip([tops - 1, tops, tops + 1], 0, speeds.size - 1))
     closer = np.union1d(refined_maxima(used, speeds[near]), speeds[tops])
     for case, found in added.at(closer, cases):

@@ -193,13 +193,13 @@ class Vibration:
 
         Units are in ``frame.attrs["units"]``.
         """
-        found = [critical.critical for critical in self.criticals]
+        criticals = [critical.critical for critical in self.criticals]
         return table(
             {
-                "mode": ([one.mode + 1 for one in found], "1"),
-                "order": ([one.order for one in found], "1"),
-                "frequency": ([one.frequency for one in found], "Hz"),
-                "speed": ([one.speed for one in found], "rad/s"),
+                "mode": ([critical.mode + 1 for critical in criticals], "1"),
+                "order": ([critical.order for critical in criticals], "1"),
+                "frequency": ([critical.frequency for critical in criticals], "Hz"),
+                "speed": ([critical.speed for critical in criticals], "rad/s"),
                 "phase_sum": ([critical.phase_sum for critical in self.criticals], "1"),
                 "in_running_range": (
                     [critical.in_running_range for critical in self.criticals],
@@ -220,10 +220,6 @@ def axial_vibration(
 
     Parameters
     ----------
-    shaft : ShaftCompliances
-        From `compliances_in_shaft`.
-    model : ComplianceModel or None
-        The regression, if there is one.
     chosen_alone : bool, optional
         Without other sources and critical speeds.
 

@@ -37,8 +37,6 @@ def plot_shaft_modes(
         Ends in .svg.
     radius : float
         Crank radius: rotation about the shaft is shown as the displacement there [m].
-    count : int
-        Number of modes.
 
     Raises
     ------
@@ -130,8 +128,6 @@ def plot_transient(
 
     Parameters
     ----------
-    run : TransientMotion or TurningRun
-        Of a chain.
     place : int, optional
         Number of the element, or of the node, from 0.
     quantity : {"torque", "motion"}
@@ -161,17 +157,17 @@ def plot_transient(
         add_title((top, bottom), title)
 
 
-def picture_run_up(path: Path, run: EngineVibration, found: RunUp) -> None:
+def picture_run_up(path: Path, run: EngineVibration, run_up: RunUp) -> None:
     """Draw the torque in the spring with the largest one, and its amplitude at constant speeds."""
     forced = run.forced_torsional
     assert forced is not None
     elastic = forced.loads.elastic
     plot_transient(
         path,
-        found.motion,
-        found.worst,
-        steady=(elastic.speeds, elastic.synthesis.amplitude[:, found.worst]),
-        title=f"{run.engine_file.engine.name}, run-up in {found.duration:g} s",
+        run_up.motion,
+        run_up.worst,
+        steady=(elastic.speeds, elastic.synthesis.amplitude[:, run_up.worst]),
+        title=f"{run.engine_file.engine.name}, run-up in {run_up.duration:g} s",
     )
 
 

@@ -35,14 +35,14 @@ from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
 
 
-def misfiring_record(found: Misfiring) -> Record:
+def misfiring_record(misfiring: Misfiring) -> Record:
     """Return the record of misfiring; null where vibration is unbounded or nothing is limited."""
     return {
-        **attributes(found, "sentence", "passed", "cases", "missing_share", "compression"),
-        "checks": [_misfiring_check(check) for check in found.checks],
-        "exceeded_rpm": [[speed * RPM for speed in one] for one in found.exceeded],
-        "remaining_rpm": [[speed * RPM for speed in one] for one in found.remaining],
-        "remarks": list(found.remarks),
+        **attributes(misfiring, "sentence", "passed", "cases", "missing_share", "compression"),
+        "checks": [_misfiring_check(check) for check in misfiring.checks],
+        "exceeded_rpm": [[speed * RPM for speed in one] for one in misfiring.exceeded],
+        "remaining_rpm": [[speed * RPM for speed in one] for one in misfiring.remaining],
+        "remarks": list(misfiring.remarks),
     }
 
 
@@ -80,11 +80,11 @@ def _reached(reached: Reached) -> Record:
     )
 
 
-def worst_record(found: tuple[float, float, float] | None) -> Record | None:
+def worst_record(worst: tuple[float, float, float] | None) -> Record | None:
     """Return the largest use of a limit among some speeds."""
-    if found is None:
+    if worst is None:
         return None
-    speed, value, permitted = found
+    speed, value, permitted = worst
     return {
         "speed_rpm": speed * RPM,
         "value": value,
@@ -226,14 +226,6 @@ def _uncertainty(uncertain: Uncertainty) -> Record:
     )
 
 
-# SI units of loads in records.
-
-# How the forces begin to tell that full load serves all speeds, which the load tells.
-
-
-# Shares below this are round-off: the cylinders cancel.
-
-
 def run_record(run: EngineVibration) -> Record:
     """Return modes, forced vibration, verdict, whole crankshaft and the effect of the main bearings' range.
 
@@ -246,8 +238,13 @@ def run_record(run: EngineVibration) -> Record:
         "firing": firing_sentence(run.engine_file.engine),
         "firing_remarks": list(evenness.notes),
         "firing_warnings": list(evenness.warnings),
-        **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
-        "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
+        **{vibration.kind: vibration_record(vibration) for vibration in (run.axial, run.torsional)},
+        "forced": {
+            vibration.kind: forced_record(vibration)
+            for vibration in forced
+            if vibration is not None
+        }
+        or None,
         "axial_force": _axial_force(run),
         "load": None if run.load is None else load_record(run.load),
         "assumed": assumed_values(input_values(run.engine_file)),
@@ -267,7 +264,7 @@ def _whole_criticals(run: EngineVibration, highest: float) -> Record:
     """Return the whole crankshaft's critical speeds of each kind whose chain is inadequate."""
     if run.comparison is None:
         return {}
-    found = whole_criticals(run.engine_file, run.comparison, run.torsional.chosen.chain)
+    criticals_by_kind = whole_criticals(run.engine_file, run.comparison, run.torsional.chosen.chain)
     return plain(
         {
             kind: {
@@ -285,7 +282,7 @@ def _whole_criticals(run: EngineVibration, highest: float) -> Record:
                     for critical in criticals
                 ],
             }
-            for kind, (criticals, left_out) in found.items()
+            for kind, (criticals, left_out) in criticals_by_kind.items()
         }
     )
 
@@ -334,7 +331,8 @@ def sweep_record(sweep: BearingSweep) -> Record:
     names = ("stiffness", "used", "statuses", "flips", "sentences")
     frequencies = {  # null where there is no such mode
         name: {
-            kind: np.where(np.isnan(own), np.inf, own) for kind, own in getattr(sweep, name).items()
+            kind: np.where(np.isnan(frequencies_of_kind), np.inf, frequencies_of_kind)
+            for kind, frequencies_of_kind in getattr(sweep, name).items()
         }
         for name in ("chains", "shaft", "further")
     }
@@ -506,8 +504,8 @@ def _order_peaks(series: OrderSeries) -> list[Record]:
     """Largest amplitude of each order at the first location, and its speed."""
     amplitude = series.amplitude[:, :, 0]
     return [
-        {"order": order, "amplitude": own.max(), "speed_rpm": series.speeds[own.argmax()] * RPM}
-        for order, own in zip(series.orders, amplitude, strict=True)
+        {"order": order, "amplitude": curve.max(), "speed_rpm": series.speeds[curve.argmax()] * RPM}
+        for order, curve in zip(series.orders, amplitude, strict=True)
     ]
 
 
@@ -558,13 +556,13 @@ def _gas_remarks(forced: ForcedVibration) -> list[str]:
     return [text for text in forced.forces.remarks if not text.startswith(left_out)]
 
 
-def run_up_record(found: RunUp) -> Record:
+def run_up_record(run_up: RunUp) -> Record:
     """Return the largest torques and those at constant speeds, in SI units."""
-    motion, envelope = found.motion, found.envelope
+    motion, envelope = run_up.motion, run_up.envelope
     worst = np.argmax(envelope.torque, axis=0)
     return plain(
         {
-            "duration": found.duration,
+            "duration": run_up.duration,
             "complete": motion.complete,
             "from_rpm": motion.shaft_speed[0] * RPM,
             "to_rpm": motion.shaft_speed[-1] * RPM,
@@ -572,11 +570,11 @@ def run_up_record(found: RunUp) -> Record:
             "elements": [
                 {
                     "element": name,
-                    "largest": found.largest[place],
+                    "largest": run_up.largest[place],
                     "at_rpm": envelope.speed[worst[place]] * RPM,
-                    "steady": found.steady[place],
+                    "steady": run_up.steady[place],
                 }
-                for place, name in enumerate(found.elements)
+                for place, name in enumerate(run_up.elements)
             ],
         }
     )

@@ -197,9 +197,11 @@ class EngineVibration:
         Units are in ``frame.attrs["units"]``.
         """
         rows = [
-            (one.kind, number, frequency)
-            for one in (self.axial, self.torsional)
-            for number, frequency in enumerate(one.chosen.elastic_frequencies.tolist(), start=1)
+            (vibration.kind, number, frequency)
+            for vibration in (self.axial, self.torsional)
+            for number, frequency in enumerate(
+                vibration.chosen.elastic_frequencies.tolist(), start=1
+            )
         ]
         kinds, numbers, frequencies = zip(*rows, strict=True)
         return table(

@@ -111,8 +111,6 @@ def run_up(
 
     Parameters
     ----------
-    run : EngineVibration
-        With forced vibration.
     duration : float
         From the lowest speed calculated to the highest running speed [s].
     progress : callable, optional

@@ -114,7 +114,7 @@ def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
 
 def barred_within_error(ranges: list[Record]) -> str:
     """State which speeds have to be barred over the range of the compliances."""
-    shown = ", ".join(f"{one['low_rpm']:.0f} to {one['high_rpm']:.0f}" for one in ranges)
+    shown = ", ".join(f"{barred['low_rpm']:.0f} to {barred['high_rpm']:.0f}" for barred in ranges)
     return f"over that range of the compliances, speeds to be barred are within {shown} 1/min"
 
 
@@ -140,7 +140,7 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
         (resonance for resonance in resonances if is_listed(resonance)),
         key=lambda resonance: (not resonance.get("in_running_range", True), -resonance["severity"]),
     )
-    worst = sorted(kept[:ROWS_SHOWN], key=lambda one: one["speed_rpm"] or float("inf"))
+    worst = sorted(kept[:ROWS_SHOWN], key=lambda peak: peak["speed_rpm"] or float("inf"))
     motion = MOTION[kind].printed
     speed = replace(SPEED, missing="no peak")
     return Table(
@@ -158,16 +158,16 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
         ],
         [
             [
-                _from_rpm(one["speed_rpm"]),
-                one["order"],
-                peak_modes(one),
-                peak_place(one),
-                peak_size(one, kind, units),
-                UNBOUNDED if one["unbounded"] else one["amplitude"],
-                one.get("damping_ratio"),
-                one["kind"] + ("" if one.get("in_running_range", True) else ", above"),
+                _from_rpm(peak["speed_rpm"]),
+                peak["order"],
+                peak_modes(peak),
+                peak_place(peak),
+                peak_size(peak, kind, units),
+                UNBOUNDED if peak["unbounded"] else peak["amplitude"],
+                peak.get("damping_ratio"),
+                peak["kind"] + ("" if peak.get("in_running_range", True) else ", above"),
             ]
-            for one in worst
+            for peak in worst
         ],
         note=left_out(resonances, worst),
     )
@@ -251,11 +251,11 @@ def element_table(record: Record) -> Table:
     Running speeds come first; larger or smaller values below and above them have their own columns.
     """
 
-    def peak(one: Record | None, part: str) -> float | str | None:
-        found = None if one is None else one.get(part, one)
+    def peak(element: Record | None, part: str) -> float | str | None:
+        found = None if element is None else element.get(part, element)
         return "" if found is None else found["peak"]
 
-    stresses = {one["element"]: one for one in record["stress"] or ()}
+    stresses = {element["element"]: element for element in record["stress"] or ()}
     load = LOAD[record["kind"]]
     beside = [
         part
@@ -315,15 +315,15 @@ def limit_table(
             [
                 check["limit"].removesuffix(f" of {check['place']}"),
                 check["place"],
-                own["speed_rpm"] / RPM,
-                quantity(own["value"], check["unit"]),
-                quantity(own["permitted"], check["unit"]),
-                own["used"],
+                running["speed_rpm"] / RPM,
+                quantity(running["value"], check["unit"]),
+                quantity(running["permitted"], check["unit"]),
+                running["used"],
                 None if above is None else above["speed_rpm"] / RPM,
                 None if above is None else UNBOUNDED if above["used"] is None else above["used"],
             ]
             for check in checks
-            for own, above in ((check.get("running") or check, check.get("above")),)
+            for running, above in ((check.get("running") or check, check.get("above")),)
         ],
         marks=["" if check["passed"] else "over" for check in checks],
     )
@@ -382,9 +382,9 @@ def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
     )
 
 
-def _exceeded(found: Record) -> bool:
+def _exceeded(reached: Record) -> bool:
     """Whether more is reached than permitted, where anything is."""
-    return found["permitted"] is not None and (found["used"] is None or found["used"] > 1.0)
+    return reached["permitted"] is not None and (reached["used"] is None or reached["used"] > 1.0)
 
 
 def margin_table(record: Record, kind: str) -> Table:
@@ -427,16 +427,16 @@ def whole_table(record: Record) -> Table:
 
 def whole_critical_table(record: Record, kind: str) -> Table:
     """Return critical speeds of one kind in a `whole_record`: the largest of each place, then the largest."""
-    found = record["criticals"][kind]
+    criticals = record["criticals"][kind]
     largest = sorted(
-        found["peaks"],
+        criticals["peaks"],
         key=lambda peak: (
             peak["share"] < 1.0,
             -math.inf if peak["value"] is None else -peak["value"],
         ),
     )
     shown = sorted(largest[:ROWS_SHOWN], key=lambda one: one["speed_rpm"])
-    left = found["left_out"] + len(largest) - len(shown)
+    left = criticals["left_out"] + len(largest) - len(shown)
     return Table(
         f"Critical speeds of the whole crankshaft: {kind} "
         f"{'motion' if kind == 'axial' else 'torque'} by one order",
@@ -747,14 +747,14 @@ def _still_at(positions: list[float], record: Record, first: int) -> str | None:
     names = record["nodes"]
     # Results of older runs say nothing of branches.
     pairs = record.get("connections") or [(node, node + 1) for node in range(len(names) - 1)]
-    found = []
+    positions_of_nodes = []
     for position in positions:
         element = min(int(position), len(pairs) - 1)
         (left, right), share = pairs[element], position - element
         row = f"{first + left + share:.2f}"
         branch = f"{share:.2f} of the way from {names[left]} to {names[right]}"
-        found.append(row if right == left + 1 else branch)
-    return ", ".join(found) or None
+        positions_of_nodes.append(row if right == left + 1 else branch)
+    return ", ".join(positions_of_nodes) or None
 
 
 def _beside_crankshaft(mode: Record) -> str:

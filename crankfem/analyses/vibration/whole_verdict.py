@@ -55,17 +55,17 @@ def with_whole_shaft(
 
     Further arguments are those of `whole_verdict`.
     """
-    said = whole_shaft_remark(comparison)
+    sentences = whole_shaft_remark(comparison)
     if reason := not_comparable(engine_file):
-        said = (f"The verdict uses lumped models (chains) alone: {reason}.",)
+        sentences = (f"The verdict uses lumped models (chains) alone: {reason}.",)
     whole = whole_verdict(engine_file, comparison, cranks, moduli, assessment.verdict)
     if whole is None:
-        return replace(assessment, by_whole=said)
+        return replace(assessment, by_whole=sentences)
     return replace(
         assessment,
         whole=whole,
         decision=decision_by_both(assessment.decision, whole, assessment.verdict),
-        by_whole=(*said, whole_sentence(whole, assessment.verdict)),
+        by_whole=(*sentences, whole_sentence(whole, assessment.verdict)),
     )
 
 
@@ -76,8 +76,6 @@ def whole_stress(
 
     Parameters
     ----------
-    comparison : ShaftComparison
-        With its forced vibration.
     cranks : EngineChain
         The torsional chain: its elements pass the bearings.
     moduli : mapping of int to float
@@ -124,15 +122,15 @@ def whole_criticals(
     coupled = comparison.coupled
     if coupled is None:
         return {}
-    found: dict[str, tuple[tuple[DampedCritical, ...], int]] = {}
+    criticals: dict[str, tuple[tuple[DampedCritical, ...], int]] = {}
     ends = assessment_end_speeds(engine_file)
     for verdict in comparison.verdicts:
         if verdict.suffices:
             continue
         torsional = verdict.kind == "torsional"
         quantities = whole_torques(coupled, cranks) if torsional else coupled.axial_motions
-        found[verdict.kind] = shaft_criticals(coupled, quantities, (ends[0], ends[-1]))
-    return found
+        criticals[verdict.kind] = shaft_criticals(coupled, quantities, (ends[0], ends[-1]))
+    return criticals
 
 
 def whole_torques(coupled: CoupledResponse, cranks: EngineChain) -> LinearQuantities:
@@ -233,10 +231,10 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
     agrees = "the same verdict" if whole.status == chains.status else "another verdict"
     ranges = ""
     if whole.status == "barred range needed":
-        ranges = f" ({', '.join(one.shown for one in whole.barred)})"
+        ranges = f" ({', '.join(barred.shown for barred in whole.barred)})"
     elif worst.passed:  # not acceptable by what is not told above
         refused = (*whole.barred, *whole.started_through)
-        ranges = "".join(f" ({one.sentence})" for one in refused if not one.allowed)
+        ranges = "".join(f" ({barred.sentence})" for barred in refused if not barred.allowed)
     by_chain = {check.limit.name for check in whole.checks if id(check.curve) in by_chains}
     apart = "".join(f" ({name} by the axial chain alone)" for name in by_chain)
     return (
@@ -252,11 +250,11 @@ def _use(check: LimitCheck) -> str:
 
 def decision_by_both(decision: Decision, whole: Verdict, chains: Verdict) -> Decision:
     """Leave undecided what is acceptable by the chains alone, or by the whole crankshaft alone."""
-    accepted = [one.status != "not acceptable" for one in (chains, whole)]
+    accepted = [verdict.status != "not acceptable" for verdict in (chains, whole)]
     if accepted[0] == accepted[1]:
         return decision
     by = ("the lumped model", "the whole crankshaft")
     yes, no = by if accepted[0] else by[::-1]
-    said = f"acceptable by {yes}, not by {no}: {REMEDY}"
+    sentence = f"acceptable by {yes}, not by {no}: {REMEDY}"
     also = f"; {decision.sentence}" if decision.sentence else ""
-    return replace(decision, status="undecided", sentence=f"{said}{also}")
+    return replace(decision, status="undecided", sentence=f"{sentence}{also}")

@@ -25,7 +25,6 @@ def write_figure(path: Path, traces: list[Part], layout: Part) -> Path:
         Ends in .json.
     traces : list of dict
         plotly's "data".
-    layout : dict
 
     Returns
     -------

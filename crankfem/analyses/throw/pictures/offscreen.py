@@ -46,9 +46,9 @@ class OffscreenProcess:
 
     def __init__(self, function: str, folder: Path, *arguments: Any) -> None:
         self._said = folder / "said.txt"
-        with self._said.open("wb") as said:
+        with self._said.open("wb") as errors:
             child = start_child(
-                "crankbase.calls", stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=said
+                "crankbase.calls", stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors
             )
         self._process = CallProcess(child, "the process for it")
         self._process.give(function, *arguments, folder)
@@ -66,8 +66,8 @@ class OffscreenProcess:
         try:
             kind, content = self._process.wait(Limits(TIME_LIMIT))
         except ProcessLostError as error:
-            said = self._said.read_bytes()[-SAID:].decode(errors="replace")
-            raise render_failure(str(error), said) from None
+            errors = self._said.read_bytes()[-SAID:].decode(errors="replace")
+            raise render_failure(str(error), errors) from None
         finally:
             self.stop()
         if kind != RESULT:

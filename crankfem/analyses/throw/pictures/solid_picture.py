@@ -123,7 +123,7 @@ def shaft_surface(shaft: Crankshaft, fineness: int) -> SolidSurface:
         )
     ]
     throws = _joined(row).without_ends(shaft.starts[1:-1].tolist())
-    return _joined([throws, *(_cylinder(*given) for given in shaft.end_cylinders)])
+    return _joined([throws, *(_cylinder(*cylinder) for cylinder in shaft.end_cylinders)])
 
 
 def _subdivision(count: int) -> tuple[Array, Numbers]:
@@ -177,13 +177,13 @@ def _cylinder(diameter: float, low: float, high: float) -> SolidSurface:
 
 
 def _joined(surfaces: Sequence[SolidSurface]) -> SolidSurface:
-    offsets = np.cumsum([0, *(len(one.points) for one in surfaces)])
+    offsets = np.cumsum([0, *(len(surface.points) for surface in surfaces)])
     return SolidSurface(
-        np.concatenate([one.points for one in surfaces]),
+        np.concatenate([surface.points for surface in surfaces]),
         np.concatenate(
-            [one.triangles + offset for one, offset in zip(surfaces, offsets, strict=False)]
+            [surface.triangles + offset for surface, offset in zip(surfaces, offsets, strict=False)]
         ),
-        np.concatenate([one.kinds for one in surfaces]),
+        np.concatenate([surface.kinds for surface in surfaces]),
     )
 
 

@@ -205,8 +205,8 @@ def picture_arrays(stresses: FilletStresses) -> dict[str, NDArray[Any]]:
 def marked_peaks(stresses: FilletStresses, load: UnitLoad) -> list[FilletPeak | OilHolePeak]:
     """Return the largest peak at a fillet and the one at an oil hole, if any."""
     fillets, holes = stresses.under(load), stresses.at_oil_holes(load)
-    found: list[FilletPeak | OilHolePeak] = [largest_peak(fillets)] if fillets else []
-    return [*found, largest_peak(holes)] if holes else found
+    peaks: list[FilletPeak | OilHolePeak] = [largest_peak(fillets)] if fillets else []
+    return [*peaks, largest_peak(holes)] if holes else peaks
 
 
 def largest_peak(peaks: Sequence[Peak]) -> Peak:
