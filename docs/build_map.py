@@ -30,7 +30,7 @@ MAIN = {
     "geometry": (("mesher",), ("mesh",), ("solid",), ("parts",), ("throw",)),
     "crankbase": (
         ("tables",),
-        ("drawing",),
+        ("diagrams",),
         ("model",),
         ("units",),
         ("checks",),
