@@ -19,8 +19,6 @@ MAIN = {
     "fem": (
         ("analysis",),
         ("responses",),
-        ("accuracy",),
-        ("shaft",),
         ("craig_bampton",),
         ("superelement",),
         ("condensation",),
