@@ -541,8 +541,6 @@ class ThrowAnalysis(SolvedSuperelement):
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient"}
 
         Raises
