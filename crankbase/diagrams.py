@@ -84,7 +84,6 @@ def new_axes(axes: "Axes | None" = None, *, width: float = 7.2, height: float = 
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes, optional
     width, height : float
         Of a new figure [inch].
 
@@ -564,16 +563,16 @@ def draw_curves(axes: "Axes", curves: Curves) -> None:
 
 def draw_lines(axes: "Axes", x: Array, series: Iterable[Series]) -> None:
     """Draw the main ones of some series."""
-    for own in series:
-        if own.main:
-            color, dash, width = own.line_style
+    for curve in series:
+        if curve.main:
+            color, dash, width = curve.line_style
             axes.plot(
                 x,
-                own.values,
+                curve.values,
                 color=color,
                 linewidth=width,
                 linestyle=ON_PAPER[dash],
-                label=own.name,
+                label=curve.name,
             )
 
 
@@ -597,7 +596,6 @@ def draw_groups(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     names : sequence of n str
         Of the groups, under the axis.
     series : mapping of str to (n,) array_like
@@ -638,13 +636,10 @@ def draw_rows(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
-    names : sequence of n str
     values : (n,) array_like
         In the unit of the axis.
     label : str
         Label of the horizontal axis, with its unit.
-    colors : str or sequence of n str
     texts : sequence of n str, optional
         Written at the bars' ends; the values to three digits by default.
     """
@@ -674,10 +669,8 @@ def draw_matrix(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     values : (n, m) array_like
         In the unit stated in the title.
-    rows, columns : sequences of n and m str
     """
     from matplotlib.colors import LinearSegmentedColormap
 

@@ -20,12 +20,10 @@ def draw_frequencies(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     frequencies : (n,) array
         [Hz]
     kinds : sequence of n str
         For the legend.
-    title : str
     """
     numbers = np.arange(1, len(frequencies) + 1)
     for place, kind in enumerate(dict.fromkeys(kinds)):
@@ -107,7 +105,6 @@ def plot_compliance(
         At `ANGLES_DEG` [SI].
     bounds : mapping of str to float
         Values under other supports, by their names [SI].
-    quantity : str
     error : float or None
         Estimated relative error.
     """

@@ -113,11 +113,8 @@ def draw_formula_bars(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
-    names : sequence of n str
     values : (n,) array
         In the unit of the axis.
-    valid : sequence of n bool
     label : str
         Of the lying axis, with its unit.
     beside : float or None
@@ -125,7 +122,7 @@ def draw_formula_bars(
     """
     from matplotlib.patches import Patch
 
-    draw_rows(axes, names, values, label, colors=[BLUE if one else PALE for one in valid])
+    draw_rows(axes, names, values, label, colors=[BLUE if usable else PALE for usable in valid])
     handles: list[Any] = [Patch(color=BLUE, label="applies to the throw")]
     if not all(valid):
         handles.append(Patch(color=PALE, label="does not apply"))
@@ -167,7 +164,6 @@ def draw_effects(axes: "Axes", names: Sequence[str], values: Array, label: str, 
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     names : sequence of n str
         Terms, the largest first, as written on the axis.
     values : (n,) array
@@ -203,10 +199,8 @@ def draw_elasticities(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     names : sequence of n str
         Of the factors, as written on the axis.
-    slopes : sequence of n float or None
     response : str
         Symbol of the response in mathematics.
     """

@@ -22,8 +22,6 @@ def render_class_document(
 
     Parameters
     ----------
-    run : EngineVibration
-    parts : sequence of DocumentPart
     pictures : mapping
         Name of each diagram that was drawn to its file, an SVG.
     created : str

@@ -69,32 +69,28 @@ def load_figures(results: Mapping[str, Any], folder: Path) -> tuple[dict[str, Fi
         Names of the files that are missing, are no pictures, or lie elsewhere.
     """
     pictures, plots = results["pictures"], results.get("interactive", {})
-    found, unread = {}, []
+    figures, unread = {}, []
     for name in (*pictures, *(name for name in plots if name not in pictures)):
-        own = Figure()
+        drawn = Figure()
         if name in pictures:
             try:
-                own = _picture(_own_file(folder, pictures[name]))
+                drawn = _picture(_own_file(folder, pictures[name]))
             except (OSError, KeyError, struct.error):
                 unread.append(pictures[name])
         if name in plots:
             try:
-                own = replace(own, plot=_plot(_own_file(folder, plots[name])))
+                text = _own_file(folder, plots[name]).read_text(encoding="utf-8")
+                json.loads(text)  # the reader's browser would find what was cut short
+                drawn = replace(drawn, plot=script_text(text))
             except (OSError, ValueError):
                 unread.append(plots[name])
-        if own.source is not None or own.plot is not None:
-            found[name] = own
-    return found, unread
+        if drawn.source is not None or drawn.plot is not None:
+            figures[name] = drawn
+    return figures, unread
 
 
 def _own_file(folder: Path, name: str) -> Path:
-    """Return the path of a file that lies in the folder itself, and is no link out of it.
-
-    Raises
-    ------
-    OSError
-        If it does not; results that somebody else has made may name any file.
-    """
+    """Return the path of a file that lies in the folder itself, and is no link out of it."""
     path = folder / name
     if path.name != name or "\\" in name or folder.is_symlink() or not is_regular_file(path):
         raise FileNotFoundError(errno.ENOENT, "is no file of the run's", str(path))
@@ -104,12 +100,6 @@ def _own_file(folder: Path, name: str) -> Path:
 def script_text(text: str) -> Markup:
     """Return JSON that may stand in a script element: nothing in it can end or open one."""
     return Markup(text.strip().replace("<", "\\u003c"))
-
-
-def _plot(path: Path) -> Markup:
-    text = path.read_text(encoding="utf-8")
-    json.loads(text)  # one that was cut short would be found by the reader's browser only
-    return script_text(text)
 
 
 def _picture(path: Path) -> Figure:
@@ -124,10 +114,10 @@ def _size(content: bytes, suffix: str) -> tuple[int, int]:
     if suffix == ".png":
         width, height = struct.unpack(">II", content[16:24])
         return int(width), int(height)
-    found = VIEW_BOX.search(content)
-    if found is None:
+    box = VIEW_BOX.search(content)
+    if box is None:
         return 0, 0
-    return round(float(found[1]) * POINT), round(float(found[2]) * POINT)
+    return round(float(box[1]) * POINT), round(float(box[2]) * POINT)
 
 
 Array = NDArray[np.float64]

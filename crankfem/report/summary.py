@@ -95,30 +95,34 @@ def _firing(intervals: Sequence[float] | None) -> str:
     if intervals is None:
         return ""
     steps = repeating_intervals(intervals)
-    told = ", ".join(f"{step:.4g}" for step in steps)
+    listed = ", ".join(f"{step:.4g}" for step in steps)
     if len(steps) == 1:
-        return f", evenly every {told} deg"
-    return (
-        f", unevenly, at intervals of {told} deg{' in turn' if len(steps) < len(intervals) else ''}"
-    )
+        return f", evenly every {listed} deg"
+    return f", unevenly, at intervals of {listed} deg{' in turn' if len(steps) < len(intervals) else ''}"
 
 
 def uncertain_sentence(vibration: Record, kind: str) -> str:
     """State what is uncertain of one kind of vibration, and what that does to the crankshaft's first mode."""
     uncertain = vibration["assessment"]["uncertainty"][kind]
-    found = [f"{one['name']} {factor_range(one)} the value used" for one in uncertain["spreads"]]
+    spreads = [
+        f"{spread['name']} {factor_range(spread)} the value used" for spread in uncertain["spreads"]
+    ]
     bearings = vibration.get("bearings")
     if bearings is not None:
         low, high = min(bearings["stiffness"]), max(bearings["stiffness"])
-        found.append(f"stiffness of the main bearings {compact(low)} to {compact(high)} N/m each")
-    said = f"Uncertainty of {kind} vibration: {'; '.join(found) or 'not known'}."
+        spreads.append(f"stiffness of the main bearings {compact(low)} to {compact(high)} N/m each")
+    sentence = f"Uncertainty of {kind} vibration: {'; '.join(spreads) or 'not known'}."
     first = _first_mode(vibration[kind])
     if first is None:
-        return said
+        return sentence
     bounds = uncertain["frequencies"][first["number"] - 1]
-    said += f" First natural frequency of the crankshaft {_bounds(bounds)} by the chain"
+    sentence += f" First natural frequency of the crankshaft {_bounds(bounds)} by the chain"
     swept = _swept(vibration, kind)
-    return f"{said}, {swept} by the whole crankshaft over this stiffness." if swept else f"{said}."
+    return (
+        f"{sentence}, {swept} by the whole crankshaft over this stiffness."
+        if swept
+        else f"{sentence}."
+    )
 
 
 def _bounds(ends: Mapping[str, float]) -> str:
@@ -129,17 +133,20 @@ def _bounds(ends: Mapping[str, float]) -> str:
 def _swept(vibration: Mapping[str, Any], kind: str) -> str:
     """First frequency of the whole crankshaft over the stiffness of its bearings; empty if not calculated."""
     swept = vibration.get("bearings") or {}
-    found = [swept.get("shaft", {}).get(kind) or (), *swept.get("further", {}).get(kind, ())]
-    known = [[one for one in mode if one is not None] for mode in found]
+    modes = [swept.get("shaft", {}).get(kind) or (), *swept.get("further", {}).get(kind, ())]
+    known = [[frequency for frequency in mode if frequency is not None] for mode in modes]
     if len(known[0]) < 2:
         return ""
-    return " and ".join(_bounds({"low": min(one), "high": max(one)}) for one in known)
+    return " and ".join(
+        _bounds({"low": min(frequency), "high": max(frequency)}) for frequency in known
+    )
 
 
-def _first_mode(own: Record) -> Record | None:
+def _first_mode(chain: Record) -> Record | None:
     """Return the crankshaft's first mode, which is not one of coupling, damper or line."""
     return next(
-        (one for one in own["modes"] if not one["rigid"] and one.get("of_crankshaft", True)), None
+        (mode for mode in chain["modes"] if not mode["rigid"] and mode.get("of_crankshaft", True)),
+        None,
     )
 
 
@@ -161,24 +168,24 @@ def worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Record]:
         Checks, each with "above": the worst above the running range and its "place", or None where no more
         of the limit is used there.
     """
-    found: dict[str, Record] = {}
+    worst: dict[str, Record] = {}
     for check in checks:
-        own = dict(check) | (check.get("running") or {})
-        limit = found.setdefault(check["limit"], own | {"above": None})
-        if _use(own) > _use(limit):
-            found[check["limit"]] = limit = own | {"above": limit["above"]}
+        running = dict(check) | (check.get("running") or {})
+        limit = worst.setdefault(check["limit"], running | {"above": None})
+        if _use(running) > _use(limit):
+            worst[check["limit"]] = limit = running | {"above": limit["above"]}
         above = check.get("above")
         if above is not None and (limit["above"] is None or _use(above) > _use(limit["above"])):
             limit["above"] = {**above, "place": check["place"]}
         limit["passed"] = limit["passed"] and check["passed"]
-    for limit in found.values():
+    for limit in worst.values():
         if limit["above"] is not None and _use(limit["above"]) <= _use(limit):
             limit["above"] = None
-    return list(found.values())
+    return list(worst.values())
 
 
-def _use(found: Mapping[str, Any]) -> float:
-    return float("inf") if found["used"] is None else float(found["used"])
+def _use(check: Mapping[str, Any]) -> float:
+    return float("inf") if check["used"] is None else float(check["used"])
 
 
 def _compliance(results: Mapping[str, Any]) -> Record:
@@ -198,9 +205,9 @@ def _compliance(results: Mapping[str, Any]) -> Record:
 
 
 def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
-    own = vibration[kind]
-    elastic = [mode for mode in own["modes"] if not mode["rigid"]]
-    shown = _first_mode(own)
+    chain = vibration[kind]
+    elastic = [mode for mode in chain["modes"] if not mode["rigid"]]
+    shown = _first_mode(chain)
     first = None if shown is None else shown["frequency"]
     details = (
         [] if first is None else [f"{significant(60.0 * first, 3)} 1/min, chain of the throws"]
@@ -212,7 +219,7 @@ def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
     if whole is not None and whole["chains"].get(kind, {}).get("modes"):
         mode = whole["chains"][kind]["modes"][0]
         alike = (mode["shaft_frequency"], mode.get("further_frequency"))
-        shaft = " and ".join(_hertz(one) for one in sorted(filter(None, alike)))
+        shaft = " and ".join(_hertz(frequency) for frequency in sorted(filter(None, alike)))
         shaft = f"{shaft} Hz" if shaft else "no mode like it"
         # The range over the bearings is that of one mode, the one most alike.
         swept = "" if mode.get("further_frequency") else _swept(vibration, kind)

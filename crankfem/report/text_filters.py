@@ -54,8 +54,8 @@ def quantity(value: float | None, unit: str, digits: int = TABLE_DIGITS) -> str:
 
 def motion(value: float | None, kind: str, digits: int = 3) -> str:
     """Write an amplitude of axial or torsional vibration with its unit."""
-    own = MOTION[kind]
-    return UNBOUNDED if value is None else f"{own.number(value, digits)} {own.unit}"
+    shown = MOTION[kind]
+    return UNBOUNDED if value is None else f"{shown.number(value, digits)} {shown.unit}"
 
 
 def source_label(name: str) -> str:
@@ -152,8 +152,8 @@ def _figure(value: float | None, unit: str) -> str:
 
 def loaded_most(bearings: Sequence[Record]) -> list[Record]:
     """Return the bearings with the largest load; several where they are alike but for round-off."""
-    largest = max(one["largest"] for one in bearings)
-    return [one for one in bearings if one["largest"] > (1.0 - ALIKE) * largest]
+    largest = max(bearing["largest"] for bearing in bearings)
+    return [bearing for bearing in bearings if bearing["largest"] > (1.0 - ALIKE) * largest]
 
 
 def capped_share(value: float) -> float:
@@ -188,12 +188,12 @@ def table_cells(table: Table) -> list[list[str]]:
     ]
 
 
-def range_sentence(found: Record) -> str:
+def range_sentence(barred: Record) -> str:
     """Write whether a range of speeds may be barred or passed, and why not; without its full stop."""
     # Results of earlier releases have only the reasons.
-    reasons = "; ".join(found["refusals"])
-    older = f"{found['shown']}, {f'not accepted: {reasons}' if reasons else 'accepted'}"
-    return with_three_digits(found.get("sentence") or older)
+    reasons = "; ".join(barred["refusals"])
+    older = f"{barred['shown']}, {f'not accepted: {reasons}' if reasons else 'accepted'}"
+    return with_three_digits(barred.get("sentence") or older)
 
 
 def with_three_digits(text: str) -> str:
@@ -205,11 +205,11 @@ def with_three_digits(text: str) -> str:
     ('376', '0.552', '24.5 MPa')
     """
 
-    def cut(found: re.Match[str]) -> str:
-        whole, decimals = found["whole"].lstrip("0"), found["decimals"]
+    def cut(match: re.Match[str]) -> str:
+        whole, decimals = match["whole"].lstrip("0"), match["decimals"]
         leading = 0 if whole else len(decimals) - len(decimals.lstrip("0"))
         kept = max(0, TABLE_DIGITS - len(whole)) + leading
-        return found[0] if kept >= len(decimals) else f"{float(found[0]):.{kept}f}"
+        return match[0] if kept >= len(decimals) else f"{float(match[0]):.{kept}f}"
 
     return DECIMALS.sub(cut, text).replace(" um", " \N{MICRO SIGN}m")
 

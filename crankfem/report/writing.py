@@ -105,13 +105,6 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
     -------
     Path
         `path`.
-
-    Raises
-    ------
-    InputError
-        If the file is there and no run has written it.
-    OSError
-        If it cannot be written.
     """
     return write_report_text(path, render_report(results, pictures)[0])
 
@@ -139,11 +132,6 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
     note : str or None
         A sentence that names the pictures that cannot be read; the page does without them, and says
         the same.
-
-    Raises
-    ------
-    LookupError, TypeError, ValueError, AttributeError, ArithmeticError, jinja2.TemplateError
-        If the results are not those of a run.
     """
     results = LATER | dict(results) | {"about": LATER_ABOUT | results["about"]}
     figures, unread = load_figures(results, pictures)
@@ -158,9 +146,9 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
             compliances=compliance_tables(results),
             further=further_compliances(results),
             figures=figures,
-            picture_notes=[one for one in (results["picture_note"], note) if one],
+            picture_notes=[text for text in (results["picture_note"], note) if text],
             style=Markup(template_text(STYLE)),
-            scripts=plotting() if any(own.plot is not None for own in figures.values()) else (),
+            scripts=plotting() if any(drawn.plot is not None for drawn in figures.values()) else (),
         )
     )
     return html, note
@@ -196,7 +184,7 @@ def script(text: str) -> str:
 
     Both stand in strings only, where their escapes mean the same.
     """
-    shown = CONTROL.sub(lambda found: f"\\x{ord(found[0]):02x}", text)
+    shown = CONTROL.sub(lambda match: f"\\x{ord(match[0]):02x}", text)
     return shown.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
@@ -229,7 +217,7 @@ def render_throw_report(results: Mapping[str, Any], folder: Path) -> str:
     figures, _ = load_figures(
         {"pictures": {"drawing": THROW_DRAWING}, "interactive": {"throw_view": THROW_VIEW}}, folder
     )
-    shown = any(own.plot is not None for own in figures.values())
+    shown = any(drawn.plot is not None for drawn in figures.values())
     return (
         page_environment()
         .get_template(THROW_TEMPLATE)

@@ -193,7 +193,6 @@ class View:
 
     Parameters
     ----------
-    axes : matplotlib axes
     point : float
         What one point on paper stands for [m].
     """
@@ -255,11 +254,11 @@ class View:
         free = [i for i, box in enumerate(boxes) if not any(_meet(box, b) for b in self._taken)]
         chosen = free[0] if free else len(places) - 1
         x, y, side = places[chosen]
-        given: dict[str, Any] = {"fontsize": TEXT_SIZE, "color": INK, "family": FONT, **style}
+        look: dict[str, Any] = {"fontsize": TEXT_SIZE, "color": INK, "family": FONT, **style}
         background = {"facecolor": paper, "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
         self.axes.text(
             x, y, text, ha=side, va="center", rotation=90.0 if upright else 0.0,
-            zorder=ABOVE_LINES, linespacing=1.15, bbox=background, **given,
+            zorder=ABOVE_LINES, linespacing=1.15, bbox=background, **look,
         )  # fmt: skip
         self._taken.append(boxes[chosen])
         self._reach(np.reshape(boxes[chosen], (2, 2)))
@@ -276,7 +275,8 @@ class View:
             else:
                 lanes.append([dimension])
         for lane in lanes:
-            level = self._bound(1 - axis, side) + side * LANE * self.point
+            edge = float((self.high if side > 0 else self.low)[1 - axis])
+            level = edge + side * LANE * self.point
             for dimension in lane:
                 self._linear(dimension, axis, level, side)
 
@@ -323,18 +323,18 @@ class View:
     def callouts(self, texts: Sequence[Callout]) -> None:
         """Write texts in a column right of all that is drawn, each with a leader."""
         column = self.high[0] + 10.0 * self.point
-        wished = sorted(texts, key=lambda one: -one.wish)
-        heights = [text_size(one.text)[1] + 3.0 for one in wished]
-        levels = _spread([one.wish for one in wished], [h * self.point for h in heights])
-        for one, level in zip(wished, levels, strict=True):
+        wished = sorted(texts, key=lambda callout: -callout.wish)
+        heights = [text_size(callout.text)[1] + 3.0 for callout in wished]
+        levels = _spread([callout.wish for callout in wished], [h * self.point for h in heights])
+        for callout, level in zip(wished, levels, strict=True):
             elbow = np.array([column, level])
-            away = elbow - one.center
-            tip = np.array(one.center) + one.radius * away / np.linalg.norm(away)
+            away = elbow - callout.center
+            tip = np.array(callout.center) + callout.radius * away / np.linalg.norm(away)
             shelf = (column + 5.0 * self.point, level)
             self.stroke(np.array([tip, elbow, shelf]), DIMENSION)
             self.keep_clear(tip, elbow)
             self.arrow((tip[0], tip[1]), (tip[0] - elbow[0], tip[1] - elbow[1]))
-            self.write(one.text, (shelf[0] + 1.5 * self.point, level, "left"))
+            self.write(callout.text, (shelf[0] + 1.5 * self.point, level, "left"))
 
     def keep_clear(self, start: Array, end: Array) -> None:
         """Let no later text stand on a line."""
@@ -382,13 +382,10 @@ class View:
             stop = rows[chosen] - side * 0.5 * height * point
             self.stroke([place(middle, level), place(middle, stop)], DIMENSION)
 
-    def _side_by_side(self, one: Linear, other: Linear, axis: int) -> bool:
+    def _side_by_side(self, linear: Linear, other: Linear, axis: int) -> bool:
         """Whether two distances overlap and so need lanes of their own."""
-        (a, b), (c, d) = (sorted((x.start[axis], x.end[axis])) for x in (one, other))
+        (a, b), (c, d) = (sorted((x.start[axis], x.end[axis])) for x in (linear, other))
         return min(b, d) - max(a, c) > 0.1 * self.point
-
-    def _bound(self, axis: int, side: int) -> float:
-        return float((self.high if side > 0 else self.low)[axis])
 
     def _box(self, text: str, place: Place, upright: bool, size: float) -> Box:
         width, height = (extent * self.point for extent in text_size(text, size))
@@ -402,8 +399,8 @@ class View:
         self.high = np.fmax(self.high, np.nanmax(points, axis=0))
 
 
-def _meet(one: Box, other: Box) -> bool:
-    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+def _meet(box: Box, other: Box) -> bool:
+    return box[0] < other[2] and other[0] < box[2] and box[1] < other[3] and other[1] < box[3]
 
 
 def _spread(wishes: Sequence[float], heights: Sequence[float]) -> list[float]:
@@ -466,21 +463,21 @@ def corner_texts(web: WebPlate) -> dict[str, Point]:
     """Texts of the rounded or cut corners of an outline, from the tip on, and points (u, v) on them."""
     pieces = web.outline.pieces[::-1]
     arcs = [piece for piece in pieces if isinstance(piece, Arc)]
-    found: dict[str, Point] = {}
+    texts: dict[str, Point] = {}
     for arc in arcs:
         if _is_plain_end(web, arc):
             continue
         points = arc.points(33)
         seen = points[~on_weight(web, points)]
         u, v = seen[len(seen) // 2] if len(seen) else points[16]
-        found.setdefault(f"$r$ {millimeters(arc.radius)}", (float(u), float(v)))
+        texts.setdefault(f"$r$ {millimeters(arc.radius)}", (float(u), float(v)))
     if not arcs:
         for piece in pieces:
             (u_0, v_0), (u_1, v_1) = piece.start, piece.end
             if math.isclose(abs(u_1 - u_0), abs(v_1 - v_0)):  # others follow from widths and ends
                 text = f"{millimeters(abs(u_1 - u_0))} × 45°"
-                found.setdefault(text, (0.5 * (u_0 + u_1), 0.5 * (v_0 + v_1)))
-    return found
+                texts.setdefault(text, (0.5 * (u_0 + u_1), 0.5 * (v_0 + v_1)))
+    return texts
 
 
 def _is_plain_end(web: WebPlate, arc: Arc) -> bool:

@@ -35,7 +35,6 @@ def plot_mesh(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes, optional
     points : (n, 3) array
         [m]
     outside : (k, 3) array of int
@@ -44,7 +43,6 @@ def plot_mesh(
         Facets on planes of symmetry, by the plane's name.
     eye : (3,) array
         Direction to the eye.
-    title : str
 
     Raises
     ------

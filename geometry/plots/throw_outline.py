@@ -98,7 +98,6 @@ def outline_svg(parts: ThrowParts, view: OutlineView = "side", label: str = "") 
 
     Parameters
     ----------
-    parts : ThrowParts
     view : {"side", "front"}
         From the side, z to the right and y up; or from the left end, where x points to the left.
     label : str

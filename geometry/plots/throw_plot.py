@@ -44,11 +44,9 @@ def plot_throw(
     ----------
     axes : matplotlib.axes.Axes, optional
         New ones by default.
-    parts : ThrowParts
     view : {"side", "left end"}
     dimensions : bool
         Write all dimensions in mm, as on a technical drawing; without them the axes have scales.
-    title : str
 
     Raises
     ------
@@ -81,8 +79,6 @@ def plot_throws(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes, optional
-    throws : sequence of n ThrowParts
     crank_angles : sequence of n float
         Of each throw about +z [rad].
     ends : sequence of (diameter, start, end)

@@ -64,8 +64,6 @@ def draw_oil_holes(view: View, parts: ThrowParts, axes: Array, hidden: bool) -> 
 
     Parameters
     ----------
-    view : View
-    parts : ThrowParts
     axes : (2, 3) array
         Right and up on paper, `SIDE` or `FROM_LEFT`.
     hidden : bool
@@ -89,7 +87,7 @@ def draw_oil_holes(view: View, parts: ThrowParts, axes: Array, hidden: bool) -> 
 def dimension_oil_holes(view: View, parts: ThrowParts) -> None:
     """Write what each hole measures beside where it comes out, in the side view."""
     for hole in parts.drillings:
-        outlet = max(hole.exits, key=lambda one: one.point[1])
+        outlet = max(hole.exits, key=lambda exit_: exit_.point[1])
         place = hole.middle + np.array([0.0, 0.0, outlet.surface(np.zeros(1), np.zeros(1))[0]]) @ (
             hole.frame
         )
@@ -306,7 +304,9 @@ def _dimension_lengths(view: View, parts: ThrowParts, webs: Sequence[WebPlate]) 
     view.stack(tips, 0, 1)
     view.stack(feet, 0, -1)
     for side in (1, -1):
-        view.stack([one for web in webs for one in _weight_thickness(web, side)], 0, side)
+        view.stack(
+            [dimension for web in webs for dimension in _weight_thickness(web, side)], 0, side
+        )
 
     chain = []
     for cylinder in parts.cylinders:
@@ -314,7 +314,7 @@ def _dimension_lengths(view: View, parts: ThrowParts, webs: Sequence[WebPlate]) 
         length = millimeters(cylinder.end - cylinder.start)
         chain.append((cylinder.start, cylinder.end, f"{text} {length}"))
     chain += [(web.start, web.end, f"$h$ {millimeters(web.end - web.start)}") for web in webs]
-    view.stack([linear(*one) for one in sorted(chain)], 0, -1)
+    view.stack([linear(*dimension) for dimension in sorted(chain)], 0, -1)
     view.stack([linear(0.0, parts.length, millimeters(parts.length))], 0, -1)
 
 
@@ -404,21 +404,26 @@ def _callout(point: Point, text: str) -> Callout:
 
 def _circle_callouts(parts: ThrowParts) -> list[Callout]:
     """Diameters of journals, pins and bores."""
-    found = []
+    callouts = []
 
     def add(center: Point, radius: float, height: float, text: str) -> None:
-        found.append(Callout((-center[0], center[1]), radius, text, center[1] + height))
+        callouts.append(Callout((-center[0], center[1]), radius, text, center[1] + height))
 
     journal = parts.cylinders[0]
     for cylinders, index in (([journal], "km"), (parts.pins, "shm")):
-        for one, who in distinct_values(cylinders, lambda c: millimeters(c.radius)):
-            text = f"{symbol('D', index)} ⌀{millimeters(2.0 * one.radius)}{who}"
-            add(one.axis, one.radius, 0.6 * one.radius, text)
+        for cylinder, who in distinct_values(cylinders, lambda c: millimeters(c.radius)):
+            text = f"{symbol('D', index)} ⌀{millimeters(2.0 * cylinder.radius)}{who}"
+            add(cylinder.axis, cylinder.radius, 0.6 * cylinder.radius, text)
         bored = [c for c in cylinders if c.bore_radius > 0.0]
-        for one, who in distinct_values(bored, _bore_texts):
-            text, offset = _bore_texts(one)
-            add(one.bore_axis, one.bore_radius, 0.0, f"{symbol('d', index)} {text}{who}{offset}")
-    return found
+        for cylinder, who in distinct_values(bored, _bore_texts):
+            text, offset = _bore_texts(cylinder)
+            add(
+                cylinder.bore_axis,
+                cylinder.bore_radius,
+                0.0,
+                f"{symbol('d', index)} {text}{who}{offset}",
+            )
+    return callouts
 
 
 def _bore_texts(cylinder: Cylinder) -> tuple[str, str]:
@@ -610,8 +615,8 @@ def _lines_behind(parts: ThrowParts) -> list[Array]:
     return lines
 
 
-def _same(one: Array, other: Array) -> bool:
-    return one.shape == other.shape and np.allclose(one, other, equal_nan=True)
+def _same(line: Array, other: Array) -> bool:
+    return line.shape == other.shape and np.allclose(line, other, equal_nan=True)
 
 
 def _draw_end_center_lines(view: View, parts: ThrowParts) -> None:

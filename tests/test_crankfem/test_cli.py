@@ -376,10 +376,7 @@ def test_exports_that_cannot_be(call, case):
     ("arguments", "fragment"),
     [
         (("nowhere.csv",), "nowhere.csv: cannot be read as a torque table"),
-        (
-            ("yamz5340_torque_one_throw.csv", "--strokes", "3"),
-            "strokes: given 3; allowed are 2 and",
-        ),
+        (("yamz5340_torque_one_throw.csv", "--strokes", "3"), "strokes: given 3; allowed are 2"),
         (("wrong.csv",), 'wrong.csv, line 1: given the header "a;b"'),
     ],
 )
@@ -403,10 +400,7 @@ def test_harmonics_refuses(call, tmp_path, arguments, fragment):
         (("web_width=300mm", "web_thickness"), "web_thickness: given without a value"),
         (("web_width=300mm", "=68mm"), "=68mm: given without a value"),
         (("web_width=300mm", "web_width=300mm"), "web_width: given twice"),
-        (
-            ("web_width=-300mm", "web_thickness=68mm"),
-            "web_width: given -300 mm; allowed are positive",
-        ),
+        (("web_width=-300mm", "web_thickness=68mm"), "web_width: given -300 mm; allowed are"),
         (("web_width=300mm", "web_thickness=68mm", "color=3mm"), "color: unknown dimension"),
         (
             ("web_width=300mm", "web_thickness=68mm", "pin_length=140mm"),

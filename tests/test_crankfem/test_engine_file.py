@@ -87,9 +87,7 @@ def test_a_throw_and_a_study_can_stand_alone(tmp_path, six_cylinders, edit):
     plan = load_study(path)
     assert plan.names[0] == "web_width"
     assert plan.factors[0].levels == close((0.270, 0.300, 0.330))
-    with pytest.raises(
-        InputError, match=r"describes a throw, not an engine; add the sections \[engine\]"
-    ):
+    with pytest.raises(InputError, match=r"describes a throw, not an engine; add the sections"):
         load_engine(path)
 
 
@@ -498,10 +496,7 @@ def test_changed_values_lose_their_sources(engine):
         ({"rod": 0.7}, "rod: given 0.7; allowed are fields with their values"),
         ({"rod": {"lenght": 0.7}}, "rod.lenght: unknown field; did you mean length?"),
         ({"rod": {"length": 0.2}}, "rod.length: given 200 mm; allowed is more than"),
-        (
-            {"throw": {"crank_radius": 0.160}},
-            "throw.crank_radius: given 160 mm; allowed is half of",
-        ),
+        ({"throw": {"crank_radius": 0.160}}, "throw.crank_radius: given 160 mm; allowed is half"),
         ({"thrust_bearing": {"main_bearing": 9}}, "thrust_bearing.main_bearing: given 9; allowed"),
         ({"thrust_bearing": {"bearing": 6}}, "thrust_bearing.bearing: given 6; this field counted"),
         ({"vibration": {"highest_order": 2.2}}, "vibration.highest_order: given 2.2"),

@@ -191,15 +191,9 @@ def test_the_order_of_which_one_phase_is_seen_has_no_star(call):
 @pytest.mark.parametrize(
     ("arguments", "fragment"),
     [
-        (
-            (TABLE, "--orders", "9.5"),
-            "--orders: given 9.5; allowed is 9 or less, because 36 samples",
-        ),
+        ((TABLE, "--orders", "9.5"), "--orders: given 9.5; allowed is 9 or less, because 36"),
         ((TABLE, "--orders", "0"), "--orders: given 0; allowed is an order above 0, because"),
-        (
-            (TABLE, "--orders", "0.4"),
-            "--orders: given 0.4; allowed is 0.5 or more, because that is",
-        ),
+        ((TABLE, "--orders", "0.4"), "--orders: given 0.4; allowed is 0.5 or more, because that"),
         (("6chn25-34", "--orders", "0.4"), "--orders: given 0.4; allowed is 0.5 or more"),
         ((TABLE, "--cylinder", "1"), "--cylinder: given 1 with a torque table"),
         ((TABLE, "--speed", "100 1/min"), "--speed: given 100 1/min with a torque table"),
@@ -207,20 +201,11 @@ def test_the_order_of_which_one_phase_is_seen_has_no_star(call):
         (("6chn25-34", "--orders", "361"), "--orders: given 361; allowed is 360 or less"),
         (("6chn25-34", "--cylinder", "7"), "--cylinder: given 7; allowed is 1 to 6"),
         (("6chn25-34", "--strokes", "2"), "--strokes: given 2; allowed is 4 or nothing"),
-        (
-            (TABLE, "--firing-order", "1-3-3"),
-            "--firing-order: given '1-3-3'; allowed is each number",
-        ),
+        ((TABLE, "--firing-order", "1-3-3"), "--firing-order: given '1-3-3'; allowed is each"),
         ((TABLE, "--firing-angles", "0, 90"), "--firing-angles: given '0', a bare number"),
         ((TABLE, "--firing-angles", "0 m"), "--firing-angles: "),
-        (
-            (TABLE, "--firing-order", "1", "--firing-angles", "0 deg"),
-            "--firing-order: given '1' with --firing-angles; allowed is one of them",
-        ),
-        (
-            ("6chn25-34", "--firing-order", "1"),
-            "--firing-order: given '1' with an engine file; allowed is a torque table",
-        ),
+        ((TABLE, "--firing-order", "1", "--firing-angles", "0 deg"), "--firing-order: given '1'"),
+        (("6chn25-34", "--firing-order", "1"), "--firing-order: given '1' with an engine file"),
         (("nowhere.toml",), "nowhere.toml: does not exist"),
         (("no-such-engine",), "no-such-engine: does not exist"),
         ((TABLE, "--csv", "nowhere/h.csv"), "there is no folder nowhere"),

@@ -279,11 +279,7 @@ def test_engines_built_uneven_get_a_note(cylinders, angles, banks):
 @pytest.mark.parametrize(
     ("field", "value", "said"),
     [
-        (
-            "throw.web_thickness",
-            '"68 m"',
-            "given '68 m'; did you mean 68 mm? allowed is 0.2 mm to 1500 mm",
-        ),
+        ("throw.web_thickness", '"68 m"', "given '68 m'; did you mean 68 mm? allowed is 0.2 mm"),
         ("material.youngs_modulus", '"210 MPa"', "did you mean 210 GPa?"),
         ("throw.web_thickness", '"68,5 mm"', 'no separators, like "68.5 mm"'),
         ("engine.stroke", '"430 mm"', "crank radii; correct it, or engine.stroke, given 430 mm"),
@@ -319,10 +315,7 @@ def test_a_file_without_the_usual_ending_is_read(call, tmp_path, six_cylinders):
         (("run", "vw-tdi", "--workers", "two"), "'--workers': allowed is a whole number; see"),
         (("lookup", "laww"), "laww: does not exist; allowed are law and the path of a model file."),
         (("check", "6chn25-43"), "6chn25-43: does not exist; did you mean 6chn25-34? give"),
-        (
-            ("hinge", "vw-tdi"),
-            "vw-tdi: is an engine, not a hinge file; give the path of a hinge file",
-        ),
+        (("hinge", "vw-tdi"), "vw-tdi: is an engine, not a hinge file; give the path of a hinge"),
     ],
 )
 def test_slips_on_the_command_line(call, arguments, said):
@@ -358,28 +351,13 @@ def test_lookup_lists_the_dimensions_of_the_file(call):
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (
-            lambda: CrankThrow(0.17, 0.22),
-            "CrankThrow: given values without names; allowed are fields by",
-        ),
+        (lambda: CrankThrow(0.17, 0.22), "CrankThrow: given values without names; allowed are"),
         (lambda: Piston(mass=np.array([1.0, 2.0])), "allowed is a number, "),
         (lambda: Piston(mass=None), "piston.mass: given None; allowed is a number, "),
-        (
-            lambda: Counterweight(outer_radius=285, angle=1.0),
-            "285000 mm; did you mean 285 mm? allowed",
-        ),
-        (
-            lambda: Counterweight(outer_radius=0.3, angle=90),
-            "did you mean 90 deg? allowed is 10 deg to",
-        ),
-        (
-            lambda: setattr(STEEL, "density", 7800.0),
-            "allowed is another record, by changed(density=...)",
-        ),
-        (
-            lambda: three_cylinders(crank_angles=(0.0, 120.0, 240.0)),
-            "engine.crank_angles: given 240 rad, more than two turns; allowed is -4 pi to 4 pi",
-        ),
+        (lambda: Counterweight(outer_radius=285, angle=1.0), "285000 mm; did you mean 285 mm?"),
+        (lambda: Counterweight(outer_radius=0.3, angle=90), "did you mean 90 deg? allowed is 10"),
+        (lambda: setattr(STEEL, "density", 7800.0), "allowed is another record, by"),
+        (lambda: three_cylinders(crank_angles=(0.0, 120.0, 240.0)), "engine.crank_angles: given"),
         (lambda: Material(youngs_modulus=210, density=7850), "did you mean 210 GPa? allowed"),
         (lambda: torsional_law("vw-tdi"), "throw: given 'vw-tdi'; allowed is a CrankThrow."),
         (lambda: axial_formulas(None), "throw: given None; allowed is a CrankThrow."),

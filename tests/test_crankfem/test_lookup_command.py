@@ -204,9 +204,7 @@ def test_outside_and_strict(run, path):
     found = json.loads(run("lookup", path, *outside, "--json"))["mass"]
     assert (found["lower"], found["upper"]) == (None, None)
     assert found["band"] == "none holds outside the range of the fit"
-    with pytest.raises(
-        InputError, match="web_width: given 345 mm; allowed is the range of the fit"
-    ):
+    with pytest.raises(InputError, match="web_width: given 345 mm; allowed is the range of the"):
         run("lookup", path, *outside, "--strict")
 
 
@@ -214,18 +212,9 @@ def test_outside_and_strict(run, path):
     ("pair", "match"),
     [
         ("hue=3", "hue: unknown dimension; allowed are web_width, web_thickness"),
-        (
-            "web_thicknes=3",
-            r"web_thicknes: unknown dimension; did you mean web_thickness\? allowed",
-        ),
-        (
-            "web_thickness=70 m",
-            r"web_thickness: given 70000 mm; allowed is .* \(mm given in place of m",
-        ),
-        (
-            "web_thickness=-70mm",
-            r"web_thickness: given -70 mm; allowed are positive finite numbers\.$",
-        ),
+        ("web_thicknes=3", r"web_thicknes: unknown dimension; did you mean web_thickness\?"),
+        ("web_thickness=70 m", r"web_thickness: given 70000 mm; allowed is .* \(mm given in"),
+        ("web_thickness=-70mm", r"web_thickness: given -70 mm; allowed are positive finite"),
     ],
 )
 def test_lookup_refuses(run, path, pair, match):
@@ -322,16 +311,12 @@ def test_reactions_outside_the_range(run, reaction_path):
     assert "Axial reaction guided: OUTSIDE the range, where no band applies" in out
     found = json.loads(run("lookup", reaction_path, *outside, "--json"))
     assert found["reactions"]["supports"]["guided"]["band"]["left"]["force"] == [None] * 3
-    with pytest.raises(
-        InputError, match="web_width: given 345 mm; allowed is the range of the fit"
-    ):
+    with pytest.raises(InputError, match="web_width: given 345 mm; allowed is the range of the"):
         run("lookup", reaction_path, *outside, "--strict")
 
 
 def test_a_model_without_reactions_says_so(run, path):
-    with pytest.raises(
-        InputError, match="support: given pinned, but the model has no axial_reaction"
-    ):
+    with pytest.raises(InputError, match="support: given pinned, but the model has no"):
         run("lookup", path, *PAIRS, "--pin-force", "100 kN")
 
 
@@ -450,19 +435,10 @@ def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):
         (("--limit", "tilt_stiffness_ratio <= soft"), "given 'soft'; write a plain number"),
         (("--first-axial-frequency", ">= 40 Hz"), "frequency: given without --engine"),
         (("--engine", ENGINE), "--engine: given '6chn25-34' without a frequency"),
-        (
-            ("--engine", ENGINE, "--first-axial-frequency", "<= 40 Hz"),
-            "--first-axial-frequency: given '<= 40 Hz'; allowed is at least",
-        ),
-        (
-            ("--engine", ENGINE, "--first-axial-frequency", ">= -4 Hz"),
-            "allowed is a frequency above 0 Hz",
-        ),
+        (("--engine", ENGINE, "--first-axial-frequency", "<= 40 Hz"), "--first-axial-frequency:"),
+        (("--engine", ENGINE, "--first-axial-frequency", ">= -4 Hz"), "allowed is a frequency"),
         (("--fixed", "web_width=400mm"), "fixed: given 400 mm for web_width; allowed is 270 mm"),
-        (
-            ("--limit", "axial_compliance <= 0.1e-9 m/N"),
-            "that no throw of the model's family keeps",
-        ),
+        (("--limit", "axial_compliance <= 0.1e-9 m/N"), "that no throw of the model's family"),
     ],
 )
 def test_unusable_searches(run, path, arguments, match):
@@ -471,9 +447,7 @@ def test_unusable_searches(run, path, arguments, match):
 
 
 def test_an_unknown_name_to_minimize(run, path):
-    with pytest.raises(
-        InputError, match="--minimize: given 'hue'; allowed are the responses axial"
-    ):
+    with pytest.raises(InputError, match="--minimize: given 'hue'; allowed are the responses"):
         run("optimum", path, "--minimize", "hue")
 
 
@@ -793,7 +767,5 @@ def test_engines_whose_throws_the_law_does_not_cover_refuse_it(tmp_path, call):
         "[throw]", '[[throw.oil_holes]]\npart = "pin"\ndiameter = "20 mm"\n\n[throw]'
     )
     path.write_text(bored, encoding="utf-8")
-    with pytest.raises(
-        InputError, match=r"vibration.axial_source: given 'law', which does not apply to"
-    ):
+    with pytest.raises(InputError, match=r"vibration.axial_source: given 'law', which does not"):
         refuse_law(load_engine(path))

@@ -149,31 +149,19 @@ def test_a_pressure_table_beside_the_file(tmp_path):
             {'"45 deg", "-45 deg", "45 deg", "-45 deg", "45 deg", "-45 deg"': '"45 deg"'},
             r"engine\.bank_angles: given 1 angles; allowed is one for each of the 6 cylinders",
         ),
-        (
-            "8chn13-14",
-            {"0.0589 kg m^2": "0.65 kg m^2"},
-            r"^rod\.inertia: given 0\.65 kg m\^2; allowed is 0\.\d+ kg m\^2 or less",
-        ),
+        ("8chn13-14", {"0.0589 kg m^2": "0.65 kg m^2"}, r"^rod\.inertia: given 0\.65 kg m\^2"),
         (
             "8chn13-14",
             {"inertia = ": "# inertia = "},
             r"^rod\.center_offset: given 9 mm without inertia; allowed are both",
         ),
-        (
-            "8chn13-14",
-            {'"140 mm"': '"180 mm"'},
-            r"^throw\.crank_radius: given 70 mm; allowed is half of engine\.stroke, 90 mm",
-        ),
+        ("8chn13-14", {'"140 mm"': '"180 mm"'}, r"^throw\.crank_radius: given 70 mm; allowed is"),
         (
             "8chn26-26",
             {"value = [5, 6, 7, 8], source": "value = [5, 5, 7, 8], source"},
             r"^hinged_rods\.cylinders: given \[5, 5, 7, 8\]; allowed is each number once",
         ),
-        (
-            "6chn25-34",
-            {'"37 kg"': '"0 kg"'},
-            r"^rod\.rotating_mass: given 0 kg; allowed is above 0",
-        ),
+        ("6chn25-34", {'"37 kg"': '"0 kg"'}, r"^rod\.rotating_mass: given 0 kg; allowed is above"),
         (
             "6chn25-34",
             {"[piston]\n": '[piston]\npin_offset = "200 mm"\n'},
@@ -372,10 +360,7 @@ def test_a_grid_takes_the_load_of_a_law(file):
     ("values", "sentence"),
     [
         ({}, "gas_map.points: given none"),
-        (
-            {"points": [POINTS[0] | {"speed": 1000}]},
-            r"gas_map.points\[0\].speed: given 1000, a bare",
-        ),
+        ({"points": [POINTS[0] | {"speed": 1000}]}, r"gas_map.points\[0\].speed: given 1000, a"),
         ({"points": POINTS, "law": "cubic"}, "gas_map.law: given 'cubic'; allowed is"),
         (
             {"points": [POINTS[0] | {"pressure_table": "no.csv"}]},
@@ -460,10 +445,7 @@ def pointed(**fields):
         ({"law": "propeller", "points": POWER_POINTS}, "load.law: given both it and points"),
         ({"law": "square"}, "load.law: given 'square'; allowed is"),
         ({"points": POWER_POINTS[:1]}, "load.points: given 1 of 1 different speeds"),
-        (
-            {"points": [POWER_POINTS[0], POWER_POINTS[0]]},
-            "load.points: given 2 of 1 different speeds",
-        ),
+        ({"points": [POWER_POINTS[0], POWER_POINTS[0]]}, "load.points: given 2 of 1 different"),
         (
             {"points": [POWER_POINTS[0] | {"peak_pressure": "60 bar"}, POWER_POINTS[1]]},
             "load.points: given peak_pressure at 1 of 2 speeds; allowed is all of them or none",
@@ -488,9 +470,7 @@ def test_sections_that_do_not_fit_each_other(engine):
     with pytest.raises(InputError, match=r"load: given without the section \[gas\]"):
         engine.changed(gas=None, load=propeller)
     table = {"pressure_table": "p.csv", "peak_pressure": None}
-    with pytest.raises(
-        InputError, match=r"load: given together with gas.pressure_table; allowed are"
-    ):
+    with pytest.raises(InputError, match=r"load: given together with gas.pressure_table; allowed"):
         engine.changed(gas=table, load=propeller)
     short = LoadSection.from_text(
         {"points": [POWER_POINTS[0], POWER_POINTS[1] | {"speed": "450 1/min"}]}
@@ -719,10 +699,7 @@ def test_rules_are_picked():
             {"crankshaft_rule": "KR main engine", "crankshaft_stress": "30 MPa"},
             "together with crankshaft_stress; allowed is one of them",
         ),
-        (
-            {"coupling_torque_passing": "3 N m"},
-            "is no less than coupling_torque, which must be given",
-        ),
+        ({"coupling_torque_passing": "3 N m"}, "is no less than coupling_torque, which must be"),
         ({"axial_amplitude": 0.4}, "a bare number that could be in any unit"),
         (
             {
@@ -762,10 +739,7 @@ def test_ranges_become_spreads_of_each_chain():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        (
-            {"mass": [1.1, 1.2]},
-            "ranges.mass: given .1.1, 1.2.; allowed are a low factor above 0 up to 1",
-        ),
+        ({"mass": [1.1, 1.2]}, "ranges.mass: given .1.1, 1.2.; allowed are a low factor above 0"),
         ({"damping": [0.0, 1.2]}, "ranges.damping: given"),
         ({"samples": 1}, "ranges.samples: given 1; allowed is 2 to 100000"),
     ],

@@ -220,9 +220,7 @@ def test_names_beside_one_throw_are_refused(tmp_path):
     path = tmp_path / "one.toml"
     shaft = '[shaft]\nthrows = ["a", "a", "a", "a"]\n'
     path.write_text(text[: text.index("[torque]")] + shaft, encoding="utf-8")
-    with pytest.raises(
-        InputError, match=r"^shaft\.throws: given together with the section \[throw\]"
-    ):
+    with pytest.raises(InputError, match=r"^shaft\.throws: given together with the section"):
         load_engine(path)
 
 
@@ -234,9 +232,7 @@ def test_a_study_is_of_the_throw_it_names(write):
     assert load_study(first).throw == engine.named_throws["heavy"]
     with pytest.raises(InputError, match=r"^study\.throw: given 'third'; allowed are plain, heavy"):
         load_study(write(added=STUDY.replace('"plain"', '"third"')))
-    with pytest.raises(
-        InputError, match=r"^study\.throw: given 'a'; allowed only where throws have names"
-    ):
+    with pytest.raises(InputError, match=r"^study\.throw: given 'a'; allowed only where throws"):
         load_study(_plain_with_study_throw(first.parent))
 
 
@@ -273,9 +269,7 @@ def test_one_of_several_throws_is_changed(write):
     ):
         with pytest.raises(InputError, match=f"^{message}"):
             engine.changed(**changes)
-    with pytest.raises(
-        InputError, match=r"^throws: given \{.*allowed are names with changes, in an"
-    ):
+    with pytest.raises(InputError, match=r"^throws: given \{.*allowed are names with changes, in"):
         load_engine("yamz-5340").changed(throws={"a": {"web_width": 0.1}})
 
 
@@ -340,13 +334,9 @@ def test_a_v_engine_with_split_pins_has_throws_by_name_too(tmp_path):
 @pytest.mark.slow
 def test_analyses_are_those_of_the_engines_throws(both):
     plain, named, analysis = both
-    with pytest.raises(
-        InputError, match=r"^analysis: given those of b; allowed are those of a, beca"
-    ):
+    with pytest.raises(InputError, match=r"^analysis: given those of b; allowed are those of a"):
         engine_vibration(named, analysis={"b": analysis})
-    with pytest.raises(
-        InputError, match=r"^analysis: given that of one throw; allowed is a mapping"
-    ):
+    with pytest.raises(InputError, match=r"^analysis: given that of one throw; allowed is a"):
         engine_vibration(UNEQUAL, analysis=analysis)
     other = named.changed(throws={"a": {"web_width": 0.105}})
     with pytest.raises(InputError, match=r"allowed is that of the engine's own, by analyze_throw"):
@@ -406,9 +396,7 @@ def test_a_regression_that_does_not_know_a_throw_is_left_out():
 
 
 def test_a_search_for_one_throw_wants_an_engine_of_one():
-    with pytest.raises(
-        InputError, match=r"^unequal-three\.toml: given an engine with several throws"
-    ):
+    with pytest.raises(InputError, match=r"^unequal-three\.toml: given an engine with several"):
         engine_frequencies(load_engine(UNEQUAL))
 
 

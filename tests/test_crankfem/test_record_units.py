@@ -181,7 +181,5 @@ def test_a_chain_has_the_units_of_its_kind(kind, inertia):
 def test_results_that_are_no_numbers_are_refused_by_name():
     record = plain({"throw": {"masses": np.array([1.0, np.nan])}, "peak": np.inf})
     assert record["peak"] is None  # unbounded
-    with pytest.raises(
-        SolveError, match=r"^The result throw\.masses\.2 is nan: allowed are finite"
-    ):
+    with pytest.raises(SolveError, match=r"^The result throw\.masses\.2 is nan: allowed are"):
         json_text(record)

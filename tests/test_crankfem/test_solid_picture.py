@@ -210,7 +210,5 @@ def test_picture_into_a_folder_that_is_not_there(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("picture", [picture_throw, picture_shaft])
 def test_picture_with_another_ending(tmp_path, picture):
-    with pytest.raises(
-        InputError, match=r"^throw\.jpg: given the ending '\.jpg'; allowed .* \.png"
-    ):
+    with pytest.raises(InputError, match=r"^throw\.jpg: given the ending '\.jpg'; allowed .*"):
         picture(None, tmp_path / "throw.jpg")

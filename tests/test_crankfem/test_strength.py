@@ -245,10 +245,7 @@ def test_a_factor_is_not_rounded_to_a_sufficient_one():
         ({"manufacture": "forged"}, "strength.manufacture: given 'forged'"),
         ({"piston": "opposed"}, "strength.piston: given 'opposed'"),
         ({"tensile_strength": "80 MPa"}, "strength.tensile_strength: given 80 MPa"),
-        (
-            {"axial_vibration": "calculated"},
-            "strength.axial_vibration: given 'calculated' with trunk",
-        ),
+        ({"axial_vibration": "calculated"}, "strength.axial_vibration: given 'calculated' with"),
         ({"oil_hole_angle": "30 deg"}, "strength.oil_hole_angle: given without oil_hole_diameter"),
         (
             {"hardening": {"process": "nitriding", "depth": "0.5 mm", "surface_hardness": 500}},
@@ -297,13 +294,9 @@ def test_strength_asks_for_its_section_forces_and_one_pin_a_throw():
     several = {"further_pins": ({"angle": 1.0, "web_thickness": 0.06},)}
     with pytest.raises(InputError, match="strength: given for throw 1 with several pins"):
         engine.changed(strength=GIVEN, throw=several)
-    with pytest.raises(
-        InputError, match=r"strength.pin_recess: given 70 mm; allowed is less than the web"
-    ):
+    with pytest.raises(InputError, match=r"strength.pin_recess: given 70 mm; allowed is less"):
         engine.changed(strength=GIVEN | {"pin_recess": 0.07})
-    with pytest.raises(
-        InputError, match=r"strength.shrink_fit.shrink_diameter: given 100 mm; allowed is"
-    ):
+    with pytest.raises(InputError, match=r"strength.shrink_fit.shrink_diameter: given 100 mm"):
         engine.changed(
             strength=GIVEN | {"shrink_fit": FIT | {"shrink_diameter": 0.1}},
             throw={"main_journal_bore": 0.12},

@@ -130,20 +130,14 @@ def test_stresses_and_constraints(read):
 
 
 ERRORS = [
-    (
-        study("helt_out = 8"),
-        "study.helt_out: unknown field; did you mean held_out? allowed are design, ",
-    ),
+    (study("helt_out = 8"), "study.helt_out: unknown field; did you mean held_out? allowed are"),
     (study('design = "taguchi"'), "study.design: given 'taguchi'; allowed is full factorial, "),
     (study("design = 3"), "study.design: given 3; allowed is"),
     (study("held_out = 0"), "study.held_out: given 0; allowed is 1 to 1000 for number"),
     (study("held_out = 2.5"), "study.held_out: given 2.5"),
     (study("held_out = true"), "study.held_out: given True"),
     (study("generators = 3"), "study.generators: given 3"),
-    (
-        study('design = "fractional factorial"\ngenerators = 3'),
-        "study.generators: given 3; allowed",
-    ),
+    (study('design = "fractional factorial"\ngenerators = 3'), "study.generators: given 3"),
     (study("seed = -1"), "study.seed: given -1"),
     (study("accuracy = 1"), "study.accuracy: given 1; allowed is 0.001 to 0.1"),
     (study('accuracy = "1 %"'), "study.accuracy: given '1 %'"),
@@ -164,16 +158,10 @@ ERRORS = [
     (study('design = "file"'), "study.file: missing; the design 'file' needs the CSV file"),
     (study('design = "sobol"'), "study.runs: missing; the design 'sobol' needs the number"),
     (study('resolution = "IV"'), "study.resolution: given 'IV' with the design 'full factorial'"),
-    (
-        study('design = "fractional factorial"\nresolution = 4'),
-        "study.resolution: given 4; allowed is III, IV, V, VI, VII or VIII",
-    ),
+    (study('design = "fractional factorial"\nresolution = 4'), "study.resolution: given 4"),
     (study('design = "central composite"\nface = 1'), "study.face: given 1; allowed is faced, "),
     (study('file = "a.csv"'), "study.file: given 'a.csv' with the design 'full factorial'"),
-    (
-        "[study]\nfactors = 3\n",
-        "study.factors: given 3; allowed is a table for section [study.factors]",
-    ),
+    ("[study]\nfactors = 3\n", "study.factors: given 3; allowed is a table for section"),
     ("[study]\nrelations = 3\n", "study.relations: given 3; allowed is a table"),
     ("[study]\n", "study.factors: given none; allowed is at least one"),
     (study(factors="web_width = 0.3"), "study.factors.web_width: given 0.3; allowed is a list"),
@@ -183,22 +171,13 @@ ERRORS = [
     (study(factors='web_width = ["270 mm"]'), "study.factors.web_width: given 1 level"),
     (study(factors="web_width = []"), "study.factors.web_width: given no level"),
     (study(factors="web_width = {}"), "study.factors.web_width.from: missing; a range needs"),
-    (
-        study(factors='web_width = { from = "270 mm" }'),
-        "study.factors.web_width.to: missing; a range needs both",
-    ),
+    (study(factors='web_width = { from = "270 mm" }'), "study.factors.web_width.to: missing; a"),
     (
         study(factors='web_width = { from = "270 mm", to = "300 mm", step = 3 }'),
         "study.factors.web_width.step: unknown field; allowed are from, to, levels, spacing",
     ),
-    (
-        study(factors='web_width = { from = 270, to = "300 mm" }'),
-        "study.factors.web_width.from: given 270, a bare number",
-    ),
-    (
-        study(factors='web_width = { from = "300 mm", to = "270 mm" }'),
-        "study.factors.web_width: given the range 300 mm to 270 mm",
-    ),
+    (study(factors='web_width = { from = 270, to = "300 mm" }'), "study.factors.web_width.from:"),
+    (study(factors='web_width = { from = "300 mm", to = "270 mm" }'), "study.factors.web_width:"),
     (
         study(factors='web_width = { from = "270 mm", to = "300 mm", spacing = "log" }'),
         "study.factors.web_width.spacing: given without levels",
@@ -207,42 +186,18 @@ ERRORS = [
         study(factors='web_width = { from = "270 mm", to = "300 mm", levels = "3" }'),
         "study.factors.web_width.levels: given '3'; allowed is a whole number from 2",
     ),
-    (
-        study(factors='web_with = ["270 mm", "300 mm"]'),
-        "study.factors.web_with: unknown throw dimension; did you mean web_width?",
-    ),
-    (
-        study(factors='web_with = { from = "270 mm", to = "300 mm" }'),
-        "study.factors.web_with: unknown throw dimension; did you mean web_width?",
-    ),
-    (
-        study(factors=f"{WIDTH}\nratio = [1.5, 1.6]"),
-        "study.factors.ratio: unknown throw dimension, and no relation uses it as a ratio",
-    ),
+    (study(factors='web_with = ["270 mm", "300 mm"]'), "study.factors.web_with: unknown throw"),
+    (study(factors='web_with = { from = "270 mm", to = "300 mm" }'), "study.factors.web_with:"),
+    (study(factors=f"{WIDTH}\nratio = [1.5, 1.6]"), "study.factors.ratio: unknown throw"),
     (
         study(factors='counterweight.angle = ["80 deg", "90 deg"]'),
         "study.factors.counterweight.angle: unknown throw dimension; the throw has no counterweight",
     ),
-    (
-        study(factors=f'{WIDTH}\nweb_outline = "obround"'),
-        "study.factors.web_outline: given 'obround'; allowed is a list of obround, rectangle",
-    ),
-    (
-        study(factors=f'{WIDTH}\nweb_outline = ["obround", "square"]'),
-        "study.factors.web_outline: given square; allowed is obround, rectangle",
-    ),
-    (
-        study(tail='[study.relations]\npin_length = "2 * web_with"'),
-        "study.relations.pin_length: given '2 * web_with', in which web_with is no known",
-    ),
-    (
-        study(tail="[study.relations]\npin_length = true"),
-        "study.relations.pin_length: given True; allowed is an expression in quotes",
-    ),
-    (
-        study('constraints = ["web_width > 1 m"]'),
-        "study.factors: none of the 3 designs can be used; reason for the first excluded design",
-    ),
+    (study(factors=f'{WIDTH}\nweb_outline = "obround"'), "study.factors.web_outline: given"),
+    (study(factors=f'{WIDTH}\nweb_outline = ["obround", "square"]'), "study.factors.web_outline:"),
+    (study(tail='[study.relations]\npin_length = "2 * web_with"'), "study.relations.pin_length:"),
+    (study(tail="[study.relations]\npin_length = true"), "study.relations.pin_length: given"),
+    (study('constraints = ["web_width > 1 m"]'), "study.factors: none of the 3 designs can be"),
 ]
 
 
@@ -301,41 +256,13 @@ def test_factors_of_the_study_give_order_and_ranges(read_rows):
     [
         ("web_width [mm]\n", "", "study.file: given 'runs.csv' without any run"),
         ("", "", "study.file: given 'runs.csv' without any run"),
-        (
-            "web_width\n270\n300\n",
-            "",
-            "study.file: web_width in line 2 of runs.csv: given '270', a b",
-        ),
-        (
-            "web_width [mm]\n270\nx\n",
-            "",
-            "study.file: web_width in line 3 of runs.csv: given 'x mm'",
-        ),
-        (
-            "web_width [mm]\n270 mm\n",
-            "",
-            "study.file: web_width in line 2 of runs.csv: given '270 mm m",
-        ),
-        (
-            "web_width [mm]\n270,3\n",
-            "",
-            "study.file: given 2 cells in line 2 of runs.csv; allowed are 1",
-        ),
-        (
-            "web_width [mm],web_width [mm]\n270,3\n",
-            "",
-            "study.file: web_width is twice in runs.csv",
-        ),
-        (
-            "web_width [mm]\n270\n300\n",
-            RANGE,
-            "study.file: given the columns web_width in runs.csv; allowed are the factors web_thick",
-        ),
-        (
-            "web_thickness [mm]\n270\n",
-            RANGE,
-            "study.file: given web_thickness = 270 mm in row 1; allowed is the factor's range",
-        ),
+        ("web_width\n270\n300\n", "", "study.file: web_width in line 2 of runs.csv: given '270'"),
+        ("web_width [mm]\n270\nx\n", "", "study.file: web_width in line 3 of runs.csv: given 'x"),
+        ("web_width [mm]\n270 mm\n", "", "study.file: web_width in line 2 of runs.csv: given"),
+        ("web_width [mm]\n270,3\n", "", "study.file: given 2 cells in line 2 of runs.csv"),
+        ("web_width [mm],web_width [mm]\n270,3\n", "", "study.file: web_width is twice in"),
+        ("web_width [mm]\n270\n300\n", RANGE, "study.file: given the columns web_width in"),
+        ("web_thickness [mm]\n270\n", RANGE, "study.file: given web_thickness = 270 mm in row 1"),
         (
             "web_width [mm],web_outline\n270,obround\n300,round\n",
             f'{WIDTH}\nweb_outline = ["obround", "rectangle"]',

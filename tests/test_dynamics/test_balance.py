@@ -269,10 +269,7 @@ def test_balanced_orders_have_no_direction():
         ({"firing_angles_deg": [], "orders": 4.0}, "firing_angles_deg: given none; .*because"),
         ({"firing_angles_deg": FOUR, "orders": [0.0]}, r"orders\[0\]: given 0"),
         ({"firing_angles_deg": FOUR, "orders": 0.1}, "highest: given 0.1"),
-        (
-            {"engine": hinged_vee(), "orders": [1.0, 0.7]},
-            r"orders\[1\]: given 0.7; allowed are multiples of 0.5, because",
-        ),
+        ({"engine": hinged_vee(), "orders": [1.0, 0.7]}, r"orders\[1\]: given 0.7; allowed are"),
         ({"engine": FOUR}, "engine: given ndarray with firing_angles_deg left out; .*because"),
         ({"engine": hinged_vee(), "firing_angles_deg": FOUR}, "engine: given EngineLayout with"),
     ],
@@ -287,12 +284,7 @@ def test_refusals(arguments, message):
     [
         ({"firing_angles_deg": FOUR}, 4.0, 0, "strokes: given 0; allowed are 2 and 4"),
         ({"firing_angles_deg": FOUR}, [1.0], 3, "strokes: given 3; allowed are 2 and 4"),
-        (
-            {"firing_angles_deg": FOUR},
-            [0.5],
-            2,
-            r"orders\[0\]: given 0.5; allowed are multiples of 1, because",
-        ),
+        ({"firing_angles_deg": FOUR}, [0.5], 2, r"orders\[0\]: given 0.5; allowed are multiples"),
         ({"engine": hinged_vee()}, 4.0, 0, "strokes: given 0; allowed are 2 and 4"),
         ({"engine": hinged_vee()}, 4.0, 2, "strokes: given 2; allowed is 4 or nothing, because"),
     ],

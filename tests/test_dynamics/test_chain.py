@@ -156,12 +156,7 @@ def test_mode_number_counts_the_nodes(values):
         ([1.0, 1.0], [1.0], [1.0], "ground: given 1 values; allowed are exactly 2"),
         ([1.0, 1.0], [1.0], [1.0, -1.0], r"ground\[1\]: given -1"),
         ([1.0, 1.0], [1.0], {1: -1.0}, r"ground\[1\]: given -1"),
-        (
-            [1.0, 1.0],
-            [1.0],
-            {2: 1.0},
-            r"ground\[2\]: given 2; allowed are the whole numbers 0 to 1",
-        ),
+        ([1.0, 1.0], [1.0], {2: 1.0}, r"ground\[2\]: given 2; allowed are the whole numbers 0 to"),
         ([1.0, 1.0], [1.0], {-1: 1.0}, r"ground\[-1\]: given -1; allowed are the whole numbers"),
         ([1.0, 1.0], [1.0], {"a": 1.0}, "ground.*given 'a'; allowed are the whole numbers"),
         ([1.0, 1.0], [1.0], {0: float("nan")}, r"ground\[0\]: given nan"),
@@ -381,31 +376,16 @@ def test_dashpots_join_and_let_turn():
         (lambda: Gear(0, 1, 0.0), "gear.ratio: given 0"),
         (lambda: Gear(0, 1, float("inf")), "gear.ratio.*given inf"),
         (lambda: Dashpot(0, 1, -1.0), "dashpot.damping: given -1"),
-        (
-            lambda: Chain([1.0] * 3, [1.0], connections=[(0, 1)]),
-            "connections: given ones that do not join node 2 to node 0",
-        ),
-        (
-            lambda: Chain([1.0] * 2, [1.0], connections=[(0, 0)]),
-            r"connections\[0\]: given node 0 twice",
-        ),
-        (
-            lambda: Chain([1.0] * 2, [1.0], connections=[(0, 2)]),
-            r"connections\[0\]: given 2; allowed",
-        ),
+        (lambda: Chain([1.0] * 3, [1.0], connections=[(0, 1)]), "connections: given ones that do"),
+        (lambda: Chain([1.0] * 2, [1.0], connections=[(0, 0)]), r"connections\[0\]: given node 0"),
+        (lambda: Chain([1.0] * 2, [1.0], connections=[(0, 2)]), r"connections\[0\]: given 2"),
         (lambda: Chain([1.0] * 2, [1.0], gears=[Gear(0, 5, 1.0)]), r"gears\[0\]: given 5"),
         (
             lambda: Chain([1.0] * 4, [1.0] * 2, connections=[(0, 1), (2, 3)], gears=[(1, 2, -0.6)]),
             r"gears\[0\]: given \(1, 2, -0.6\); allowed is a Gear, like Gear\(driver=1",
         ),
-        (
-            lambda: Chain([1.0] * 2, [1.0], dashpots=[(0, 1, 3.0)]),
-            r"dashpots\[0\]: given \(0, 1, 3.0\); allowed is a Dashpot",
-        ),
-        (
-            lambda: Chain([1.0] * 2, [1.0], gears=Gear(0, 1, 2.0)),
-            "gears: given Gear.*; allowed is a sequence of Gear",
-        ),
+        (lambda: Chain([1.0] * 2, [1.0], dashpots=[(0, 1, 3.0)]), r"dashpots\[0\]: given \(0, 1"),
+        (lambda: Chain([1.0] * 2, [1.0], gears=Gear(0, 1, 2.0)), "gears: given Gear.*; allowed"),
         (lambda: Chain([1.0] * 2, [1.0], names=["a", "a"]), "names: given 2 names, 1 of them"),
     ],
 )

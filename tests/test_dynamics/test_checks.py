@@ -201,11 +201,7 @@ def test_a_gas_pressure_is_checked_however_it_is_made(bad):
         (GAS.angles_deg + 0.06 * np.sin(np.radians(GAS.angles_deg)), 4, "are not even"),
         (GAS.angles_deg, 2, "allowed is one cycle of 360 deg"),
         (GAS.angles_deg, 3, "strokes: given 3"),
-        (
-            np.radians(GAS.angles_deg),
-            4,
-            r"360 angles from 0 to 12\.53, .* radians; allowed are degrees",
-        ),
+        (np.radians(GAS.angles_deg), 4, r"360 angles from 0 to 12\.53, .* radians; allowed are"),
     ],
 )
 def test_a_gas_pressure_has_even_angles_of_one_cycle(angles, strokes, message):
@@ -275,7 +271,5 @@ def test_work_that_is_not_that_of_the_gas():
     angles = np.radians(np.arange(0.0, 720.0, 0.5))
     torque = engine_torque(BROKEN_ENGINE, 100.0, [3e4 * np.exp(-(angles**2))])
     check_energy(torque)
-    with pytest.raises(
-        SolveError, match=r"work of the gas differ by a share of .*\(allowed 1e-10\)"
-    ):
+    with pytest.raises(SolveError, match=r"work of the gas differ by a share of .*\(allowed"):
         check_energy(replace(torque, indicated_work=torque.indicated_work + 1e-3))

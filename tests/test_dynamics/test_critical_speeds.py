@@ -220,10 +220,7 @@ def test_what_is_asked_for():
         ({"elements": [2]}, "elements: given 2"),
         ({"node": "nowhere"}, "node: given 'nowhere'"),
         ({"speed_range": (200.0, 100.0)}, "speed_range: given"),
-        (
-            {"speed_range": (10.0, 100.0)},
-            "speed_range: given 10 to 100 rad/s; allowed is within 40",
-        ),
+        ({"speed_range": (10.0, 100.0)}, "speed_range: given 10 to 100 rad/s; allowed is within"),
     ],
 )
 def test_refused(options, words):

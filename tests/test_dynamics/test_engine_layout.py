@@ -201,68 +201,23 @@ def hinged_to(main, crank=0.0, **pin):
         ([], [], {}, "cylinders: given none"),
         (in_line(0), [1], {"crank_radius": 0.0}, "crank_radius: given 0 m"),
         (in_line(0), [1], {"shaft_inertia": -1.0}, "shaft_inertia: given -1 kg"),
-        (
-            [cylinder(rod=SHORT)],
-            [1],
-            {},
-            "cylinder 1: crank_radius: given 0.07 m .*0.065 m, because",
-        ),
-        (
-            [cylinder(pin_offset=-0.2)],
-            [1],
-            {},
-            "offset of 0.2 m; allowed is less than rod length minus offset, 0.065 m",
-        ),
-        (
-            [hinged_to(1)],
-            [1],
-            {},
-            "cylinder 1: slave pin: given main cylinder 1; .*another cylinder",
-        ),
+        ([cylinder(rod=SHORT)], [1], {}, "cylinder 1: crank_radius: given 0.07 m .*0.065 m"),
+        ([cylinder(pin_offset=-0.2)], [1], {}, "offset of 0.2 m; allowed is less than rod length"),
+        ([hinged_to(1)], [1], {}, "cylinder 1: slave pin: given main cylinder 1; .*another"),
         ([cylinder(), hinged_to(3)], [1, 2], {}, "cylinder 2: slave pin: given main cylinder 3"),
         ([cylinder(), hinged_to(0)], [1, 2], {}, "cylinder 2: slave pin: given main cylinder 0"),
-        (
-            [cylinder(), hinged_to(1), hinged_to(2)],
-            [1, 2, 3],
-            {},
-            "cylinder 3: slave pin: given main cylinder 2, whose own rod is hinged",
-        ),
-        (
-            [cylinder(), hinged_to(1, crank=90.0)],
-            [1, 2],
-            {},
-            "cylinder 2: crank_angle_deg: given 90 deg; allowed is that of cylinder 1, 0 deg",
-        ),
-        (
-            [cylinder(position=0.1), hinged_to(1)],
-            [1, 2],
-            {},
-            "cylinder 2: position: given 0 m; allowed is that of cylinder 1, 0.1 m, because its rod",
-        ),
-        (
-            [cylinder(), hinged_to(1, radius=0.265)],
-            [1, 2],
-            {},
-            "cylinder 2: slave pin radius: given 0.265 m; .*main rod's length of 0.265 m",
-        ),
+        ([cylinder(), hinged_to(1), hinged_to(2)], [1, 2, 3], {}, "cylinder 3: slave pin: given"),
+        ([cylinder(), hinged_to(1, crank=90.0)], [1, 2], {}, "cylinder 2: crank_angle_deg: given"),
+        ([cylinder(position=0.1), hinged_to(1)], [1, 2], {}, "cylinder 2: position: given 0 m"),
+        ([cylinder(), hinged_to(1, radius=0.265)], [1, 2], {}, "cylinder 2: slave pin radius:"),
         (
             [cylinder(), hinged_to(1, radius=0.26, angle_deg=math.degrees(-0.9))],
             [1, 2],
             {},
             "cylinder 2: rod length: given 0.265 m for a pin that goes 0.[0-9]+ m aside",
         ),
-        (
-            in_line(0, 0),
-            [1, 2],
-            {"firing_angles_deg": [0.0]},
-            "firing_angles_deg: given 1 angles; .*the 2 cylinders, because",
-        ),
-        (
-            in_line(0, 180),
-            [1, 2],
-            {"firing_angles_deg": [0.0, 0.0]},
-            "given 0 deg for cylinder 2; allowed is -180 deg plus whole turns",
-        ),
+        (in_line(0, 0), [1, 2], {"firing_angles_deg": [0.0]}, "firing_angles_deg: given 1"),
+        (in_line(0, 180), [1, 2], {"firing_angles_deg": [0.0, 0.0]}, "given 0 deg for cylinder"),
     ],
 )
 def test_bad_layouts_are_refused_with_the_reason(parts, order, more, words):
@@ -277,24 +232,12 @@ def test_bad_layouts_are_refused_with_the_reason(parts, order, more, words):
         (lambda: cylinder(bore=0.0), "bore: given 0 m"),
         (lambda: cylinder(position=math.nan), "position: given nan"),
         (lambda: cylinder(crank=math.inf), "crank_angle_deg: given inf"),
-        (
-            lambda: SlavePin(1.0, 0.06, angle_deg=math.degrees(0.7)),
-            "slave pin main_cylinder: given 1.0; allowed is a whole",
-        ),
-        (
-            lambda: SlavePin(True, 0.06, angle_deg=math.degrees(0.7)),
-            "slave pin main_cylinder: given True",
-        ),
-        (
-            lambda: SlavePin("1", 0.06, angle_deg=math.degrees(0.7)),
-            "slave pin main_cylinder: given '1'",
-        ),
+        (lambda: SlavePin(1.0, 0.06, angle_deg=math.degrees(0.7)), "slave pin main_cylinder:"),
+        (lambda: SlavePin(True, 0.06, angle_deg=math.degrees(0.7)), "slave pin main_cylinder:"),
+        (lambda: SlavePin("1", 0.06, angle_deg=math.degrees(0.7)), "slave pin main_cylinder:"),
         (lambda: SlavePin(1, 0.0, angle_deg=math.degrees(0.7)), "slave pin radius: given 0 m"),
         (lambda: SlavePin(1, 0.06, angle_deg=math.nan), "slave pin angle_deg: given nan"),
-        (
-            lambda: RotatingMass(-0.1, angle_deg=0.0),
-            "static_moment: given -0.1 kg m; .*mass times radius",
-        ),
+        (lambda: RotatingMass(-0.1, angle_deg=0.0), "static_moment: given -0.1 kg m; .*mass"),
         (lambda: RotatingMass(0.1, angle_deg=math.nan), "angle_deg: given nan"),
     ],
 )
@@ -318,7 +261,5 @@ def test_firing_intervals_are_one_cycle_together(strokes, total):
 def test_a_firing_order_may_be_text():
     engine = EngineLayout(0.07, in_line(0, 180, 180, 0), "1-3-4-2")
     assert engine == EngineLayout(0.07, in_line(0, 180, 180, 0), [1, 3, 4, 2])
-    with pytest.raises(
-        InputError, match="firing_order: given '1;3;4;2'; allowed are cylinder numbers"
-    ):
+    with pytest.raises(InputError, match="firing_order: given '1;3;4;2'; allowed are cylinder"):
         EngineLayout(0.07, in_line(0, 180, 180, 0), "1;3;4;2")

@@ -101,9 +101,7 @@ def test_harmonics_of_throws_add_up_to_the_engines():
     whole = found.harmonics()
     assert added == close(whole.cosine + 1j * whole.sine, abs=1e-9)
     for throw in (3, 0, 1.5, True):
-        with pytest.raises(
-            InputError, match=f"throw: given {throw}; allowed are the whole numbers 1 to 2"
-        ):
+        with pytest.raises(InputError, match=f"throw: given {throw}; allowed are the whole"):
             found.harmonics(throw)
     with pytest.raises(InputError, match="cylinder: given 5"):
         found.cylinder_harmonics(5)
@@ -169,10 +167,7 @@ def test_throws_may_be_told():
         ({"samples": 10.5}, "samples: given 10.5"),
         ({"pressure": np.zeros((3, 5))}, r"pressure: given forces of shape \(3, 5\)"),
         ({"speed": -1.0}, "speed: given -1"),
-        (
-            {"pressure": [SmoothPressure(2)] * 2},
-            "pressure: given 2 for 3 cylinders; .*because each piston",
-        ),
+        ({"pressure": [SmoothPressure(2)] * 2}, "pressure: given 2 for 3 cylinders; .*because"),
         ({"pressure": SmoothPressure(4)}, "pressure: given a cycle of 4 strokes"),
     ],
 )
@@ -183,9 +178,7 @@ def test_refusals(change, message):
 
 def test_orders_beyond_the_samples_are_refused():
     engine = in_line_two_stroke()
-    with pytest.raises(
-        InputError, match="highest_order: given 13; allowed are 1 to 12, because 24"
-    ):
+    with pytest.raises(InputError, match="highest_order: given 13; allowed are 1 to 12, because"):
         pin_force_harmonics(engine, SPEED, samples=24, highest_order=13)
     with pytest.raises(InputError, match="highest_order: given 24; allowed are 1 to 12"):
         pin_force_harmonics(engine, SPEED, samples=24)

@@ -318,22 +318,13 @@ def diagram(step_deg, strokes=4):
     [
         ({"orders": [0.75]}, r"orders\[0\]: given 0.75; allowed are multiples of 0.5"),
         ({"orders": [1.0, 200.0], "samples": 360}, r"given 200; allowed are orders up to 89.5"),
-        (
-            {"orders": [1.0, 18.0], "pressure": diagram(10.0)},
-            r"given 18; allowed are orders up to 17.5, because the pressure diagrams have 72 samples",
-        ),
+        ({"orders": [1.0, 18.0], "pressure": diagram(10.0)}, r"given 18; allowed are orders up"),
         ({"speeds": [100.0, 90.0]}, r"speeds\[1\]: given 90 rad/s after 100 rad/s"),
         ({"pressure": [SmoothPressure(4)]}, "pressure: given 1 for 4 cylinders"),
         ({"pressure": diagram(5.0, 2)}, "pressure: given a cycle of 2 strokes; allowed is 4"),
         ({"misfire": {1: 1.0}}, "motored: given none for misfire in cylinder 1"),
-        (
-            {"misfire": {5: 1.0}, "motored": SmoothPressure(4)},
-            "cylinder: given 5; allowed are the whole numbers 1 to 4",
-        ),
-        (
-            {"misfire": {1: 1.5}, "motored": SmoothPressure(4)},
-            r"misfire\[1\]: given 1.5; allowed is 0 to 1",
-        ),
+        ({"misfire": {5: 1.0}, "motored": SmoothPressure(4)}, "cylinder: given 5; allowed are"),
+        ({"misfire": {1: 1.5}, "motored": SmoothPressure(4)}, r"misfire\[1\]: given 1.5; allowed"),
         ({"misfire": {1: 1.0}, "pressure": None}, "misfire: given without a pressure"),
         ({"load": 0.5}, "load: given without a pressure map"),
         ({"throws": [0, 0, 2, 2]}, "throws: given .* without a gap"),
@@ -353,9 +344,7 @@ def test_a_firing_order_that_does_not_fit_the_cranks_is_refused():
         )
         for i, c in enumerate(cranks)
     ]
-    with pytest.raises(
-        InputError, match=r"firing_order: given \[1, 4, 3, 2\]; allowed is an order"
-    ):
+    with pytest.raises(InputError, match=r"firing_order: given \[1, 4, 3, 2\]; allowed is an"):
         EngineLayout(0.07, cylinders, [1, 4, 3, 2])
 
 

@@ -342,9 +342,7 @@ def test_own_damping_stays_and_needs_no_default():
 
 def test_a_node_is_damped_once():
     own = Chain([1.0, 1.0], [2e4], ground_damping={0: 5.0})
-    with pytest.raises(
-        InputError, match=r"^absolute: given damping of node 0, .* \(5\); .*add=True"
-    ):
+    with pytest.raises(InputError, match=r"^absolute: given damping of node 0, .* \(5\)"):
         damped(own, absolute={0: 5.0})
     with pytest.raises(InputError, match=r"^engine_magnifier: given damping of node 1, which"):
         damped(own, absolute={1: 2.0}, engine_magnifier=EngineMagnifier(40.0, (1,), 20.0))
@@ -427,9 +425,7 @@ def test_common_order():
     assert common_order(np.array([1.0 / 3.0, 0.5]))[1] == close(1.0 / 6.0)
     with pytest.raises(InputError, match=r"orders: given 1.414.*; allowed are fractions"):
         common_order(np.array([1.0, np.sqrt(2.0)]))
-    with pytest.raises(
-        InputError, match=r"multiples of .* only, up to 90; allowed are up to 20000"
-    ):
+    with pytest.raises(InputError, match=r"multiples of .* only, up to 90; allowed are up to"):
         common_order(np.array([1.0 / 997.0, 90.0]))
 
 

@@ -352,11 +352,7 @@ def test_a_map_along_a_curve_takes_no_load():
 @pytest.mark.parametrize(
     ("speed", "load", "sentence"),
     [
-        (
-            70.0,
-            0.5,
-            "speed: given 668.451 1/min; allowed is 763.944 1/min to 2291.83 1/min, because",
-        ),
+        (70.0, 0.5, "speed: given 668.451 1/min; allowed is 763.944 1/min to 2291.83 1/min"),
         (100.0, 1.2, "load: given 1.2; allowed is 0.25 to 1, because the pressure map has no"),
         (100.0, None, "load: given none; allowed are 0.25 to 1"),
         (100.0, [0.5, 0.6], r"load: given an array of shape \(2,\)"),
@@ -387,9 +383,7 @@ def test_maps_that_are_none_are_refused():
             pressure_map(points)
     with pytest.raises(InputError, match="method: given 'nearest'"):
         pressure_map([(100.0, 0.5, own)], method="nearest")
-    with pytest.raises(
-        InputError, match=r"allowed are orders up to 89.5, because the pressure map's"
-    ):
+    with pytest.raises(InputError, match=r"allowed are orders up to 89.5, because the pressure"):
         pressure_map([(100.0, 0.5, own)]).phasors([90.0], [100.0])
 
 
@@ -421,9 +415,7 @@ def test_a_map_from_cycles_has_its_targets_at_the_points():
     )
     assert found.at(speeds[1], 1.0).pressure == close(middle.pressure.pressure, rel=1e-12)
     assert not any("Solved" in text for text in found.remarks)
-    with pytest.raises(
-        InputError, match="at 1500 1/min and load 1: mean_effective_pressure: given"
-    ):
+    with pytest.raises(InputError, match="at 1500 1/min and load 1: mean_effective_pressure:"):
         pressure_map_from_cycles(
             usual_gas_cycle(15.0),
             position,
@@ -480,12 +472,7 @@ def volume():
         (cycle_position, AREA, 1.0, "compression_ratio: given 1; allowed is more than 1"),
         (lambda angle: 0.0 * angle, AREA, 15.0, "position: given 0 m at 0 deg, .*that moves"),
         (lambda angle: np.cos(0.5 * angle), AREA, 15.0, "is back after one turn"),
-        (
-            lambda angle: -cycle_position(angle),
-            AREA,
-            15.0,
-            "highest at .*180 deg; allowed are -30 to 30",
-        ),
+        (lambda angle: -cycle_position(angle), AREA, 15.0, "highest at .*180 deg; allowed are"),
         (lambda angle: np.full(angle.shape, np.nan), AREA, 15.0, "position.*given nan"),
     ],
 )
@@ -583,10 +570,7 @@ def test_usual_values_are_named_with_their_reasons():
         ({"wiebe_shape": -0.5}, "wiebe_shape: given -0.5"),
         ({"wiebe_completeness": 1.0}, "wiebe_completeness: given 1; allowed is more than 0.5"),
         ({"combustion_start_deg": np.nan}, "given nan; allowed are finite numbers of degrees"),
-        (
-            {"combustion_start_deg": -149.0},
-            "combustion_start_deg: given -149 deg, with intake_closes_deg at -145",
-        ),
+        ({"combustion_start_deg": -149.0}, "combustion_start_deg: given -149 deg, with"),
         ({"combustion_duration_deg": 143.2}, "exhaust_opens_deg: given 130 deg, with end of comb"),
         ({"exhaust_opens_deg": 177.6}, "exhaust_opens_deg: given 177.6 .* less than 175 deg"),
         ({"intake_closes_deg": 5.7}, "intake_closes_deg: given 5.7 deg; allowed is more than -270"),
@@ -647,10 +631,7 @@ def test_impossible_ratio_and_strokes_are_refused():
         ({}, "heat: given neither it nor peak_pressure nor mean_effective_pressure"),
         ({"heat": 1.0, "peak_pressure": 1e7}, "heat: given together with"),
         ({"heat": -1.0}, "heat: given -1 J; allowed are finite numbers of zero or more"),
-        (
-            {"heat": 1e6},
-            r"heat: given 1e\+06 J; allowed are 0 to 3\d+\.?\d* J, because more drives",
-        ),
+        ({"heat": 1e6}, r"heat: given 1e\+06 J; allowed are 0 to 3\d+\.?\d* J, because more"),
         ({"peak_pressure": 5e6}, r"peak_pressure: given 5 MPa; allowed are 8\.865 MPa to 50 MPa"),
         ({"peak_pressure": 6e7}, "peak_pressure: given 60 MPa; allowed are"),
         ({"peak_pressure": np.nan}, "peak_pressure: given nan; allowed are"),
@@ -669,18 +650,12 @@ def test_impossible_ratio_and_strokes_are_refused():
             },
             r"allowed are 1\d\.\d+ MPa to .* a combustion_duration_deg from 2 to 136 deg",
         ),
-        (
-            {"peak_pressure": 1e7, "mean_effective_pressure": 0.0},
-            "mean_effective_pressure: given 0 MPa; allowed is more than 0.0229",
-        ),
+        ({"peak_pressure": 1e7, "mean_effective_pressure": 0.0}, "mean_effective_pressure: given"),
         (
             {"peak_pressure": 1e7, "mean_effective_pressure": 1e6, "solve_for": "heat"},
             "solve_for: given 'heat'",
         ),
-        (
-            {"heat": 1.0, "samples": 600},
-            "samples: given 600; allowed are whole numbers of 720 or more",
-        ),
+        ({"heat": 1.0, "samples": 600}, "samples: given 600; allowed are whole numbers of 720 or"),
         ({"heat": 1.0, "samples": 1e4}, "samples: given 10000.0"),
     ],
 )
@@ -692,9 +667,7 @@ def test_targets_out_of_reach_are_refused_with_what_is_in_reach(targets, message
 
 def test_combustion_too_short_or_too_early_is_refused():
     short = replace(FOUR, combustion_duration_deg=1.0)
-    with pytest.raises(
-        InputError, match="combustion_duration_deg: given 1 deg; allowed is 2 deg or"
-    ):
+    with pytest.raises(InputError, match="combustion_duration_deg: given 1 deg; allowed is 2 deg"):
         gas_cycle(short, cycle_position, AREA, heat=100.0)
     early = replace(
         FOUR,

@@ -124,10 +124,7 @@ def test_samples_of_the_force_serve_as_a_function_does():
         ({"crank_radius": 1.6}, "crank_radius: given 1.6 m"),
         ({"piston_mass": -1.0}, "piston_mass: given -1 kg"),
         ({"crosshead_mass": np.nan}, "crosshead_mass: given nan"),
-        (
-            {"crank_inertia": 1.0},
-            "crank_inertia: given 1 kg m\\^2; allowed is 3.2 kg m\\^2 or more",
-        ),
+        ({"crank_inertia": 1.0}, "crank_inertia: given 1 kg m\\^2; allowed is 3.2 kg m\\^2 or"),
     ],
 )
 def test_engines_refused(change, match):

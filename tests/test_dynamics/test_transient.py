@@ -419,9 +419,7 @@ def test_bad_input_is_refused_in_one_sentence_turning(message):
 def test_a_cycle_that_takes_too_many_evaluations_is_given_up(monkeypatch):
     chain, _ = turning(gas=pressure(), damping=30.0)
     monkeypatch.setattr("dynamics.transient.turning_run.MOST_EVALUATIONS", 500)
-    with pytest.raises(
-        InputError, match=r"given 1e-06 rad/s; allowed is .* limit of 500 .* periods"
-    ):
+    with pytest.raises(InputError, match=r"given 1e-06 rad/s; allowed is .* limit of 500 .*"):
         steady_cycle(chain, 1e-6)
     monkeypatch.setattr("dynamics.transient.turning_run.MOST_EVALUATIONS", 500)
     with pytest.raises(InputError, match=r"duration: given .* \(a revolution takes more than"):

@@ -248,9 +248,7 @@ def test_what_cannot_be_built_is_refused(coarse, coarse_classes, dynamic, mesh, 
     with pytest.raises(InputError, match=r"^classes: given fields at \d+ nodes; allowed are the"):
         dynamic_superelement(mesh, STEEL, coarse_classes, 100.0)
     for count in (-1, dynamic.natural + 1, True, 1.0):
-        with pytest.raises(
-            InputError, match=f"^count: given {count}; allowed are the whole numbers 0 to "
-        ):
+        with pytest.raises(InputError, match=f"^count: given {count}; allowed are the whole"):
             dynamic.with_modes(count)
 
 

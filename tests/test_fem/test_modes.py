@@ -151,9 +151,7 @@ def test_a_mesh_in_two_pieces_is_refused(coarse):
 
 def test_a_mode_that_misses_its_equation_is_refused(coarse, monkeypatch):
     monkeypatch.setattr("fem.modes.LARGEST_RESIDUAL", 1e-15)
-    with pytest.raises(
-        SolveError, match=r"leaves a relative residual of .* \(allowed 1e-15\): (pardiso|superlu)"
-    ):
+    with pytest.raises(SolveError, match=r"leaves a relative residual of .* \(allowed 1e-15\):"):
         free_modes(coarse, STEEL, count=1)
 
 

@@ -297,9 +297,7 @@ def test_if_every_way_hangs_it_is_said(dimensions, monkeypatch):
         raise ProcessLostError("took longer than the limit of 60 s")
 
     monkeypatch.setattr(process, "call", late)
-    with pytest.raises(
-        MeshError, match=f"{len(MESHING_STRATEGIES)} ways .* took longer than the limit of 60 s"
-    ):
+    with pytest.raises(MeshError, match=f"{len(MESHING_STRATEGIES)} ways .* took longer than the"):
         mesh_isolated(CrankThrow(**dimensions), 2.0, process=process)
 
 

@@ -114,9 +114,7 @@ def test_a_mesh_shows_what_looks_at_the_eye():
     assert face.vertices[:3] == close(points[[1, 2, 3], :2])
     assert axes.get_title("left") == "Half mesh, 1 element"
     assert axes.get_legend().get_texts()[0].get_text() == "cut: crank plane"
-    with pytest.raises(
-        InputError, match=r"eye: given \[0\.0, 1\.0, 0\.0\]; allowed are three finite"
-    ):
+    with pytest.raises(InputError, match=r"eye: given \[0\.0, 1\.0, 0\.0\]; allowed are three"):
         mesh.plot(eye=(0.0, 1.0, 0.0))
 
 

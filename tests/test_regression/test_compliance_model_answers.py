@@ -136,14 +136,8 @@ def test_outside_the_range_there_is_no_band(model):
 @pytest.mark.parametrize(
     ("factor", "match"),
     [
-        (
-            1000.0,
-            r"given 68000 mm; allowed is the range of the fit, 38 mm .* \(mm given in place of m\?\)",
-        ),
-        (
-            0.001,
-            r"given 0\.068 mm; allowed is .* 100 times beyond it the equation is meaningless\.$",
-        ),
+        (1000.0, r"given 68000 mm; allowed is the range of the fit, 38 mm .* \(mm given in place"),
+        (0.001, r"given 0\.068 mm; allowed is .* 100 times beyond it the equation is"),
     ],
 )
 def test_a_dimension_of_another_unit_is_refused(model, factor, match):
@@ -292,9 +286,7 @@ def test_unusable_angles(model, name, gamma, match):
 
 
 def test_angles_of_another_shape_than_the_dimensions(model):
-    with pytest.raises(
-        InputError, match=r"gamma_deg: given an array of shape \(3,\) for dimensions"
-    ):
+    with pytest.raises(InputError, match=r"gamma_deg: given an array of shape \(3,\) for"):
         model.axial_compliance(gamma_deg=[0, 1, 2], web_width=[0.3, 0.31], web_thickness=0.068)
     with pytest.raises(InputError, match=r"gamma_deg: given an array of shape \(2,\)"):
         model.lookup("axial_compliance", gamma_deg=[0.0, 90.0], **MIDDLE)
@@ -303,9 +295,7 @@ def test_angles_of_another_shape_than_the_dimensions(model):
 def test_an_angle_needs_its_three_numbers(model):
     kept = {"axial_compliance", "axial_compliance_in_line", "mass"}
     less = ComplianceModel(responses={name: model.responses[name] for name in kept})
-    with pytest.raises(
-        InputError, match="has no axial_compliance_opposite, no tilt_stiffness_ratio; allowed"
-    ):
+    with pytest.raises(InputError, match="has no axial_compliance_opposite, no"):
         less.axial_compliance(gamma_deg=120.0, **MIDDLE)
 
 
@@ -314,9 +304,7 @@ def test_an_angle_needs_its_three_numbers(model):
 def test_a_ratio_of_stiffnesses_is_positive(ratio, gamma):
     least = float(np.min(ratio))
     ratios = np.array(ratio) if isinstance(ratio, list) else ratio
-    with pytest.raises(
-        InputError, match=f"tilt_stiffness_ratio: given {least:g}; allowed is a pos"
-    ):
+    with pytest.raises(InputError, match=f"tilt_stiffness_ratio: given {least:g}; allowed is a"):
         between(gamma, 1.0, 3.0, ratios)
 
 

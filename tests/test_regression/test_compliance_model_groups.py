@@ -120,10 +120,7 @@ def test_the_frame_itself_is_met(model):
     ("change", "match"),
     [
         ({"crank_radius": 0.187}, r"s/R: given 0\.0695187, -60\.6 %; allowed is 0\.176471"),
-        (
-            {"main_journal_length": 0.24},
-            r"L_km/D_shm: given 1\.33333, \+100 %; allowed is 0\.66666",
-        ),
+        ({"main_journal_length": 0.24}, r"L_km/D_shm: given 1\.33333, \+100 %; allowed is"),
         ({"fillet_radius": 0.0}, r"r/D_shm: given 0, -100 %; allowed is 0\.0666667"),
         ({"pin_bore": 0.09}, r"d_shm/D_shm: given 0\.5; allowed is 0, because this ratio did not"),
     ],
@@ -153,10 +150,7 @@ def test_rounded_dimensions_of_a_scaled_throw_agree(model):
     [
         ({"web_outline": "rectangle"}, "web_outline: given 'rectangle'; allowed is obround"),
         ({"pin_bore": 0.06}, r"d_shm/D_shm: given 0\.333333"),
-        (
-            {"web_tip_thickness": 0.05},
-            "throw.web_tip_thickness: given 50 mm; allowed is none, because the throws that the model",
-        ),
+        ({"web_tip_thickness": 0.05}, "throw.web_tip_thickness: given 50 mm; allowed is none"),
         (
             {"counterweight": {"outer_radius": 0.3, "angle": 2.0}},
             "throw.counterweight.outer_radius: given 300 mm; allowed is none",
@@ -214,9 +208,7 @@ def test_some_responses_at_another_size_are_left_out_with_a_warning(model):
 
 
 def test_a_dimensionless_equation_needs_the_material(model):
-    with pytest.raises(
-        InputError, match=r"material: given \{\}; an equation in dimensionless groups"
-    ):
+    with pytest.raises(InputError, match=r"material: given \{\}; an equation in dimensionless"):
         ComplianceModel(**(model.model_dump() | {"material": {}}))
 
 
@@ -264,10 +256,7 @@ def test_choices_in_an_array(choices):
 @pytest.mark.parametrize(
     ("given", "match"),
     [
-        (
-            {"web_outline": "round"},
-            "web_outline: given 'round'; allowed is obround or rectangle or",
-        ),
+        ({"web_outline": "round"}, "web_outline: given 'round'; allowed is obround or rectangle"),
         ({"web_outline": 1.0}, "web_outline: given 1.0; allowed is obround"),
         ({"web_outline": ["obround", "round"]}, "web_outline: given 'round'"),
         ({}, "web_outline: missing; the model needs its factors web_thickness, web_outline"),

@@ -59,9 +59,7 @@ def rows(table):
 
 
 def test_a_slip_of_the_pen_is_refused_before_it_is_made():
-    with pytest.raises(
-        InputError, match=r"^study\.design: given 1030301 runs; allowed are at most"
-    ):
+    with pytest.raises(InputError, match=r"^study\.design: given 1030301 runs; allowed are at"):
         full_factorial({name: list(range(101)) for name in "abc"})
 
 

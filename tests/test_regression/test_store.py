@@ -179,9 +179,7 @@ def test_a_store_of_another_layout_is_refused_and_left_alone(tmp_path, layout, r
     connection.execute(f"PRAGMA user_version={layout}")
     connection.close()
     before = path.read_bytes()
-    with pytest.raises(
-        InputError, match=rf"^store: given .*, whose layout {layout} is of another release; "
-    ):
+    with pytest.raises(InputError, match=rf"^store: given .*, whose layout {layout} is of"):
         ResultStore(path, readonly=readonly)
     assert path.read_bytes() == before
 
@@ -246,9 +244,7 @@ def test_a_store_that_cannot_be_written_stops_the_study(tmp_path):
 def test_a_file_of_another_kind_is_refused_and_left_alone(tmp_path, content):
     path = tmp_path / "runs.sqlite"
     path.write_bytes(content)
-    with pytest.raises(
-        InputError, match=r"^store: given '.*runs\.sqlite'.*give a new file name\.$"
-    ):
+    with pytest.raises(InputError, match=r"^store: given '.*runs\.sqlite'.*give a new file"):
         ResultStore(path)
     # Who only reads wants no new file.
     with pytest.raises(InputError, match=r"^store: given .*which is no result store .*allowed is"):

@@ -268,9 +268,7 @@ def test_damage_keeps_nobody_from_reading_the_other_rows(path):
 def test_a_store_that_lacks_a_part_is_refused_and_left_alone(path, statement, lost, readonly):
     damage_execute(path, "DROP VIEW results", statement)
     before = path.read_bytes()
-    with pytest.raises(
-        InputError, match=rf"^store: given .* damaged \(it has no {lost}\); allowed"
-    ):
+    with pytest.raises(InputError, match=rf"^store: given .* damaged \(it has no {lost}\)"):
         ResultStore(path, readonly=readonly)
     assert path.read_bytes() == before
 
@@ -322,9 +320,7 @@ def test_an_import_leaves_damaged_rows_of_the_other_store_out(study, tmp_path):
 def test_a_damaged_plan_is_told_and_mended_by_the_next_run(study):
     for plan in ("'no plan'", "'[]'", "replace(plan, '0.3', '0.4')"):
         damage_execute(study, f"UPDATE studies SET plan = {plan}")
-        with pytest.raises(
-            InputError, match=rf"^study: the plan of {DAMAGE_PLAN.key} in .* is damaged; "
-        ):
+        with pytest.raises(InputError, match=rf"^study: the plan of {DAMAGE_PLAN.key} in .* is"):
             read_study(study)
         assert run_plan(DAMAGE_PLAN, study).computed == 0
         assert len(read_study(study).values) == 4

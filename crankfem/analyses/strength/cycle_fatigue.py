@@ -109,24 +109,24 @@ def worst_point(
     """Return the critical plane of the worst of a site's nodes, its index, and the loads at that time."""
     best: CriticalPlane | None = None
     where = (0, candidates[0])
-    for one in sorted(candidates, key=lambda own: -own.bound):
-        if best is not None and one.bound <= best.value:
+    for candidate in sorted(candidates, key=lambda candidate: -candidate.bound):
+        if best is not None and candidate.bound <= best.value:
             break
-        history = _history(site, np.arange(len(site.points)), one.amplitudes)
+        history = _history(site, np.arange(len(site.points)), candidate.amplitudes)
         bounds = findley_bound(history, factor)
         near = np.zeros(len(bounds), dtype=bool)
         for nodes in (islice(_apart(site, bounds), NODES), None):
             if nodes is None:
                 # Round the worst of these, if it is of this candidate.
                 distance = np.linalg.norm(site.points - site.points[where[0]], axis=1)
-                near = (distance < APART * site.radius) & (where[1] is one)
+                near = (distance < APART * site.radius) & (where[1] is candidate)
                 nodes = iter(np.argsort(np.where(near, bounds, 0.0))[::-1][:NODES].tolist())
             for node in nodes:
                 if best is not None and bounds[node] <= best.value:
                     break
-                found = critical_plane(history[node], factor)
-                if best is None or found.value > best.value:
-                    best, where = found, (node, one)
+                plane = critical_plane(history[node], factor)
+                if best is None or plane.value > best.value:
+                    best, where = plane, (node, candidate)
     assert best is not None
     return best, *where
 
@@ -237,7 +237,7 @@ class EngineFatigue:
             f"{least.safety:.2f} at the {least.name} of throw {least.throw}, at "
             f"{RPM * least.speed:.4g} 1/min, shaft angle {least.shaft_angle_deg:.0f}°, {firing}"
         )
-        broken = sum(one.safety < 1.0 for one in self.places)
+        broken = sum(place.safety < 1.0 for place in self.places)
         if broken:
             said += f"; {broken} of {len(self.places)} locations are below 1"
         if least.rule_factor is None:
@@ -280,10 +280,6 @@ def engine_fatigue(
     mechanism : MechanismFile, optional
         Of the same engine, if available.
 
-    Returns
-    -------
-    EngineFatigue
-
     Raises
     ------
     InputError
@@ -308,7 +304,7 @@ def engine_fatigue(
     assert forced is not None
     speeds = forced.response.speeds[kept]
     fields = throw_fields(vibration, stresses)
-    cases = dict.fromkeys([(), *(own.torque.cylinders for own in rule.throws)])
+    cases = dict.fromkeys([(), *(judged_throw.torque.cylinders for judged_throw in rule.throws)])
     factor = findley_factor()
     candidates: dict[tuple[int, int], list[Candidate]] = {}
     for loads in cycle_loads(vibration, known, speeds, cases):
@@ -317,15 +313,19 @@ def engine_fatigue(
             for number, site in enumerate(fields[name].sites):
                 if site.kind == "journal fillet" and section.shrink_fit is not None:
                     continue
-                found = find_candidates(site, loads, throw, amplitudes, factor)
-                candidates.setdefault((throw, number), []).extend(found)
+                critical = find_candidates(site, loads, throw, amplitudes, factor)
+                candidates.setdefault((throw, number), []).extend(critical)
     places = []
     for (throw, number), each in candidates.items():
         site = fields[file.throw_names[throw]].sites[number]
-        factors = [one.acceptability for one in rule.throws[throw].places if one.place == site.kind]
+        factors = [
+            place.acceptability for place in rule.throws[throw].places if place.place == site.kind
+        ]
         places.append(_place(throw + 1, site, each, factor, section, factors))
     remarks = _remarks(vibration, section, fields, tuple(cases))
-    return EngineFatigue(tuple(sorted(places, key=lambda one: one.safety)), factor, tuple(remarks))
+    return EngineFatigue(
+        tuple(sorted(places, key=lambda place: place.safety)), factor, tuple(remarks)
+    )
 
 
 def fatigue_or_reason(
@@ -343,10 +343,12 @@ def fatigue_or_reason(
         Why there is none.
     """
     try:
-        found = engine_fatigue(vibration, stresses=stresses, strength=strength, mechanism=mechanism)
+        fatigue = engine_fatigue(
+            vibration, stresses=stresses, strength=strength, mechanism=mechanism
+        )
     except (InputError, MeshError, SolveError) as error:
         return None, str(error)
-    return found, None
+    return fatigue, None
 
 
 def throw_fields(
@@ -354,13 +356,13 @@ def throw_fields(
 ) -> dict[str, StressFields]:
     """Return the fields of stress of each distinct throw by its name; equal throws share theirs."""
     file = vibration.engine_file
-    found: dict[object, StressFields] = {}
+    fields: dict[object, StressFields] = {}
     for name in dict.fromkeys(file.throw_names):
         throw = file.named_throws[name]
-        if throw not in found:
-            own = (stresses or {}).get(name) or fillet_stresses(throw, file.material, ACCURACY)
-            found[throw] = stress_fields(own.loaded.mesh, throw, file.material)
-    return {name: found[file.named_throws[name]] for name in file.throw_names}
+        if throw not in fields:
+            peaks = (stresses or {}).get(name) or fillet_stresses(throw, file.material, ACCURACY)
+            fields[throw] = stress_fields(peaks.loaded.mesh, throw, file.material)
+    return {name: fields[file.named_throws[name]] for name in file.throw_names}
 
 
 def _place(
@@ -372,7 +374,7 @@ def _place(
     rule_factors: Sequence[float],
 ) -> FatiguePlace:
     """Find the point, speed and case with the largest value of the criterion."""
-    best, node, one = worst_point(site, each, factor)
+    best, node, candidate = worst_point(site, each, factor)
     hard = section.hardening
     if hard is not None and site.kind in hard.places:
         strength = hard.treatment().surface_strength
@@ -385,9 +387,9 @@ def _place(
         place=site.kind,
         name=site.name,
         point=(x, y, z),
-        speed=one.speed,
-        cylinders=one.cylinders,
-        shaft_angle_deg=float(np.degrees(one.angles[best.moment])),
+        speed=candidate.speed,
+        cylinders=candidate.cylinders,
+        shaft_angle_deg=float(np.degrees(candidate.angles[best.moment])),
         shear_amplitude=best.shear_amplitude,
         normal_stress=best.normal_stress,
         value=best.value,
@@ -426,7 +428,9 @@ def _remarks(
     )
     if section.hardening is not None:
         yield "only the surface of hardened locations is assessed, without residual stresses"
-    drilled = any(site.kind == "oil hole" for own in fields.values() for site in own.sites)
+    drilled = any(
+        site.kind == "oil hole" for throw_fields in fields.values() for site in throw_fields.sites
+    )
     if section.oil_hole_diameter is not None and not drilled:
         yield (
             "the mesh has no oil hole in the pin, so the hole is not assessed here: give it in the throw's "
@@ -436,23 +440,23 @@ def _remarks(
         yield "rods side by side load the pin at their own positions, each distributed over the whole pin"
 
 
-def fatigue_record(found: EngineFatigue) -> Record:
+def fatigue_record(fatigue: EngineFatigue) -> Record:
     """Return the record of a crankshaft's fatigue over the cycle."""
     return {
-        **attributes(found, "sentence", "source", "factor", "remarks"),
-        "places": [_place_record(one) for one in found.places],
+        **attributes(fatigue, "sentence", "source", "factor", "remarks"),
+        "places": [_place_record(place) for place in fatigue.places],
     }
 
 
-def _place_record(one: FatiguePlace) -> Record:
-    own = asdict(one)
+def _place_record(place: FatiguePlace) -> Record:
+    record = asdict(place)
     return plain(
         {
-            "safety": one.safety,
-            "speed_rpm": own.pop("speed") * RPM,
-            "misfiring": own.pop("cylinders"),
-            "criterion": own.pop("value"),
-            **own,
+            "safety": place.safety,
+            "speed_rpm": record.pop("speed") * RPM,
+            "misfiring": record.pop("cylinders"),
+            "criterion": record.pop("value"),
+            **record,
         }
     )
 
@@ -460,8 +464,8 @@ def _place_record(one: FatiguePlace) -> Record:
 def fatigue_table(record: Record) -> Table:
     """Return the least safety of each kind of location of each throw, from the `fatigue_record`."""
     least: dict[tuple[int, str], Record] = {}
-    for one in record["places"]:
-        least.setdefault((one["throw"], one["place"]), one)
+    for place in record["places"]:
+        least.setdefault((place["throw"], place["place"]), place)
     return Table(
         "Fatigue over the working cycle",
         [
@@ -478,15 +482,15 @@ def fatigue_table(record: Record) -> Table:
         ],
         [
             [
-                one["throw"],
-                one["name"],
-                one["safety"],
-                one["speed_rpm"] / RPM,
-                one["misfiring"] or None,
-                math.radians(one["shaft_angle_deg"]),
-                *(one[name] for name in ("shear_amplitude", "normal_stress", "strength")),
-                one["rule_factor"],
+                place["throw"],
+                place["name"],
+                place["safety"],
+                place["speed_rpm"] / RPM,
+                place["misfiring"] or None,
+                math.radians(place["shaft_angle_deg"]),
+                *(place[name] for name in ("shear_amplitude", "normal_stress", "strength")),
+                place["rule_factor"],
             ]
-            for one in least.values()
+            for place in least.values()
         ],
     )

@@ -94,7 +94,7 @@ class ShaftLoads:
     def torque(self, throw: int) -> LargestLoad:
         """Return the largest torque of a throw, from 0, in all cases of firing."""
         both = (self.normal, self.misfiring)
-        return max((own[throw] for own in both if own), key=lambda load: load.value)
+        return max((loads[throw] for loads in both if loads), key=lambda load: load.value)
 
 
 def shaft_loads(vibration: EngineVibration, mechanism: MechanismFile) -> ShaftLoads:
@@ -122,16 +122,19 @@ def shaft_loads(vibration: EngineVibration, mechanism: MechanismFile) -> ShaftLo
     worst: list[LargestLoad] = []
     passed_on = np.max(mean + normal, axis=0)
     for throw in range(normal.shape[1] if largest else 0):
-        each = {case: own[:, throw] for case, (own, _) in largest.items()}
+        each = {case: torques[:, throw] for case, (torques, _) in largest.items()}
         worst.append(
-            max((_largest(own, speeds[kept], case) for case, own in each.items()), key=_value)
+            max(
+                (_largest(torques, speeds[kept], case) for case, torques in each.items()),
+                key=_value,
+            )
         )
-    for own, _ in largest.values():
-        passed_on = np.maximum(passed_on, np.max(mean + own, axis=0))
+    for torques, _ in largest.values():
+        passed_on = np.maximum(passed_on, np.max(mean + torques, axis=0))
     return ShaftLoads(
-        normal=tuple(_largest(own, speeds[kept], ()) for own in normal.T),
+        normal=tuple(_largest(torques, speeds[kept], ()) for torques in normal.T),
         misfiring=tuple(worst),
-        axial=tuple(_largest(own, speeds[kept], ()) for own in axial.T),
+        axial=tuple(_largest(torques, speeds[kept], ()) for torques in axial.T),
         passed_on=tuple(passed_on.tolist()),
         barred=barred,
     )
@@ -208,7 +211,7 @@ def _amplitude(file: EngineFile, series: OrderSeries) -> FloatArray:
 def _beside_throws(amplitude: FloatArray, cranks: EngineChain) -> FloatArray:
     """Return the larger amplitude of the elements next to each throw, (S, n), from those of all (S, e)."""
     ends = cranks.chain.connections[: cranks.crank_elements]
-    beside = [[e for e, own in enumerate(ends) if node in own] for node in cranks.throw_nodes]
+    beside = [[e for e, nodes in enumerate(ends) if node in nodes] for node in cranks.throw_nodes]
     return np.stack([np.max(amplitude[:, places], axis=1) for places in beside], axis=1)
 
 
@@ -248,13 +251,13 @@ def supported_throws(
     (pressure,) = pressures_of_cylinders(engine, known, np.array([speed]))
     angles, gas = samples_and_gas(layout, pressure, DEFAULT_SAMPLES, ATMOSPHERE)
     forces = mechanism_forces(layout, speed, gas, shaft_angles_deg=np.degrees(angles))
-    found = []
+    supported = []
     for place, throw in enumerate(engine.crank_throws):
-        rods = [number for number, own in enumerate(engine.throws) if own == place]
+        rods = [number for number, carrying in enumerate(engine.throws) if carrying == place]
         at = [layout.cylinders[number].position - starts[place] for number in rods]
         radial, tangential = forces.radial[rods], forces.tangential[rods]
-        found.append(SupportedThrow(throw.length, at, radial, tangential))
-    return tuple(found)
+        supported.append(SupportedThrow(throw.length, at, radial, tangential))
+    return tuple(supported)
 
 
 # Samples over the cycle are so far apart or a little less [deg].
@@ -347,13 +350,13 @@ class ShaftUnderForces:
                 axial.reshape(count, -1),
             ]
         )
-        found = np.empty((count, 12, acting.shape[1]))
+        reactions = np.empty((count, 12, acting.shape[1]))
         for place, throw in enumerate(turned):
-            own = throw.stiffness[:12] @ motions[parts[place]]
-            own[:, 6 * place : 6 * place + 6] -= throw.pin_loads[0][:12]
+            forces = throw.stiffness[:12] @ motions[parts[place]]
+            forces[:, 6 * place : 6 * place + 6] -= throw.pin_loads[0][:12]
             back = np.kron(np.eye(2), section_rotation(-self.angles[place]))
-            found[place] = back @ own @ acting
-        return np.moveaxis(found, 1, -1).reshape(count, *shape, 12)
+            reactions[place] = back @ forces @ acting
+        return np.moveaxis(reactions, 1, -1).reshape(count, *shape, 12)
 
 
 def cycle_loads(
@@ -374,11 +377,6 @@ def cycle_loads(
         [rad/s]
     cases : iterable of tuples of int
         Cylinders that misfire; none in normal firing.
-
-    Raises
-    ------
-    InputError
-        If vibration is unbounded at one of them.
     """
     added, shaft = superposition(vibration, mechanism), shaft_under_forces(vibration)
     for case, series in added.at(speeds, cases):
@@ -390,7 +388,7 @@ def shaft_under_forces(vibration: EngineVibration) -> ShaftUnderForces:
     file = vibration.engine_file
     each = crank_analyses(file, vibration.analyses)
     return ShaftUnderForces(
-        tuple(own.superelement for own in each),
+        tuple(analysis.superelement for analysis in each),
         np.asarray(np.radians(file.throw_angles_deg)),
         bearing_stiffness(file).nominal,
     )
@@ -422,8 +420,8 @@ def _case(
     count = len(shaft.throws)
 
     def over_cycle(values: OrderSeries | NDArray[np.complex128], orders: FloatArray) -> FloatArray:
-        own = values.values if isinstance(values, OrderSeries) else values
-        return np.asarray(np.moveaxis(at_angles(orders, own, angles), 0, 1))  # (S, m, p)
+        phasors = values.values if isinstance(values, OrderSeries) else values
+        return np.asarray(np.moveaxis(at_angles(orders, phasors, angles), 0, 1))  # (S, m, p)
 
     tangential = over_cycle(forces.tangential, forces.orders) + forces.mean_tangential[:, None]
     radial = over_cycle(forces.radial, forces.orders) + forces.mean_radial[:, None]
@@ -438,10 +436,10 @@ def _case(
         pins[throw, ..., FY] -= inward
         pins[throw, ..., MX] += arm * inward
         pins[throw, ..., MY] -= arm * across
-    for throw, own in enumerate(crank_analyses(file, vibration.analyses)):
+    for throw, phasors in enumerate(crank_analyses(file, vibration.analyses)):
         # The throw's own centrifugal force, as if its mass went round with the pin.
         (pin,) = file.crank_throws[throw].parts.pins
-        thrown = own.masses.mass * np.outer(speeds**2, own.masses.center[:2])[:, None]
+        thrown = phasors.masses.mass * np.outer(speeds**2, phasors.masses.center[:2])[:, None]
         pins[throw, ..., [FX, FY]] += np.moveaxis(thrown, -1, 0)
     # Torques beside each throw: what turns the part behind forwards counts positive.
     elastic = sense * over_cycle(torsional, torsional.orders)

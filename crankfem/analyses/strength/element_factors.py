@@ -39,7 +39,7 @@ class ThrowWeb:
 def throw_webs(throw: CrankThrow, section: StrengthSection) -> tuple[ThrowWeb, ThrowWeb]:
     """Return the webs of a throw with one pin."""
     left, pin, right = throw.parts.cylinders
-    found = []
+    webs = []
     for side, plate, journal, fillets in (
         ("left", throw.parts.webs[0], left, (pin.start_fillet, left.end_fillet)),
         ("right", throw.parts.webs[1], right, (pin.end_fillet, right.start_fillet)),
@@ -59,8 +59,8 @@ def throw_webs(throw: CrankThrow, section: StrengthSection) -> tuple[ThrowWeb, T
             oil_hole_diameter=section.oil_hole_diameter or 0.0,
             semi_built=section.shrink_fit is not None,
         )
-        found.append(ThrowWeb(f"{side} web", web, 0.5 * (plate.start + plate.end)))
-    return found[0], found[1]
+        webs.append(ThrowWeb(f"{side} web", web, 0.5 * (plate.start + plate.end)))
+    return webs[0], webs[1]
 
 
 def shrink_fit(
@@ -71,22 +71,22 @@ def shrink_fit(
     The distance of pin and fit is the crank radius less their radii. None for a shaft of one
     piece, and if the torque is unbounded.
     """
-    given = section.shrink_fit
-    if given is None or not math.isfinite(torque):
+    fit = section.shrink_fit
+    if fit is None or not math.isfinite(torque):
         return None
     return ShrinkFit(
-        given.shrink_diameter,
-        given.shrink_length,
-        given.web_diameter,
+        fit.shrink_diameter,
+        fit.shrink_length,
+        fit.web_diameter,
         throw.main_journal_diameter,
-        given.fillet_radius,
-        max(throw.crank_radius - 0.5 * (given.shrink_diameter + throw.pin_diameter), 0.0),
-        given.web_yield,
-        given.journal_yield,
+        fit.fillet_radius,
+        max(throw.crank_radius - 0.5 * (fit.shrink_diameter + throw.pin_diameter), 0.0),
+        fit.web_yield,
+        fit.journal_yield,
         torque,
         journal_bore=throw.main_journal_bore,
-        friction=given.friction,
-        safety=given.safety,
+        friction=fit.friction,
+        safety=fit.safety,
         youngs_modulus=youngs_modulus,
     )
 
@@ -106,11 +106,11 @@ def engine_stresses(engine: EngineFile, mesh: FilletMesh = "m53") -> dict[str, F
         If a throw cannot be meshed or solved.
     """
     throws = {name: engine.named_throws[name] for name in engine.throw_names}
-    found = {
+    stresses = {
         throw: fillet_stresses(throw, engine.material, ACCURACY, mesh=mesh)
         for throw in dict.fromkeys(throws.values())
     }
-    return {name: found[throw] for name, throw in throws.items()}
+    return {name: stresses[throw] for name, throw in throws.items()}
 
 
 def element_factors(
@@ -125,11 +125,6 @@ def element_factors(
     webs : sequence of ThrowWeb
         Left and right.
 
-    Raises
-    ------
-    InputError
-        If the stresses are those of a CAD part.
-
     Notes
     -----
     Ends are rigid discs. The force of the three-point bending is uniform over the pin.
@@ -143,18 +138,18 @@ def element_factors(
     (pin,) = throw.parts.pins
     length, force = throw.length, 0.5 * (pin.start + pin.end)
     holes = _hole_factors(stresses, webs[0], pin.name)
-    found = {}
-    for own in webs:
-        web = own.web
+    elements = {}
+    for throw_web in webs:
+        web = throw_web.web
         names = {
-            True: f"{pin.name}, {own.name}",
-            False: f"{own.name.removesuffix(' web')} main journal",
+            True: f"{pin.name}, {throw_web.name}",
+            False: f"{throw_web.name.removesuffix(' web')} main journal",
         }
 
         def under(kind: str, on_pin: bool, names: Mapping[bool, str] = names) -> FilletPeak | None:
             """Return the largest stresses at a fillet of the web under a load."""
-            each = (one for one in stresses.peaks if one.name == names[on_pin])
-            return next((one for one in each if one.load.kind == kind), None)
+            each = (peak for peak in stresses.peaks if peak.name == names[on_pin])
+            return next((peak for peak in each if peak.load.kind == kind), None)
 
         moduli = {
             True: float(section_modulus("torsional", web.pin_diameter, web.pin_bore)),
@@ -173,14 +168,14 @@ def element_factors(
         by_shear = combined = None
         if pressed is not None and by_bending is not None:
             # Of a unit force: the support beside the web takes its share, with the web's middle as lever.
-            left = own.middle < force
+            left = throw_web.middle < force
             reaction = (length - force) / length if left else force / length
-            lever = own.middle if left else length - own.middle
+            lever = throw_web.middle if left else length - throw_web.middle
             nominal = reaction * lever / web.bending_modulus
             shear = reaction / (web.web_width * web.section_thickness)
             by_shear = (pressed.von_mises - nominal * by_bending) / shear
             combined = pressed.von_mises / nominal
-        found[own.name] = ElementFactors(
+        elements[throw_web.name] = ElementFactors(
             web=web,
             beta_shear=by_shear,
             beta_combined=combined,
@@ -189,13 +184,17 @@ def element_factors(
             **factors,
             **holes,
         )
-    return found
+    return elements
 
 
-def _hole_factors(stresses: FilletStresses, own: ThrowWeb, pin: str) -> dict[str, float | None]:
+def _hole_factors(
+    stresses: FilletStresses, throw_web: ThrowWeb, pin: str
+) -> dict[str, float | None]:
     """Return the factors of the oil hole in the pin, the larger of its exits."""
     loads = [load.kind for load in stresses.loaded.loads]
-    modulus = float(section_modulus("torsional", own.web.pin_diameter, own.web.pin_bore))
+    modulus = float(
+        section_modulus("torsional", throw_web.web.pin_diameter, throw_web.web.pin_bore)
+    )
     bending, torsion = [], []
     for outlet in dict.fromkeys(peak.outlet for peak in stresses.hole_peaks):
         if outlet.drilling.journal != pin:

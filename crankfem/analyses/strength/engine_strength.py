@@ -140,9 +140,6 @@ def strength_remarks(
 
     Parameters
     ----------
-    vibration : EngineVibration
-    section : StrengthSection
-    loads : ShaftLoads
     webs : sequence of CrankWeb
         Of all throws.
     judged : sequence of CrankWeb
@@ -187,7 +184,7 @@ def strength_remarks(
             "rule's own figure was not available"
         )
     if elements:
-        met = "meet" if all(own.as_ruled for own in elements) else "do not meet"
+        met = "meet" if all(factors.as_ruled for factors in elements) else "do not meet"
         yield (
             "finite elements: ends are rigid discs, the force in three-point bending is distributed over "
             "the pin; beta_Q follows method 1 of Appendix III, as the difference of two large numbers; mesh "
@@ -279,7 +276,7 @@ class EngineStrength:
     @property
     def passed(self) -> bool | None:
         """Whether all locations and fits are acceptable; None if some could not be judged."""
-        fits = all(own.fit is None or own.fit.passed for own in self.throws)
+        fits = all(throw.fit is None or throw.fit.passed for throw in self.throws)
         if not fits or not all(place.passed for place in self.places):
             return False
         return None if self.left_out else True
@@ -300,7 +297,7 @@ class EngineStrength:
         said += (
             f"; {wrong} of {count} locations are below it." if wrong else f"; all {count} reach it."
         )
-        fits = [own for own in self.throws if own.fit is not None and not own.fit.passed]
+        fits = [throw for throw in self.throws if throw.fit is not None and not throw.fit.passed]
         if fits and fits[0].fit is not None:
             said += f" Shrink fit of throw {fits[0].number}: {fits[0].fit.refusals[0]}."
         return f"{said} Not judged: {unjudged[0]}" if unjudged else said
@@ -323,16 +320,16 @@ class EngineStrength:
     @property
     def left_out(self) -> tuple[str, ...]:
         """What could not be judged and why, a sentence each, with the throws concerned."""
-        return _of_throws((own.number, text) for own in self.throws for text in own.left_out)
+        return _of_throws((throw.number, text) for throw in self.throws for text in throw.left_out)
 
     @property
     def unsafe(self) -> tuple[str, ...]:
         """Where a formula gives a smaller factor than finite elements, a sentence each."""
-        said: list[tuple[int, str]] = []
-        for own in self.throws:
+        texts: list[tuple[int, str]] = []
+        for throw in self.throws:
             webs: dict[str, list[str]] = {}
-            for name, elements in own.elements.items():
-                smaller = unsafe_formulas(own.factors.get(name), elements)
+            for name, elements in throw.elements.items():
+                smaller = unsafe_formulas(throw.factors.get(name), elements)
                 for symbol, (formula, other) in smaller.items():
                     error = elements.shear_error if symbol == "beta_Q" else elements.error
                     assert error is not None
@@ -342,19 +339,19 @@ class EngineStrength:
                         f"{100.0 * error:.2g} %): the formula is not conservative"
                     )
                     webs.setdefault(text, []).append(name)
-            said += [
-                (own.number, f", {'both webs' if len(names) > 1 else names[0]}: {text}")
+            texts += [
+                (throw.number, f", {'both webs' if len(names) > 1 else names[0]}: {text}")
                 for text, names in webs.items()
             ]
-        return _of_throws(said)
+        return _of_throws(texts)
 
     @property
     def warning(self) -> str:
         """Which formulas give smaller factors than finite elements, with the largest difference; or ""."""
         most: dict[str, tuple[float, float]] = {}
-        for own in self.throws:
-            for name, elements in own.elements.items():
-                for symbol, both in unsafe_formulas(own.factors.get(name), elements).items():
+        for throw in self.throws:
+            for name, elements in throw.elements.items():
+                for symbol, both in unsafe_formulas(throw.factors.get(name), elements).items():
                     most[symbol] = max(
                         most.get(symbol, both), both, key=lambda two: two[1] / two[0]
                     )
@@ -386,10 +383,6 @@ def engine_strength(
         Of each distinct throw by its name: factors by finite elements are reported with the formulas'.
         They are calculated, by Appendix III, if ``strength.factors`` selects them.
 
-    Returns
-    -------
-    EngineStrength
-
     Raises
     ------
     InputError
@@ -419,26 +412,26 @@ def engine_strength(
     for place, supported in enumerate(supported_throws(file, mechanism=known)):
         throw = file.crank_throws[place]
         fit = shrink_fit(throw, section, loads.passed_on[place], file.material.youngs_modulus)
-        webs, own = throw_webs(throw, section), stresses.get(file.throw_names[place])
-        elements = {} if own is None else element_factors(own, webs)
+        webs, throw_stresses = throw_webs(throw, section), stresses.get(file.throw_names[place])
+        elements = {} if throw_stresses is None else element_factors(throw_stresses, webs)
         throws.append(_throw(place + 1, file, section, webs, elements, supported, loads, fit))
     remarks = strength_remarks(
         vibration,
         section,
         loads,
-        [own.web for throw in throws for own in throw.webs],
-        [own.web for throw in throws for own in throw.factors.values()],
-        [own for throw in throws for own in throw.elements.values()],
+        [throw_stresses.web for throw in throws for throw_stresses in throw.webs],
+        [throw_stresses.web for throw in throws for throw_stresses in throw.factors.values()],
+        [throw_stresses for throw in throws for throw_stresses in throw.elements.values()],
     )
     return EngineStrength(tuple(throws), tuple(remarks), by_elements)
 
 
-def _of_throws(said: Iterable[tuple[int, str]]) -> tuple[str, ...]:
+def _of_throws(numbered_texts: Iterable[tuple[int, str]]) -> tuple[str, ...]:
     """Put the throws in front of a sentence that holds for all of them."""
-    found: dict[str, list[int]] = {}
-    for number, text in said:
-        found.setdefault(text, []).append(number)
-    return tuple(f"{_numbered(throws)}{text}" for text, throws in found.items())
+    numbers_of: dict[str, list[int]] = {}
+    for number, text in numbered_texts:
+        numbers_of.setdefault(text, []).append(number)
+    return tuple(f"{_numbered(throws)}{text}" for text, throws in numbers_of.items())
 
 
 def _numbered(throws: Sequence[int]) -> str:
@@ -456,13 +449,13 @@ def _method(symbol: str) -> str:
     return ", method 1" if symbol == "beta_Q" else ""
 
 
-def _more(one: float, other: float) -> str:
-    return f"{100.0 * (other / one - 1.0):.2g} %"
+def _more(smaller: float, other: float) -> str:
+    return f"{100.0 * (other / smaller - 1.0):.2g} %"
 
 
-def _shrunk(own: ThrowWeb) -> str:
+def _shrunk(web: ThrowWeb) -> str:
     """State where a shaft without fillets at its journals is described."""
-    if own.web.journal_fillet_radius or own.web.semi_built:
+    if web.web.journal_fillet_radius or web.web.semi_built:
         return ""
     return " Journals shrunk into the webs need a section [strength.shrink_fit]."
 
@@ -491,72 +484,73 @@ def _throw(
     if fit is None and section.shrink_fit is not None:
         left_out.append(", shrink fit: torsional vibration is unbounded.")
     axial = loads.axial[number - 1].value if section.axial_vibration == "calculated" else None
-    found: dict[str, list[PlaceStrength]] = {place: [] for place in PLACES}
+    judged: dict[str, list[PlaceStrength]] = {place: [] for place in PLACES}
     known: dict[str, ConcentrationFactors] = {}
-    for own in webs:
-        factors: ConcentrationFactors | ElementFactors | None = elements.get(own.name)
+    for web in webs:
+        factors: ConcentrationFactors | ElementFactors | None = elements.get(web.name)
         try:
-            known[own.name] = ConcentrationFactors(own.web, section.coefficients)
+            known[web.name] = ConcentrationFactors(web.web, section.coefficients)
         except InputError as error:
             if section.factors == "formulas":
-                left_out.append(f", {own.name}: {error}{_shrunk(own)}")
+                left_out.append(f", {web.name}: {error}{_shrunk(web)}")
                 continue
         if section.factors == "formulas":
-            factors = known[own.name]
+            factors = known[web.name]
         if factors is None:
-            left_out.append(f", {own.name}: no stresses by finite elements were calculated.")
+            left_out.append(f", {web.name}: no stresses by finite elements were calculated.")
             continue
-        nominal = web_stresses(supported, own.web, own.middle, strokes=file.engine.strokes)
+        nominal = web_stresses(supported, web.web, web.middle, strokes=file.engine.strokes)
         acting = {"pin fillet": nominal}
-        if not own.web.semi_built:
+        if not web.web.semi_built:
             acting["journal fillet"] = nominal
-        if own.web.oil_hole_diameter:
+        if web.web.oil_hole_diameter:
             angle = section.oil_hole_angle
             degrees = None if angle is None else float(np.degrees(angle))
             rods = np.unique(np.asarray(supported.rods)).tolist()
             acting["oil hole"] = (
-                max(hole_stress(supported, own.web, at, degrees) for at in rods),
+                max(hole_stress(supported, web.web, at, degrees) for at in rods),
                 0.0,
             )
         for place, stresses in acting.items():
-            case = JudgedCase(number, place, own, factors, *stresses, torque.value, axial)
+            case = JudgedCase(number, place, web, factors, *stresses, torque.value, axial)
             try:
-                found[place] += judged_places(case, section)
+                judged[place] += judged_places(case, section)
             except InputError as error:
-                left_out.append(f", {own.name}, {place}: {error}")
+                left_out.append(f", {web.name}, {place}: {error}")
     least = [
-        min(each, key=lambda one: round(one.acceptability, EQUAL))
-        for each in found.values()
+        min(each, key=lambda judged_place: round(judged_place.acceptability, EQUAL))
+        for each in judged.values()
         if each
     ]
     return ThrowStrength(number, webs, known, elements, tuple(least), torque, fit, tuple(left_out))
 
 
-def strength_record(found: EngineStrength) -> Record:
+def strength_record(strength: EngineStrength) -> Record:
     """Return the record of a crankshaft's strength; null where an equivalent stress is unbounded."""
     return {
         **attributes(
-            found, "sentence", "passed", "source", "left_out", "unsafe", "warning", "by_elements"
+            strength, "sentence", "passed", "source", "left_out", "unsafe", "warning", "by_elements"
         ),
-        "remarks": list(found.remarks),
+        "remarks": list(strength.remarks),
         "required_factor": REQUIRED,
-        "throws": [_throw_record(own) for own in found.throws],
+        "throws": [_throw_record(throw) for throw in strength.throws],
     }
 
 
-def _throw_record(own: ThrowStrength) -> Record:
-    torque, fit = own.torque, own.fit
+def _throw_record(throw: ThrowStrength) -> Record:
+    torque, fit = throw.torque, throw.fit
     return {
-        "throw": own.number,
+        "throw": throw.number,
         "alternating_torque": plain({"torque": torque.value})["torque"],
         "torque_speed_rpm": torque.speed * RPM,
         "misfiring": list(torque.cylinders),
         "places": [
-            plain(asdict(one) | attributes(one, "acceptability", "passed")) for one in own.places
+            plain(asdict(place) | attributes(place, "acceptability", "passed"))
+            for place in throw.places
         ],
         "webs": {
-            name: _factors(own.factors.get(name), own.elements.get(name))
-            for name in dict.fromkeys([*own.factors, *own.elements])
+            name: _factors(throw.factors.get(name), throw.elements.get(name))
+            for name in dict.fromkeys([*throw.factors, *throw.elements])
         },
         "shrink_fit": None
         if fit is None
@@ -570,24 +564,26 @@ def _factors(formulas: ConcentrationFactors | None, elements: ElementFactors | N
     """Return ratios and factors of a web; None for factors that the rule or the mesh lacks."""
     known = formulas or elements
     assert known is not None
-    found: Record = {name: known.web.ratio(name) for name in RANGES}
-    found = {"ratios": found, "factors": dict.fromkeys(FACTORS), "finite_elements": None}
+    record: Record = {name: known.web.ratio(name) for name in RANGES}
+    record = {"ratios": record, "factors": dict.fromkeys(FACTORS), "finite_elements": None}
     for name in FACTORS if formulas else ():
         try:
-            found["factors"][name] = getattr(formulas, name)
+            record["factors"][name] = getattr(formulas, name)
         except InputError:
-            found["factors"][name] = None
+            record["factors"][name] = None
     if elements is not None:
-        found["finite_elements"] = {
-            one.name: getattr(elements, one.name) for one in fields(elements) if one.name != "web"
+        record["finite_elements"] = {
+            field.name: getattr(elements, field.name)
+            for field in fields(elements)
+            if field.name != "web"
         }
-    return found
+    return record
 
 
 def strength_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return the least acceptability factor of each location of each throw, from the `strength_record`."""
-    places = [one for throw in record["throws"] for one in throw["places"]]
-    hardened = any(one["depth"] for one in places)
+    places = [place for throw in record["throws"] for place in throw["places"]]
+    hardened = any(place["depth"] for place in places)
     deep = [Column("depth", units.of("mm"), missing="surface")] if hardened else []
     return Table(
         "Alternating stresses by UR M53",
@@ -602,17 +598,17 @@ def strength_table(record: Record, units: OutputUnits = SI) -> Table:
         ],
         [
             [
-                one["throw"],
-                " ".join(filter(None, (one["place"], one["web"].removesuffix(" web")))),
-                *([one["depth"] or None] if hardened else []),
-                *(one[f"nominal_{name}"] for name in ("bending", "torsion")),
-                *(one[name] for name in ("bending", "torsion")),
-                one["added"] or None,
-                *(one[name] for name in ("equivalent", "strength", "acceptability")),
+                place["throw"],
+                " ".join(filter(None, (place["place"], place["web"].removesuffix(" web")))),
+                *([place["depth"] or None] if hardened else []),
+                *(place[f"nominal_{name}"] for name in ("bending", "torsion")),
+                *(place[name] for name in ("bending", "torsion")),
+                place["added"] or None,
+                *(place[name] for name in ("equivalent", "strength", "acceptability")),
             ]
-            for one in places
+            for place in places
         ],
-        marks=["" if one["passed"] else "over" for one in places],
+        marks=["" if place["passed"] else "over" for place in places],
     )
 
 
@@ -628,12 +624,12 @@ def torque_table(record: Record) -> Table:
         ],
         [
             [
-                one["throw"],
-                one["alternating_torque"],
-                one["torque_speed_rpm"] / RPM,
-                one["misfiring"] or None,
+                throw["throw"],
+                throw["alternating_torque"],
+                throw["torque_speed_rpm"] / RPM,
+                throw["misfiring"] or None,
             ]
-            for one in record["throws"]
+            for throw in record["throws"]
         ],
     )
 
@@ -642,11 +638,11 @@ def factor_table(record: Record) -> Table:
     """Return the factors of stress concentration of each web, those of equal webs once."""
     rows: dict[tuple[str, tuple[float | None, ...]], list[str]] = {}
     for throw in record["throws"]:
-        for name, own in throw["webs"].items():
+        for name, factors in throw["webs"].items():
             for way, key in (("formulas", "factors"), ("finite elements", "finite_elements")):
-                if own.get(key) is not None:
+                if factors.get(key) is not None:
                     values = tuple(
-                        None if own[key][one] is None else round(own[key][one], EQUAL)
+                        None if factors[key][one] is None else round(factors[key][one], EQUAL)
                         for one in FACTORS
                     )
                     web = f"{throw['throw']} {name.removesuffix(' web')}"

@@ -39,20 +39,20 @@ COMPARED = ("linear", "quadratic", "power law", "log-quadratic", "log-cubic", "g
 FORMS_DRAWN = 4
 
 
-def draw_over_factor(axes: "Axes", table: StudyTable, found: ResponseFits, place: int) -> None:
+def draw_over_factor(axes: "Axes", table: StudyTable, response: ResponseFits, place: int) -> None:
     """Draw the chosen equation, and others for comparison, over one factor.
 
     The other factors are those of the nominal throw, or the nearest levels. Filled dots are finite
     element results there; open ones are results elsewhere, shifted along the chosen equation with
     their distance to it unchanged.
     """
-    factor, size = table.plan.factors[place], display_unit(found.unit)[1]
-    forms = forms_drawn(found)
+    factor, size = table.plan.factors[place], display_unit(response.unit)[1]
+    forms = forms_drawn(response)
     values = sweep(factor.lowest, factor.highest, factor.labels)
-    section = factor_sweep(table, found, place, forms, values)
+    section = factor_sweep(table, response, place, forms, values)
     x_size = factor_size(factor.unit, factor.labels)
     drawn = [
-        Curve(fit.form, curve / size, fit is found.chosen)
+        Curve(fit.form, curve / size, fit is response.chosen)
         for fit, curve in zip(forms, section.curves, strict=True)
     ]
     draw_curves(axes, values / x_size, drawn, bool(factor.labels))
@@ -61,36 +61,36 @@ def draw_over_factor(axes: "Axes", table: StudyTable, found: ResponseFits, place
     label_factor_axis(axes, factor.name, factor.unit, factor.labels)
 
 
-def draw_fit_parity(axes: "Axes", table: StudyTable, found: ResponseFits, fit: Fit) -> None:
+def draw_fit_parity(axes: "Axes", table: StudyTable, response: ResponseFits, fit: Fit) -> None:
     """Draw a form's values over those by finite elements, with the errors of held-out designs."""
-    size = display_unit(found.unit)[1]
-    by_fe, values = table.responses[found.column], predicted(table, found, fit)
+    size = display_unit(response.unit)[1]
+    by_fe, values = table.responses[response.column], predicted(table, response, fit)
     draw_parity(axes, by_fe / size, values / size, table.held_out)
     worst = 100.0 * (fit.largest_heldout_error or 0.0)
-    write_title(axes, f"{found.form_text(fit)}:\nheld out within {worst:.2g} %", 9)
+    write_title(axes, f"{response.form_text(fit)}:\nheld out within {worst:.2g} %", 9)
 
 
-def draw_fit_errors(axes: "Axes", table: StudyTable, found: ResponseFits, fit: Fit) -> None:
+def draw_fit_errors(axes: "Axes", table: StudyTable, response: ResponseFits, fit: Fit) -> None:
     """Draw a form's errors over the values by finite elements."""
-    size = display_unit(found.unit)[1]
-    by_fe, values = table.responses[found.column], predicted(table, found, fit)
+    size = display_unit(response.unit)[1]
+    by_fe, values = table.responses[response.column], predicted(table, response, fit)
     draw_errors(axes, by_fe / size, 100.0 * (values / by_fe - 1.0), table.held_out)
-    axes.set_xlabel(fe_axis_label(found))
+    axes.set_xlabel(fe_axis_label(response))
 
 
-def fe_axis_label(found: ResponseFits) -> str:
+def fe_axis_label(response: ResponseFits) -> str:
     """Label of an axis for a response by finite elements."""
-    return f"{math_symbol(found.symbol)} by FE [{display_unit(found.unit)[0]}]"
+    return f"{math_symbol(response.symbol)} by FE [{display_unit(response.unit)[0]}]"
 
 
 def draw_fit_elasticities(
-    axes: "Axes", table: StudyTable, found: ResponseFits, known: Sensitivities
+    axes: "Axes", table: StudyTable, response: ResponseFits, known: Sensitivities
 ) -> None:
     """Draw the elasticities of a response at the nominal throw."""
     factors = table.plan.factors
     slopes = [known.elasticity.get(factor.name) for factor in factors]
     draw_elasticities(
-        axes, [factor_text(factor.name) for factor in factors], slopes, math_symbol(found.symbol)
+        axes, [factor_text(factor.name) for factor in factors], slopes, math_symbol(response.symbol)
     )
 
 
@@ -104,11 +104,11 @@ def draw_fit_sobol(axes: "Axes", names: Sequence[str], known: Sensitivities) -> 
     draw_sobol(axes, names, first, total)
 
 
-def forms_drawn(found: ResponseFits) -> list[Fit]:
+def forms_drawn(response: ResponseFits) -> list[Fit]:
     """Return the chosen form and a few to compare it with, in the order in which they were fitted."""
-    others = [fit for name in COMPARED for fit in found.fits if fit.form == name]
-    kept = [fit for fit in others if fit is not found.chosen][: FORMS_DRAWN - 1]
-    return [fit for fit in found.fits if fit is found.chosen or fit in kept]
+    others = [fit for name in COMPARED for fit in response.fits if fit.form == name]
+    kept = [fit for fit in others if fit is not response.chosen][: FORMS_DRAWN - 1]
+    return [fit for fit in response.fits if fit is response.chosen or fit in kept]
 
 
 PANELS_PER_ROW = 4
@@ -116,34 +116,22 @@ DIAGRAMS = ("response", "parity", "effects", "sensitivities")
 
 
 def plot_fits(
-    folder: Path, table: StudyTable, found: ResponseFits, form: str | None = None
+    folder: Path, table: StudyTable, response: ResponseFits, form: str | None = None
 ) -> list[Path]:
     """Write all diagrams of one response into a folder, which is created if necessary.
 
     Parameters
     ----------
-    folder : Path
-    table : StudyTable
-    found : ResponseFits
     form : str, optional
         Form whose effects are drawn; by default the chosen one.
-
-    Returns
-    -------
-    list of Path
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be made.
     """
-    fit = found.chosen if form is None else found.fit_named(form)
+    fit = response.chosen if form is None else response.fit_named(form)
     make_folder(folder)
-    paths = [folder / name for name in fit_plot_files(found.response)]
-    plot_response(paths[0], table, found)
-    plot_parity(paths[1], table, found)
-    plot_effects(paths[2], found, fit)
-    plot_sensitivities(paths[3], table, found)
+    paths = [folder / name for name in fit_plot_files(response.response)]
+    plot_response(paths[0], table, response)
+    plot_parity(paths[1], table, response)
+    plot_effects(paths[2], response, fit)
+    plot_sensitivities(paths[3], table, response)
     return paths
 
 
@@ -152,42 +140,42 @@ def fit_plot_files(response: str) -> list[str]:
     return [f"{response}_{name}.svg" for name in DIAGRAMS]
 
 
-def plot_response(path: Path, table: StudyTable, found: ResponseFits) -> None:
+def plot_response(path: Path, table: StudyTable, response: ResponseFits) -> None:
     """Plot the chosen equation, and others for comparison, over each factor; see `draw_over_factor`."""
     factors = table.plan.factors
     with _grid(path, len(factors)) as panels:
         for place, panel in enumerate(panels):
-            draw_over_factor(panel, table, found, place)
+            draw_over_factor(panel, table, response, place)
         for panel in panels[::PANELS_PER_ROW]:
-            panel.set_ylabel(response_text(found.symbol, found.unit))
+            panel.set_ylabel(response_text(response.symbol, response.unit))
         _legend(panels)
 
 
-def plot_parity(path: Path, table: StudyTable, found: ResponseFits) -> None:
+def plot_parity(path: Path, table: StudyTable, response: ResponseFits) -> None:
     """Plot forms against finite elements: the values above, the errors in per cent below."""
-    shown = forms_drawn(found)
+    shown = forms_drawn(response)
     with _grid(path, 2 * len(shown), per_row=len(shown)) as panels:
         for fit, panel, below in zip(shown, panels, panels[len(shown) :], strict=False):
-            draw_fit_parity(panel, table, found, fit)
-            draw_fit_errors(below, table, found, fit)
+            draw_fit_parity(panel, table, response, fit)
+            draw_fit_errors(below, table, response, fit)
         panels[0].set_ylabel("by the equation")
         panels[len(shown)].set_ylabel("error of the equation [%]")
         panels[0].legend(fontsize=8)
 
 
-def plot_effects(path: Path, found: ResponseFits, fit: Fit) -> None:
+def plot_effects(path: Path, response: ResponseFits, fit: Fit) -> None:
     """Plot the coded coefficients of a fit in the order of their size (Pareto)."""
     shown = min(fit.coefficient_count - 1, BARS)
     with figure(path, width=7.2, height=1.2 + 0.26 * shown) as axes:
-        found.plot(axes, show="effects", form=fit.form)
+        response.plot(axes, show="effects", form=fit.form)
 
 
-def plot_sensitivities(path: Path, table: StudyTable, found: ResponseFits) -> None:
+def plot_sensitivities(path: Path, table: StudyTable, response: ResponseFits) -> None:
     """Plot elasticities at the nominal throw, and Sobol indices over the ranges."""
-    known = sensitivities(table, found)
+    known = sensitivities(table, response)
     factors = table.plan.factors
     with figure(path, 2, width=8.6, height=1.4 + 0.32 * len(factors)) as (left, right):
-        draw_fit_elasticities(left, table, found, known)
+        draw_fit_elasticities(left, table, response, known)
         draw_fit_sobol(right, [""] * len(factors), known)
 
 

@@ -34,29 +34,23 @@ def compliance_model(
 
     Parameters
     ----------
-    table : StudyTable
     fits : mapping
         From `fit_study`.
     form : str, optional
         Form for every response; by default the chosen ones.
-
-    Raises
-    ------
-    InputError
-        If the form was not fitted to a response.
     """
     plan = table.plan
     varying = {*plan.names, *plan.relations}
     described = throw_values(plan.throw, spelled_out=True)
     unvaried = {name: value for name, value in described.items() if name not in varying}
     chosen = {
-        name: found.chosen if form is None else found.fit_named(form)
-        for name, found in fits.items()
+        name: response.chosen if form is None else response.fit_named(form)
+        for name, response in fits.items()
     }
     numbers = [factor for factor in plan.factors if not factor.labels]
     return ComplianceModel(
         responses={
-            name: _response_model(found, chosen[name], plan) for name, found in fits.items()
+            name: _response_model(response, chosen[name], plan) for name, response in fits.items()
         },
         fixed={name: value for name, value in unvaried.items() if isinstance(value, float)},
         ranges={factor.name: (factor.lowest, factor.highest) for factor in numbers},
@@ -84,25 +78,25 @@ def compliance_model(
             "runs": int(np.sum(~table.held_out)),
             "held_out": int(np.sum(table.held_out)),
             "largest_fe_error_estimate": max(
-                (found.fe_error for found in fits.values() if found.fe_error is not None),
+                (response.fe_error for response in fits.values() if response.fe_error is not None),
                 default=None,
             ),
         },
     )
 
 
-def _response_model(found: ResponseFits, fit: Fit, plan: StudyPlan) -> ResponseModel:
+def _response_model(fits: ResponseFits, fit: Fit, plan: StudyPlan) -> ResponseModel:
     inside = [factor for factor in plan.factors if factor.name in fit.factors]
     # The ranges of the study, where the runs of a space-filling design stay a little inside.
     return ResponseModel.from_fit(
         fit,
-        symbol=found.symbol,
-        unit=found.unit,
-        support=found.support,
+        symbol=fits.symbol,
+        unit=fits.unit,
+        support=fits.support,
         lowest={factor.name: factor.lowest for factor in inside},
         highest={factor.name: factor.highest for factor in inside},
-        fe_error=found.fe_error,
-        equation=found.equation(fit),
+        fe_error=fits.fe_error,
+        equation=fits.equation(fit),
     )
 
 
@@ -146,13 +140,11 @@ def study_record(
 
     Parameters
     ----------
-    table : StudyTable
-    fits : mapping
     model : ComplianceModel, optional
         With it, imported measured values are compared with the equations.
     """
     plan = table.plan
-    errors = [found.fe_error for found in fits.values() if found.fe_error is not None]
+    errors = [response.fe_error for response in fits.values() if response.fe_error is not None]
     return {
         "key": plan.key,
         "design": plan.design.kind,
@@ -182,36 +174,37 @@ def study_record(
         },
         "value_units": [factor.unit or "1" for factor in plan.factors],
         "statement": LACK_OF_FIT,
-        "fits": {name: fits_record(table, found) for name, found in fits.items()},
+        "fits": {name: fits_record(table, response) for name, response in fits.items()},
         "unfitted": {
-            name: reason for found in fits.values() for name, reason in found.unfitted.items()
+            name: reason for response in fits.values() for name, reason in response.unfitted.items()
         },
         "compared": [] if model is None else comparisons(table, model),
     }
 
 
-def fits_record(table: StudyTable, found: ResponseFits) -> Record:
+def fits_record(table: StudyTable, response: ResponseFits) -> Record:
     """All forms fitted to one response, and the effects of the factors by its chosen equation."""
     units = {factor.name: factor.unit for factor in table.plan.factors}
     return {
-        "column": found.column,
-        "symbol": found.symbol,
-        "unit": found.unit,
-        "support": found.support,
-        "chosen": found.chosen.form,
-        "reason": found.reason,
-        "fe_error": found.fe_error,
-        "fe_scatter": found.fe_scatter,
-        "skipped": list(found.skipped),
-        "twins": dict(found.twins),
+        "column": response.column,
+        "symbol": response.symbol,
+        "unit": response.unit,
+        "support": response.support,
+        "chosen": response.chosen.form,
+        "reason": response.reason,
+        "fe_error": response.fe_error,
+        "fe_scatter": response.fe_scatter,
+        "skipped": list(response.skipped),
+        "twins": dict(response.twins),
         "forms": [
-            form_record(found, fit) | coefficient_units(found, fit, units) for fit in found.fits
+            form_record(response, fit) | coefficient_units(response, fit, units)
+            for fit in response.fits
         ],
-        "sensitivities": _sensitivity_record(sensitivities(table, found)) | {"units": units},
+        "sensitivities": _sensitivity_record(sensitivities(table, response)) | {"units": units},
     }
 
 
-def form_record(found: ResponseFits, fit: Fit) -> Record:
+def form_record(response: ResponseFits, fit: Fit) -> Record:
     """One fitted form: its equation, its coefficients and its errors."""
     statistics = fit.statistics
     errors, t_values = statistics.standard_errors, statistics.t_values
@@ -219,7 +212,7 @@ def form_record(found: ResponseFits, fit: Fit) -> Record:
     return {
         **{name: getattr(fit, name) for name in FORM},
         **{name: getattr(statistics, name) for name in STATISTICS},
-        "equation": found.equation(fit),
+        "equation": response.equation(fit),
         "largest_error_at_runs": fit.largest_error,
         "mean_error_at_runs": fit.mean_error,
         "largest_error_held_out": fit.largest_heldout_error,
@@ -244,37 +237,40 @@ def form_record(found: ResponseFits, fit: Fit) -> Record:
     }
 
 
-def coefficient_units(found: ResponseFits, fit: Fit, factor_units: Mapping[str, str]) -> Record:
+def coefficient_units(response: ResponseFits, fit: Fit, factor_units: Mapping[str, str]) -> Record:
     """Units of a form's coefficients: of the natural ones by term, or one for all, and of the coded ones."""
     form = fit.fitted
-    own = "1" if form.logarithmic or fit.basis == "groups" else found.unit or "1"
+    unit = "1" if form.logarithmic or fit.basis == "groups" else response.unit or "1"
     columns = [
         "" if logarithm else factor_units.get(name, "")
         for name, logarithm in zip(form.factors, form.log_factors, strict=True)
     ]
     if not any(columns):
-        return {"coefficient_units": own, "coded_unit": own}
+        return {"coefficient_units": unit, "coded_unit": unit}
     terms = [[columns[place] for place in term] for term in form.natural_coefficients()]
-    units = [f"({own})/({' '.join(filter(None, term))})" if any(term) else own for term in terms]
-    return {"coefficient_units": dict(zip(fit.coefficients, units, strict=True)), "coded_unit": own}
+    units = [f"({unit})/({' '.join(filter(None, term))})" if any(term) else unit for term in terms]
+    return {
+        "coefficient_units": dict(zip(fit.coefficients, units, strict=True)),
+        "coded_unit": unit,
+    }
 
 
 def warnings_of(fit: Fit) -> list[str]:
     """Remarks on the coefficients of a fit, one sentence each."""
-    told = []
+    warnings = []
     inflated = [name for name, value in fit.variance_inflation.items() if value > LARGEST_VIF]
     if inflated:
-        told.append(
+        warnings.append(
             f"Variance inflation above {LARGEST_VIF:g} of {_listed(inflated)}: "
             "these coefficients are correlated, and only their combined effect is meaningful."
         )
     high = np.flatnonzero(fit.statistics.leverage > LARGEST_LEVERAGE)
     if high.size:
-        told.append(
+        warnings.append(
             f"Leverage above {LARGEST_LEVERAGE:g} of {high.size} of {fit.runs} runs: each of them nearly "
             "determines a coefficient alone, so its error at the runs is not meaningful."
         )
-    return told
+    return warnings
 
 
 def _listed(names: list[str], shown: int = 6) -> str:
@@ -282,11 +278,11 @@ def _listed(names: list[str], shown: int = 6) -> str:
     return ", ".join(names[:shown]) + (f" and {more} more" if more > 0 else "")
 
 
-def _sensitivity_record(found: Sensitivities) -> Record:
-    sobol = found.sobol
+def _sensitivity_record(sensitivities: Sensitivities) -> Record:
+    sobol = sensitivities.sobol
     return {
-        "nominal": found.nominal,
-        "elasticity": found.elasticity,
+        "nominal": sensitivities.nominal,
+        "elasticity": sensitivities.elasticity,
         "sobol": None
         if sobol is None
         else {
@@ -326,13 +322,13 @@ def _comparison(
     if name not in model.responses:
         return record | {"reason": "the model has no such response"}
     try:
-        found = model.lookup(name, **model.dimensions_of(_measured_throw(row, plan)))
+        calculated = model.lookup(name, **model.dimensions_of(_measured_throw(row, plan)))
     except InputError as error:
         return record | {"reason": str(error)}
     return record | {
-        "calculated": found.value,
-        "ratio": found.value / measured if measured else None,
-        "remarks": list(found.remarks),
+        "calculated": calculated.value,
+        "ratio": calculated.value / measured if measured else None,
+        "remarks": list(calculated.remarks),
     }
 
 

@@ -64,10 +64,10 @@ class Sensitivities:
     sobol: SobolIndices | None
 
 
-def sensitivities(table: StudyTable, found: ResponseFits) -> Sensitivities:
+def sensitivities(table: StudyTable, response: ResponseFits) -> Sensitivities:
     """Elasticities at the nominal throw and Sobol indices over the ranges, by the chosen equation."""
     plan = table.plan
-    model = surface(plan, found, found.chosen)
+    model = surface(plan, response, response.chosen)
     nominal = nominal_points(plan)
     numbers = [factor.name for factor in plan.factors if not factor.labels]
     slopes = elasticities(model, plan.factors, nominal)
@@ -124,9 +124,9 @@ def outside_study(plan: StudyPlan) -> str:
             return f"{factor.name}: given none of {', '.join(factor.labels)}"
         if value is None:
             continue
-        found = find_out_of_range(factor.name, value, factor.lowest, factor.highest, factor.unit)
-        if found is not None:
-            return found[0].remark
+        outside = find_out_of_range(factor.name, value, factor.lowest, factor.highest, factor.unit)
+        if outside is not None:
+            return outside[0].remark
     variant = plan.variants().at(np.array([nominal_points(plan)]))[0]
     if variant.throw is None:
         return variant.reason
@@ -134,14 +134,14 @@ def outside_study(plan: StudyPlan) -> str:
     known = throw_values(plan.throw)
     free = any(_base_value(record, factor) is None for factor in plan.factors)
     for name in () if free else plan.relations:
-        given, follows = known.get(name), varied.get(name)
+        stated, follows = known.get(name), varied.get(name)
         if (
-            isinstance(given, float)
+            isinstance(stated, float)
             and isinstance(follows, float)
-            and not same_dimension(given, follows)
+            and not same_dimension(stated, follows)
         ):
             return (
-                f"{name}: given {format_value(name, given)}, not {format_value(name, follows)} as the "
+                f"{name}: given {format_value(name, stated)}, not {format_value(name, follows)} as the "
                 f"study's relation {plan.relations[name]!r} has it"
             )
     return ""
@@ -196,17 +196,17 @@ class FactorSweep:
 
 
 def factor_sweep(
-    table: StudyTable, found: ResponseFits, place: int, forms: Sequence[Fit], values: Array
+    table: StudyTable, response: ResponseFits, place: int, forms: Sequence[Fit], values: Array
 ) -> FactorSweep:
     """Return forms at (p,) values of the factor at an index, and the designs near them."""
     section = nominal_section(table)
     points = moved(section, place, values)
     here = moved(section, place, table.values[:, place])
-    off_curve = table.responses[found.column] / predicted(table, found, found.chosen)
+    off_curve = table.responses[response.column] / predicted(table, response, response.chosen)
     return FactorSweep(
         values=values,
-        curves=[surface(table.plan, found, fit)(points) for fit in forms],
-        results=surface(table.plan, found, found.chosen)(here) * off_curve,
+        curves=[surface(table.plan, response, fit)(points) for fit in forms],
+        results=surface(table.plan, response, response.chosen)(here) * off_curve,
         on_line=same_designs(table, here),
     )
 
@@ -271,15 +271,7 @@ def _first(named: EngineChain) -> float:
 
 
 def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
-    """Prepare the frequencies of an engine; its throw is analyzed by finite elements (seconds).
-
-    Raises
-    ------
-    InputError
-        If the engine has several throws.
-    MeshError, SolveError
-        If the throw cannot be meshed or solved.
-    """
+    """Prepare the frequencies of an engine; its throw is analyzed by finite elements (seconds)."""
     from crankfem.analyses.shaft.sources import compliances_in_shaft
     from crankfem.analyses.shaft.throw_analyses import analyze_throws
 
@@ -307,7 +299,6 @@ def frequency_limit(
     Parameters
     ----------
     kind : {"axial", "torsional"}
-    frequencies : EngineFrequencies
     model : ComplianceModel
         With mass among its responses the axial frequency follows the mass of the throw too.
     at_least : float

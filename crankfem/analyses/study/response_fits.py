@@ -142,10 +142,6 @@ class ResponseFits:
         form : str, optional
             Whose effects, the chosen one's by default; errors are those of all forms.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError
@@ -205,39 +201,43 @@ class ResponseFits:
         return frame(columns)
 
 
-def predicted(table: StudyTable, found: ResponseFits, fit: Fit) -> Array:
+def predicted(table: StudyTable, response: ResponseFits, fit: Fit) -> Array:
     """Evaluate a fit at all designs of the table, (n,) in the response's unit."""
-    return _values(table.plan, found, fit, table.values, table.dimensions)
+    return _values(table.plan, response, fit, table.values, table.dimensions)
 
 
-def surface(plan: StudyPlan, found: ResponseFits, fit: Fit) -> Callable[[Array], Array]:
+def surface(plan: StudyPlan, response: ResponseFits, fit: Fit) -> Callable[[Array], Array]:
     """Return a fit as a function of factor values (n, k), also between the designs.
 
     On groups, the dimensions follow from the factors by the study's relations; constraints are
     ignored.
     """
     return lambda values: _values(
-        plan, found, fit, values, needed_dimensions(plan, found, fit, values)
+        plan, response, fit, values, needed_dimensions(plan, response, fit, values)
     )
 
 
 def needed_dimensions(
-    plan: StudyPlan, found: ResponseFits, fit: Fit, values: Array
+    plan: StudyPlan, response: ResponseFits, fit: Fit, values: Array
 ) -> dict[str, Array]:
     """Return the dimensions at factor values (n, k) that a fit on groups needs; none for others."""
     if fit.basis != "groups":
         return {}
-    names = [name for name in found.encodings["groups"].names if "=" not in name]
+    names = [name for name in response.encodings["groups"].names if "=" not in name]
     groups = [group_named(name) for name in names]
     needed = ["pin_diameter", *(name for group in groups for name in group.dimensions)]
     return dimensions_at(plan, values, needed)
 
 
 def _values(
-    plan: StudyPlan, found: ResponseFits, fit: Fit, values: Array, dimensions: Mapping[str, Array]
+    plan: StudyPlan,
+    response: ResponseFits,
+    fit: Fit,
+    values: Array,
+    dimensions: Mapping[str, Array],
 ) -> Array:
-    x = found.encodings[fit.basis].columns(plan.factors, values, dimensions)
-    scaled: Array = fit_scale(plan, found.column, fit.basis, dimensions) * fit.predict(x)
+    x = response.encodings[fit.basis].columns(plan.factors, values, dimensions)
+    scaled: Array = fit_scale(plan, response.column, fit.basis, dimensions) * fit.predict(x)
     return scaled
 
 
@@ -266,8 +266,8 @@ def dimensions_at(plan: StudyPlan, values: Array, names: list[str]) -> dict[str,
         if not factor.labels
     }
     for path, expression in variants.relations.items():
-        found = evaluate_expression(expression, known, variants.units, variants.units[path])
-        known[path] = np.array(np.broadcast_to(found, (len(values),)))
+        evaluated = evaluate_expression(expression, known, variants.units, variants.units[path])
+        known[path] = np.array(np.broadcast_to(evaluated, (len(values),)))
     return {name: known[name] for name in names}
 
 
@@ -284,26 +284,17 @@ MAIN_SUPPORT = "_pinned"
 def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
     """Fit all forms to all responses of a study.
 
-    Parameters
-    ----------
-    table : StudyTable
-
     Returns
     -------
     dict
         Response name, as in the model, to its fits. A response to which no form can be fitted is
         left out; `ResponseFits.unfitted` gives the reason for the others.
-
-    Raises
-    ------
-    InputError
-        If too few designs have results for even the smallest form, or no held-out design has one.
     """
     if not table.held_out.any():
         why = "; ".join(sorted({reason for _, _, reason in table.failures})[:3])
         raise InputError(f"study: no held-out design has a result ({why}).")
     encodings, missing = _encodings(table)
-    found: dict[str, ResponseFits] = {}
+    fitted: dict[str, ResponseFits] = {}
     reasons: dict[str, str] = {}
     for column in RESPONSES:
         if column not in table.responses:
@@ -313,19 +304,14 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
         except InputError as error:
             reasons[column] = str(error)
         else:
-            found[fits.response] = fits
-    if not found:
+            fitted[fits.response] = fits
+    if not fitted:
         raise InputError(next(iter(reasons.values()), "study: given no response; one is needed."))
-    return {name: replace(fits, unfitted=reasons) for name, fits in found.items()}
+    return {name: replace(fits, unfitted=reasons) for name, fits in fitted.items()}
 
 
 def check_study_can_be_fitted(planned: PlannedStudy) -> None:
-    """Refuse a study whose designs that can be built are too few for any equation.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a study whose designs that can be built are too few for any equation."""
     factors = planned.plan.factors
     runs = [design for design in planned.designs if design.role == RUN]
     values = np.array([design.values for design in runs])
@@ -375,13 +361,13 @@ def _encodings(table: StudyTable) -> tuple[dict[str, Encoding], dict[str, str]]:
     runs = ~table.held_out
     values = table.values[runs]
     dimensions = {name: column[runs] for name, column in table.dimensions.items()}
-    found = {"factors": factor_encoding(table.plan.factors, values)}
+    encodings = {"factors": factor_encoding(table.plan.factors, values)}
     try:
         _check_similar(table)
-        found["groups"] = group_encoding(table.plan.factors, values, dimensions)
+        encodings["groups"] = group_encoding(table.plan.factors, values, dimensions)
     except InputError as error:
-        return found, {"groups": str(error)}
-    return found, {}
+        return encodings, {"groups": str(error)}
+    return encodings, {}
 
 
 def _check_similar(table: StudyTable) -> None:
@@ -424,7 +410,10 @@ def _fit_response(
             skipped.append(f"{form.name}: has the same terms as {twin} in this study.")
     if not fits:
         raise InputError(f"study: no form can be fitted to {name} ({'; '.join(skipped)})")
-    errors = _fe_errors(table, column)
+    # Imported rows may have none.
+    errors = [
+        row.errors[column] for row in table.rows if row.role != MEASURED and column in row.errors
+    ]
     scatter = float(np.std(errors)) if errors else 0.0
     choice = choose(fits, scatter)
     return ResponseFits(
@@ -442,13 +431,6 @@ def _fit_response(
         fe_scatter=scatter,
         encodings=dict(encodings),
     )
-
-
-def _fe_errors(table: StudyTable, column: str) -> list[float]:
-    """Relative errors of a response where known; imported rows may have none."""
-    return [
-        row.errors[column] for row in table.rows if row.role != MEASURED and column in row.errors
-    ]
 
 
 def _fit(table: StudyTable, column: str, form: Form, encoding: Encoding) -> Fit:
@@ -470,9 +452,9 @@ def _fit(table: StudyTable, column: str, form: Form, encoding: Encoding) -> Fit:
 
 
 def _same_terms(fit: Fit, other: Fit) -> bool:
-    one, two = fit.fitted, other.fitted
+    form, other_form = fit.fitted, other.fitted
     return (
         fit.basis == other.basis
-        and one.logarithmic == two.logarithmic
-        and set(one.terms) == set(two.terms)
+        and form.logarithmic == other_form.logarithmic
+        and set(form.terms) == set(other_form.terms)
     )

@@ -80,15 +80,6 @@ def run_grown(
         Number of further runs beyond the plan, at most 1000. The store records the added runs:
         the same number again adds none, a larger one the difference, chosen where the equations,
         fitted to all runs so far, are worst. By default no run is added.
-
-    Returns
-    -------
-    StudyTable
-
-    Raises
-    ------
-    InputError
-        As of `run_plan` and `fit_study`; if the number is another.
     """
     if not is_whole_within(more, 0, MOST_ADDED):
         raise InputError(
@@ -109,23 +100,16 @@ def worst_designs(table: StudyTable, fits: Mapping[str, ResponseFits], count: in
 
     Parameters
     ----------
-    table : StudyTable
     fits : mapping
         As of `fit_study`.
-    count : int
 
     Returns
     -------
     (count, k) ndarray
         Values of the factors [SI] of throws that can be built and keep the study's constraints.
-
-    Raises
-    ------
-    InputError
-        If too few throws in the ranges can be built.
     """
     places = _places(table, count)
-    equations = [_judged(table, found, places) for found in fits.values()]
+    equations = [_judged(table, response, places) for response in fits.values()]
     return places[worst_places(equations, count)]
 
 
@@ -148,33 +132,33 @@ def _places(table: StudyTable, count: int) -> Array:
         usable: NDArray[np.bool_] = np.array(made) & np.array(new)
         return usable
 
-    found = None
+    feasible = None
     for wanted in (max(PLACES, count), count):
-        found = found or draw_feasible_points(draw, possible, wanted, in_order=True)
-    if found is None:
+        feasible = feasible or draw_feasible_points(draw, possible, wanted, in_order=True)
+    if feasible is None:
         raise InputError(
             f"more: given {count} further designs; allowed are as many as there are throws in the study's "
             "ranges that can be built and keep its constraints, of which too few are found."
         )
-    points, _, impossible = found
+    points, _, impossible = feasible
     return np.unique(values_at(factors, points[~impossible]), axis=0)
 
 
-def _judged(table: StudyTable, found: ResponseFits, places: Array) -> JudgedEquation:
-    plan, fit = table.plan, found.chosen
+def _judged(table: StudyTable, response: ResponseFits, places: Array) -> JudgedEquation:
+    plan, fit = table.plan, response.chosen
     runs = ~table.held_out
-    values = table.responses[found.column][runs]
+    values = table.responses[response.column][runs]
     at_runs = {name: column[runs] for name, column in table.dimensions.items()}
-    at_places = needed_dimensions(plan, found, fit, places)
-    scale = fit_scale(plan, found.column, fit.basis, at_runs)
-    x = found.encodings[fit.basis].columns(plan.factors, places, at_places)
+    at_places = needed_dimensions(plan, response, fit, places)
+    scale = fit_scale(plan, response.column, fit.basis, at_runs)
+    x = response.encodings[fit.basis].columns(plan.factors, places, at_places)
     sizes = np.ones(len(places))
     if not fit.fitted.logarithmic:
         # Where an equation passes through zero, its relative error says nothing.
         sizes = np.maximum(np.abs(fit.predict(x)), np.min(np.abs(values / scale)))
     return JudgedEquation(
         fit=fit,
-        runs=found.encodings[fit.basis].columns(plan.factors, table.values[runs], at_runs),
+        runs=response.encodings[fit.basis].columns(plan.factors, table.values[runs], at_runs),
         target=np.log(values / scale) if fit.fitted.logarithmic else values / scale,
         places=x,
         sizes=sizes,
@@ -229,10 +213,6 @@ class StudyResult:
         form : str, optional
             Form for "parity" or "effects"; by default the chosen
             one.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -315,10 +295,6 @@ def run_study(
         Number of further runs beyond the plan, where the equations are worst, at most
         1000. The store records the added runs: the same number again adds none.
 
-    Returns
-    -------
-    StudyResult
-
     Raises
     ------
     InputError
@@ -348,24 +324,12 @@ def _to_stderr(text: str) -> None:
 
 
 def study_key(path: str | Path) -> str:
-    """Return the key of a file's study in a store.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be used or has no study.
-    """
+    """Return the key of a file's study in a store."""
     return load_study(path).key
 
 
 def fitted(table: StudyTable) -> StudyResult:
-    """Fit all forms to a study's table and make the model.
-
-    Raises
-    ------
-    InputError
-        If too few designs have results.
-    """
+    """Fit all forms to a study's table and make the model."""
     fits = fit_study(table)
     return StudyResult(table, fits, compliance_model(table, fits))
 
@@ -408,24 +372,11 @@ def export_designs(
 
     Parameters
     ----------
-    planned : PlannedStudy
-    folder : Path
     kind : str
         One of `KINDS`: the ending of a mesh's file, or "step". Whole throws, lengths in m; the meshes are
         second-order tetrahedra of the usual sizes.
     progress : callable
         Called with (finished, total).
-
-    Returns
-    -------
-    ExportedDesigns
-
-    Raises
-    ------
-    InputError
-        If a file cannot be written, or is not ours: checked before anything is meshed.
-    MissingLibraryError
-        If the kind needs a package that is not installed.
     """
     check_kind(kind)
     files = tuple(
@@ -454,12 +405,7 @@ def export_designs(
 
 
 def check_kind(kind: str) -> None:
-    """Refuse a kind of file that is not in `KINDS`.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a kind of file that is not in `KINDS`."""
     if kind not in KINDS:
         raise InputError(f"mesh: given {kind!r}; allowed are {', '.join(KINDS)}.")
 

@@ -58,8 +58,8 @@ def draw_modes(path: Path, run: EngineVibration, first: int) -> None:
             axes,
             modes.shapes[:, shown],
             [
-                f"mode {mode - modes.rigid + 1}: {mode_label(float(modes.frequencies[mode]), own)}"
-                for mode, own in zip(shown, still, strict=True)
+                f"mode {mode - modes.rigid + 1}: {mode_label(float(modes.frequencies[mode]), nodes)}"
+                for mode, nodes in zip(shown, still, strict=True)
             ],
             still,
             chain.connections,
@@ -155,21 +155,16 @@ class DocumentPart:
     @property
     def tables(self) -> tuple[DocumentTable, ...]:
         """Its tables."""
-        return tuple(one for one in self.items if isinstance(one, DocumentTable))
+        return tuple(entry for entry in self.items if isinstance(entry, DocumentTable))
 
     @property
     def pictures(self) -> tuple[DocumentPicture, ...]:
         """Its diagrams."""
-        return tuple(one for one in self.items if isinstance(one, DocumentPicture))
+        return tuple(entry for entry in self.items if isinstance(entry, DocumentPicture))
 
 
 def check_submission(engine: EngineFile) -> None:
-    """Refuse an engine without the data for the document, and permitted values for parts that it lacks.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an engine without the data for the document, and permitted values for parts that it lacks."""
     if engine.gas is None and engine.gas_map is None:
         raise InputError(
             f"{engine.path.name}: has no gas pressure; allowed is a file with a section [gas] or [gas_map], "
@@ -184,12 +179,7 @@ def check_submission(engine: EngineFile) -> None:
 
 
 def check_damper_limits(run: EngineVibration) -> None:
-    """Refuse permitted values of a torsional damper that the chain does not have.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse permitted values of a torsional damper that the chain does not have."""
     limits = run.engine_file.limits or LimitsInput()
     for name in ("damper_torque", "damper_heat"):
         if getattr(limits, name) is not None and not damper_places(run.torsional_chain):
@@ -211,11 +201,6 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
     ----------
     run : EngineVibration
         With gas pressure.
-
-    Raises
-    ------
-    InputError
-        If a pressure cannot be reached, or a permitted value is for a damper that does not exist.
     """
     check_damper_limits(run)
     cases = firing_cases(run)
@@ -276,16 +261,16 @@ def _kept_or_exceeded(what: str, table: Table) -> tuple[str, ...]:
 def _failing_sentence(cases: FiringCases, way: str) -> str:
     """Name the location with the largest use of its limit with a cylinder failing."""
     numbers = {name: cases.worst_cylinder(way, STRESS, name) for name in cases.normal[STRESS].names}
-    found = {
+    reached = {
         name: cases.failing[way][number].kept[STRESS, name] for name, number in numbers.items()
     }
-    name = max(found, key=lambda one: found[one].severity)
-    own = found[name]
-    at = format_quantity(own.speed, "rad/s", 4)
-    within = "kept" if own.used <= 1.0 else "exceeded"
+    name = max(reached, key=lambda place: reached[place].severity)
+    worst = reached[name]
+    at = format_quantity(worst.speed, "rad/s", 4)
+    within = "kept" if worst.used <= 1.0 else "exceeded"
     return (
         f"With {way}, the stress limits are {within}. The worst case is {name} with cylinder "
-        f"{numbers[name]} failing: {own.value / 1e6:.4g} MPa at {at}, {100.0 * own.used:.3g} % of the "
+        f"{numbers[name]} failing: {worst.value / 1e6:.4g} MPa at {at}, {100.0 * worst.used:.3g} % of the "
         "permitted stress."
     )
 
@@ -321,13 +306,15 @@ def _modes(run: EngineVibration) -> DocumentPart:
         )
     for mode in shown:
         number = mode - result.modes.rigid + 1
-        own = mode_tables.holzer_table(result.chain.chain, result.modes, mode)
+        holzer = mode_tables.holzer_table(result.chain.chain, result.modes, mode)
         items += [
             DocumentTable(
-                f"holzer_masses_{number}", mode_tables.mass_table(result.chain.chain, own, number)
+                f"holzer_masses_{number}",
+                mode_tables.mass_table(result.chain.chain, holzer, number),
             ),
             DocumentTable(
-                f"holzer_shafts_{number}", mode_tables.shaft_table(result.chain.chain, own, number)
+                f"holzer_shafts_{number}",
+                mode_tables.shaft_table(result.chain.chain, holzer, number),
             ),
         ]
     return DocumentPart(
@@ -435,16 +422,16 @@ def _failing(run: EngineVibration, cases: FiringCases) -> DocumentPart:
             DocumentTable(f"stress_{name}_each", mode_tables.each_table(cases, way)),
         ]
     assert run.misfiring is not None or run.misfiring_note
-    said = () if run.misfiring is None else (run.misfiring.sentence,)
+    sentence = () if run.misfiring is None else (run.misfiring.sentence,)
     meaning = tuple(f"{_upper(way)}: {MEANING[way]}." for way in cases.failing)
     return DocumentPart(
-        "failing", "One cylinder misfiring, one cut out", (*meaning, *said), tuple(items)
+        "failing", "One cylinder misfiring, one cut out", (*meaning, *sentence), tuple(items)
     )
 
 
 def _barred(run: EngineVibration, verdict: Verdict) -> DocumentPart:
     rule = (run.engine_file.limits or LimitsInput()).barred_rule(run.engine_file.engine.rated_speed)
-    peaks = sorted({peak for one in verdict.barred for peak in one.peaks})
+    peaks = sorted({peak for barred in verdict.barred for peak in barred.peaks})
     ends = Table(
         "Ends by the rule for each peak in these ranges",
         [
@@ -460,15 +447,15 @@ def _barred(run: EngineVibration, verdict: Verdict) -> DocumentPart:
     tables = [DocumentTable("barred_ranges", mode_tables.barred_table(verdict))]
     if peaks:
         tables.append(DocumentTable("barred_by_rule", ends))
-    said = (
+    sentence = (
         "Barred ranges are to be passed quickly; the table of normal firing gives the stresses while "
         "passing."
     )
-    return DocumentPart("barred", "Barred speed ranges", (said,), tuple(tables))
+    return DocumentPart("barred", "Barred speed ranges", (sentence,), tuple(tables))
 
 
 def _dampers(run: EngineVibration, cases: FiringCases) -> DocumentPart:
-    found = {
+    tables = {
         "dampers": machine_tables.damper_table(run, cases),
         "gears": machine_tables.gear_table(run, cases),
         "generator": machine_tables.generator_table(run, cases),
@@ -484,8 +471,8 @@ def _dampers(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     return DocumentPart(
         "dampers",
         "Dampers, couplings, gears, generator",
-        tuple(words for name, words in missing.items() if found[name] is None),
-        tuple(DocumentTable(name, table) for name, table in found.items() if table is not None),
+        tuple(words for name, words in missing.items() if tables[name] is None),
+        tuple(DocumentTable(name, table) for name, table in tables.items() if table is not None),
     )
 
 
@@ -508,14 +495,14 @@ def _assumptions(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     return DocumentPart(
         "assumptions",
         "Assumptions",
-        tuple(dict.fromkeys(f"{_upper(one).rstrip('.')}." for one in remarks)),
+        tuple(dict.fromkeys(f"{_upper(assumed).rstrip('.')}." for assumed in remarks)),
         (
             DocumentTable(
                 "assumptions",
                 Table(
                     "Assumed values",
                     [Column(name, words=True) for name in ("field", "value", "why")],
-                    [[one.field, one.given, one.source] for one in values],
+                    [[assumed.field, assumed.given, assumed.source] for assumed in values],
                 ),
             ),
         ),

@@ -122,11 +122,6 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     ----------
     run : EngineVibration
         With gas pressure.
-
-    Raises
-    ------
-    InputError
-        If a pressure cannot be reached at these speeds.
     """
     file, mechanism = run.engine_file, mechanism_of(run.engine_file)
     chains = EngineChains.of(file, run.axial, run.torsional, run.shaft)
@@ -152,15 +147,17 @@ def firing_cases(run: EngineVibration) -> FiringCases:
             notes.append(f"{way} is not calculated: {cold}")
             continue
         whole = file.changed(misfire=None)
-        own = EngineChains(whole, chains.pulled, chains.cranks, chains.damped, chains.shaft)
-        added = Superposition(own, harmonics, cold, torsional_series)
-        cases: list[Cylinders] = [(one,) for one in range(1, file.engine.cylinders + 1)]
-        for case, found in added.at(speeds, cases if firing else [(), *cases]):
+        undamped_chains = EngineChains(
+            whole, chains.pulled, chains.cranks, chains.damped, chains.shaft
+        )
+        added = Superposition(undamped_chains, harmonics, cold, torsional_series)
+        cases: list[Cylinders] = [(cylinder,) for cylinder in range(1, file.engine.cylinders + 1)]
+        for case, answer in added.at(speeds, cases if firing else [(), *cases]):
             if not case:
-                normal, firing = found, judge.case(found, case)
+                normal, firing = answer, judge.case(answer, case)
                 continue
-            failing.setdefault(way, {})[case[0]] = judge.case(found, case)
-            amplitude = found[STRESS].synthesis.amplitude
+            failing.setdefault(way, {})[case[0]] = judge.case(answer, case)
+            amplitude = answer[STRESS].synthesis.amplitude
             envelopes[way] = np.maximum(envelopes.get(way, amplitude), amplitude)
     assert firing is not None  # a cylinder without gas can always be calculated
     mean = forces_over_speeds(file, harmonics, speeds).mean_torque
@@ -197,15 +194,15 @@ def _kept_and_passed(
 def torsional_series(file: EngineFile, _: ChainAnswer, torsional: ChainAnswer) -> Series:
     """Return the quantities of the document for one response of the torsional chain; linear in the forces."""
     loads, response = torsional.loads, torsional.response
-    found = {STRESS: _stresses(file, torsional), TORQUE: loads.elements, DASHPOTS: loads.dashpots}
+    series = {STRESS: _stresses(file, torsional), TORQUE: loads.elements, DASHPOTS: loads.dashpots}
     if torsional.engine_chain.chain.gears:
-        found[GEARS] = _gear_torques(response, torsional.engine_chain.chain)
+        series[GEARS] = _gear_torques(response, torsional.engine_chain.chain)
     if file.engine.generator_poles is not None:
         node = generator_node(torsional.engine_chain.chain)
         place = torsional.engine_chain.nodes.index(node)
         values = 0.5 * file.engine.generator_poles * response.motion[:, :, [place]]
-        found[GENERATOR] = replace(loads.elements, values=values, names=(node,))
-    return found
+        series[GENERATOR] = replace(loads.elements, values=values, names=(node,))
+    return series
 
 
 def generator_node(chain: Chain) -> str:
@@ -215,7 +212,10 @@ def generator_node(chain: Chain) -> str:
 
 def _stresses(file: EngineFile, torsional: ChainAnswer) -> OrderSeries:
     """Nominal stress of all parts of the crankshaft, and of shafts with diameters in [limits]."""
-    moduli = {torsional.loads.elements.names[place]: one for place, one in torsional.moduli.items()}
+    moduli = {
+        torsional.loads.elements.names[place]: modulus
+        for place, modulus in torsional.moduli.items()
+    }
     for shaft in (file.limits or LimitsInput()).shafts:
         moduli[shaft.element] = float(section_modulus("torsional", shaft.diameter))
     return alternating_stress(torsional.loads, moduli)
@@ -260,17 +260,17 @@ def heat_factors(chain: Chain) -> dict[tuple[str, str], tuple[float, float, floa
 
     Dashpots have no stiffness; parts of the crankshaft with damping of their own are included.
     """
-    found = {}
+    factors = {}
     for name, *values in zip(
         chain.elements, chain.stiffness, chain.loss_factor, chain.damping, strict=True
     ):
         stiffness, loss, damping = map(float, values)
         if loss or damping:
-            found[TORQUE, name] = (stiffness, loss, damping)
-    for one in chain.dashpots:
-        name = f"{chain.names[one.left]} - {chain.names[one.right]}"
-        found[DASHPOTS, name] = (0.0, 0.0, one.damping)
-    return found
+            factors[TORQUE, name] = (stiffness, loss, damping)
+    for dashpot in chain.dashpots:
+        name = f"{chain.names[dashpot.left]} - {chain.names[dashpot.right]}"
+        factors[DASHPOTS, name] = (0.0, 0.0, dashpot.damping)
+    return factors
 
 
 def heat_of(series: OrderSeries, place: str, values: tuple[float, float, float]) -> FloatArray:
@@ -303,9 +303,9 @@ class _Judge:
     kept: Flags
     passed: Flags
 
-    def case(self, found: Series, failing: Cylinders) -> FiringCase:
+    def case(self, answer: Series, failing: Cylinders) -> FiringCase:
         kept, passed, largest = {}, {}, {}
-        for key, series in found.items():
+        for key, series in answer.items():
             inside = _at_speeds(series, self.kept)
             between = _at_speeds(series, self.passed)
             for place in series.names:
@@ -319,7 +319,7 @@ class _Judge:
                     passed[key, place] = worst_of(at_place(between, place), quick)
         heat = {}
         for (key, place), values in self.damping.items():
-            inside = _at_speeds(found[key], self.kept)
+            inside = _at_speeds(answer[key], self.kept)
             over_speed = heat_of(inside, place, values)
             top = int(np.argmax(over_speed))
             heat[place] = (float(over_speed[top]), float(inside.speeds[top]))

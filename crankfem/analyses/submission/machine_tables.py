@@ -35,7 +35,7 @@ from crankfem.files.sections.cylinder_pressures import LoadSection
 from crankfem.files.sections.excitation_sections import gas_map_load
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.chains.chain import Chain
-from dynamics.excitation.cylinders import CylinderHarmonics, cylinder_harmonics
+from dynamics.excitation.cylinders import cylinder_harmonics
 from dynamics.indices import within
 
 
@@ -54,18 +54,21 @@ def damper_table(run: EngineVibration, cases: FiringCases) -> Table | None:
         }
         if name == COUPLING:
             permitted = {"torque": limits.coupling_torque, "heat": limits.coupling_heat}
-        for way, found, heat in _each_way(cases, key, name):
+        for way, reached, heat in _each_way(cases, key, name):
             used = [
                 value / limit
-                for value, limit in ((found.value, permitted["torque"]), (heat, permitted["heat"]))
+                for value, limit in (
+                    (reached.value, permitted["torque"]),
+                    (heat, permitted["heat"]),
+                )
                 if limit is not None and value is not None
             ]
             rows.append(
                 [
                     name,
                     way,
-                    found_value(found),
-                    found.speed,
+                    found_value(reached),
+                    reached.speed,
                     permitted["torque"],
                     heat,
                     permitted["heat"],
@@ -102,8 +105,8 @@ def _each_way(
     ways = [("normal", cases.firing.kept[key, name], None if heat is None else heat[0])]
     for way, failing in cases.failing.items():
         worst = cases.worst_cylinder(way, key, name)
-        own = [one.heat[name][0] for one in failing.values() if name in one.heat]
-        ways.append((way, failing[worst].kept[key, name], max(own, default=None)))
+        heats = [case.heat[name][0] for case in failing.values() if name in case.heat]
+        ways.append((way, failing[worst].kept[key, name], max(heats, default=None)))
     return ways
 
 
@@ -121,9 +124,9 @@ def gear_table(run: EngineVibration, cases: FiringCases) -> Table | None:
         mean = np.abs(cases.mean_torque / chain.gears[0].ratio) if len(chain.gears) == 1 else None
         amplitude = series.synthesis.amplitude[:, place]
         if mean is None:
-            found = cases.firing.kept[GEARS, name]
+            reached = cases.firing.kept[GEARS, name]
             rows.append(
-                [name, found.speed, None, found_value(found), None, "mean torque not known"]
+                [name, reached.speed, None, found_value(reached), None, "mean torque not known"]
             )
             marks.append("")
             continue
@@ -169,8 +172,8 @@ def generator_table(run: EngineVibration, cases: FiringCases) -> Table | None:
     at_rated = int(np.argmin(np.abs(cases.speeds - engine.rated_speed)))
     rated = float(cases.normal[GENERATOR].synthesis.amplitude[at_rated, 0])
     ways = [("normal, at rated speed", rated, float(cases.speeds[at_rated]))]
-    for way, found, _ in _each_way(cases, GENERATOR, node):
-        ways.append((f"{way}, at running speeds", found.value, found.speed))
+    for way, reached, _ in _each_way(cases, GENERATOR, node):
+        ways.append((f"{way}, at running speeds", reached.value, reached.speed))
     degrees = OutputUnit("deg", math.pi / 180.0)
     return Table(
         f"Oscillation of the generator's rotor ({node})",
@@ -207,7 +210,8 @@ def engine_data_table(run: EngineVibration) -> Table:
     """Return the data of the engine and its moving parts."""
     file, engine = run.engine_file, run.engine_file.engine
     load = run.load
-    said = [
+    reciprocating = file.piston.mass + (file.rod.mass - file.rod.rotating_mass)
+    rows = [
         ("engine", engine.name),
         ("drives", engine.drives or "not given: a propeller is assumed"),
         ("cylinders", f"{engine.cylinders} {'in line' if engine.bank_angles is None else 'in V'}"),
@@ -221,7 +225,7 @@ def engine_data_table(run: EngineVibration) -> Table:
         ("bore", format_quantity(engine.bore, "m")),
         ("stroke", format_quantity(engine.stroke, "m")),
         ("length of the connecting rod", format_quantity(file.rod.length, "m")),
-        ("reciprocating mass of each cylinder", _reciprocating(run)),
+        ("reciprocating mass of each cylinder", format_quantity(reciprocating, "kg", 5)),
         ("rated speed", format_quantity(engine.rated_speed, "rad/s", 5)),
         (
             "running range",
@@ -249,14 +253,8 @@ def engine_data_table(run: EngineVibration) -> Table:
     return Table(
         "Engine",
         [Column("what", words=True), Column("value", words=True)],
-        [list(row) for row in said],
+        [list(row) for row in rows],
     )
-
-
-def _reciprocating(run: EngineVibration) -> str:
-    rod = run.engine_file.rod
-    share = rod.mass - rod.rotating_mass
-    return format_quantity(run.engine_file.piston.mass + share, "kg", 5)
 
 
 def chain_mass_table(chain: Chain) -> Table:
@@ -324,15 +322,15 @@ def chain_shaft_table(run: EngineVibration) -> Table:
 def _diameters(run: EngineVibration) -> dict[str, float]:
     """Outer diameters by which nominal stresses are calculated [m]."""
     file, forced = run.engine_file, run.forced_torsional
-    found = {}
+    diameters = {}
     if forced is not None and forced.stress is not None:
         for name in forced.stress.names:
-            found[name] = min(
-                min(one.main_journal_diameter, one.pin_diameter) for one in file.crank_throws
+            diameters[name] = min(
+                min(throw.main_journal_diameter, throw.pin_diameter) for throw in file.crank_throws
             )
     for shaft in () if file.limits is None else file.limits.shafts:
-        found[shaft.element] = shaft.diameter
-    return found
+        diameters[shaft.element] = shaft.diameter
+    return diameters
 
 
 def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]:
@@ -362,10 +360,11 @@ def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]
             "pressures. Boost at part load is proportional to the power, as for a propeller."
         )
     else:
-        told = [run.load.speeds.tolist()[-1]] if steady else run.load.speeds.tolist()
-        speeds = np.array(told)
+        listed = [run.load.speeds.tolist()[-1]] if steady else run.load.speeds.tolist()
+        speeds = np.array(listed)
         law = None if file.gas_map is None else gas_map_load(file.gas_map, rated)
-        gas = _gas_alone(whole).phasors(speeds, law)[1:, :, 0, 0]
+        alone = replace(whole, inertia=np.zeros_like(whole.inertia))
+        gas = alone.phasors(speeds, law)[1:, :, 0, 0]
         means = run.load.mean_pressure[-speeds.size :]
         loads = [
             f"{mean / 1e6:.3g} MPa at {format_quantity(speed, 'rad/s', 4)}"
@@ -383,10 +382,6 @@ def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]
     )
 
 
-def _gas_alone(harmonics: CylinderHarmonics) -> CylinderHarmonics:
-    return replace(harmonics, inertia=np.zeros_like(harmonics.inertia))
-
-
 def _part_loads(run: EngineVibration, mechanism: MechanismFile) -> tuple[ComplexArray, FloatArray]:
     """Phasors (K, m) of the gas force of cylinder 1 at part loads, and the mean indicated pressures [Pa].
 
@@ -396,11 +391,11 @@ def _part_loads(run: EngineVibration, mechanism: MechanismFile) -> tuple[Complex
     along = replace(mechanism, load=LoadSection(law="propeller"))
     speeds = mechanism.rated_speed * np.sqrt(LOADS)
     maps = pressure_maps(along, (float(speeds[0]), float(speeds[-1])))
-    found = cylinder_harmonics(
+    harmonics = cylinder_harmonics(
         mechanism.layout, orders_of(run), maps, inertia=False, throws=mechanism.throws
     )
     full = run.load.mean_pressure[-1]
-    return found.phasors(speeds)[1:, :, 0, 0], full * curve_at(along, speeds).mean_pressure
+    return harmonics.phasors(speeds)[1:, :, 0, 0], full * curve_at(along, speeds).mean_pressure
 
 
 def harmonics_table(run: EngineVibration) -> Table:

@@ -80,7 +80,6 @@ def holzer_table(chain: Chain, modes: Modes, mode: int) -> HolzerTable:
 
     Parameters
     ----------
-    chain : Chain
     modes : Modes
         Of this chain.
     mode : int
@@ -124,13 +123,13 @@ def mode_list_table(run: EngineVibration) -> Table:
     chain, modes = run.torsional_chain, run.torsional.chosen.modes
     rows = []
     for number in range(modes.rigid, len(modes.frequencies)):
-        own = holzer_table(chain, modes, number)
+        holzer = holzer_table(chain, modes, number)
         rows.append(
             [
                 number - modes.rigid + 1,
-                own.frequency,
-                60.0 * own.frequency,
-                own.modal_inertia,
+                holzer.frequency,
+                60.0 * holzer.frequency,
+                holzer.modal_inertia,
                 len(modes.node_positions[number]),
             ]
         )
@@ -147,10 +146,11 @@ def mode_list_table(run: EngineVibration) -> Table:
     )
 
 
-def mass_table(chain: Chain, own: HolzerTable, number: int) -> Table:
+def mass_table(chain: Chain, holzer: HolzerTable, number: int) -> Table:
     """Return the masses of a Holzer table."""
     return Table(
-        f"Mode {number}, {60.0 * own.frequency:.2f} vibrations per minute ({own.frequency:.3f} Hz): masses",
+        f"Mode {number}, {60.0 * holzer.frequency:.2f} vibrations per minute "
+        f"({holzer.frequency:.3f} Hz): masses",
         [
             Column("no."),
             Column("mass", words=True),
@@ -166,17 +166,17 @@ def mass_table(chain: Chain, own: HolzerTable, number: int) -> Table:
                 zip(
                     chain.names,
                     chain.inertia.tolist(),
-                    own.amplitude.tolist(),
-                    own.inertia_torque.tolist(),
-                    _sums(own.inertia_torque),
-                    own.kinetic_shares.tolist(),
+                    holzer.amplitude.tolist(),
+                    holzer.inertia_torque.tolist(),
+                    _sums(holzer.inertia_torque),
+                    holzer.kinetic_shares.tolist(),
                     strict=True,
                 ),
                 start=1,
             )
         ],
         note=f"Torques at an amplitude of 1 mrad of {chain.names[0]}; modal inertia referred to it "
-        f"{own.modal_inertia:.5g} kg m^2.",
+        f"{holzer.modal_inertia:.5g} kg m^2.",
     )
 
 
@@ -184,11 +184,11 @@ def _sums(torques: FloatArray) -> list[float]:
     """Return sums from the first on, with zero for round-off."""
     sums = np.cumsum(torques)
     small = np.abs(sums) < ROUND_OFF * np.max(np.abs(torques))
-    found: list[float] = np.where(small, 0.0, sums).tolist()
-    return found
+    cleaned: list[float] = np.where(small, 0.0, sums).tolist()
+    return cleaned
 
 
-def shaft_table(chain: Chain, own: HolzerTable, number: int) -> Table:
+def shaft_table(chain: Chain, holzer: HolzerTable, number: int) -> Table:
     """Return the shafts of a Holzer table."""
     return Table(
         f"Mode {number}: shafts",
@@ -204,9 +204,9 @@ def shaft_table(chain: Chain, own: HolzerTable, number: int) -> Table:
             for row in zip(
                 chain.elements,
                 chain.stiffness.tolist(),
-                (chain.elongations() @ own.amplitude).tolist(),
-                own.torque.tolist(),
-                own.strain_shares.tolist(),
+                (chain.elongations() @ holzer.amplitude).tolist(),
+                holzer.torque.tolist(),
+                holzer.strain_shares.tolist(),
                 strict=True,
             )
         ],
@@ -217,12 +217,12 @@ def shaft_table(chain: Chain, own: HolzerTable, number: int) -> Table:
 def mode_stars(run: EngineVibration, mode: int) -> tuple[Star, ...]:
     """Return the stars of all orders of a mode, cylinders weighted by its amplitudes, the first node's 1."""
     file, named = run.engine_file, run.torsional.chosen.chain
-    own = holzer_table(named.chain, run.torsional.chosen.modes, mode)
+    holzer = holzer_table(named.chain, run.torsional.chosen.modes, mode)
     return star_diagram(
         firing_angles_deg=np.degrees(file.engine.firing_angles),
         orders=orders_of(run),
         strokes=file.engine.strokes,
-        mode_shape=own.amplitude[list(named.throw_nodes)][list(file.throws)],
+        mode_shape=holzer.amplitude[list(named.throw_nodes)][list(file.throws)],
     )
 
 
@@ -245,7 +245,10 @@ def vector_table(run: EngineVibration) -> Table:
         "Vector sums by order and mode, and their share of the largest possible sum",
         columns,
         [
-            [order, *(cell for own in stars for cell in (own[place].resultant, own[place].share))]
+            [
+                order,
+                *(cell for star in stars for cell in (star[place].resultant, star[place].share)),
+            ]
             for place, order in enumerate(orders_of(run).tolist())
         ],
         note="Amplitudes of the cylinders relative to the first mass; highlighted orders are major: all "
@@ -264,20 +267,22 @@ def criticals_to_highest(run: EngineVibration) -> tuple[CriticalSpeed, ...]:
 def critical_table(run: EngineVibration) -> Table:
     """Return the critical speeds up to 120 % of rated speed."""
     engine, rigid = run.engine_file.engine, run.torsional.chosen.modes.rigid
-    found = criticals_to_highest(run)
-    stars = {mode: mode_stars(run, rigid + mode) for mode in {one.mode for one in found}}
+    criticals = criticals_to_highest(run)
+    stars = {
+        mode: mode_stars(run, rigid + mode) for mode in {critical.mode for critical in criticals}
+    }
     places = {order: place for place, order in enumerate(orders_of(run).tolist())}
     majors = major_orders(orders_of(run), engine.firing_angles)
     rows = [
         [
-            one.speed,
-            one.speed / engine.rated_speed,
-            one.order,
-            one.mode + 1,
-            60.0 * one.frequency,
-            stars[one.mode][places[one.order]].resultant,
+            critical.speed,
+            critical.speed / engine.rated_speed,
+            critical.order,
+            critical.mode + 1,
+            60.0 * critical.frequency,
+            stars[critical.mode][places[critical.order]].resultant,
         ]
-        for one in found
+        for critical in criticals
     ]
     return Table(
         f"Critical speeds up to {100.0 * HIGHEST_SHARE:g} % of the rated speed, without damping",
@@ -291,7 +296,9 @@ def critical_table(run: EngineVibration) -> Table:
         ],
         rows,
         note="Highlighted: major orders, at which all cylinders act together.",
-        marks=["chosen" if np.any(np.isclose(one.order, majors)) else "" for one in found],
+        marks=[
+            "chosen" if np.any(np.isclose(critical.order, majors)) else "" for critical in criticals
+        ],
     )
 
 
@@ -309,12 +316,12 @@ def major_judgment(run: EngineVibration) -> MajorCriticals:
 
 def major_sentences(run: EngineVibration) -> tuple[str, ...]:
     """State the finding of the rule on major critical speeds."""
-    engine, own = run.engine_file.engine, major_judgment(run)
-    orders = " and ".join(f"{order:g}" for order in own.orders)
-    low, high = (f"{speed / engine.rated_speed:.2g}" for speed in own.clear)
+    engine, judgment = run.engine_file.engine, major_judgment(run)
+    orders = " and ".join(f"{order:g}" for order in judgment.orders)
+    low, high = (f"{speed / engine.rated_speed:.2g}" for speed in judgment.clear)
     sentences = [
         f"No critical speed of a major order ({orders}) may be between {low} and {high} of the rated speed. "
-        "Found: " + (f"{_told(run, own.found)}." if own.found else "none."),
+        "Found: " + (f"{_told(run, judgment.found)}." if judgment.found else "none."),
         f"Rule: {MAJOR_SOURCE}; {MAJOR_READING}.",
     ]
     if engine.bank_angles is not None:
@@ -325,18 +332,21 @@ def major_sentences(run: EngineVibration) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def _told(run: EngineVibration, found: Sequence[CriticalSpeed]) -> str:
+def _told(run: EngineVibration, criticals: Sequence[CriticalSpeed]) -> str:
     """Name critical speeds in the range, with the damping of their modes if known."""
     forced = run.forced_torsional
-    damped = {one.mode: one.damping_ratio for one in (() if forced is None else forced.resonances)}
+    damped = {
+        critical.mode: critical.damping_ratio
+        for critical in (() if forced is None else forced.resonances)
+    }
     return ", ".join(
-        f"order {one.order:g} in mode {one.mode + 1} at {one.speed_rpm:.1f} 1/min"
+        f"order {critical.order:g} in mode {critical.mode + 1} at {critical.speed_rpm:.1f} 1/min"
         + (
-            f" (a mode with {100.0 * damped[one.mode + 1]:.3g} % of critical damping)"
-            if one.mode + 1 in damped
+            f" (a mode with {100.0 * damped[critical.mode + 1]:.3g} % of critical damping)"
+            if critical.mode + 1 in damped
             else ""
         )
-        for one in found
+        for critical in criticals
     )
 
 
@@ -391,14 +401,14 @@ def normal_table(cases: FiringCases) -> Table:
     )
 
 
-def found_value(found: Reached) -> float | str:
+def found_value(reached: Reached) -> float | str:
     """Return a value, as a word where it is unbounded."""
-    return UNBOUNDED if math.isinf(found.value) else found.value
+    return UNBOUNDED if math.isinf(reached.value) else reached.value
 
 
-def _judged(found: Reached) -> list[float | str | None]:
-    stated = not math.isinf(found.permitted)
-    return [found_value(found), found.speed, found.used if stated else None]
+def _judged(reached: Reached) -> list[float | str | None]:
+    stated = not math.isinf(reached.permitted)
+    return [found_value(reached), reached.speed, reached.used if stated else None]
 
 
 def permitted_table(run: EngineVibration, cases: FiringCases) -> Table:
@@ -415,7 +425,9 @@ def permitted_table(run: EngineVibration, cases: FiringCases) -> Table:
             if curve is None:
                 continue
             values = curve.at(speeds).tolist()
-            rows.append([f"{number}", kind, *(None if math.isinf(one) else one for one in values)])
+            rows.append(
+                [f"{number}", kind, *(None if math.isinf(stress) else stress for stress in values)]
+            )
     return Table(
         "Permitted stress at shares of the rated speed",
         [
@@ -474,12 +486,12 @@ def failing_table(cases: FiringCases, way: str) -> Table:
     marks = []
     for name, number in place_numbers(cases).items():
         worst = cases.worst_cylinder(way, STRESS, name)
-        found = cases.failing[way][worst].kept[STRESS, name]
+        reached = cases.failing[way][worst].kept[STRESS, name]
         largest = max(
-            (one.largest[STRESS, name] for one in cases.failing[way].values()),
-            key=lambda one: one.value,
+            (firing.largest[STRESS, name] for firing in cases.failing[way].values()),
+            key=lambda firing: firing.value,
         )
-        permitted = None if math.isinf(found.permitted) else found.permitted
+        permitted = None if math.isinf(reached.permitted) else reached.permitted
         rows.append(
             [
                 number,
@@ -488,13 +500,13 @@ def failing_table(cases: FiringCases, way: str) -> Table:
                 found_value(largest),
                 largest.speed,
                 f"{worst}",
-                found_value(found),
-                found.speed,
+                found_value(reached),
+                reached.speed,
                 permitted,
-                None if permitted is None else found.used,
+                None if permitted is None else reached.used,
             ]
         )
-        marks.append("over" if found.used > 1.0 else "")
+        marks.append("over" if reached.used > 1.0 else "")
     return Table(
         f"{way.capitalize()}: the worst of all cylinders",
         [
@@ -525,16 +537,16 @@ def each_table(cases: FiringCases, way: str) -> Table:
         [
             Column("no."),
             Column("shaft", words=True),
-            *(Column(f"cylinder {one}", "%", 3, missing="-") for one in numbers),
+            *(Column(f"cylinder {cylinder}", "%", 3, missing="-") for cylinder in numbers),
         ],
         [
             [
                 number,
                 name,
                 *(
-                    None if math.isinf(found.permitted) else found.used
-                    for one in numbers
-                    for found in (cases.failing[way][one].kept[STRESS, name],)
+                    None if math.isinf(reached.permitted) else reached.used
+                    for cylinder in numbers
+                    for reached in (cases.failing[way][cylinder].kept[STRESS, name],)
                 ),
             ]
             for name, number in place_numbers(cases).items()
@@ -554,8 +566,8 @@ def torque_table(cases: FiringCases) -> Table:
         ]
         for way in ways:
             worst = cases.worst_cylinder(way, TORQUE, name)
-            found = cases.failing[way][worst].kept[TORQUE, name]
-            row += [found_value(found), found.speed]
+            reached = cases.failing[way][worst].kept[TORQUE, name]
+            row += [found_value(reached), reached.speed]
         rows.append(row)
     columns = [Column("shaft", words=True), Column("normal firing", "kN m"), SPEED]
     for way in ways:
@@ -581,14 +593,14 @@ def barred_table(verdict: Verdict) -> Table:
         ],
         [
             [
-                one.low,
-                one.high,
-                "not judged" if one.full_load else "yes" if one.allowed else "no",
-                "; ".join((*one.refusals, one.ends, *one.remarks)),
+                barred.low,
+                barred.high,
+                "not judged" if barred.full_load else "yes" if barred.allowed else "no",
+                "; ".join((*barred.refusals, barred.ends, *barred.remarks)),
             ]
-            for one in ranges
+            for barred in ranges
         ],
-        marks=["" if one.allowed else "over" for one in ranges],
+        marks=["" if barred.allowed else "over" for barred in ranges],
     )
 
 
@@ -614,7 +626,7 @@ def permitted_curves(cases: FiringCases, name: str) -> dict[str, FloatArray]:
     limit = limit_of(cases.limits, STRESS, name)
     if limit is None:
         return {}
-    found = {"continuous limit": permitted_at(limit, cases.speeds)}
+    curves = {"continuous limit": permitted_at(limit, cases.speeds)}
     if limit.passing is not None:
-        found["limit for passing"] = limit.passing.at(cases.speeds)
-    return found
+        curves["limit for passing"] = limit.passing.at(cases.speeds)
+    return curves

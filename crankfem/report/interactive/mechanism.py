@@ -55,11 +55,9 @@ def polar_load(load: LoadDiagram, frame: Frame, title: str) -> Figure:
 
     Parameters
     ----------
-    load : LoadDiagram
     frame : {"crank", "engine"}
         "crank": turning with the crank, which stands upright, tangential force to the right, radial
         force (towards the shaft) down. "engine": at rest, y up, seen from the free end.
-    title : str
 
     Returns
     -------
@@ -225,9 +223,9 @@ def _of_bearing(
     def load(run: MechanismRun) -> LoadDiagram:
         if name == "crankpin":
             return run.crankpins[0]
-        most = max(one.maximum for one in run.bearings)
+        most = max(bearing.maximum for bearing in run.bearings)
         # The first of those that are alike but for round-off.
-        return next(one for one in run.bearings if one.maximum > (1.0 - ALIKE) * most)
+        return next(bearing for bearing in run.bearings if bearing.maximum > (1.0 - ALIKE) * most)
 
     def title(run: MechanismRun, between: str = ", ") -> str:
         return f"{load(run).name}{between}{_engine(run)}"

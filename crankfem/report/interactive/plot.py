@@ -25,17 +25,11 @@ def write_figure(path: Path, traces: list[Part], layout: Part) -> Path:
         Ends in .json.
     traces : list of dict
         plotly's "data".
-    layout : dict
 
     Returns
     -------
     Path
         The same.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
     """
     # Numbers that JSON does not know are an error here: curves have gaps where there is no number.
     text = json.dumps(
@@ -164,11 +158,6 @@ class Plots(Generic[Run]):
         -------
         list of Path
             The SVG files.
-
-        Raises
-        ------
-        InputError
-            If the folder cannot be made, or one of the files is somebody else's.
         """
         make_folder(folder)
         for name in self.files(self.has(run)):

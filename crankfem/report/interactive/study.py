@@ -42,23 +42,23 @@ COMPARED, COMPARED_LOOKS = 4, ("dash", "dot", "dashdot", "longdash")
 KINDS = ((False, BLUE, "circle", "fitted runs"), (True, ORANGE, "diamond", "held out"))
 
 
-def response_over_factors(table: StudyTable, found: ResponseFits) -> Figure:
+def response_over_factors(table: StudyTable, response: ResponseFits) -> Figure:
     """Draw the chosen equation, and others beside it, over one factor at a time.
 
     The other factors stay at the nominal throw, or at the levels next to it. Filled dots are finite
     element results there; open ones are results elsewhere, moved there along the chosen equation: they
     keep their distance to it.
     """
-    unit, size = display_unit(found.unit)
+    unit, size = display_unit(response.unit)
     factors = table.plan.factors
-    told = design_texts(factors, table.values)
-    forms = _forms(found)
+    texts = design_texts(factors, table.values)
+    forms = _forms(response)
     traces: list[Part] = []
     owners: list[int] = []
     for place, factor in enumerate(factors):
-        section = factor_sweep(table, found, place, forms, _sweep(factor))
+        section = factor_sweep(table, response, place, forms, _sweep(factor))
         x, on_line = display_values(factor, section.values), section.on_line
-        own = [
+        panel = [
             _curve(factor, x, curve / size, fit, number, unit)
             for number, (fit, curve) in enumerate(zip(forms, section.curves, strict=True))
         ]
@@ -69,39 +69,40 @@ def response_over_factors(table: StudyTable, found: ResponseFits) -> Figure:
             (on_line, "circle", "finite elements"),
         ):
             if those.any():
-                own.append(
+                panel.append(
                     dots(
                         across[those],
                         y[those],
                         name,
                         ORANGE,
                         f"<b>{name}</b><br>%{{text}}<br>{with_unit('%{y:.5g}', unit)}",
-                        text=[text for text, chosen_ in zip(told, those, strict=True) if chosen_],
+                        text=[text for text, chosen_ in zip(texts, those, strict=True) if chosen_],
                         marker={"symbol": symbol, "line": {"color": ORANGE, "width": 1}},
                     )
                 )
-        traces += [trace | ({} if place == 0 else {"visible": False}) for trace in own]
-        owners += [place] * len(own)
+        traces += [trace | ({} if place == 0 else {"visible": False}) for trace in panel]
+        owners += [place] * len(panel)
     changes = [
         [{"visible": visible}, {"xaxis.title.text": factor_title(factor), **_ticks(factor)}]
         for visible, factor in zip(visibility_by_choice(owners, len(factors)), factors, strict=True)
     ]
+    ticks = {name.removeprefix("xaxis."): value for name, value in _ticks(factors[0]).items()}
     return traces, layout(
-        axis(factor_title(factors[0]), **_first_ticks(factors[0])),
-        axis(f"{symbol_text(found.symbol)} [{unit}]"),
-        title=f"{found.response.replace('_', ' ')} over one factor",
+        axis(factor_title(factors[0]), **ticks),
+        axis(f"{symbol_text(response.symbol)} [{unit}]"),
+        title=f"{response.response.replace('_', ' ')} over one factor",
         updatemenus=[choice("over", [_plain(factor_text(f)) for f in factors], changes)],
     )
 
 
-def parity(table: StudyTable, found: ResponseFits) -> Figure:
+def parity(table: StudyTable, response: ResponseFits) -> Figure:
     """Draw one form at a time against finite elements: values above, errors in per cent below."""
-    unit, size = display_unit(found.unit)
-    column = table.responses[found.column]
-    told = design_texts(table.plan.factors, table.values)
-    symbol = symbol_text(found.symbol)
-    forms = [found.chosen, *(fit for fit in found.fits if fit is not found.chosen)]
-    values = [predicted(table, found, fit) for fit in forms]
+    unit, size = display_unit(response.unit)
+    column = table.responses[response.column]
+    texts = design_texts(table.plan.factors, table.values)
+    symbol = symbol_text(response.symbol)
+    forms = [response.chosen, *(fit for fit in response.fits if fit is not response.chosen)]
+    values = [predicted(table, response, fit) for fit in forms]
     panels: tuple[tuple[list[Array], str, Part], ...] = (
         ([value / size for value in values], f"by the equation {with_unit('%{y:.5g}', unit)}", {}),
         (
@@ -124,18 +125,18 @@ def parity(table: StudyTable, found: ResponseFits) -> Figure:
                     name,
                     color,
                     f"<b>{name}</b><br>%{{text}}<br>{symbol} by FE {with_unit('%{x:.5g}', unit)}<br>{hover}",
-                    text=[told[design] for design in those.tolist()],
+                    text=[texts[design] for design in those.tolist()],
                     marker={"symbol": mark},
                     legendgroup=name,
                     **place,
                 )
             )
     labels = [
-        f"{fit.form}{' (chosen)' if fit is found.chosen else ''}: held out within "
+        f"{fit.form}{' (chosen)' if fit is response.chosen else ''}: held out within "
         f"{100.0 * (fit.largest_heldout_error or 0.0):.2g} %"
         for fit in forms
     ]
-    changes = [[{"y": [own[number] for own in shown]}] for number in range(len(forms))]
+    changes = [[{"y": [drawn[number] for drawn in shown]}] for number in range(len(forms))]
     ends = [float(column.min() / size), float(column.max() / size)]
     diagonal = level(0.0) | {
         "xref": "x",
@@ -147,7 +148,7 @@ def parity(table: StudyTable, found: ResponseFits) -> Figure:
     made = layout(
         axis("", matches="x2", showticklabels=False),
         axis(f"{symbol} by the equation [{unit}]", domain=[0.42, 1.0]),
-        title=f"{found.response.replace('_', ' ')}: equation against finite elements",
+        title=f"{response.response.replace('_', ' ')}: equation against finite elements",
         height=560,
         shapes=[diagonal, level(0.0, xref="x2 domain", yref="y2")],
         updatemenus=[choice("form", labels, changes)],
@@ -159,10 +160,10 @@ def parity(table: StudyTable, found: ResponseFits) -> Figure:
     return traces, made | lower
 
 
-def _forms(found: ResponseFits) -> list[Fit]:
+def _forms(response: ResponseFits) -> list[Fit]:
     """Return the chosen form, then some to compare it with."""
-    others = [fit for fit in found.fits if fit is not found.chosen]
-    return [found.chosen, *others[:COMPARED]]
+    others = [fit for fit in response.fits if fit is not response.chosen]
+    return [response.chosen, *others[:COMPARED]]
 
 
 def _curve(factor: Factor, x: Array, y: Array, fit: Fit, number: int, unit: str) -> Part:
@@ -198,10 +199,6 @@ def _ticks(factor: Factor) -> Part:
         "xaxis.ticktext": choice_labels(factor),
         "xaxis.autorange": True,
     }
-
-
-def _first_ticks(factor: Factor) -> Part:
-    return {name.removeprefix("xaxis."): value for name, value in _ticks(factor).items()}
 
 
 def _plain(text: str) -> str:

@@ -51,8 +51,8 @@ def rounded(values: ArrayLike, digits: int = DIGITS) -> list[float | int | None]
     >>> rounded([1234567.0, 0.0123456789, 2.0, float("inf")])
     [1234600, 0.012346, 2, None]
     """
-    given = np.asarray(values, dtype=np.float64).tolist()
-    return [shortest(float(f"{value:.{digits}g}")) for value in given]
+    numbers = np.asarray(values, dtype=np.float64).tolist()
+    return [shortest(float(f"{value:.{digits}g}")) for value in numbers]
 
 
 def shortest(value: float) -> float | int | None:
@@ -166,12 +166,10 @@ def line(
         In the units of the axes.
     name : str
         In the legend, shown as it is.
-    color : str
     hover : str
         What is told of a point, in plotly's template language, lines apart by ``<br>``.
     width : float
         In pixels.
-    dash : str
     **more
         Further entries of the trace.
     """
@@ -422,39 +420,39 @@ def figure_of(curves: Curves, title: str) -> Figure:
     along, (x_unit, y_unit) = curves.x, curves.units
     top = curves.top
     if top is None:
-        top = max(float(np.nanmax(np.abs(own.values), initial=0.0)) for own in curves.series)
+        top = max(float(np.nanmax(np.abs(curve.values), initial=0.0)) for curve in curves.series)
     traces: list[Part] = []
-    told = f"<br>%{{x:.5g}} {x_unit}<br>%{{y:.4g}} {y_unit}"
-    for own in sorted(curves.series, key=lambda one: (not one.main, one.role == "order")):
-        kept = visible_points(along, own.values, UNSEEN * top, HOVER_STEP * float(np.ptp(along)))
-        color, dash, width = own.line_style
+    hover = f"<br>%{{x:.5g}} {x_unit}<br>%{{y:.4g}} {y_unit}"
+    for curve in sorted(curves.series, key=lambda mark: (not mark.main, mark.role == "order")):
+        kept = visible_points(along, curve.values, UNSEEN * top, HOVER_STEP * float(np.ptp(along)))
+        color, dash, width = curve.line_style
         traces.append(
             line(
                 along[kept],
-                own.values[kept],
-                own.name,
+                curve.values[kept],
+                curve.name,
                 color,
-                literal(own.name) + told,
+                literal(curve.name) + hover,
                 width=WIDER * width,
                 dash=dash,
-                visible=True if own.main else "legendonly",
+                visible=True if curve.main else "legendonly",
             )
         )
     for points in curves.dots:
         traces.append(
-            dots(points.x, points.y, points.name, points.color, literal(points.name) + told)
+            dots(points.x, points.y, points.name, points.color, literal(points.name) + hover)
         )
     shapes: list[Part] = [level(0.0)] if curves.signed else []
     named: set[str] = set()
     drawn: list[Band | Mark] = [*curves.bands, *curves.marks]
-    for one in drawn:
+    for mark in drawn:
         # The first of several shapes stands in the legend, from where it switches all.
-        legend = {"name": one.name, "legendgroup": one.name, "showlegend": one.name not in named}
-        named.add(one.name)
+        legend = {"name": mark.name, "legendgroup": mark.name, "showlegend": mark.name not in named}
+        named.add(mark.name)
         shapes.append(
-            _upright(one, **legend)
-            if isinstance(one, Mark)
-            else band(one.low, one.high, one.color, **legend)
+            _upright(mark, **legend)
+            if isinstance(mark, Mark)
+            else band(mark.low, mark.high, mark.color, **legend)
         )
     ends = {} if curves.x_range is None else {"range": list(curves.x_range)}
     ticks = {} if curves.x_step is None else {"dtick": curves.x_step, "tick0": 0}

@@ -105,10 +105,10 @@ class TriangleSurface:
             Least length of what hangs together; dents of single elements are shorter.
         """
         ends, _, sharp = self.edges()
-        found = ends[sharp]
-        pieces = _connected(found, len(self.points))[found[:, 0]]
-        lengths = np.linalg.norm(np.subtract(*self.points[found.T]), axis=1)
-        return found[np.bincount(pieces, lengths)[pieces] >= shortest] if len(found) else found
+        edges = ends[sharp]
+        pieces = _connected(edges, len(self.points))[edges[:, 0]]
+        lengths = np.linalg.norm(np.subtract(*self.points[edges.T]), axis=1)
+        return edges[np.bincount(pieces, lengths)[pieces] >= shortest] if len(edges) else edges
 
     def split_at_sharp_edges(self) -> tuple[Integers, Integers]:
         """Split the surface at sharp edges, so that shading does not round off its edges.
@@ -148,7 +148,7 @@ def polylines(ends: Integers) -> list[list[int]]:
         for end in pair:
             at.setdefault(end, []).append(number)
     used = [False] * len(pairs)
-    found = []
+    lines = []
     # Odd points first: strokes that begin there need not begin in their middle.
     for start in sorted(at, key=lambda point: len(at[point]) % 2 == 0):
         while True:
@@ -166,8 +166,8 @@ def polylines(ends: Integers) -> list[list[int]]:
                 trail.append(here)
             if len(trail) == 1:
                 break
-            found.append(trail)
-    return found
+            lines.append(trail)
+    return lines
 
 
 # A triangle may turn so far when a point is taken away [cosine].
@@ -318,7 +318,6 @@ def throw_view(
     ----------
     folder : Path
         That is there.
-    analysis : ThrowAnalysis
     stresses : FilletStresses, optional
         Of the same throw; without them there are no views of stress.
 
@@ -326,11 +325,6 @@ def throw_view(
     -------
     Path
         ``throw_view.json``.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
     """
     return write_figure(folder / FILE, *throw_figure(analysis, stresses))
 
@@ -349,11 +343,6 @@ class _View:
 
 def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None) -> Figure:
     """Draw the throw in several views, one of which a menu chooses.
-
-    Parameters
-    ----------
-    analysis : ThrowAnalysis
-    stresses : FilletStresses, optional
 
     Returns
     -------
@@ -496,7 +485,7 @@ def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_Vie
     shares = np.linspace(0.0, 1.0, len(COLORS)).tolist()
     trace["colorscale"] = [list(pair) for pair in zip(shares, COLORS, strict=True)]
     views = []
-    for column, load in enumerate(loads[one] for one in chosen):
+    for column, load in enumerate(loads[load_number] for load_number in chosen):
         largest = max(peak.von_mises for peak in stresses.under(load)) * STRESS_SHOWN
         shown = STRESS_SHOWN * equivalent[sources, column]
         views.append(

@@ -115,17 +115,17 @@ def campbell_figure(
     )
 
 
-def _hover_text(kind: str, one: DampedCritical) -> str:
+def _hover_text(kind: str, resonance: DampedCritical) -> str:
     motion = MOTION[kind]
     size = (
         "unbounded: nothing damps it"
-        if one.unbounded
-        else f"amplitude {number(one.first_amplitude / motion.size)} {motion.unit} of the free end, by "
-        f"this order alone; peak of {one.place}"
+        if resonance.unbounded
+        else f"amplitude {number(resonance.first_amplitude / motion.size)} {motion.unit} of the free end, by "
+        f"this order alone; peak of {resonance.place}"
     )
     return (
-        f"<b>order {one.order:g}, mode {one.mode}</b> ({one.kind})<br>{one.speed_rpm:.5g} 1/min, "
-        f"{one.frequency:.5g} Hz<br>{size}"
+        f"<b>order {resonance.order:g}, mode {resonance.mode}</b> ({resonance.kind})<br>"
+        f"{resonance.speed_rpm:.5g} 1/min, {resonance.frequency:.5g} Hz<br>{size}"
     )
 
 
@@ -137,7 +137,7 @@ def _title(what: str) -> Callable[[EngineVibration], str]:
 
 
 def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
-    def own(run: EngineVibration) -> Vibration:
+    def vibration(run: EngineVibration) -> Vibration:
         return run.axial if kind == "axial" else run.torsional
 
     shapes, itself = _title(f"{kind} mode shapes"), _title(kind)
@@ -147,7 +147,7 @@ def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
             f"First {kind} mode shapes",
             f"{kind.capitalize()}: first mode shapes; crosses mark the nodes.",
             picture(lambda axes, run: run.plot(axes, kind=kind, show="modes"), shapes, height=3.6),
-            lambda run: mode_shapes(own(run).chosen, shapes(run)),
+            lambda run: mode_shapes(vibration(run).chosen, shapes(run)),
         ),
         Plot(
             f"{kind}_campbell",
@@ -156,7 +156,7 @@ def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
             "larger dots have larger amplitudes and frequencies include damping; an overdamped mode is "
             "shown at its undamped frequency.",
             picture(lambda axes, run: run.plot(axes, kind=kind), itself, height=4.8),
-            lambda run: _campbell(run, own(run), itself(run)),
+            lambda run: _campbell(run, vibration(run), itself(run)),
         ),
         plot_of_curves(
             f"{kind}_amplitude",
@@ -213,11 +213,11 @@ def _judged_stress(run: EngineVibration) -> tuple[OrderSeries, int, VibrationLim
     assert assessment is not None
     assert axial is not None
     assert torsional is not None
-    stresses = {own.name: key for key, own in assessment.limits.items() if of_stress(key)}
+    stresses = {limit.name: key for key, limit in assessment.limits.items() if of_stress(key)}
     # The worst comes first; the crankshaft's stress always has a limit.
-    worst = next(one for one in assessment.verdict.checks if one.limit.name in stresses)
-    found = limited_series(stresses[worst.limit.name], run.engine_file, axial, torsional)
-    return found, found.names.index(worst.curve.name), worst.limit
+    worst = next(check for check in assessment.verdict.checks if check.limit.name in stresses)
+    series = limited_series(stresses[worst.limit.name], run.engine_file, axial, torsional)
+    return series, series.names.index(worst.curve.name), worst.limit
 
 
 def _stress_title(run: EngineVibration) -> str:
@@ -273,11 +273,9 @@ def amplitudes_over_speed(
 
     Parameters
     ----------
-    series : OrderSeries
     place : int
         In the series, from 0.
     quantity : {"twist", "displacement", "torque", "force", "stress"}
-    limit : VibrationLimit or None
     barred : sequence of pairs of floats
         Ranges of speed [rad/s].
     running : tuple of two floats, optional
