@@ -226,31 +226,6 @@ def shaft(count=14):
     )
 
 
-def test_motion_along_the_shaft():
-    modes, radius = shaft(), 0.2
-    traces, layout = shaft_modes(modes, radius, "x")
-    assert layout["xaxis"]["title"]["text"] == "position along the shaft [mm]"
-    assert len(traces) == 4 * 10
-    order = [0, 2, 3, 1]
-    for mode, four in enumerate(zip(*[iter(traces)] * 4, strict=True), start=1):
-        # Along x, y and the shaft, and about it at the crank radius.
-        motion = modes.motions[order, :, mode] * [1.0, 1.0, 1.0, 1.0, 1.0, radius]
-        every = motion[:, [2, 5, 0, 1]]
-        drawn = np.array([trace["y"] for trace in four]).T
-        place = np.unravel_index(np.argmax(np.abs(every)), every.shape)
-        assert drawn[place] == 1
-        assert drawn == close(every / every[place], rel=FIVE_DIGITS)
-        assert all(trace["x"] == [0, 300, 600, 900] for trace in four)
-        assert [trace["name"] for trace in four] == [
-            "axial",
-            "torsional, at the crank radius",
-            "lateral, x",
-            "lateral, y",
-        ]
-    (menu,) = layout["updatemenus"]
-    assert [one["label"] for one in menu["buttons"]][:2] == ["10.0 Hz: kind 1", "20.0 Hz: kind 2"]
-
-
 def test_what_excites_the_axial_vibration():
     speeds = np.linspace(20.0, 60.0, 9)
     curves = [1e-5 * np.sin(speeds / number) ** 2 for number in (5.0, 6.0, 7.0)]
