@@ -29,6 +29,7 @@ from crankfem.report.interactive.study import parity, response_over_factors
 from crankfem.report.interactive.style import UNSEEN, design_texts, figure_of, plain_layout, rounded
 from crankfem.report.interactive.throw_view import (
     DRAWN_DISPLACEMENT,
+    MOST_STRESSED,
     TriangleSurface,
     decimate_triangles,
     polylines,
@@ -763,3 +764,15 @@ def test_a_title_of_two_lines_has_room():
     long = "8L 32/42 generating set, nominal torsional stress, cylinder 7 - cylinder 8"
     one, two = (plain_layout(title)["margin"]["t"] for title in ("8L 32/42, axial", long))
     assert two - one >= 1.3 * plain_layout(long)["title"]["font"]["size"]
+
+
+@pytest.mark.slow
+def test_throw_without_stresses_and_with_many_triangles(analysis, tmp_path, strict, monkeypatch):
+    module = "crankfem.report.interactive.throw_view"
+    monkeypatch.setattr(f"{module}.MOST_TRIANGLES", 2000)
+    monkeypatch.setattr(f"{module}.MOST_EDGES", 100)
+    figure = strict(throw_view(tmp_path, analysis).read_text(encoding="utf-8"))
+    assert [trace["name"] for trace in figure["data"]] == ["solid", "sharp edges", "deformed"]
+    assert 500 < len(figure["data"][0]["i"]) <= 2000 < MOST_STRESSED
+    (menu,) = figure["layout"]["updatemenus"]
+    assert len(menu["buttons"]) == 2
