@@ -39,11 +39,6 @@ def read_design(
         Those of the study, or those of the columns with the ranges that the runs span.
     rows : tuple of tuple of float
         One run each [SI], of choices the labels' indices.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or does not fit the factors; the message names the line.
     """
     shown = file.path.name
     header, lines = _read_csv(file)
@@ -251,12 +246,6 @@ def study_plan(
         Of the same file, by name.
     default : str
         Name of the throw that varies where the section names none.
-
-    Raises
-    ------
-    InputError
-        If something is unknown or out of range. Whether its designs can be built is found out when they
-        are listed, by `StudyPlan.planned`.
     """
     values = content.sections.get("study")
     if values is None:

@@ -79,7 +79,9 @@ def load_figures(results: Mapping[str, Any], folder: Path) -> tuple[dict[str, Fi
                 unread.append(pictures[name])
         if name in plots:
             try:
-                drawn = replace(drawn, plot=_plot(_own_file(folder, plots[name])))
+                text = _own_file(folder, plots[name]).read_text(encoding="utf-8")
+                json.loads(text)  # the reader's browser would find what was cut short
+                drawn = replace(drawn, plot=script_text(text))
             except (OSError, ValueError):
                 unread.append(plots[name])
         if drawn.source is not None or drawn.plot is not None:
@@ -98,12 +100,6 @@ def _own_file(folder: Path, name: str) -> Path:
 def script_text(text: str) -> Markup:
     """Return JSON that may stand in a script element: nothing in it can end or open one."""
     return Markup(text.strip().replace("<", "\\u003c"))
-
-
-def _plot(path: Path) -> Markup:
-    text = path.read_text(encoding="utf-8")
-    json.loads(text)  # one that was cut short would be found by the reader's browser only
-    return script_text(text)
 
 
 def _picture(path: Path) -> Figure:

@@ -105,13 +105,6 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
     -------
     Path
         `path`.
-
-    Raises
-    ------
-    InputError
-        If the file is there and no run has written it.
-    OSError
-        If it cannot be written.
     """
     return write_report_text(path, render_report(results, pictures)[0])
 
@@ -139,11 +132,6 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
     note : str or None
         A sentence that names the pictures that cannot be read; the page does without them, and says
         the same.
-
-    Raises
-    ------
-    LookupError, TypeError, ValueError, AttributeError, ArithmeticError, jinja2.TemplateError
-        If the results are not those of a run.
     """
     results = LATER | dict(results) | {"about": LATER_ABOUT | results["about"]}
     figures, unread = load_figures(results, pictures)

@@ -340,14 +340,7 @@ def checked_running_range(running_range: tuple[float, float]) -> tuple[float, fl
 def positive_range(
     field: str, ends: ArrayLike, unit: str, of: str, allowed: str
 ) -> tuple[float, float]:
-    """Return the ends of a range of positive values; they may be equal.
-
-    Parameters
-    ----------
-    ends : array_like of shape (2,)
-    unit, of, allowed : str
-        Their unit, why they are positive, what the two ends are and why.
-    """
+    """Return the ends of a range of positive values, which may be equal; `of` says why they are positive."""
     pair = positive_vector(field, ends, unit, of)
     if pair.size != 2 or not pair[0] <= pair[1]:
         shown = ", ".join(f"{end:g}" for end in pair)

@@ -505,22 +505,7 @@ def _rigid_motions(
     lines: Sequence[JoinedLine],
     size: int,
 ) -> tuple[FloatArray, tuple[str, ...]]:
-    """Find the motions that no stiffness resists.
-
-    Parameters
-    ----------
-    places : ndarray of shape (n + 1,)
-        Of the sections along the shaft [m].
-    first_ring, size : int
-        Unknown of the first ring, and the number of all.
-    lines : sequence of JoinedLine
-
-    Returns
-    -------
-    motions : ndarray of shape (size, r)
-        As columns; those of unit rotation or translation, exact.
-    names : tuple of r str
-    """
+    """Return the unit motions (size, r) that no stiffness resists, as columns, and their names."""
     unit, count = np.eye(size), len(places)
 
     def motion(values: dict[int, FloatArray | float]) -> FloatArray:

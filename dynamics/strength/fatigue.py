@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from crankbase.checks.arrays import (
     FloatArray,
@@ -342,6 +341,8 @@ def _corners(history: FloatArray) -> NDArray[np.int64]:
     if path.shape[1] < 2:
         along = path.sum(axis=1)
         return np.unique([along.argmin(), along.argmax()])
+    from scipy.spatial import ConvexHull, QhullError  # here: engine files are read without it
+
     try:
         return np.sort(ConvexHull(path).vertices)
     except QhullError:  # too few moments

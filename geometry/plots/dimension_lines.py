@@ -275,7 +275,8 @@ class View:
             else:
                 lanes.append([dimension])
         for lane in lanes:
-            level = self._bound(1 - axis, side) + side * LANE * self.point
+            edge = float((self.high if side > 0 else self.low)[1 - axis])
+            level = edge + side * LANE * self.point
             for dimension in lane:
                 self._linear(dimension, axis, level, side)
 
@@ -385,9 +386,6 @@ class View:
         """Whether two distances overlap and so need lanes of their own."""
         (a, b), (c, d) = (sorted((x.start[axis], x.end[axis])) for x in (linear, other))
         return min(b, d) - max(a, c) > 0.1 * self.point
-
-    def _bound(self, axis: int, side: int) -> float:
-        return float((self.high if side > 0 else self.low)[axis])
 
     def _box(self, text: str, place: Place, upright: bool, size: float) -> Box:
         width, height = (extent * self.point for extent in text_size(text, size))

@@ -196,8 +196,10 @@ def find_out_of_range(
 
     `size` is a factor on the range: the size of the throw, for a length.
     """
-    low, high = edges(lowest, highest)
     at_study = values / size
+    if at_study.__class__ is float and lowest <= at_study <= highest:
+        return None
+    low, high = edges(lowest, highest)
     if isinstance(at_study, float):
         if low <= at_study <= high:
             return None

@@ -82,7 +82,9 @@ class Family:
         """
         checked: dict[str, Given] = {}
         for name, value in query.items():
-            if name in self.categories:
+            if value.__class__ is float and 0.0 < value < math.inf and name in self.ranges:
+                checked[name] = value
+            elif name in self.categories:
                 checked[name] = _checked_labels(name, value, self.categories[name])
             elif name in self.labels:
                 checked[name] = _checked_labels(name, value, (self.labels[name],))
@@ -102,10 +104,10 @@ class Family:
         From its first fixed length. If no length is fixed, the size nearest to 1 at which the lengths are in
         their ranges, and if there is none, at which some are and the others are beyond one end.
         """
-        for name, value in query.items():
-            if self.fixed.get(name) and self.unit(name) == "m" and np.all(value):
-                return value / self.fixed[name]
         if self._fixes_a_length:
+            for name, value in query.items():
+                if self.fixed.get(name) and self.unit(name) == "m" and np.all(value):
+                    return value / self.fixed[name]
             return 1.0
         lengths = [(query[n], ends) for n, ends in self._varied_lengths.items() if n in query]
         for value, (low, high) in lengths:

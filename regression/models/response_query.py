@@ -247,7 +247,7 @@ class ResponseQuery:
         """Range and unit of each varying number: all forms of a study share those of its factors."""
         if self.scale is None:
             numbers = [column for column in self.columns if IS not in column.name]
-            return {one.name: (one.lowest, one.highest, one.unit) for one in numbers}
+            return {part.name: (part.lowest, part.highest, part.unit) for part in numbers}
         family = self.family
         return {name: (*ends, family.unit(name)) for name, ends in family.ranges.items()}
 
@@ -263,15 +263,20 @@ class ResponseQuery:
             size = family.size(checked)
             _check_size(size)
         family.check_related(checked, size)
-        complete = all(name in checked for name in self.needed)
-        known = checked if complete else family.completed(checked, size)
-        missing = [name for name in self.needed if name not in known]
-        if missing:
-            raise InputError(
-                f"{missing[0]}: missing; the model needs its factors {', '.join(family.factors)}."
-            )
-        used = {name: known[name] for name in dict.fromkeys((*self.needed, *checked))}
-        return used | {_SIZE: size}, shape
+        if not self._names <= checked.keys():
+            known = family.completed(checked, size)
+            missing = [name for name in self.needed if name not in known]
+            if missing:
+                raise InputError(
+                    f"{missing[0]}: missing; the model needs its factors {', '.join(family.factors)}."
+                )
+            checked |= {name: known[name] for name in self.needed}
+        checked[_SIZE] = size
+        return checked, shape
+
+    @cached_property
+    def _names(self) -> frozenset[str]:
+        return frozenset(self.needed)
 
     def _piece(
         self,

@@ -208,7 +208,7 @@ class _Dispatch:
 
     def __init__(self, work: WorkQueue, cluster: Cluster, limits: Limits, note: Note) -> None:
         self.work, self.cluster, self.limits, self.note = work, cluster, limits, note
-        self.given: dict[str, _RunningDesign] = {}
+        self.running: dict[str, _RunningDesign] = {}
         # Why a worker cannot take part: raised when what the others have finished is stored.
         self.refusal: InputError | None = None
         self._places: Mapping[str, bool] = {}
@@ -221,7 +221,7 @@ class _Dispatch:
     def collect(self) -> list[tuple[Outcome | None, Task]]:
         """Settle the tasks that are done, lost or overdue."""
         settled = []
-        for place, running in list(self.given.items()):
+        for place, running in list(self.running.items()):
             if running.task.done():
                 outcome = self._fetch(place, running)
             elif place not in self._places:
@@ -235,7 +235,7 @@ class _Dispatch:
                 )
             else:
                 continue
-            del self.given[place]
+            del self.running[place]
             settled.append((outcome, running.task))
         return settled
 
@@ -252,7 +252,7 @@ class _Dispatch:
             self._next_reminder = now + REMIND
             stops = "" if interrupts_ignored() else " (Ctrl-C stops)"
             self.note(f"the cluster has no workers; waiting for one{stops}")
-        free = {place for place, takes in self._places.items() if takes} - self.given.keys()
+        free = {place for place, takes in self._places.items() if takes} - self.running.keys()
         for place in sorted(free):
             if now < self._set_aside.get(place, 0.0):
                 continue
@@ -260,7 +260,7 @@ class _Dispatch:
             if request is None:
                 return
             task = self.cluster.submit(place, request, self.limits)
-            self.given[place] = _RunningDesign(request["key"], task)
+            self.running[place] = _RunningDesign(request["key"], task)
 
     def _fetch(self, place: str, running: _RunningDesign) -> Outcome | None:
         try:
@@ -315,7 +315,7 @@ def run_on_cluster(
     work = WorkQueue(designs, claim)
     dispatch = _Dispatch(work, cluster, limits, note)
     try:
-        while len(work) or dispatch.given:
+        while len(work) or dispatch.running:
             settled: list[tuple[Outcome | None, Task]] = []
             try:
                 with interrupts_deferred():
@@ -331,7 +331,7 @@ def run_on_cluster(
             if not settled:
                 cluster.wait(WAKE)
     finally:
-        for running in dispatch.given.values():
+        for running in dispatch.running.values():
             running.task.release()
 
 

@@ -456,37 +456,37 @@ class _RowReader:
         self._needed = every if needed is None else needed
         self._whose = "the study" if needed is None else "the table"
 
-    def row(self, number: int, columns: list[ImportedColumn], cells: list[str]) -> ExtraRow | None:
+    def row(self, number: int, columns: list[ImportedColumn], texts: list[str]) -> ExtraRow | None:
         """Read one line; None for a design without a result."""
         line = f"{self._file}, line {number}"
-        given: dict[str, dict[str, Any]] = {
+        cells: dict[str, dict[str, Any]] = {
             kind: {} for kind in ("about", "ignored", "field", "factor", "response", "error")
         }
         headers = {}
-        for column, text in zip(columns, cells, strict=True):
+        for column, text in zip(columns, texts, strict=True):
             cell = text.strip()
             if cell:
                 where = f"{line}, column {column.header}"
-                given[column.kind][column.name] = column.read(cell, where)
+                cells[column.kind][column.name] = column.read(cell, where)
                 headers[column.name] = where
-        about = given["about"]
+        about = cells["about"]
         if about.get("status", DONE) != DONE:
             return None
         role = about.get("role", MEASURED)
         if role not in ROLES:
             raise InputError(f"{headers['role']}: given {role!r}; allowed are {', '.join(ROLES)}.")
-        if not given["response"]:
+        if not cells["response"]:
             raise InputError(f"{line}: given no response; allowed is one or more.")
-        values = self._values(given["field"] | given["factor"])
+        values = self._values(cells["field"] | cells["factor"])
         if role == MEASURED:
-            self._check_ratios(given, headers)
-            throw = self._measured_throw(line, values, given["field"])
+            self._check_ratios(cells, headers)
+            throw = self._measured_throw(line, values, cells["field"])
         else:
-            throw = self._computed_throw(line, values, given, headers)
+            throw = self._computed_throw(line, values, cells, headers)
         # Of its parts, what the line itself says; the rest is as the study has it.
         parts = {
             name: value
-            for name, value in given["field"].items()
+            for name, value in cells["field"].items()
             if "." in name and role == MEASURED
         }
         words = {name: value for name, value in parts.items() if isinstance(value, str)}
@@ -496,8 +496,8 @@ class _RowReader:
             | {name: float(value) for name, value in parts.items() if name not in words},
             outlines=throw_outlines(throw) | words,
             values=values,
-            responses=given["response"],
-            errors=given["error"],
+            responses=cells["response"],
+            errors=cells["error"],
             source=about.get("source", line),
         )
 

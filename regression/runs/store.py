@@ -196,8 +196,8 @@ class ResultStore:
     def outcomes(self, keys: Iterable[str]) -> dict[str, Outcome]:
         """Return the available outcomes of designs, by key."""
         with self._reading():
-            found = {key: self._read(key) for key in keys}
-        return {key: outcome for key, outcome in found.items() if outcome is not None}
+            outcomes = {key: self._read(key) for key in keys}
+        return {key: outcome for key, outcome in outcomes.items() if outcome is not None}
 
     def _read(self, key: str) -> Outcome | None:
         """Read a design's row; None if there is none, or a damaged one."""
@@ -303,20 +303,20 @@ class ResultStore:
             rows = self._connection.execute(
                 "SELECT * FROM extra_rows WHERE ?1 IS NULL OR study = ?1 ORDER BY rowid", (study,)
             ).fetchall()
-        found = (
+        read = (
             self._read_or_skip(f"row {place} from elsewhere", read_extra, dict(row))
             for place, row in enumerate(rows, start=1)
         )
-        return tuple(row for row in found if row is not None)
+        return tuple(row for row in read if row is not None)
 
 
 def read_plan(text: object) -> dict[str, Any] | None:
     """Read the JSON of a plan, or of a design's factors; None if it is damaged."""
     try:
-        found = json.loads(text) if isinstance(text, str) else None
+        record = json.loads(text) if isinstance(text, str) else None
     except (ValueError, RecursionError):
         return None
-    return found if isinstance(found, dict) else None
+    return record if isinstance(record, dict) else None
 
 
 def _design_rows(

@@ -257,7 +257,7 @@ def run_plan(
         register_designs(results, plan, drawn)
         planned = with_added(results, plan)
         unique = {design.key: design.inputs for design in planned.designs}
-        known = {k: found for k, found in results.outcomes(unique).items() if not found.lost}
+        known = {k: kept for k, kept in results.outcomes(unique).items() if not kept.lost}
         if results.damaged:
             note(
                 f"{damaged_rows_warning(results.damaged, store)}; their designs are computed again."
@@ -288,10 +288,10 @@ def run_plan(
                     )
                 shared = True
                 return False
-            found = results.outcomes([key]).get(key)
-            if found is None or found.lost:
+            stored = results.outcomes([key]).get(key)
+            if stored is None or stored.lost:
                 return True
-            count(found)
+            count(stored)
             return None
 
         missing = [(key, inputs) for key, inputs in unique.items() if key not in known]
@@ -436,8 +436,8 @@ def import_results(
         imported = replace(imported, rows=read_rows(path, plan, alone=alone))
     with ResultStore(store) as results:
         register_designs(results, plan, planned)
-        known = results.outcomes(one.key for one in imported.finished)
-        new = [one for one in imported.finished if one.key not in known or known[one.key].lost]
+        known = results.outcomes(design.key for design in imported.finished)
+        new = [d for d in imported.finished if d.key not in known or known[d.key].lost]
         for outcome in new:
             results.record(outcome, MODEL_VERSION)
         coinciding = _coinciding(results, planned, imported.rows, alone)
@@ -544,7 +544,7 @@ def _file_damage(path: Path) -> str:
     """State why SQLite finds a file unreliable; empty if it is sound, or not readable for another reason."""
     try:
         with closing(connect_readonly(path)) as connection:
-            found = [text for (text,) in connection.execute("PRAGMA integrity_check")]
+            lines = [text for (text,) in connection.execute("PRAGMA integrity_check")]
             lacking = (
                 missing_parts(connection) if schema_version(connection) == SCHEMA_VERSION else []
             )
@@ -552,9 +552,9 @@ def _file_damage(path: Path) -> str:
         return "the names of its tables cannot be read"
     except sqlite3.DatabaseError as error:
         return "" if isinstance(error, sqlite3.OperationalError) else str(error)
-    if found != ["ok"]:
-        first = " ".join(found[0].replace("*** in database main ***", "").split())
-        return first + ("; and others" if len(found) > 1 else "")
+    if lines != ["ok"]:
+        first = " ".join(lines[0].replace("*** in database main ***", "").split())
+        return first + ("; and others" if len(lines) > 1 else "")
     return f"it has no {lacking[0]}" if lacking else ""
 
 
@@ -565,7 +565,7 @@ def _check_study(store: ResultStore, key: str, record: Mapping[str, object] | No
         return StudyCheck(key, "")
     plan = StudyPlan.from_record(record)
     keys = {design.key for design in registered_designs(store, plan).designs}
-    found = store.outcomes(keys)
-    finished = sum(not outcome.lost for outcome in found.values())
+    outcomes = store.outcomes(keys)
+    finished = sum(not outcome.lost for outcome in outcomes.values())
     damaged = "" if is_list_sound(store, plan) else "its list of designs"
     return StudyCheck(key, damaged, len(keys), len(keys) - finished)

@@ -377,11 +377,6 @@ def cycle_loads(
         [rad/s]
     cases : iterable of tuples of int
         Cylinders that misfire; none in normal firing.
-
-    Raises
-    ------
-    InputError
-        If vibration is unbounded at one of them.
     """
     added, shaft = superposition(vibration, mechanism), shaft_under_forces(vibration)
     for case, series in added.at(speeds, cases):

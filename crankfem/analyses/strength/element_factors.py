@@ -125,11 +125,6 @@ def element_factors(
     webs : sequence of ThrowWeb
         Left and right.
 
-    Raises
-    ------
-    InputError
-        If the stresses are those of a CAD part.
-
     Notes
     -----
     Ends are rigid discs. The force of the three-point bending is uniform over the pin.

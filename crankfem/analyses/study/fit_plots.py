@@ -124,11 +124,6 @@ def plot_fits(
     ----------
     form : str, optional
         Form whose effects are drawn; by default the chosen one.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be made.
     """
     fit = response.chosen if form is None else response.fit_named(form)
     make_folder(folder)

@@ -38,11 +38,6 @@ def compliance_model(
         From `fit_study`.
     form : str, optional
         Form for every response; by default the chosen ones.
-
-    Raises
-    ------
-    InputError
-        If the form was not fitted to a response.
     """
     plan = table.plan
     varying = {*plan.names, *plan.relations}

@@ -271,15 +271,7 @@ def _first(named: EngineChain) -> float:
 
 
 def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
-    """Prepare the frequencies of an engine; its throw is analyzed by finite elements (seconds).
-
-    Raises
-    ------
-    InputError
-        If the engine has several throws.
-    MeshError, SolveError
-        If the throw cannot be meshed or solved.
-    """
+    """Prepare the frequencies of an engine; its throw is analyzed by finite elements (seconds)."""
     from crankfem.analyses.shaft.sources import compliances_in_shaft
     from crankfem.analyses.shaft.throw_analyses import analyze_throws
 

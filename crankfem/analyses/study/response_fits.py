@@ -289,11 +289,6 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
     dict
         Response name, as in the model, to its fits. A response to which no form can be fitted is
         left out; `ResponseFits.unfitted` gives the reason for the others.
-
-    Raises
-    ------
-    InputError
-        If too few designs have results for even the smallest form, or no held-out design has one.
     """
     if not table.held_out.any():
         why = "; ".join(sorted({reason for _, _, reason in table.failures})[:3])
@@ -316,12 +311,7 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
 
 
 def check_study_can_be_fitted(planned: PlannedStudy) -> None:
-    """Refuse a study whose designs that can be built are too few for any equation.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a study whose designs that can be built are too few for any equation."""
     factors = planned.plan.factors
     runs = [design for design in planned.designs if design.role == RUN]
     values = np.array([design.values for design in runs])
@@ -420,7 +410,10 @@ def _fit_response(
             skipped.append(f"{form.name}: has the same terms as {twin} in this study.")
     if not fits:
         raise InputError(f"study: no form can be fitted to {name} ({'; '.join(skipped)})")
-    errors = _fe_errors(table, column)
+    # Imported rows may have none.
+    errors = [
+        row.errors[column] for row in table.rows if row.role != MEASURED and column in row.errors
+    ]
     scatter = float(np.std(errors)) if errors else 0.0
     choice = choose(fits, scatter)
     return ResponseFits(
@@ -438,13 +431,6 @@ def _fit_response(
         fe_scatter=scatter,
         encodings=dict(encodings),
     )
-
-
-def _fe_errors(table: StudyTable, column: str) -> list[float]:
-    """Relative errors of a response where known; imported rows may have none."""
-    return [
-        row.errors[column] for row in table.rows if row.role != MEASURED and column in row.errors
-    ]
 
 
 def _fit(table: StudyTable, column: str, form: Form, encoding: Encoding) -> Fit:

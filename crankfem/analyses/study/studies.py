@@ -80,11 +80,6 @@ def run_grown(
         Number of further runs beyond the plan, at most 1000. The store records the added runs:
         the same number again adds none, a larger one the difference, chosen where the equations,
         fitted to all runs so far, are worst. By default no run is added.
-
-    Raises
-    ------
-    InputError
-        As of `run_plan` and `fit_study`; if the number is another.
     """
     if not is_whole_within(more, 0, MOST_ADDED):
         raise InputError(
@@ -112,11 +107,6 @@ def worst_designs(table: StudyTable, fits: Mapping[str, ResponseFits], count: in
     -------
     (count, k) ndarray
         Values of the factors [SI] of throws that can be built and keep the study's constraints.
-
-    Raises
-    ------
-    InputError
-        If too few throws in the ranges can be built.
     """
     places = _places(table, count)
     equations = [_judged(table, response, places) for response in fits.values()]
@@ -334,24 +324,12 @@ def _to_stderr(text: str) -> None:
 
 
 def study_key(path: str | Path) -> str:
-    """Return the key of a file's study in a store.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be used or has no study.
-    """
+    """Return the key of a file's study in a store."""
     return load_study(path).key
 
 
 def fitted(table: StudyTable) -> StudyResult:
-    """Fit all forms to a study's table and make the model.
-
-    Raises
-    ------
-    InputError
-        If too few designs have results.
-    """
+    """Fit all forms to a study's table and make the model."""
     fits = fit_study(table)
     return StudyResult(table, fits, compliance_model(table, fits))
 
@@ -399,13 +377,6 @@ def export_designs(
         second-order tetrahedra of the usual sizes.
     progress : callable
         Called with (finished, total).
-
-    Raises
-    ------
-    InputError
-        If a file cannot be written, or is not ours: checked before anything is meshed.
-    MissingLibraryError
-        If the kind needs a package that is not installed.
     """
     check_kind(kind)
     files = tuple(
@@ -434,12 +405,7 @@ def export_designs(
 
 
 def check_kind(kind: str) -> None:
-    """Refuse a kind of file that is not in `KINDS`.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a kind of file that is not in `KINDS`."""
     if kind not in KINDS:
         raise InputError(f"mesh: given {kind!r}; allowed are {', '.join(KINDS)}.")
 

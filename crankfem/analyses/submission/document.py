@@ -164,12 +164,7 @@ class DocumentPart:
 
 
 def check_submission(engine: EngineFile) -> None:
-    """Refuse an engine without the data for the document, and permitted values for parts that it lacks.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an engine without the data for the document, and permitted values for parts that it lacks."""
     if engine.gas is None and engine.gas_map is None:
         raise InputError(
             f"{engine.path.name}: has no gas pressure; allowed is a file with a section [gas] or [gas_map], "
@@ -184,12 +179,7 @@ def check_submission(engine: EngineFile) -> None:
 
 
 def check_damper_limits(run: EngineVibration) -> None:
-    """Refuse permitted values of a torsional damper that the chain does not have.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse permitted values of a torsional damper that the chain does not have."""
     limits = run.engine_file.limits or LimitsInput()
     for name in ("damper_torque", "damper_heat"):
         if getattr(limits, name) is not None and not damper_places(run.torsional_chain):
@@ -211,11 +201,6 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
     ----------
     run : EngineVibration
         With gas pressure.
-
-    Raises
-    ------
-    InputError
-        If a pressure cannot be reached, or a permitted value is for a damper that does not exist.
     """
     check_damper_limits(run)
     cases = firing_cases(run)

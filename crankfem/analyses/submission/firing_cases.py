@@ -122,11 +122,6 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     ----------
     run : EngineVibration
         With gas pressure.
-
-    Raises
-    ------
-    InputError
-        If a pressure cannot be reached at these speeds.
     """
     file, mechanism = run.engine_file, mechanism_of(run.engine_file)
     chains = EngineChains.of(file, run.axial, run.torsional, run.shaft)

@@ -35,7 +35,7 @@ from crankfem.files.sections.cylinder_pressures import LoadSection
 from crankfem.files.sections.excitation_sections import gas_map_load
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.chains.chain import Chain
-from dynamics.excitation.cylinders import CylinderHarmonics, cylinder_harmonics
+from dynamics.excitation.cylinders import cylinder_harmonics
 from dynamics.indices import within
 
 
@@ -210,6 +210,7 @@ def engine_data_table(run: EngineVibration) -> Table:
     """Return the data of the engine and its moving parts."""
     file, engine = run.engine_file, run.engine_file.engine
     load = run.load
+    reciprocating = file.piston.mass + (file.rod.mass - file.rod.rotating_mass)
     rows = [
         ("engine", engine.name),
         ("drives", engine.drives or "not given: a propeller is assumed"),
@@ -224,7 +225,7 @@ def engine_data_table(run: EngineVibration) -> Table:
         ("bore", format_quantity(engine.bore, "m")),
         ("stroke", format_quantity(engine.stroke, "m")),
         ("length of the connecting rod", format_quantity(file.rod.length, "m")),
-        ("reciprocating mass of each cylinder", _reciprocating(run)),
+        ("reciprocating mass of each cylinder", format_quantity(reciprocating, "kg", 5)),
         ("rated speed", format_quantity(engine.rated_speed, "rad/s", 5)),
         (
             "running range",
@@ -254,12 +255,6 @@ def engine_data_table(run: EngineVibration) -> Table:
         [Column("what", words=True), Column("value", words=True)],
         [list(row) for row in rows],
     )
-
-
-def _reciprocating(run: EngineVibration) -> str:
-    rod = run.engine_file.rod
-    share = rod.mass - rod.rotating_mass
-    return format_quantity(run.engine_file.piston.mass + share, "kg", 5)
 
 
 def chain_mass_table(chain: Chain) -> Table:
@@ -368,7 +363,8 @@ def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]
         listed = [run.load.speeds.tolist()[-1]] if steady else run.load.speeds.tolist()
         speeds = np.array(listed)
         law = None if file.gas_map is None else gas_map_load(file.gas_map, rated)
-        gas = _gas_alone(whole).phasors(speeds, law)[1:, :, 0, 0]
+        alone = replace(whole, inertia=np.zeros_like(whole.inertia))
+        gas = alone.phasors(speeds, law)[1:, :, 0, 0]
         means = run.load.mean_pressure[-speeds.size :]
         loads = [
             f"{mean / 1e6:.3g} MPa at {format_quantity(speed, 'rad/s', 4)}"
@@ -384,10 +380,6 @@ def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]
         np.abs(np.column_stack((gas, masses))) / area,
         note,
     )
-
-
-def _gas_alone(harmonics: CylinderHarmonics) -> CylinderHarmonics:
-    return replace(harmonics, inertia=np.zeros_like(harmonics.inertia))
 
 
 def _part_loads(run: EngineVibration, mechanism: MechanismFile) -> tuple[ComplexArray, FloatArray]:

@@ -49,7 +49,10 @@ def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
         f"{moment.with_name(torque['mean'])} ({moment.number(torque['smallest'])} to "
         f"{moment.with_name(torque['largest'])}); {intervals_text(record['firing_intervals_deg'], units)}."
     )
-    _print_power(record, units)
+    rated = record["rated"]
+    if rated is not None and rated["rated_power"] is not None:
+        sentence = rated["sentence"]
+        print_line(units.text(f"{sentence[0].upper()}{sentence[1:]}."))
     for make in (cylinder_table, crankpin_table, bearing_table, rod_model_table):
         table = make(record)
         if table is not None:
@@ -58,20 +61,14 @@ def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
         "Check: the work of the torque differs from the indicated work, the integral of p dV, by "
         f"{abs(record['energy_error']):.1e} of the work exchanged."
     )
-    _print_remarks(record["remarks"], units)
+    for remark in record["remarks"]:  # assumed values of the cycle are in the list of assumptions
+        if not remark.startswith(ASSUMED):
+            print_line(units.text(f"Note: {remark.rstrip('.')}."))
     if record["assumed"]:
         print_line(
             f"Assumed, not given ({len(record['assumed'])} values; crankfem check lists them with their "
             "reasons): " + ", ".join(entry["field"] for entry in record["assumed"]) + "."
         )
-
-
-def _print_power(record: Record, units: OutputUnits) -> None:
-    """Print whether the rated power is consistent with the gas, if the file gives it."""
-    rated = record["rated"]
-    if rated is not None and rated["rated_power"] is not None:
-        sentence = rated["sentence"]
-        print_line(units.text(f"{sentence[0].upper()}{sentence[1:]}."))
 
 
 def print_rod_models(record: Record, units: OutputUnits = SI) -> None:
@@ -110,13 +107,6 @@ def print_hinged_rods(
     print_table(acceleration_table(accelerations, units), units)
     for sentence in acceleration_sentences(accelerations, units):
         print_line(sentence)
-
-
-def _print_remarks(remarks: list[str], units: OutputUnits) -> None:
-    """Print remarks except assumed values of the gas cycle, which are in the list of assumptions."""
-    for remark in remarks:
-        if not remark.startswith(ASSUMED):
-            print_line(units.text(f"Note: {remark.rstrip('.')}."))
 
 
 SUMMED = "torque of all cylinders"
@@ -195,7 +185,9 @@ def print_engine(record: Record, units: OutputUnits = SI) -> None:
             [
                 Column("order", digits=None),
                 *(
-                    shown.column(_throw_name(place, throw), bare=True)
+                    shown.column(
+                        f"throw {place} (cyl. {', '.join(map(str, throw['cylinders']))})", bare=True
+                    )
                     for place, throw in enumerate(throws, start=1)
                 ),
             ],
@@ -295,10 +287,6 @@ def _with_unit(value: float, unit: str, units: OutputUnits) -> str:
     return table_unit([value], unit, units).with_unit(value)
 
 
-def _throw_name(place: int, throw: Record) -> str:
-    return f"throw {place} (cyl. {', '.join(map(str, throw['cylinders']))})"
-
-
 def table_rows(record: Record) -> list[list[object]]:
     """Return the rows of a CSV file of harmonics: of a torque table or of an engine."""
     if "throws" not in record:
@@ -323,16 +311,15 @@ def _rows(name: str, unit: str, record: Record) -> list[list[object]]:
     return [mean, *([name, unit, *values] for values in orders)]
 
 
-def _what(record: Record) -> str:
-    if "throws" not in record:
-        return f"{record['table']}, {record['strokes']} strokes per cycle"
-    return f"{record['engine']}, {number(record['speed_rpm'], 10)} 1/min, rods as {record['rod_model']}"
-
-
 def write_table(path: Path, record: Record) -> None:
     """Write harmonics as CSV; the first line names their quantity, the row of order 0 is the mean."""
     names = ["of", "unit", "order", *COLUMNS[1:]]
-    write_rows(path, names, table_rows(record), _what(record))
+    if "throws" not in record:
+        what = f"{record['table']}, {record['strokes']} strokes per cycle"
+    else:
+        speed = number(record["speed_rpm"], 10)
+        what = f"{record['engine']}, {speed} 1/min, rods as {record['rod_model']}"
+    write_rows(path, names, table_rows(record), what)
 
 
 # Of the largest exciting torque; below are cylinders that cancel each other.

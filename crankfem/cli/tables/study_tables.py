@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.tables.table import Cell, Column, OutputUnit, Table
+from crankbase.tables.table import Column, OutputUnit, Table
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import DISPLAY_UNITS
 from crankfem.analyses.record import Record, attributes
@@ -67,7 +67,7 @@ def print_plan(planned: PlannedStudy) -> None:
             "Designs",
             [Column("design"), Column("role", words=True), *map(_column, plan.factors)],
             [
-                [number, design.role, *map(_cell, plan.factors, design.values)]
+                [number, design.role, *_named(plan.factors, design.values).values()]
                 for number, design in enumerate(planned.designs[:MOST_ROWS], start=1)
             ],
         )
@@ -125,10 +125,6 @@ def _print_excluded(planned: PlannedStudy) -> None:
 def _column(factor: Factor) -> Column:
     unit, size = DISPLAY_UNITS.get(factor.unit, (factor.unit, 1.0))
     return Column(factor.name, OutputUnit(unit, size), 6, words=factor.categorical)
-
-
-def _cell(factor: Factor, value: float) -> Cell:
-    return factor.format_value(value) if factor.categorical else float(value)
 
 
 def _named(factors: tuple[Factor, ...], values: tuple[float, ...]) -> dict[str, float | str]:
@@ -282,8 +278,9 @@ def _print_coefficients(form: Record) -> None:
             (Column("natural", digits=6), lambda c: form["coefficients"][c["term"]]),
         )
     )
+    adjusted = form["adjusted_r_squared"]
     print_line(
-        f"Adjusted R2 {_share(form['adjusted_r_squared'])}, F {_or_none(form['f_value'])}, "
+        f"Adjusted R2 {'none' if adjusted is None else f'{adjusted:.5f}'}, F {_or_none(form['f_value'])}, "
         f"AIC {_or_none(form['aic'], 5)}, BIC {_or_none(form['bic'], 5)}, "
         f"condition number {form['condition_number']:.3g}, largest leverage "
         f"{form['largest_leverage']:.2f}."
@@ -336,10 +333,6 @@ def _print_sensitivities(name: str, record: Record) -> None:
 
 def _form_label(name: str) -> str:
     return name.replace("_", " ")
-
-
-def _share(value: float | None) -> str:
-    return "none" if value is None else f"{value:.5f}"
 
 
 def _percent(value: float | None) -> str:

@@ -254,12 +254,6 @@ def chain_of(section: Section, material: Material) -> Chain:
     ----------
     material : Material
         Of its pieces of shaft.
-
-    Raises
-    ------
-    InputError
-        If lists and tables are mixed, a node is named twice, or the chain is impossible; with a
-        sentence for each element, dashpot, gear and damper with unknown nodes or impossible values.
     """
     nodes = _nodes(section)
     names = tuple(nodes)

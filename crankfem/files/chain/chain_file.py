@@ -419,11 +419,6 @@ def read_shaft_lines(content: TomlFile) -> dict[str, Chain]:
     """Read the chains that the section [shaft_line] of an engine file names, by their kind.
 
     Their values are listed with those of the engine file.
-
-    Raises
-    ------
-    InputError
-        Also if one is of the wrong kind.
     """
     lines = content.model("shaft_line", ShaftLineFiles)
     chains: dict[str, Chain] = {}
@@ -452,11 +447,6 @@ def plant_chain(plant: Chain, cylinders: Sequence[int]) -> EngineChain:
     ----------
     cylinders : sequence of int
         Number of cylinders on each throw, from the free end.
-
-    Raises
-    ------
-    InputError
-        If cranks are missing, or the crankshaft is not a row from the first node to behind the last crank.
     """
     wanted = throw_names(cylinders, len(cylinders))
     missing = [name for name in wanted if name not in plant.names]

@@ -45,13 +45,7 @@ class SectionTable:
 
 
 def section_tables(section: str | None = None) -> list[SectionTable]:
-    """Tables of one section, with nested tables, or of all.
-
-    Raises
-    ------
-    InputError
-        If there is no such section.
-    """
+    """Tables of one section, with nested tables, or of all."""
     if section == CHAIN:
         return chain_tables()
     if section is not None and section not in SECTIONS:

@@ -50,11 +50,6 @@ def engine_sections(source: str | Path | TomlFile) -> TomlFile:
     source : path or TomlFile
         Sections that have been read already are not read again, so that a command uses them in
         one state of the file. Their records start anew.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is not TOML, or describes an elastic hinge.
     """
     content = source if isinstance(source, TomlFile) else read_toml(input_path(source))
     if file_kind(content) == "hinge":
@@ -63,13 +58,7 @@ def engine_sections(source: str | Path | TomlFile) -> TomlFile:
 
 
 def any_sections(file: str) -> TomlFile | None:
-    """Return the sections of any file of input, or of a shipped one; None if it is the text of a chain.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, it cannot be read, or has the ending of TOML but is not.
-    """
+    """Return the sections of any file of input, or of a shipped one; None if it is the text of a chain."""
     name = Path(file).name.removesuffix(".toml")
     others: tuple[InputKind, ...] = ("hinge", "chain")
     kinds = [kind for kind in others if name in shipped_names(kind)]
@@ -129,11 +118,6 @@ def engine_template(file: str = "mine.toml", cylinders: int = 6, strokes: int = 
         In line.
     strokes : int
         Per cycle, 2 or 4.
-
-    Raises
-    ------
-    InputError
-        If no usual firing order is known.
     """
     if strokes not in FIRING_ORDERS:
         raise InputError(

@@ -40,13 +40,7 @@ def throws_of(engine: Engine) -> tuple[int, ...]:
 def angles_of_throws(
     layout: ShaftLayout | None, engine: Engine, throws: Sequence[int]
 ) -> tuple[float, ...]:
-    """Return the angle of each throw's first pin, as the file counts angles [rad].
-
-    Raises
-    ------
-    InputError
-        If the section [shaft] does not have one for each throw.
-    """
+    """Return the angle of each throw's first pin, as the file counts angles [rad]."""
     count = max(throws) + 1
     if layout is None or layout.throw_angles is None:
         return tuple(engine.crank_angles[throws.index(number)] for number in range(count))
@@ -90,11 +84,6 @@ def engine_cylinders(
     """Return the cylinders with pistons and rods, angles in the sense of rotation.
 
     Throws and their angles are given by crank, the crank that it works on by cylinder.
-
-    Raises
-    ------
-    InputError
-        If cranks, throws and pins contradict each other, or a rod is impossible.
     """
     sense = engine.turning_sense
     banks = [sense * angle for angle in engine.bank_angles or (0.0,) * engine.cylinders]

@@ -268,13 +268,7 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
 
 
 def layout_of(file: EngineFile | MechanismSections) -> EngineLayout:
-    """Return the cylinders and rods of an engine in its present state, without throws and gas pressure.
-
-    Raises
-    ------
-    InputError
-        If cranks, throws and pins contradict each other.
-    """
+    """Return the cylinders and rods of an engine in its present state, without throws and gas pressure."""
     engine = file.engine
     cylinders = engine_cylinders(
         engine,
@@ -337,8 +331,6 @@ def with_throws(
 
     Raises
     ------
-    InputError
-        If there is not one for each crank.
     MeshError
         If a throw's solid cannot be built.
     """
@@ -392,13 +384,7 @@ def full_load_only(mechanism: MechanismFile) -> bool:
 
 
 def curve_at(mechanism: MechanismFile, speeds: FloatArray) -> LoadCurve:
-    """Return the pressures that the cycles reach at speeds [rad/s].
-
-    Raises
-    ------
-    InputError
-        If a speed is beyond the points of the load.
-    """
+    """Return the pressures that the cycles reach at speeds [rad/s]."""
     assert mechanism.gas is not None
     assert mechanism.load is not None
     friction = 0.0 if mechanism.power is None else mechanism.power.friction_pressure
@@ -409,13 +395,7 @@ def curve_at(mechanism: MechanismFile, speeds: FloatArray) -> LoadCurve:
 def pressure_maps(
     mechanism: MechanismFile, speed_range: tuple[float, float], *, motored: bool = False
 ) -> tuple[PressureMap, ...]:
-    """Return the pressure in each cylinder over a range of speeds [rad/s].
-
-    Raises
-    ------
-    InputError
-        If a cycle cannot reach the load.
-    """
+    """Return the pressure in each cylinder over a range of speeds [rad/s]."""
     assert mechanism.gas is not None
     assert mechanism.load is not None
     speeds = load_speeds(mechanism.load, mechanism.rated_speed, speed_range)
@@ -436,11 +416,6 @@ def pressures_at(
         Ascending [rad/s].
     motored : bool, optional
         Without combustion, at the boost of this load.
-
-    Raises
-    ------
-    InputError
-        If a speed is beyond the points of the load, or a cycle cannot reach it.
     """
     assert mechanism.gas is not None
     curve = curve_at(mechanism, np.asarray(speeds, dtype=np.float64))

@@ -38,13 +38,7 @@ def shipped_torques() -> tuple[str, ...]:
 
 
 def input_path(file: str | Path, kind: InputKind = "engine") -> Path:
-    """Find a file of input by path, or a shipped one by name.
-
-    Raises
-    ------
-    InputError
-        If there is neither.
-    """
+    """Find a file of input by path, or a shipped one by name."""
     if not isinstance(file, (str, os.PathLike)):
         raise InputError(
             f"file: given {quoted(file)}; allowed is the path of {WORDS[kind]}, or the name of a shipped "
@@ -77,13 +71,7 @@ def input_path(file: str | Path, kind: InputKind = "engine") -> Path:
 
 
 def torque_path(file: str | Path) -> Path:
-    """Find a torque table by path, or a shipped one by the name of its file.
-
-    Raises
-    ------
-    InputError
-        If there is neither.
-    """
+    """Find a torque table by path, or a shipped one by the name of its file."""
     path = Path(file)
     shipped = data_folder() / "tables" / path.name
     if path.is_file() or path.parent != Path() or path.name not in shipped_torques():
@@ -123,11 +111,6 @@ class InputFiles:
             For the message.
         name : str
             Of the file, or of one among those of this kind that are `shipped`.
-
-        Raises
-        ------
-        InputError
-            If there is none of that name.
         """
         sent = self.sent
         if sent is None:

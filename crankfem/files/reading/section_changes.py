@@ -47,11 +47,6 @@ def changed_section(owner: object, name: str, section_or_values: object) -> Inpu
         The file as read; its annotations define its sections.
     section_or_values : InputModel, mapping or None
         The whole section; the fields that change with their values [SI]; or None.
-
-    Raises
-    ------
-    InputError
-        If there is no such section, it cannot be left out, or the values are impossible.
     """
     kinds = section_kinds(type(owner))
     if name not in kinds:
@@ -85,11 +80,6 @@ def changed_throws(throws: Mapping[str, CrankThrow], new: object) -> dict[str, C
         Empty if the file has one throw without a name.
     new : mapping
         Name to a throw, to fields that change [SI] (all fields of a new throw), or to None: removed.
-
-    Raises
-    ------
-    InputError
-        If throws have no names, or new are impossible.
     """
     if not isinstance(new, Mapping) or (new and not throws):
         raise InputError(

@@ -63,11 +63,6 @@ def check_content(name: str, content: dict[str, Any]) -> None:
         Of the file, for the message.
     content : dict
         From the parser.
-
-    Raises
-    ------
-    InputError
-        With the first field that is too long.
     """
     count = 0
     waiting: list[tuple[str, int, Any]] = [("", 0, content)]
@@ -357,14 +352,7 @@ class TomlFile:
         return self.files.path
 
     def check_sections(self, allowed: Mapping[str, bool]) -> None:
-        """Refuse unknown sections, and missing ones that are required.
-
-        Raises
-        ------
-        InputError
-            With a sentence for each unknown one, else one for those missing: an unknown section may be a
-            missing one with another name.
-        """
+        """Refuse unknown sections, and missing ones that are required."""
         unknown = [
             f"{self.path.name}: [{name}] is an unknown section; "
             f"{did_you_mean(name, allowed, cutoff=0.7, form='[{}]')}allowed are {', '.join(allowed)}."
@@ -484,13 +472,7 @@ class TomlFile:
 
 
 def read_toml(file: Path | InputFiles) -> TomlFile:
-    """Read a file into sections.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, is not TOML, or has values outside sections.
-    """
+    """Read a file into sections."""
     files = file if isinstance(file, InputFiles) else InputFiles(file)
     path = files.path
     if path.suffix.lower() in (".step", ".stp"):

@@ -24,13 +24,7 @@ Throws = Mapping[str, CrankThrow]
 
 
 def read_throws(content: TomlFile) -> dict[str, CrankThrow]:
-    """Read the throws of a file by name; that of the section [throw] is "throw".
-
-    Raises
-    ------
-    InputError
-        With a sentence for each wrong field of each throw; of one like another, for its own fields.
-    """
+    """Read the throws of a file by name; that of the section [throw] is "throw"."""
     tables = content.sections.get("throws")
     if tables is None:
         return {PLAIN: content.required("throw", CrankThrow)}
@@ -53,11 +47,6 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
         From `read_throws`.
     count : int
         Number of cranks.
-
-    Raises
-    ------
-    InputError
-        If names are missing, unknown or unused.
     """
     names = None if layout is None else layout.throws
     if PLAIN in throws:
@@ -99,13 +88,7 @@ def free_end_throw_name(throws: Throws, layout: ShaftLayout | None) -> str:
 
 
 def throw_of_name(throws: Throws, name: object, field: str, default: str) -> CrankThrow:
-    """Return the throw of a field or option, or the default one.
-
-    Raises
-    ------
-    InputError
-        If there is no such throw.
-    """
+    """Return the throw of a field or option, or the default one."""
     if name is None:
         return throws[default]
     if PLAIN in throws:
@@ -122,13 +105,7 @@ def throw_of_name(throws: Throws, name: object, field: str, default: str) -> Cra
 
 
 def check_compatible_throws(throws: Throws) -> None:
-    """Refuse named throws that cannot be cranks of one shaft.
-
-    Raises
-    ------
-    InputError
-        If crank radii or numbers of pins differ.
-    """
+    """Refuse named throws that cannot be cranks of one shaft."""
     (first, model), *others = throws.items()
     count = len(model.parts.pins)
     for name, throw in others:
@@ -157,11 +134,6 @@ def throws_along_shaft(
         From `throw_names`.
     angles_deg : array_like of shape (n,)
         Of the throws [deg].
-
-    Raises
-    ------
-    InputError
-        If radii, pins, or main journals of neighbors do not fit.
     """
     along = tuple(throws[name] for name in names)
     if PLAIN not in throws:

@@ -38,13 +38,7 @@ Result = TypeVar("Result")
 def cylinder_pressures(
     gas: Gas, layout: EngineLayout, files: InputFiles
 ) -> tuple[GasPressure, ...]:
-    """Return the pressure in each cylinder over the angle from its firing top.
-
-    Raises
-    ------
-    InputError
-        If the table cannot be used, or the cycle cannot reach the given pressures.
-    """
+    """Return the pressure in each cylinder over the angle from its firing top."""
     if gas.pressure_table is not None:
         table = files.named("gas.pressure_table", gas.pressure_table, "tables")
         return (read_pressure_table(table, layout.strokes),) * len(layout.cylinders)
@@ -222,11 +216,6 @@ def load_curve(
     friction_pressure : float, optional
         Mean pressure that friction takes at any speed [Pa]: the propeller takes the rest.
 
-    Raises
-    ------
-    InputError
-        If a speed lies beyond the points.
-
     Notes
     -----
     The mean effective pressure of a propeller is proportional to the square of the speed, its power to
@@ -269,11 +258,6 @@ def pressures_along(
         Full load.
     motored : bool, optional
         Without combustion, at the same boost.
-
-    Raises
-    ------
-    InputError
-        If the cycle cannot reach a point.
     """
     made: dict[int, PressureMap] = {}
     maps = []

@@ -143,11 +143,6 @@ class Engine(InputModel):
         """1 if the shaft turns in the sense in which the angles count, else -1: the firing order tells.
 
         Where the order fits both senses, the one in which the engine fires more evenly.
-
-        Raises
-        ------
-        InputError
-            If the firing order fits neither.
         """
         unevenness = {}
         for sense in (1, -1):
@@ -195,13 +190,7 @@ class Engine(InputModel):
 
 
 class ShaftLayout(InputModel):
-    """Sequence of throws in a shaft whose throws are unequal, or are not one per cylinder.
-
-    Raises
-    ------
-    InputError
-        If an angle is no number, or the section says nothing.
-    """
+    """Sequence of throws in a shaft whose throws are unequal, or are not one per cylinder."""
 
     section: ClassVar[str] = "shaft"
 
@@ -227,13 +216,7 @@ class ShaftLayout(InputModel):
 
 
 class NamedThrow(InputModel):
-    """Fields of a named throw in addition to those of [throw].
-
-    Raises
-    ------
-    InputError
-        If the throw is turned, but like no other.
-    """
+    """Fields of a named throw in addition to those of [throw]."""
 
     section: ClassVar[str] = "throws"
 

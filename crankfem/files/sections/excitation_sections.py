@@ -155,13 +155,7 @@ class PropellerForcesSection(InputModel):
 
     @property
     def forces(self) -> PropellerForces:
-        """The propeller as the calculation takes it.
-
-        Raises
-        ------
-        InputError
-            If shares and phases are not of one length.
-        """
+        """The propeller as the calculation takes it."""
         phases = ("thrust_phases", "torque_phases")
         in_degrees: dict[str, Any] = {
             f"{name}_deg": None if phase is None else np.degrees(phase)
@@ -179,11 +173,6 @@ def gas_map_pressure(section: GasMap, strokes: int, files: InputFiles) -> Pressu
         Of the engine, 2 or 4.
     files : InputFiles
         The engine file and those that it may name.
-
-    Raises
-    ------
-    InputError
-        If a table cannot be used, or the points do not form a map.
     """
     diagrams: dict[str, GasPressure] = {}
     for number, point in enumerate(section.points):
@@ -232,11 +221,6 @@ def motored_for_misfire(
     tuple of n GasPressure
         Of the cycle model without heat, or from the compression of the pressure table with the
         section's compression ratio.
-
-    Raises
-    ------
-    InputError
-        If the cycle's values do not fit, or the table shows no compression.
     """
     if gas.pressure_table is None:
         return motored_pressures(gas, layout)

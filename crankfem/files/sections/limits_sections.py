@@ -32,13 +32,7 @@ Provenance = Mapping[str, tuple[str, bool]]
 
 
 class ShaftLimitInput(InputModel):
-    """A propulsion shaft whose stress is limited by the unified requirement M68.
-
-    Raises
-    ------
-    InputError
-        If a value is out of range, or the feature unknown.
-    """
+    """A propulsion shaft whose stress is limited by the unified requirement M68."""
 
     section: ClassVar[str] = "limits.shafts"
 
@@ -74,14 +68,7 @@ class ShaftLimitInput(InputModel):
 
 
 class LimitsInput(InputModel):
-    """Permitted amplitudes: half of the range from lowest to highest value.
-
-    Raises
-    ------
-    InputError
-        If a value is out of range, a rule is unknown, the crankshaft has two limits, or a value for
-        passing has none for keeping or is below it.
-    """
+    """Permitted amplitudes: half of the range from lowest to highest value."""
 
     section: ClassVar[str] = "limits"
     # Beyond the strengths that carbon steel may have, the rule asks for the alloy.
@@ -288,13 +275,7 @@ def _factors(meaning: str) -> tuple[float, float] | None:
 
 
 class RangesInput(InputModel):
-    """Uncertain values: for each a least and a largest factor, such as [0.95, 1.10].
-
-    Raises
-    ------
-    InputError
-        If factors are not above zero or do not enclose 1.
-    """
+    """Uncertain values: for each a least and a largest factor, such as [0.95, 1.10]."""
 
     section: ClassVar[str] = "ranges"
     choices = frozenset({"samples", "seed", "separation_margin"})

@@ -231,13 +231,7 @@ class TorsionalDamperPart(InputModel):
     )
 
     def damper(self, field: str) -> TorsionalDamper:
-        """Return the damper; `field` is what messages call it.
-
-        Raises
-        ------
-        InputError
-            If data of its kind are missing, or data of another kind are given.
-        """
+        """Return the damper; `field` is what messages call it."""
         if self.type == "rubber":
             if self.stiffness is None:
                 raise InputError(

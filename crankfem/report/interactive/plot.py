@@ -30,11 +30,6 @@ def write_figure(path: Path, traces: list[Part], layout: Part) -> Path:
     -------
     Path
         The same.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
     """
     # Numbers that JSON does not know are an error here: curves have gaps where there is no number.
     text = json.dumps(
@@ -163,11 +158,6 @@ class Plots(Generic[Run]):
         -------
         list of Path
             The SVG files.
-
-        Raises
-        ------
-        InputError
-            If the folder cannot be made, or one of the files is somebody else's.
         """
         make_folder(folder)
         for name in self.files(self.has(run)):

@@ -86,8 +86,9 @@ def response_over_factors(table: StudyTable, response: ResponseFits) -> Figure:
         [{"visible": visible}, {"xaxis.title.text": factor_title(factor), **_ticks(factor)}]
         for visible, factor in zip(visibility_by_choice(owners, len(factors)), factors, strict=True)
     ]
+    ticks = {name.removeprefix("xaxis."): value for name, value in _ticks(factors[0]).items()}
     return traces, layout(
-        axis(factor_title(factors[0]), **_first_ticks(factors[0])),
+        axis(factor_title(factors[0]), **ticks),
         axis(f"{symbol_text(response.symbol)} [{unit}]"),
         title=f"{response.response.replace('_', ' ')} over one factor",
         updatemenus=[choice("over", [_plain(factor_text(f)) for f in factors], changes)],
@@ -198,10 +199,6 @@ def _ticks(factor: Factor) -> Part:
         "xaxis.ticktext": choice_labels(factor),
         "xaxis.autorange": True,
     }
-
-
-def _first_ticks(factor: Factor) -> Part:
-    return {name.removeprefix("xaxis."): value for name, value in _ticks(factor).items()}
 
 
 def _plain(text: str) -> str:

@@ -325,11 +325,6 @@ def throw_view(
     -------
     Path
         ``throw_view.json``.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
     """
     return write_figure(folder / FILE, *throw_figure(analysis, stresses))
 
