@@ -19,8 +19,6 @@ MAIN = {
     "fem": (
         ("analysis",),
         ("responses",),
-        ("accuracy",),
-        ("shaft",),
         ("craig_bampton",),
         ("superelement",),
         ("condensation",),
@@ -30,7 +28,6 @@ MAIN = {
     "geometry": (("mesher",), ("mesh",), ("solid",), ("parts",), ("throw",)),
     "crankbase": (
         ("tables",),
-        ("drawing",),
         ("model",),
         ("units",),
         ("checks",),

@@ -417,8 +417,8 @@ def test_a_throw_with_three_holes_asked_for_little_stays_small():
     """One whose first mesh is too coarse: the refined one keeps to as many unknowns."""
     holes = (
         OilHole(part="pin", diameter=0.0142, angle=1.0),
-        OilHole(part="left main journal", diameter=0.0153, angle=-1.5, exit_radius=0.0023),
-        OilHole(part="right main journal", diameter=0.0092, angle=2.0, exit_radius=0.0046),
+        OilHole(part="left main journal", diameter=0.0153, position=0.018, exit_radius=0.0023),
+        OilHole(part="right main journal", diameter=0.0092, position=-0.018, exit_radius=0.0046),
     )
     lengths = (0.174, 0.195, 0.132, 0.125, 0.264, 0.045, 0.0099, 0.0)
     throw = CrankThrow(
