@@ -104,10 +104,6 @@ def check_file_size(path: Path, most: int, what: str) -> None:
         Bytes.
     what : str
         Purpose of the file, for the message.
-
-    Raises
-    ------
-    InputError
     """
     if (entry := not_a_file(path)) is not None:
         raise InputError(f"{path}: {entry}.")

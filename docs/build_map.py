@@ -28,7 +28,6 @@ MAIN = {
     "geometry": (("mesher",), ("mesh",), ("solid",), ("parts",), ("throw",)),
     "crankbase": (
         ("tables",),
-        ("diagrams",),
         ("model",),
         ("units",),
         ("checks",),

@@ -117,8 +117,6 @@ class AngleLaw:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         quantity : {"axial_compliance", "influence_coefficient"}
 
         Raises

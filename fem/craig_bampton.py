@@ -217,8 +217,6 @@ class DynamicSuperelement:
         Highest frequency of the superelement [Hz].
     cutoff_factor : float
         Natural modes were kept up to this multiple of it.
-    solver : str
-        The equation solver used.
     sections : SectionMotions
         The n motions of an end section.
     """
@@ -294,13 +292,7 @@ class DynamicSuperelement:
         return ("natural mode",) * self.natural + ("correction",) * corrections
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw the frequencies of the shapes, with the highest frequency of the superelement.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
-        """
+        """Draw the frequencies of the shapes, with the highest frequency of the superelement."""
         axes = new_axes(axes)
         draw_frequencies(
             axes, self.frequencies, self.kinds, "Shapes of the throw with its end sections held"
@@ -422,12 +414,7 @@ def dynamic_superelement(
 
 
 def _check_classes(mesh: ThrowMesh, classes: Sequence[CondensedClass]) -> None:
-    """Refuse classes of another mesh, and end sections that are not rigid.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse classes of another mesh, and end sections that are not rigid."""
     wanted = symmetry_classes(mesh.part)
     if {part.symmetry for part in classes} != set(wanted) or len(classes) != len(wanted):
         raise InputError(

@@ -523,8 +523,6 @@ class FilletStresses:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         criterion : {"principal", "von Mises"}
             Stress that is divided by the nominal one.
 

@@ -81,8 +81,6 @@ class ClassModes:
         Displacement of the meshed part's nodes, of unit modal mass of the whole throw [1/sqrt(kg)].
     residuals : (k,) array
         Difference of K x and w^2 M x relative to (w^2 + s) M x, s the shift.
-    solver : str
-        The equation solver used.
     """
 
     symmetry: SymmetryClass
@@ -327,12 +325,7 @@ def frequencies_of(squares: Array) -> Array:
 
 
 def check_resolved(mesh: ThrowMesh, material: Material, frequency: float) -> None:
-    """Refuse a frequency whose shear waves are shorter than two elements of mean size.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a frequency whose shear waves are shorter than two elements of mean size."""
     volume = float(element_volumes(mesh.points, mesh.elements).sum())
     size = (6.0 * np.sqrt(2.0) * volume / len(mesh.elements)) ** (1.0 / 3.0)
     highest = float(np.sqrt(material.shear_modulus / material.density) / (2.0 * size))
@@ -416,8 +409,6 @@ class ThrowModes:
         Difference of K x and w^2 M x, relative to their size.
     rigid_frequencies : (6,) array
         Frequencies of the rigid motions, nonzero by rounding only [Hz].
-    solver : str
-        The equation solver used.
     """
 
     frequencies: Array
@@ -429,13 +420,7 @@ class ThrowModes:
     solver: str
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw the frequencies by their number, colored by the kind of motion.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
-        """
+        """Draw the frequencies by their number, colored by the kind of motion."""
         axes = new_axes(axes, width=9.0)
         kinds = [name.partition(",")[0] for name in self.names]
         draw_frequencies(axes, self.frequencies, kinds, "Free modes of the throw")

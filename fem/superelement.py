@@ -289,8 +289,6 @@ class ShaftCompliances:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         quantity : {"axial", "torsional", "through", "influence", "tangential"}
             The last two are tables of throws and pins.
 

@@ -163,34 +163,6 @@ def axial_correction(corrected: Superelement, discrete: Superelement) -> float:
     return 1.0 - support_throw(discrete, "pinned").axial / support_throw(corrected, "pinned").axial
 
 
-def supported_errors(
-    corrected: Superelement, discrete: Superelement, support: Support
-) -> SupportedThrow:
-    """Estimated errors of the compliances under a support, in their units; see `error_bars`."""
-    here, mesh = support_throw(corrected, support), support_throw(discrete, support)
-    coarse, missing = axial_correction(corrected, discrete), corrected.missing
-    return SupportedThrow(
-        axial=float(error_bars(here.axial, mesh.axial, coarse, missing=missing)),
-        torsional=float(error_bars(here.torsional, mesh.torsional, coarse, missing=missing)),
-        stretches=error_bars(here.stretches, mesh.stretches, coarse, missing=missing),
-        influences=error_bars(here.influences, mesh.influences, coarse, missing=missing),
-    )
-
-
-def section_errors(throw: Superelement, support: Support) -> SupportedThrow:
-    """Effect of rigid sections on a throw's compliances, in their units; see `ThrowAnalysis`."""
-    step = IN_LINE if support == "guided" else OPPOSITE
-    where = support if isinstance(support, Neighbors) else Neighbors(step, step)
-    bending = support_throw(throw, where)
-    rigid = support_throw(replace(throw, bending=None), where)
-    return SupportedThrow(
-        axial=bending.axial - rigid.axial,
-        torsional=bending.torsional - rigid.torsional,
-        stretches=bending.stretches - rigid.stretches,
-        influences=bending.influences - rigid.influences,
-    )
-
-
 def stiffness_errors(corrected: Superelement, discrete: Superelement) -> NDArray[np.float64]:
     """Estimated errors (12, 12) of the entries of the stiffness [SI]; see `error_bars`.
 
@@ -247,7 +219,13 @@ class SolvedSuperelement(SolvedThrow):
         ends between opposite cranks, for guided ones between cranks in line, where rigid sections with equal
         webs give the same results. Zero if the throw was solved with rigid sections alone.
         """
-        return section_errors(self.superelement, support)
+        step = IN_LINE if support == "guided" else OPPOSITE
+        where = support if isinstance(support, Neighbors) else Neighbors(step, step)
+        bending = support_throw(self.superelement, where)
+        rigid = support_throw(replace(self.superelement, bending=None), where)
+        return SupportedThrow(
+            **{name: value - getattr(rigid, name) for name, value in vars(bending).items()}
+        )
 
     @property
     def section_error(self) -> float:
@@ -256,7 +234,17 @@ class SolvedSuperelement(SolvedThrow):
 
     def error_bars(self, support: Support = "pinned") -> SupportedThrow:
         """Estimated errors of compliances under a support, in their units (docs/accuracy.md)."""
-        return supported_errors(self.superelement, self.discrete.superelement, support)
+        plain = self.discrete.superelement
+        coarse = axial_correction(self.superelement, plain)
+        missing = self.superelement.missing
+        discrete = support_throw(plain, support)
+        bars = {
+            name: error_bars(value, getattr(discrete, name), coarse, missing=missing)
+            for name, value in vars(support_throw(self.superelement, support)).items()
+        }
+        return SupportedThrow(
+            axial=float(bars.pop("axial")), torsional=float(bars.pop("torsional")), **bars
+        )
 
     @property
     def solver(self) -> str:
@@ -541,8 +529,6 @@ class ThrowAnalysis(SolvedSuperelement):
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient"}
 
         Raises

@@ -87,8 +87,6 @@ class LoadedThrow:
     shares : tuple of (SymmetryClass, (n, 3, k) array)
         Contribution of each symmetry class to the displacement of the meshed part under each of k
         loads [m].
-    solver : str
-        The equation solver used.
     end_sections : {"rigid", "averaged"}
     """
 

@@ -212,13 +212,7 @@ class Crankshaft:
         return unbalance(self.masses(density), 0.5 * float(self.starts[-1]))
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw the side view to scale, each throw at its crank angle with its number below.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
-        """
+        """Draw the side view to scale, each throw at its crank angle with its number below."""
         from geometry.plots.throw_plot import plot_throws
 
         parts = [throw.parts for throw in self.throws]

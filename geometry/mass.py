@@ -50,12 +50,7 @@ class MassProperties:
 
 
 def check_density(density: object) -> None:
-    """Refuse an impossible density.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an impossible density."""
     if not is_number(density) or not 0.0 < density <= LARGEST_DENSITY:
         raise InputError(
             f"density: given {density!r}; allowed are numbers above 0 and up to {LARGEST_DENSITY:g} in "

@@ -75,12 +75,7 @@ class SolidProperties:
 
 
 def check_budget(expected: int, size_factor: float) -> None:
-    """Refuse a mesh of too many expected unknowns, for any computer or for the free memory.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a mesh of too many expected unknowns, for any computer or for the free memory."""
     check_memory(
         MESHING_MEMORY * expected,
         f"size_factor: given {size_factor:.3g}, whose mesh of about {expected:,} unknowns takes",
@@ -377,8 +372,6 @@ class ThrowMesh:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         eye : (3,) array_like
             Direction from the throw to the eye; the crank is upright.
 

@@ -33,7 +33,7 @@ SIZE_PER_WALL = 1.5
 LARGEST_ON_ROUND = 0.8
 # On walls and exits of oil holes on the coarsest meshes, beside their radius and the factor, and at any.
 COARSE_ON_HOLE, COARSE_ON_EXIT = 0.3, 0.4
-COARSEST_ON_HOLE, COARSEST_ON_EXIT = 1.3, 3.0
+COARSEST_ON_HOLE, COARSEST_ON_EXIT = 1.3, 1.8
 # How much elements grow from oil holes on coarse meshes, beside the factor, and at most.
 COARSE_GROWTH, FASTEST_GROWTH = 0.15, 1.0
 ROUND, EXITS = "round", "exits"

@@ -400,8 +400,6 @@ class CrankThrow(ThrowDimensions):
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
         view : {"side", "left end"}
             From the side, z to the right; or from the left end, where x points to the left.
         dimensions : bool

@@ -38,10 +38,6 @@ def check_sizes(field: str, array: FloatArray | ComplexArray, largest: float = L
     Parameters
     ----------
     array : ndarray of any shape
-
-    Raises
-    ------
-    InputError
     """
     with np.errstate(over="ignore"):  # of complex numbers
         wrong = ~(np.abs(array) <= largest)
@@ -59,12 +55,7 @@ def check_sizes(field: str, array: FloatArray | ComplexArray, largest: float = L
 
 
 def check_shape(field: str, values: ArrayLike, *allowed: tuple[int, ...]) -> None:
-    """Refuse an array that has none of the allowed shapes.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an array that has none of the allowed shapes."""
     if np.shape(values) not in allowed:
         shapes = " or ".join("one number" if shape == () else str(shape) for shape in allowed)
         raise InputError(
@@ -334,12 +325,7 @@ def checked_degrees(field: str, angles_deg: ArrayLike, *, vector: bool = False) 
 
 
 def refuse_many_turns(field: str, angles: Iterable[float]) -> None:
-    """Refuse angles of more than two turns [rad], which are probably degrees: (0, 120, 240).
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse angles of more than two turns [rad], which are probably degrees: (0, 120, 240)."""
     largest = max(angles, key=abs, default=0.0)
     if abs(largest) > TURNS[-1] * (1.0 + SAME):
         raise InputError(
@@ -358,10 +344,6 @@ def refuse_crank_radians(field: str, angles_deg: ArrayLike) -> None:
 
     Interpreted as radians they are all within two revolutions and simple fractions of one, one twelfth or
     more, but they are not round numbers of degrees.
-
-    Raises
-    ------
-    InputError
     """
     angles = finite_array(field, angles_deg).ravel()
     if angles.size < 2 or np.max(np.abs(angles)) > TURNS[-1] or np.ptp(angles) < 1.0:
@@ -377,10 +359,6 @@ def refuse_radians_between(field: str, angle_deg: float, low_deg: float, high_de
     """Refuse one angle in degrees that is within given bounds if interpreted as radians.
 
     For angles that are always more than a few degrees.
-
-    Raises
-    ------
-    InputError
     """
     taken = float(np.degrees(angle_deg))
     if low_deg < taken < high_deg:

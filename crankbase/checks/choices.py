@@ -27,12 +27,7 @@ def check_choice(option: str, word: object, allowed: Iterable[str], because: str
 
 
 def check_kind(field: str, value: object, kind: type | UnionType, allowed: str) -> None:
-    """Refuse an object of another kind; `allowed` names what it must be.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an object of another kind; `allowed` names what it must be."""
     if not isinstance(value, kind):
         raise InputError(f"{field}: given {quoted(value)}; allowed is {allowed}.")
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import typer.main
 
+import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError, SolveError
 from crankfem.cli import app as cli
@@ -19,6 +20,7 @@ from crankfem.cli.console import RunProgress
 from crankfem.files.engine.engine_file import SECTIONS
 from crankfem.files.reading.data_files import shipped_names
 from crankfem.jobs.exit_codes import MEANINGS
+from fem.superelement import shaft_unknowns, solve_shaft
 
 ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
 COMMANDS = sorted(typer.main.get_command(cli.app).commands)
@@ -285,15 +287,6 @@ def test_new_into_a_folder_that_is_not_there(call):
     assert "nowhere" in answer.err
 
 
-def test_a_throw_alone_is_no_engine(call):
-    answer = call("run", "2ch85-110")
-    assert answer.code == 2
-    assert "describes a throw, not an engine; add the sections [engine], [rod]" in answer.err
-    answer = call("run", "buick-3800")
-    assert answer.code == 2
-    assert "describes a crank mechanism, not a whole engine; add the sections" in answer.err
-
-
 def test_fields_are_explained(call):
     answer = call("fields", "throw")
     assert (answer.code, answer.err) == (0, "")
@@ -305,10 +298,7 @@ def test_fields_are_explained(call):
     assert {"[engine]", "[throw.counterweight]", "[rod]"} <= set(titles)
     wrong = call("fields", "thrust")
     assert wrong.code == 2
-    assert (
-        "section: given 'thrust'; did you mean throws? allowed are engine, throw, throws"
-        in " ".join(wrong.err.split())
-    )
+    assert "section: given 'thrust'; did you mean throws? allowed" in " ".join(wrong.err.split())
 
 
 @pytest.mark.slow
@@ -625,3 +615,27 @@ def test_fields_of_chain_files(call):
     ]
     assert units == ["N m/rad", "N/m"]
     assert 'kind = "axial"' in call("fields", "chain").out
+
+
+@pytest.mark.slow
+def test_throw_between_neighbors_under_a_pin_force(call):
+    arguments = ("--accuracy", "0.1", "--gamma", "90 deg", "--pin-force", "30 kN")
+    record = call("throw", "6chn25-34", *arguments, "--json").json()
+    assert list(record["supports"]) == ["pinned", "guided", "neighbors 90 deg"]
+    engine = cf.load_engine("6chn25-34")
+    throw = cf.analyze_throw(engine.throw, engine.material, accuracy=0.1).superelement.joined
+    # 41 throws of a helix, assembled: all pulled, and all loaded by the radial force.
+    turned = [throw.turned(angle_deg=90.0 * place) for place in range(41)]
+    loads = np.zeros((18 * 42, 2))
+    loads[6 * 41 + 2, 0] = 1.0
+    for place, own in enumerate(turned):
+        loads[shaft_unknowns(place, 41, 12), 1] += 3e4 * own.radial_loads[:, 0]
+    motions = solve_shaft(turned, loads)
+    pulled, opened = motions[6 * 21 + 2] - motions[6 * 20 + 2]
+    found = record["supports"]["neighbors 90 deg"]
+    assert found["axial_compliance"] == close(pulled, rel=1e-8)
+    assert found["influence_coefficient"] == close(opened / 3e4, rel=1e-8)
+    assert found["axial_force"] == close(opened / pulled, rel=1e-8)
+    for own in record["supports"].values():
+        assert own["axial_force"] == close(-own["reactions"]["right"]["force"][2])
+        assert own["axial_force"] == close(3e4 * own["axial_force_per_radial"])

@@ -13,6 +13,7 @@ from crankfem.analyses.strength import cycle_loads as loads_module
 from crankfem.analyses.strength.cycle_fatigue import (
     EngineFatigue,
     FatiguePlace,
+    fatigue_or_reason,
     fatigue_record,
     fatigue_table,
 )
@@ -258,3 +259,15 @@ def test_sentences_of_misfiring_and_of_places_without_a_factor():
     said = EngineFatigue((weak, place), 0.1566, ()).sentence
     assert "is 0.50 at" in said
     assert "; 1 of 2 locations are below 1; UR M53 has Q = 0.90 for that location." in said
+
+
+@pytest.mark.slow
+def test_an_engine_without_fillets_has_a_reason(vibration):
+    bare = vibration.engine_file.changed(
+        throw={"fillet_radius": 0.0, "main_journal_fillet_radius": 0.0}
+    )
+    own = replace(vibration, engine_file=bare)
+    strength = cf.strength.engine_strength(own)
+    fatigue, reason = fatigue_or_reason(own, strength, {}, None)
+    assert fatigue is None
+    assert reason.startswith("fillet_radius: given 0")

@@ -159,9 +159,7 @@ def test_doe_exports_over_nothing_of_the_users(call, study, tmp_path):
         answer = call("doe", study, "--export", "out.csv", *options)
         assert answer.code == code, answer.err
         if code == 2:
-            assert (
-                "--export out.csv: is not replaced, because crankfem has not made it" in answer.err
-            )
+            assert "--export out.csv: is not replaced, because crankfem has not made" in answer.err
             assert (tmp_path / "out.csv").read_text(encoding="utf-8") == "precious"
             assert not (tmp_path / "runs.sqlite").exists()
     assert len(rows(tmp_path / "out.csv")) == 12
@@ -283,9 +281,7 @@ def test_a_locked_store_ends_doe_with_one_sentence_and_3(call, study, tmp_path, 
     answer = call("doe", study)
     other.close()
     assert (answer.code, answer.out) == (3, "")
-    assert answer.err.strip().startswith(
-        "Error: store: runs.sqlite cannot be used now (another program"
-    )
+    assert answer.err.strip().startswith("Error: store: runs.sqlite cannot be used now (another")
     assert "Traceback" not in answer.err
 
 

@@ -520,9 +520,7 @@ def test_a_strength_beyond_the_rule_stays_as_given_and_is_told(engine, rule):
     strong = engine.changed(limits=given | rule)
     refuse_what_cannot_run(strong)
     assert strong.limits.tensile_strength == 850e6
-    assert (
-        "850 MPa enters the rule as 835 MPa" in engine_limits(strong)[0]["crankshaft_stress"].remark
-    )
+    assert "850 MPa enters the rule as 835" in engine_limits(strong)[0]["crankshaft_stress"].remark
 
 
 def test_a_yield_strength_above_the_assumed_steel_is_refused_before_the_run(engine):

@@ -1,6 +1,7 @@
 """The commands `harmonics`, `two-mass` and `hinge`."""
 
 import csv
+import re
 
 import numpy as np
 import pytest
@@ -180,9 +181,7 @@ def test_the_picture_of_a_table_ends_at_the_order_asked_for(tmp_path):
 
 def test_the_order_of_which_one_phase_is_seen_has_no_star(call):
     answer = call("harmonics", TABLE, "--firing-order", "1-2")
-    assert (
-        "Note: order 9 is left out, because 36 samples resolve only one phase of it" in answer.out
-    )
+    assert "Note: order 9 is left out, because 36 samples resolve only one phase of" in answer.out
     assert "2 cylinders, each with this torque, fired at 0, 360 deg: mean torque 246.72 N m." in (
         answer.out
     )
@@ -435,3 +434,24 @@ def test_flywheels_at_another_speed():
     (other,) = run.others
     assert other.flywheel_with_hinge == close(2277.0, abs=0.5)
     assert other.flywheel == close(33514.0, abs=0.5)
+
+
+@pytest.mark.slow
+def test_tables_and_options(call, changed):
+    answer = call("hinge", SHIPPED, "--speed", "142 1/min", "--kinematics", "printed")
+    assert answer.code == 0, answer.err
+    assert "(printed" in answer.out
+    assert "At 142 1/min with the pressure unchanged" in answer.out
+    assert "At 129 1/min" not in answer.out
+    # Root mean square, and the largest beside it; which is which is told.
+    assert re.search(r"│ +\d+\.?\d*, at most \d+\.?\d* +│", answer.out)
+    assert "first by root mean squares, then by largest values" in answer.out
+    weak = call(
+        "hinge", changed({"comparison.pressures": '["0.2 MPa"]', "hinge.pressure": '"3 MPa"'})
+    )
+    assert weak.code == 0, weak.err
+    assert "not feasible" in weak.out
+    assert "the compression z must stay below the height H" in weak.out
+    none = call("hinge", changed({"hinge.pressure": '"0.2 MPa"'}))
+    assert none.code == 2
+    assert "pressure: given 0.2 MPa" in none.err

@@ -327,13 +327,9 @@ def test_slips_on_the_command_line(call, arguments, said):
 def test_an_engine_is_no_hinge_and_no_model(call, tmp_path, six_cylinders):
     (tmp_path / "mine.toml").write_text(six_cylinders, encoding="utf-8")
     answer = call("hinge", "mine.toml")
-    assert answer.err.startswith(
-        "Error: mine.toml: describes an engine or a throw, not an elastic hinge"
-    )
+    assert answer.err.startswith("Error: mine.toml: describes an engine or a throw, not an")
     answer = call("lookup", "mine.toml")
-    assert answer.err.startswith(
-        "Error: mine.toml: is a TOML file; allowed is a compliance model file"
-    )
+    assert answer.err.startswith("Error: mine.toml: is a TOML file; allowed is a compliance model")
     (tmp_path / "results.json").write_text('{"about": {}}', encoding="utf-8")
     answer = call("harmonics", "results.json")
     assert "is a JSON file, such as the results of a run or a saved model; allowed is" in answer.err

@@ -29,6 +29,7 @@ from crankfem.report.interactive.study import parity, response_over_factors
 from crankfem.report.interactive.style import UNSEEN, design_texts, figure_of, plain_layout, rounded
 from crankfem.report.interactive.throw_view import (
     DRAWN_DISPLACEMENT,
+    MOST_STRESSED,
     TriangleSurface,
     decimate_triangles,
     polylines,
@@ -224,31 +225,6 @@ def shaft(count=14):
         shares=tuple(shares),
         label=lambda mode: f"kind {mode}",
     )
-
-
-def test_motion_along_the_shaft():
-    modes, radius = shaft(), 0.2
-    traces, layout = shaft_modes(modes, radius, "x")
-    assert layout["xaxis"]["title"]["text"] == "position along the shaft [mm]"
-    assert len(traces) == 4 * 10
-    order = [0, 2, 3, 1]
-    for mode, four in enumerate(zip(*[iter(traces)] * 4, strict=True), start=1):
-        # Along x, y and the shaft, and about it at the crank radius.
-        motion = modes.motions[order, :, mode] * [1.0, 1.0, 1.0, 1.0, 1.0, radius]
-        every = motion[:, [2, 5, 0, 1]]
-        drawn = np.array([trace["y"] for trace in four]).T
-        place = np.unravel_index(np.argmax(np.abs(every)), every.shape)
-        assert drawn[place] == 1
-        assert drawn == close(every / every[place], rel=FIVE_DIGITS)
-        assert all(trace["x"] == [0, 300, 600, 900] for trace in four)
-        assert [trace["name"] for trace in four] == [
-            "axial",
-            "torsional, at the crank radius",
-            "lateral, x",
-            "lateral, y",
-        ]
-    (menu,) = layout["updatemenus"]
-    assert [one["label"] for one in menu["buttons"]][:2] == ["10.0 Hz: kind 1", "20.0 Hz: kind 2"]
 
 
 def test_what_excites_the_axial_vibration():
@@ -788,3 +764,15 @@ def test_a_title_of_two_lines_has_room():
     long = "8L 32/42 generating set, nominal torsional stress, cylinder 7 - cylinder 8"
     one, two = (plain_layout(title)["margin"]["t"] for title in ("8L 32/42, axial", long))
     assert two - one >= 1.3 * plain_layout(long)["title"]["font"]["size"]
+
+
+@pytest.mark.slow
+def test_throw_without_stresses_and_with_many_triangles(analysis, tmp_path, strict, monkeypatch):
+    module = "crankfem.report.interactive.throw_view"
+    monkeypatch.setattr(f"{module}.MOST_TRIANGLES", 2000)
+    monkeypatch.setattr(f"{module}.MOST_EDGES", 100)
+    figure = strict(throw_view(tmp_path, analysis).read_text(encoding="utf-8"))
+    assert [trace["name"] for trace in figure["data"]] == ["solid", "sharp edges", "deformed"]
+    assert 500 < len(figure["data"][0]["i"]) <= 2000 < MOST_STRESSED
+    (menu,) = figure["layout"]["updatemenus"]
+    assert len(menu["buttons"]) == 2

@@ -291,9 +291,7 @@ def test_reactions_to_a_pin_force(run, reaction_path):
     assert f"Axial reaction pinned: within {1e-3 * band:.3g} kN of {1e-3 * push:.4g} kN" in out
     assert "Reactions to a radial force of 100 kN on the pin, length kept" in out
     assert "Axial reaction guided: within" in out
-    assert (
-        "Reactions neighbors 120 deg: left out; support: given between neighbors at 120 deg" in out
-    )
+    assert "Reactions neighbors 120 deg: left out; support: given between neighbors at 120" in out
     # What reactions are made of is told by themselves, and in JSON.
     assert "end moment" not in out.split("Reactions")[0]
     found = json.loads(run("lookup", reaction_path, *PAIRS, "--pin-force", "100 kN", "--json"))
@@ -583,9 +581,7 @@ def test_a_model_given_by_option_is_refused_by_its_option(saved, silent, edit, c
     for command in ("vibration", "run"):
         answer = call(command, thick, "--model", "model.json")
         assert answer.code == 2
-        assert answer.err.startswith(
-            "Error: --model: given model.json, which does not apply to this throw: web_thickness:"
-        )
+        assert answer.err.startswith("Error: --model: given model.json, which does not apply to")
 
 
 def test_check_tells_which_command_fits(silent, saved, edit, call, tmp_path):

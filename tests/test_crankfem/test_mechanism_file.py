@@ -616,9 +616,7 @@ def test_power_that_does_not_fit_and_the_load_are_told(engine):
         "indicated power 570.2 kW at 500 1/min, mean indicated pressure 1.367 MPa; usual mechanical "
         "efficiencies are 0.75 to 0.97, so correct engine.rated_power or the section [gas]"
     )
-    assert told["sentence"].startswith(
-        "each speed is calculated at the load of a propeller: mean indicated pressure"
-    )
+    assert told["sentence"].startswith("each speed is calculated at the load of a propeller: mean")
     # Rated and indicated power that do not fit tell nothing of friction.
     assert "friction" not in told["sentence"]
 

@@ -388,9 +388,7 @@ def test_a_regression_that_does_not_know_a_throw_is_left_out():
     plain = Model([engine.named_throws["plain"]])
     unknown = axial_vibration(engine, analyses, shaft, plain)
     assert "regression" not in [own.source for own in unknown.others]
-    assert unknown.unusable[0].startswith(
-        "regression: does not apply to throw heavy: counterweight"
-    )
+    assert unknown.unusable[0].startswith("regression: does not apply to throw heavy:")
     formulas = next(own for own in unknown.others if own.source == "Dorey").compliances
     assert formulas[0] != close(formulas[1], rel=1e-3)
 

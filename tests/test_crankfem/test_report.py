@@ -263,9 +263,7 @@ def test_the_regression_answers_with_the_chosen_form(model_file):
     assert set(found) == {"axial"}
     assert found["axial"]["largest_error_held_out"] == fit.largest_heldout_error
     assert found["axial"]["of"] == "the saved model six.json"
-    assert found["axial"]["remarks"][0].startswith(
-        "Quadratic equation fitted to 9 designs; its largest"
-    )
+    assert found["axial"]["remarks"][0].startswith("Quadratic equation fitted to 9 designs; its")
     unjudged = fit.model_copy(update={"largest_heldout_error": None})
     (said,) = regression_record({"axial": (1.3e-9, unjudged)})["axial"]["remarks"]
     assert said.endswith("none was held out to judge it.")

@@ -5,6 +5,7 @@ What draws the curves is tested where it lives; here it is tested that the right
 
 import inspect
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from matplotlib import pyplot
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.study.response_fits import predicted
 from crankfem.analyses.study.studies import fitted
@@ -23,8 +25,12 @@ from crankfem.analyses.throw.formula_records import (
     plot_run_formulas,
 )
 from crankfem.analyses.titles import short_name
+from crankfem.analyses.vibration import run as vibration_run
+from crankfem.analyses.vibration.run_up import run_up
 from crankfem.files.engine.mechanism_file import load_mechanism
-from crankfem.files.reading.data_files import input_path
+from crankfem.files.hinge_file import load_hinge
+from crankfem.files.reading.data_files import data_folder, input_path
+from crankfem.report.interactive.vibration import VIBRATION
 from geometry.mass import MassProperties
 from plans import plan_of_levels
 from regression.formulas.axial_formulas import axial_formulas
@@ -366,3 +372,48 @@ def test_a_backend_that_turns_on_interactive_drawing_keeps_it(monkeypatch):
         patch.setattr(pyplot, "figure", selecting)
         pyplot.close(cf.Chain([0.1, 0.78], [9e5]).modes().plot().figure)
         assert pyplot.isinteractive()
+
+
+@pytest.mark.slow
+def test_campbell_diagrams_without_gas_have_dots_in_files_too(vibration, tmp_path, monkeypatch):
+    drawn = {}
+    monkeypatch.setattr(
+        vibration_run,
+        "draw_campbell",
+        lambda _, frequencies, *given: drawn.update({tuple(frequencies): given[2]}),
+    )
+    free = replace(vibration, forced_axial=None, forced_torsional=None, assessment=None)
+    for one in VIBRATION.of(free):
+        if one.name.endswith("campbell"):
+            one.draw(tmp_path, free)
+    own = {
+        tuple(one.chosen.elastic_frequencies): one.criticals for one in (free.axial, free.torsional)
+    }
+    assert {name: [dot.frequency for dot in found] for name, found in drawn.items()} == {
+        name: [one.critical.frequency for one in found] for name, found in own.items()
+    }
+    assert all(drawn.values())
+
+
+@pytest.mark.slow
+def test_a_run_up(vibration):
+    found = run_up(vibration, 0.5)
+    assert found.largest[found.worst] == max(found.largest)
+    assert found.plot().has_data()
+    frame = found.to_pandas()
+    assert frame["largest"].to_numpy() == close(found.largest)
+    name = frame["element"][found.worst]
+    assert found.plot(element=name).get_title(loc="left") == name
+
+
+@pytest.mark.slow
+def test_a_hinge():
+    run = run_hinge(load_hinge(data_folder() / "hinges/crosshead-30-100.toml"))
+    axes = run.plot()
+    assert axes.lines[0].get_ydata() == close(1e-3 * run.moment.moment)
+    assert "[kN m]" in axes.get_ylabel()
+    for show in ("gas force", "speed", "guides"):
+        assert run.plot(show=show).has_data(), show
+    assert run.to_pandas()["flywheel"].tolist() == [one.flywheel for one in run.others]
+    with pytest.raises(InputError, match="show: given 'sound'; allowed are moment, gas force, "):
+        run.plot(show="sound")

@@ -278,9 +278,7 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     mixed = verdict("torsional", 1e-2, 1e-2, share=0.48)
     (said,) = whole_shaft_remark(ShaftComparison(None, other, mixed))
     assert "Hz is only 48 % torsional; axial mode 1 at 115.0 instead of" in said
-    assert said.startswith(
-        "The verdict uses lumped models (chains), which are inadequate here; the"
-    )
+    assert said.startswith("The verdict uses lumped models (chains), which are inadequate here;")
     divided = FlywheelTilt("axial", 1, 259.8, 303.5, 225.9)
     assert divided.sentence == "axial mode 1 from 259.8 Hz without to 225.9 and 303.5 Hz with it"
     (match,) = other.modes

@@ -209,15 +209,6 @@ def test_uneven_firing_names_the_strongest_order():
     ] == [4.0]
 
 
-def test_mode_shape_turns_majors_into_minors():
-    """The one-node mode of the in-line four, antisymmetric: order 2 cancels, half orders do not."""
-    stars = star_diagram(firing_angles_deg=FOUR, orders=4.0, mode_shape=[1.0, 0.4, -0.4, -1.0])
-    kinds = {star.order: star.kind for star in stars}
-    assert kinds[2.0] == kinds[4.0] == "balanced"
-    assert kinds[0.5] == "minor"
-    assert stars[0].largest == close(2.8)
-
-
 def hinged_vee():
     rod = ConnectingRod(0.25, 2.0, 0.08, 0.02)
     slave = ConnectingRod(0.18, 1.2, 0.07, 0.008)

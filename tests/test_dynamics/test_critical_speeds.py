@@ -12,7 +12,7 @@ from crankbase.tables.frames import table_of
 from dynamics.assessment.separation import major_criticals
 from dynamics.chains.chain import Chain, Gear
 from dynamics.chains.dampers import RubberDamper, ViscousDamper
-from dynamics.critical import critical_speeds, engine_orders, major_orders, vector_sums
+from dynamics.critical import critical_speeds, vector_sums
 from dynamics.response.complex_modes import complex_modes
 from dynamics.response.damped_criticals import LEAST_PEAK, NEARLY, damped_criticals
 from dynamics.response.forced import forced_response
@@ -35,23 +35,6 @@ def test_unusable_frequencies_and_orders_are_refused():
         critical_speeds([10.0], [0.0], (1.0, 2.0))
     with pytest.raises(InputError, match=r"frequencies\[0\]: given -1 Hz"):
         critical_speeds([-1.0], [1.0], (1.0, 2.0))
-
-
-@pytest.mark.parametrize(
-    ("firing_order", "strokes", "major"),
-    [
-        ((1, 3, 4, 2), 4, [2.0, 4.0, 6.0]),
-        ((1, 5, 3, 6, 2, 4), 4, [3.0, 6.0]),
-        ((1, 3, 2), 2, [3.0, 6.0]),
-    ],
-)
-def test_major_orders_of_even_firing(firing_order, strokes, major):
-    angles = even_firing_angles(firing_order, strokes)
-    orders = engine_orders(strokes, 6.0)
-    assert major_orders(orders, angles).tolist() == major
-    sums = vector_sums(orders, angles)
-    expected = np.where(np.isin(orders, major), float(len(firing_order)), 0.0)
-    assert sums == close(expected, abs=1e-12)
 
 
 def test_weights_bring_out_a_minor_order():

@@ -413,6 +413,23 @@ def test_drilled_throws_asked_for_little_are_meshed_coarsely(throw):
 
 
 @pytest.mark.further
+def test_a_throw_with_three_holes_asked_for_little_stays_small():
+    """One whose first mesh is too coarse: the refined one keeps to as many unknowns."""
+    holes = (
+        OilHole(part="pin", diameter=0.0142, angle=1.0),
+        OilHole(part="left main journal", diameter=0.0153, position=0.018, exit_radius=0.0023),
+        OilHole(part="right main journal", diameter=0.0092, position=-0.018, exit_radius=0.0046),
+    )
+    lengths = (0.174, 0.195, 0.132, 0.125, 0.264, 0.045, 0.0099, 0.0)
+    throw = CrankThrow(
+        main_journal_diameter=0.2, oil_holes=holes, **dict(zip(LENGTHS, lengths, strict=True))
+    )
+    analysis = analyze_throw(throw, accuracy=0.04)
+    assert analysis.accuracy_met
+    assert analysis.mesh.unknowns <= 32_000
+
+
+@pytest.mark.further
 @pytest.mark.parametrize("throw", DRILLED)
 def test_bars_on_coarse_meshes_of_drilled_throws_hold_what_fine_ones_find(throw):
     one = drilled(*DRILLED[throw])

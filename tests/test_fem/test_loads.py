@@ -119,27 +119,6 @@ def test_a_force_across_presses_with_the_cosine_on_one_half(surface, throw, angl
     assert 0.4 < loaded.mean() < 0.6
 
 
-@pytest.mark.parametrize("direction", [(1, 0, 0), (0, -1, 0), (0.6, 0.8, 0)])
-def test_nodal_loads_of_the_cosine_are_its_integrals(mesh, surface, throw, direction):
-    """With s along the force and t across it, a the radius and l the length, per unit force.
-
-    Mean s = -8 a / (3 pi), mean s^2 = 3/4 a^2, mean z^2 = l^2 / 12 of the forces along s; those along t
-    have with s t the mean a^2 / 4. Evenly spread they would be 0, a^2 / 2, l^2 / 12 and 0.
-    """
-    direction = np.array(direction, dtype=float)
-    across = np.cross([0.0, 0.0, 1.0], direction)
-    radius = throw.pin_diameter / 2.0
-    length = throw.pin_length - 2.0 * throw.fillet_radius
-    loads = pin_load(surface, direction, NONE, "cosine")
-    arms = places(mesh, loads) - surface.center
-    s, t, z = arms @ direction, arms @ across, arms[..., 2]
-    along, sideways = (loads.values[..., 0] @ one for one in (direction, across))
-    assert np.sum(along * s) == close(-8.0 * radius / (3.0 * np.pi), rel=CYLINDER)
-    assert np.sum(along * s**2) == close(0.75 * radius**2, rel=CYLINDER)
-    assert np.sum(along * z**2) == close(length**2 / 12.0, rel=CYLINDER)
-    assert np.sum(sideways * s * t) == close(0.25 * radius**2, rel=CYLINDER)
-
-
 @settings(max_examples=25, deadline=None)
 @given(force=vectors, moment=vectors, factor=st.floats(1e-3, 1e3))
 def test_pressures_grow_with_the_load_and_mirror_with_it(surface, force, moment, factor):

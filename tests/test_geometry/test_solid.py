@@ -18,7 +18,7 @@ from geometry.mass import cylinder_mass_properties, mass_properties, mesh_mass_p
 from geometry.mesh import SolidKeeper, mesh_throw, solid_properties
 from geometry.mesher import mesh_isolated
 from geometry.outline import Arc, obround, rectangle
-from geometry.parts import counterweight_moment, scaled_parts
+from geometry.parts import scaled_parts
 from geometry.sizes import element_sizes, sizes_at_corners
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight, FurtherPin, OilHole, Web
@@ -336,31 +336,6 @@ def test_densities_of_no_body_are_refused(dimensions, density, monkeypatch):
 @pytest.mark.parametrize("density", [7850, 1.0, np.float64(7850.0), np.int64(7850)])
 def test_densities_of_any_number_type_are_taken(density):
     assert cylinder_mass_properties(0.1, 0.0, 0.1, density).mass > 0.0
-
-
-@pytest.mark.parametrize(
-    "counterweight",
-    [
-        {"outer_radius": 0.3, "angle": 2.0},
-        {
-            "outer_radius": 0.32,
-            "inner_radius": 0.12,
-            "angle": 1.2,
-            "thickness": 0.05,
-            "offset": -0.004,
-        },
-    ],
-)
-def test_moment_of_counterweights_is_what_they_add_to_the_solid(dimensions, counterweight):
-    dimensions = dimensions | {"web_foot_thickness": 0.06, "main_journal_bore": 0.05}
-    plain = CrankThrow(**dimensions)
-    for name in ("counterweight", "right_web"):
-        part = {"counterweight": counterweight} if name == "right_web" else counterweight
-        throw = CrankThrow(**dimensions, **{name: part})
-        before, after = (throw_masses(one, DENSITY) for one in (plain, throw))
-        added = (after.mass * after.center - before.mass * before.center)[:2]
-        assert DENSITY * counterweight_moment(throw.parts) == close(added, rel=1e-7, abs=1e-9)
-        assert added[1] < -0.1
 
 
 ENDS = ShaftEnds(

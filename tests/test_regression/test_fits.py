@@ -24,10 +24,7 @@ from regression.fits.selection import (
 )
 from regression.fits.terms import (
     design_matrix,
-    divisors,
-    levels_needed,
     polynomial_terms,
-    term_name,
 )
 
 FACTORS = ("web_width", "web_thickness", "pin_length")
@@ -230,14 +227,6 @@ def equation(**changes):
         "coefficients": (1.0, 0.5, -0.25, 0.125),
     }
     return FittedForm(**(given | changes))
-
-
-def test_divisors_levels_and_names():
-    assert divisors((0, 0, 1)) == {(), (0,), (1,), (0, 0), (0, 1)}
-    assert divisors(()) == set()
-    assert levels_needed((0, 0, 0, 2)) == {0: 4, 2: 2}
-    assert term_name((0, 0, 1), ("a", "b")) == "a^2 * b"
-    assert term_name((), ("a",)) == "1"
 
 
 def test_natural_coefficients_in_other_units():

@@ -18,8 +18,6 @@ from plans import FILLETED, plan_of_levels
 from regression.plans.designs import SPACE_FILLING, DesignChoice
 from regression.plans.factors import (
     Factor,
-    changed_record,
-    field_value,
     rounded,
     throw_fields,
     unknown_field,
@@ -323,14 +321,6 @@ def test_plans_that_differ_have_keys_that_differ(change):
     assert StudyPlan.from_record(other.as_record()) == other
 
 
-def test_the_order_of_relations_does_not_matter():
-    relations = {"pin_length": "0.45 * width_ratio * pin_diameter", "web_tip_thickness": "40 mm"}
-    first = dataclasses.replace(PLAN, relations=relations)
-    second = dataclasses.replace(PLAN, relations=dict(reversed(relations.items())))
-    assert first.key == second.key
-    assert plan_designs(first).designs == plan_designs(second).designs
-
-
 ENDS = st.tuples(st.floats(0.01, 1.0), st.floats(0.001, 1.0)).map(lambda e: (e[0], e[0] + e[1]))
 
 
@@ -386,11 +376,6 @@ PLAIN = {
     "web_thickness": 0.068,
 }
 FACTOR_THROW = CrankThrow(**PLAIN)
-RICH = CrankThrow(
-    **PLAIN,
-    counterweight={"outer_radius": 0.25, "angle": 2.0},
-    further_pins=({"angle": 2.0, "web_thickness": 0.06},),
-)
 
 
 def test_the_middle_of_a_range_is_what_one_would_write():
@@ -424,21 +409,6 @@ def test_factors_that_cannot_be(make, message):
     assert str(caught.value).endswith(".")
 
 
-def test_fields_of_a_throw():
-    fields = throw_fields(RICH)
-    assert fields["web_width"].unit == "m"
-    assert fields["web_outline"].choices == ("obround", "rectangle")
-    assert fields["counterweight.angle"].unit == "rad"
-    assert fields["further_pins.0.length"].unit == "m"
-    assert fields["left_web.outline"].choices == ("obround", "rectangle")
-    assert "left_web.counterweight.angle" not in fields
-    assert "further_pins.1.length" not in fields
-    plain = throw_fields(FACTOR_THROW)
-    assert "counterweight.angle" not in plain
-    assert "left_web.width" in plain
-    assert all(field.unit in ("m", "rad") or field.choices for field in fields.values())
-
-
 @pytest.mark.parametrize(
     ("path", "message"),
     [
@@ -451,29 +421,3 @@ def test_fields_of_a_throw():
 )
 def test_unknown_fields(path, message):
     assert unknown_field(path, throw_fields(FACTOR_THROW), FACTOR_THROW).startswith(message)
-
-
-def test_values_at_paths():
-    record = RICH.model_dump(mode="json")
-    before = RICH.model_dump(mode="json")
-    changed = changed_record(
-        record,
-        {
-            "web_width": 0.3,
-            "counterweight.angle": 1.5,
-            "further_pins.0.web_thickness": 0.05,
-            "left_web.width": 0.31,
-        },
-    )
-    assert record == before
-    throw = CrankThrow(**changed)
-    assert throw.web_width == 0.3
-    assert throw.counterweight.angle == 1.5
-    assert throw.further_pins[0].web_thickness == 0.05
-    assert throw.left_web.width == 0.31
-    assert throw.right_web is None
-    assert field_value(changed, "further_pins.0.web_thickness") == 0.05
-    assert field_value(changed, "right_web.width") is None
-    assert field_value(changed, "web_outline") == "obround"
-    for path in throw_fields(throw):
-        assert np.isscalar(field_value(changed, path)) or field_value(changed, path) is None

@@ -301,8 +301,6 @@ def plot_formulas(
     ----------
     found : mapping of str to FormulaValue
         From `axial_formulas` or `torsional_formulas`.
-    axes : matplotlib.axes.Axes, optional
-        New ones by default.
     finite_elements : float, optional
         Compliance of the same throw by finite elements, drawn as a line, in the formulas' unit.
 
@@ -345,8 +343,6 @@ def plot_formulas_over_angle(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes, optional
-        New ones by default.
     analysis : ThrowAnalysis, optional
         Of the same throw, drawn too; its material is then used.
     material : Material

@@ -256,12 +256,7 @@ def picture_shaft(shaft: Crankshaft, path: str | Path) -> Path:
 
 
 def check_picture_ending(path: Path) -> None:
-    """Refuse a file name that does not end in .png.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a file name that does not end in .png."""
     if path.suffix.lower() != ENDING:
         raise InputError(
             f"{path.name}: given the ending {path.suffix!r}; allowed for a picture is {ENDING}."
