@@ -11,11 +11,7 @@ from crankbase.model import field_extra
 from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.record import Record, attributes, input_records
-from crankfem.analyses.shaft.sources import (
-    chosen_regressions,
-    refused,
-    usable_model,
-)
+from crankfem.analyses.shaft.sources import chosen_regressions, refused, usable_model
 from crankfem.analyses.study.nominal_throw import outside_study
 from crankfem.analyses.study.response_fits import check_study_can_be_fitted
 from crankfem.analyses.throw.law_record import law_record
@@ -24,10 +20,7 @@ from crankfem.analyses.vibration.engine_excitation import (
     failing_harmonics,
     refuse_vibration,
 )
-from crankfem.analyses.vibration.engine_limits import (
-    engine_limits,
-    rule_reason,
-)
+from crankfem.analyses.vibration.engine_limits import engine_limits, rule_reason
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import any_sections, file_kind

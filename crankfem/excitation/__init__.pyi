@@ -23,12 +23,8 @@ from dynamics.excitation.cylinders import forces_at_speeds as forces_at_speeds
 from dynamics.excitation.cylinders import torque_harmonics as torque_harmonics
 from dynamics.excitation.pressure_map import PressureMap as PressureMap
 from dynamics.excitation.pressure_map import pressure_map as pressure_map
-from dynamics.excitation.pressure_map import (
-    pressure_map_from_cycles as pressure_map_from_cycles,
-)
+from dynamics.excitation.pressure_map import pressure_map_from_cycles as pressure_map_from_cycles
 from dynamics.excitation.pressure_map import propeller_load as propeller_load
 from dynamics.excitation.propeller import PropellerForces as PropellerForces
 from dynamics.excitation.propeller import propeller_excitation as propeller_excitation
-from dynamics.gas.cylinder_volume import (
-    motored_from_compression as motored_from_compression,
-)
+from dynamics.gas.cylinder_volume import motored_from_compression as motored_from_compression

@@ -14,11 +14,7 @@ from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
 from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
 from crankfem.analyses.vibration.misfiring import _ranges
-from crankfem.analyses.vibration.records import (
-    forced_columns,
-    forced_record,
-    run_record,
-)
+from crankfem.analyses.vibration.records import forced_columns, forced_record, run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration
 from crankfem.cli.console import write_columns

@@ -21,15 +21,7 @@ from fem.modes import free_modes, frequencies_of
 from fem.solver import factorize
 from fem.superelement import assemble_shaft, combine_classes, shaft_compliances, sharing_sections
 from fem.supports import Neighbors
-from fem.symmetry import (
-    KEPT,
-    SectionMotions,
-    _basis,
-    _ring,
-    both_ends,
-    degree_of,
-    symmetry_classes,
-)
+from fem.symmetry import KEPT, SectionMotions, _basis, _ring, both_ends, degree_of, symmetry_classes
 from geometry.mesh import mesh_throw
 from geometry.solid import LEFT_END, RIGHT_END
 

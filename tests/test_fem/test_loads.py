@@ -14,13 +14,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from fem.loads import (
-    LoadedSurface,
-    NodalLoads,
-    pin_load,
-    pin_surfaces,
-    unit_pin_loads,
-)
+from fem.loads import LoadedSurface, NodalLoads, pin_load, pin_surfaces, unit_pin_loads
 from fem.symmetry import MIRROR_X, MIRROR_Z, symmetry_classes
 
 ROUND_OFF = 1e-12

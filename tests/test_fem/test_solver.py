@@ -17,12 +17,7 @@ from fem.condensation import condense
 from fem.fillet_stress import fillet_stresses
 from fem.loads import RADIAL, unit_pin_loads
 from fem.material import STEEL
-from fem.solver import (
-    Factorization,
-    SharedSolver,
-    Stopwatch,
-    refined_solution,
-)
+from fem.solver import Factorization, SharedSolver, Stopwatch, refined_solution
 from fem.superelement import checked_superelement
 from fem.symmetry import axial_class, symmetry_classes
 from geometry.throw import CrankThrow

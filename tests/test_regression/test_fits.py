@@ -22,10 +22,7 @@ from regression.fits.selection import (
     least_squares,
     left_out_predictions,
 )
-from regression.fits.terms import (
-    design_matrix,
-    polynomial_terms,
-)
+from regression.fits.terms import design_matrix, polynomial_terms
 
 FACTORS = ("web_width", "web_thickness", "pin_length")
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}

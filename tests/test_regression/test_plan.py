@@ -16,12 +16,7 @@ from fem.material import STEEL
 from geometry.throw import CrankThrow
 from plans import FILLETED, plan_of_levels
 from regression.plans.designs import SPACE_FILLING, DesignChoice
-from regression.plans.factors import (
-    Factor,
-    rounded,
-    throw_fields,
-    unknown_field,
-)
+from regression.plans.factors import Factor, rounded, throw_fields, unknown_field
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, RUN
 from regression.runs.store import ResultStore

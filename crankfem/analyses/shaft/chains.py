@@ -23,12 +23,7 @@ from dynamics.chains.engine_chains import (
     torsional_chain,
 )
 from dynamics.chains.shaft_line import DrivenMachine
-from dynamics.crankshaft.surroundings import (
-    AxialSupport,
-    EndBody,
-    MainBearings,
-    ShaftSurroundings,
-)
+from dynamics.crankshaft.surroundings import AxialSupport, EndBody, MainBearings, ShaftSurroundings
 from dynamics.response.linear_system import (
     DEFAULT_MAGNIFIER,
     MAGNIFIER_SOURCE,
@@ -406,7 +401,5 @@ def _driven_machine(engine_file: EngineFile) -> DrivenMachine | None:
     if driven is None:
         return None
     return DrivenMachine(
-        driven.inertia,
-        driven.coupling_stiffness,
-        coupling_loss_factor=driven.coupling_loss_factor,
+        driven.inertia, driven.coupling_stiffness, coupling_loss_factor=driven.coupling_loss_factor
     )

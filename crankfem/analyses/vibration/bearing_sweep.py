@@ -288,9 +288,7 @@ def in_bearings(shaft: AssembledShaft, added: float) -> AssembledShaft:
 
 
 def with_answers(
-    engine_file: EngineFile,
-    each: Sequence[HeldChains],
-    harmonics: CylinderHarmonics,
+    engine_file: EngineFile, each: Sequence[HeldChains], harmonics: CylinderHarmonics
 ) -> tuple[HeldChains, ...]:
     """Return chains of the sweep with their forced vibration and its resonances, except the nominal ones.
 
