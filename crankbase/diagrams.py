@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError, visible
 from crankbase.outputs import atomic_file, check_output
-from crankbase.units.units import DISPLAY_UNITS
+from crankbase.quantity import DISPLAY_UNITS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

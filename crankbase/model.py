@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
-from crankbase.checks.choices import allowed_names, is_number
+from crankbase.choices import allowed_names, is_number
 from crankbase.errors import InputError, InputErrors, named, quoted
-from crankbase.units.quantity import Limits, format_quantity, other_unit, parse_quantity
-from crankbase.units.units import DISPLAY_UNITS
+from crankbase.quantity import DISPLAY_UNITS, Limits, format_quantity, other_unit, parse_quantity
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass

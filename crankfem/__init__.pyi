@@ -4,8 +4,8 @@ from crankbase.errors import InputError as InputError
 from crankbase.errors import MeshError as MeshError
 from crankbase.errors import MissingLibraryError as MissingLibraryError
 from crankbase.errors import SolveError as SolveError
+from crankbase.frames import table_of as table_of
 from crankbase.outputs import replacing_files as replacing_files
-from crankbase.tables.frames import table_of as table_of
 from crankfem import balances as balances
 from crankfem import chains as chains
 from crankfem import compliance as compliance

@@ -26,7 +26,7 @@ MAIN = {
         ("solver",),
     ),
     "geometry": (("mesher",), ("mesh",), ("solid",), ("parts",), ("throw",)),
-    "crankbase": (("tables",), ("model",), ("units",), ("checks",), ("processes",), ("errors",)),
+    "crankbase": (("table",), ("model",), ("quantity",), ("choices",), ("processes",), ("errors",)),
 }
 WIDTH, MARGIN, GAP, PADDING = 720, 10, 34, 10
 COLUMN = (WIDTH - 2 * MARGIN - 20) // 2

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     finite_vector,
     nonnegative_vector,
@@ -14,9 +14,9 @@ from crankbase.checks.arrays import (
     positive_vector,
 )
 from crankbase.errors import InputError
+from crankbase.frames import Row
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row
-from crankbase.units.units import RPM
 from dynamics.cycle import order_step
 from dynamics.harmonics import Harmonics
 from dynamics.indices import within

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 
 # A sample may lie off its even place by this share of the step: room for angles printed rounded.

@@ -6,18 +6,18 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     finite_vector,
     positive_number,
     radians_of,
     read_only,
 )
-from crankbase.checks.choices import check_choice
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
 from crankbase.input_file import GivenFile
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.cycle import (
     check_even_cycle,
     covers_cycle,

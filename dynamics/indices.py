@@ -6,8 +6,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import FloatArray, nonnegative_number, nonnegative_vector
-from crankbase.checks.choices import is_whole_within, whole_within
+from crankbase.array_checks import FloatArray, nonnegative_number, nonnegative_vector
+from crankbase.choices import is_whole_within, whole_within
 from crankbase.errors import InputError, quoted
 
 T = TypeVar("T")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError, shortened
 from crankbase.input_file import CSV, LARGEST_TABLE_FILE, GivenFile, InputFile
 from dynamics.cycle import checked_strokes, cycle_degrees, first_not_increasing, mean_step

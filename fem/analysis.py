@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from crankbase.checks.choices import check_kind
+from crankbase.choices import check_kind
 from crankbase.memory import check_memory
 from fem.assembly import assemble_stiffness
 from fem.condensation import CondensedClass, EndSections, condense

@@ -24,12 +24,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import finite_array
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import finite_array
+from crankbase.choices import check_choice
 from crankbase.diagrams import BLUE, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
+from crankbase.frames import grid, table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid, table
 from fem.end_reactions import WORDS
 from fem.plots import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_axis
 from fem.superelement import Superelement

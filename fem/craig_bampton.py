@@ -25,11 +25,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import block_diag, eigh
 
-from crankbase.checks.choices import is_number, whole_within
+from crankbase.choices import is_number, whole_within
 from crankbase.diagrams import GRAY, new_axes
 from crankbase.errors import InputError, quoted
+from crankbase.frames import table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from fem.assembly import symmetric_product
 from fem.condensation import CondensedClass
 from fem.material import Material

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.frames import grid, table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid, table
 
 Array = NDArray[np.float64]
 

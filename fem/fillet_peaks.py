@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.choices import check_choice
+from crankbase.choices import check_choice
 from crankbase.diagrams import draw_groups, new_axes, write_title
+from crankbase.frames import grid, table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid, table
 from fem.correction import stresses_at
 from fem.surface_stress import (
     Fillet,

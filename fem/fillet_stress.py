@@ -46,9 +46,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.choices import check_choice
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from fem.analysis import Mesher, check_solving_memory
 from fem.condensation import EndSections
 from fem.fillet_peaks import (

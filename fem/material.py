@@ -3,7 +3,7 @@
 from typing import ClassVar
 
 from crankbase.model import InputModel, quantity_field
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 
 # Young's modulus over density of metals of crankshafts, gray iron to steel, with a margin [m^2/s^2].
 SPECIFIC_MODULUS = (1.0e7, 4.0e7)

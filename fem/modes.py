@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from crankbase.checks.choices import is_number, whole_within
+from crankbase.choices import is_number, whole_within
 from crankbase.diagrams import new_axes
 from crankbase.errors import InputError, SolveError, quoted
+from crankbase.frames import table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
 from fem.condensation import blocked_unknowns, uncoupled, unit_end_motions
 from fem.material import Material

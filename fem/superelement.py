@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import finite_vector, refuse_crank_radians
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import finite_vector, refuse_crank_radians
+from crankbase.choices import check_choice
 from crankbase.diagrams import display_unit, draw_groups, draw_matrix, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import grid, table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid, table
 from fem.condensation import CondensedClass
 from fem.loads import RADIAL, pin_surfaces
 from fem.solver import check_superelement

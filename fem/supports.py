@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag, pinvh, solve_banded
 
-from crankbase.checks.choices import is_number, whole_within
+from crankbase.choices import is_number, whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from fem.condensation import CondensedClass

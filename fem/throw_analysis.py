@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.choices import check_choice
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle

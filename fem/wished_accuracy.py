@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from crankbase.checks.choices import is_number
+from crankbase.choices import is_number
 from crankbase.errors import InputError, quoted
 
 

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
+from crankbase.array_checks import finite_vector, refuse_crank_radians
 from crankbase.calls import ProcessLostError
-from crankbase.checks.arrays import finite_vector, refuse_crank_radians
 from crankbase.errors import InputError, MeshError
 from crankbase.model import InputModel, length_field
+from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
-from crankbase.units.quantity import format_quantity
 from geometry.gmsh_session import gmsh_errors, shared_process
 from geometry.mass import (
     MassProperties,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.choices import is_number
+from crankbase.choices import is_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from geometry.mesh import SolidProperties, ThrowMesh

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.calls import ProcessLostError
-from crankbase.checks.choices import check_kind
+from crankbase.choices import check_kind
 from crankbase.errors import InputError, MeshError
 from geometry.gmsh_session import IsolatedProcess, gmsh_errors, shared_process
 from geometry.imported import ImportedThrow, file_content

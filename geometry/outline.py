@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]

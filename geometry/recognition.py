@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from geometry.gmsh_session import gmsh_session, middle_point
 from geometry.imported import PLANE, ImportedPin, ImportedThrow, RequestedFaces, StepFace
 from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder, Point

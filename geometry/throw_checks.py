@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from geometry.drilling import Drilling
 from geometry.outline import OUTLINE_DIMENSIONS, OUTLINES
 from geometry.parts import Cylinder, Sector, ThrowParts, WebPlate

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
-from crankbase.checks.arrays import LARGEST, SMALLEST
-from crankbase.checks.choices import did_you_mean, is_number
+from crankbase.array_checks import LARGEST, SMALLEST
+from crankbase.choices import did_you_mean, is_number
 from crankbase.diagrams import RED, draw_groups, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import table
+from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
-from crankbase.units.quantity import format_quantity
 from geometry.throw import CrankThrow
 from regression.models.angle import between_values
 from regression.models.compliance_model import ComplianceModel

@@ -8,8 +8,7 @@ from pydantic.fields import FieldInfo
 from crankbase.diagrams import math_symbol
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import DISPLAY_UNITS
+from crankbase.quantity import DISPLAY_UNITS, format_quantity
 from geometry.throw import CrankThrow
 
 # What a dimension is where it is not given: a share of another one.

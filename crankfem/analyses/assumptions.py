@@ -3,8 +3,7 @@
 from collections.abc import Iterable
 
 from crankbase.model import InputModel, field_extra
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import compact
+from crankbase.quantity import compact, format_quantity
 from crankfem.analyses.shaft.chains import bearing_stiffness, flywheel_overhang
 from crankfem.files.engine.engine_file import SECTIONS, EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of

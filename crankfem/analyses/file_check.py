@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.model import field_extra
-from crankbase.units.units import RPM
+from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.analyses.shaft.sources import chosen_regressions, refused, usable_model

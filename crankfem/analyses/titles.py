@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from crankbase.diagrams import plain_text
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 
 # Below an axis: longer names take a line for each word.
 LONGEST_NAME = 9

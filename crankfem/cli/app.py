@@ -9,7 +9,7 @@ import typer
 from typer.core import TyperCommand
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import split_quantity
+from crankbase.quantity import split_quantity
 from crankfem.cli import console
 from crankfem.cli.commands.doe import doe
 from crankfem.cli.commands.fit import fit

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from crankbase.checks.choices import did_you_mean
+from crankbase.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.model import limits_of, range_text
-from crankbase.units.quantity import format_quantity, parse_quantity
+from crankbase.quantity import format_quantity, parse_quantity
 from crankfem.cli import console
 from crankfem.files.engine.throw_file import load_throw, names_of_throws
 from crankfem.files.reading.toml_file import TomlFile

@@ -22,8 +22,8 @@ from rich.text import Text
 
 from crankbase.errors import InputError, visible, with_short_quotes
 from crankbase.outputs import atomic_file
-from crankbase.tables.table import SI, OutputUnits, Table
-from crankbase.units.quantity import split_quantity
+from crankbase.quantity import split_quantity
+from crankbase.table import SI, OutputUnits, Table
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
 from crankfem.jobs.exit_codes import (
     EXIT_INPUT,
@@ -35,7 +35,7 @@ from crankfem.jobs.exit_codes import (
 from regression.records import Outcome
 
 if TYPE_CHECKING:
-    from crankbase.checks.arrays import FloatArray
+    from crankbase.array_checks import FloatArray
 
 Value = TypeVar("Value")
 LONGEST_WORD = 20

@@ -10,9 +10,8 @@ from pydantic import Field, model_validator
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankbase.model import InputModel, part_field, quantity_field
+from crankbase.quantity import PER_MINUTE, format_quantity
 from crankbase.summaries import summarized
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import PER_MINUTE
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from crankfem.files.sections.cylinder_pressures import given_of_cycle, name_fields

@@ -9,7 +9,7 @@ from pydantic import Field, StrictBool, field_validator, model_validator
 from crankbase.errors import InputError
 from crankbase.input_file import CSV, LARGEST_TABLE_FILE, InputFile
 from crankbase.model import InputModel, quantity_field
-from crankbase.units.quantity import parse_quantity
+from crankbase.quantity import parse_quantity
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.crank_throws import Throws, throw_of_name
 from fem.material import Material

@@ -15,7 +15,7 @@ from crankbase.outputs import (
     recording_run_files,
     write_text,
 )
-from crankbase.tables.table import Table
+from crankbase.table import Table
 from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.provenance import provenance_record
 from crankfem.analyses.submission.document import DocumentPart, check_submission, class_document

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from crankbase.errors import InputError
-from crankbase.units.units import RPM
+from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.checks import run_checks, throw_checks
 from crankfem.analyses.mechanism.balance_records import mechanism_balance_record

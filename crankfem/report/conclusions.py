@@ -4,8 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from crankbase.units.quantity import quantities_apart
-from crankbase.units.units import UNBOUNDED, format_usage, significant
+from crankbase.quantity import UNBOUNDED, format_usage, quantities_apart, significant
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.report.text_filters import (
     check_limit_text,

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from crankbase.units.units import compact, format_number, nano, significant
+from crankbase.quantity import compact, format_number, nano, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.throw_record import error_words
 from crankfem.analyses.vibration.tables import factor_range

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 
 from markupsafe import Markup, escape
 
-from crankbase.tables.table import Table
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import (
+from crankbase.quantity import (
     UNBOUNDED,
     fixed,
+    format_quantity,
     format_usage,
     nano,
     percent,
@@ -19,6 +18,7 @@ from crankbase.units.units import (
     significant,
     tiny,
 )
+from crankbase.table import Table
 from crankfem.analyses.provenance import run_command
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.chains import MOTION

@@ -14,7 +14,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Match
 
-from crankbase.checks.choices import is_number
+from crankbase.choices import is_number
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind, quantity_field
 from fem.material import STEEL, Material

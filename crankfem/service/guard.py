@@ -16,7 +16,7 @@ from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from crankbase.calls import GIGABYTE
-from crankbase.checks.choices import is_whole_within
+from crankbase.choices import is_whole_within
 from crankbase.errors import InputError
 from crankfem.service.asking import ProblemError, problem, problem_response
 

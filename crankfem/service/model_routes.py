@@ -15,10 +15,10 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from crankbase.checks.choices import is_number
+from crankbase.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra
-from crankbase.units.quantity import parse_quantity
+from crankbase.quantity import parse_quantity
 from crankfem.analyses.file_check import shape_record
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.formula_records import formula_records

@@ -7,12 +7,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.array_checks import FloatArray, positive_number
 from crankbase.errors import InputError
+from crankbase.frames import Row
+from crankbase.quantity import format_quantity, format_usage
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import format_usage
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
 from dynamics.assessment.wording import barred_sentence, shown_range, speed_text
 from dynamics.indices import at_most, within

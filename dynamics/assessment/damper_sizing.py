@@ -7,14 +7,13 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq, minimize, minimize_scalar
 
-from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import FloatArray, positive_number
+from crankbase.choices import check_choice
 from crankbase.diagrams import BLUE, RED, legend_inside, new_axes, with_gaps, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
+from crankbase.quantity import RPM, format_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import RPM
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, positive_range, usage
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
@@ -305,7 +304,7 @@ class SizedDamper:
     def to_pandas(self) -> DataFrame:
         """Return a row for each size, with the least share of the permitted amplitude found.
 
-        Units and errors are those of `crankbase.tables.frames.table`.
+        Units and errors are those of `crankbase.frames.table`.
         """
         unit = "N s/m" if isinstance(self.damper, AxialDamper) else "kg m^2"
         return table({"size": (self.sizes, unit), "used": (self.used_at_best, "1")})

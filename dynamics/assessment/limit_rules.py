@@ -7,8 +7,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import FloatArray, positive_number
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from dynamics.assessment.limits import LimitCurve, VibrationLimit, checked_rated_speed
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.checks.choices import whole_within
+from crankbase.array_checks import FloatArray, positive_number
+from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.chains.chain import Chain

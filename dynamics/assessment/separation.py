@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, nonnegative_vector, positive_vector
+from crankbase.array_checks import FloatArray, nonnegative_vector, positive_vector
+from crankbase.frames import Row
+from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row
-from crankbase.units.quantity import format_quantity
 from dynamics.assessment.limits import checked_rated_speed, checked_running_range
 from dynamics.assessment.uncertainty import Spread, frequency_bounds
 from dynamics.assessment.wording import shown_range

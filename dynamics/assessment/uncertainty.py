@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, positive_vector
-from crankbase.checks.choices import (
+from crankbase.array_checks import FloatArray, positive_vector
+from crankbase.choices import (
     check_choice,
     is_number,
     is_whole_within,
@@ -17,8 +17,8 @@ from crankbase.checks.choices import (
 )
 from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
+from crankbase.frames import Axes
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
 

@@ -20,10 +20,9 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, Row, table, table_of
+from crankbase.quantity import RPM, format_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, Row, table, table_of
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import RPM
 from dynamics.assessment.barred_ranges import (
     BarredRange,
     BarredRangeRule,
@@ -176,7 +175,7 @@ class LimitCheck:
     def to_pandas(self) -> DataFrame:
         """Return a row for each speed: amplitude, what is permitted (inf if nothing is stated), its use.
 
-        Units and errors are those of `crankbase.tables.frames.table`.
+        Units and errors are those of `crankbase.frames.table`.
         """
         unit = self.limit.unit
         return table(
@@ -310,7 +309,7 @@ class Verdict:
     def to_pandas(self) -> DataFrame:
         """Return one row for each check, the worst use first.
 
-        Units and errors are those of `crankbase.tables.frames.table`.
+        Units and errors are those of `crankbase.frames.table`.
         """
         return table_of(self.checks)
 
@@ -487,7 +486,7 @@ class Decision:
     def to_pandas(self) -> DataFrame:
         """Return a table with a row for each value tried.
 
-        Units and errors are those of `crankbase.tables.frames.table`.
+        Units and errors are those of `crankbase.frames.table`.
         """
         return table_of(self.trials)
 

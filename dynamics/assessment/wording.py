@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crankbase.units.quantity import format_quantity, quantities_apart
-from crankbase.units.units import format_usage
+from crankbase.quantity import format_quantity, format_usage, quantities_apart
 from dynamics.assessment.limits import VibrationLimit
 
 # What a verdict is called; "undecided" and "not judged" are those of a run, not of a `Verdict`.

@@ -8,11 +8,11 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, positive_number
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import ComplexArray, FloatArray, finite_array, positive_number
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.balance.moving_masses import (
     Hodograph,
     MovingMasses,

@@ -9,17 +9,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     complex_array,
     nonnegative_number,
     radians_of,
 )
-from crankbase.checks.choices import check_choice, whole_number
+from crankbase.choices import check_choice, whole_number
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.engine.layout import EngineLayout, RotatingMass
 from dynamics.engine.motions import checked_orders, parts_motion, turn_spectrum
 from dynamics.plots.load_diagrams import FORCE_LABELS, MOMENT_LABELS, draw_hodographs

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     finite_vector,
     nonnegative_vector,
@@ -16,7 +16,7 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from crankbase.checks.choices import check_kind
+from crankbase.choices import check_kind
 from crankbase.errors import InputError, SolveError
 from crankbase.summaries import summarized
 from dynamics.chains.chain_modes import (

@@ -5,11 +5,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
-from crankbase.checks.choices import whole_number
+from crankbase.array_checks import FloatArray
+from crankbase.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
+from crankbase.frames import Axes, DataFrame, Dataset, grid, table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, Dataset, grid, table
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from dynamics.plots.quantities import name_axis
 

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import get_args
 
-from crankbase.checks.arrays import nonnegative_number, positive_number
-from crankbase.checks.choices import whole_within
+from crankbase.array_checks import nonnegative_number, positive_number
+from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

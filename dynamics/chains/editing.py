@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
-from crankbase.checks.arrays import FloatArray, nonnegative_number
+from crankbase.array_checks import FloatArray, nonnegative_number
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.indices import node_index

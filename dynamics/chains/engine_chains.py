@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     finite_array,
     nonnegative_number,
@@ -16,7 +16,7 @@ from crankbase.checks.arrays import (
     positive_number,
     positive_vector,
 )
-from crankbase.checks.choices import check_choice, whole_number
+from crankbase.choices import check_choice, whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

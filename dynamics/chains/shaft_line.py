@@ -7,8 +7,8 @@ from typing import Literal, Protocol, get_args
 
 import numpy as np
 
-from crankbase.checks.arrays import SMALLEST, nonnegative_number, positive_number
-from crankbase.checks.choices import check_choice, whole_number, whole_within
+from crankbase.array_checks import SMALLEST, nonnegative_number, positive_number
+from crankbase.choices import check_choice, whole_number, whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.arrays import FloatArray, one_for_each
-from crankbase.checks.choices import whole_within
+from crankbase.array_checks import FloatArray, one_for_each
+from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.array_checks import FloatArray, positive_number
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, Row, table, table_of
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FLYWHEEL, FREE_END, EngineChain, Kind
 from dynamics.crankshaft.assembly import CLASSES, MOTION_OF, AssembledShaft, Stations
 from dynamics.crankshaft.coupled_response import CoupledResponse
@@ -536,7 +536,7 @@ class ResponseMatch:
     def to_pandas(self) -> DataFrame:
         """Return a row for each speed: amplitude by the chain and by the shaft.
 
-        Units and errors are those of `crankbase.tables.frames.table`.
+        Units and errors are those of `crankbase.frames.table`.
         """
         unit = "m" if self.kind == "axial" else "rad"
         return table(
@@ -571,7 +571,7 @@ class ChainVerdict:
     def to_pandas(self) -> DataFrame:
         """Return a row for each mode that was compared; amplitudes are in ``response``.
 
-        Units and errors are those of `crankbase.tables.frames.table`.
+        Units and errors are those of `crankbase.frames.table`.
         """
         return table_of(self.modes)
 

@@ -7,8 +7,8 @@ from functools import cached_property, reduce
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.choices import is_whole_within
+from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.choices import is_whole_within
 from crankbase.diagrams import (
     BLUE,
     ORANGE,
@@ -21,9 +21,9 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
+from crankbase.frames import Axes, Dataset, grid
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, Dataset, grid
-from crankbase.units.units import RPM
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem
 from dynamics.excitation.chain_excitation import combined_excitation
@@ -342,7 +342,7 @@ class SplitMotion:
     def to_xarray(self) -> Dataset:
         """Return the amplitudes by order and speed, and of all orders together.
 
-        Units and errors are those of `crankbase.tables.frames.grid`.
+        Units and errors are those of `crankbase.frames.grid`.
         """
         unit = point_unit(self.point)
         plane = ("order", "speed")

@@ -4,12 +4,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
-from crankbase.checks.choices import check_choice, whole_within
+from crankbase.array_checks import FloatArray, positive_number, positive_vector
+from crankbase.choices import check_choice, whole_within
 from crankbase.diagrams import draw_diagram, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, Dataset, grid, table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, Dataset, grid, table
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.crankshaft.assembly import CLASSES, AssembledShaft
 from dynamics.crankshaft.surroundings import RZ, UZ
@@ -131,7 +131,7 @@ class ShaftModes:
     def to_pandas(self) -> DataFrame:
         """Return one row for each mode: name, frequency, and shares of its energy.
 
-        Units and errors are those of `crankbase.tables.frames.table`.
+        Units and errors are those of `crankbase.frames.table`.
         """
         return table(
             {
@@ -145,7 +145,7 @@ class ShaftModes:
     def to_xarray(self) -> Dataset:
         """Return frequencies, energy shares and the motions of all stations.
 
-        Units and errors are those of `crankbase.tables.frames.grid`.
+        Units and errors are those of `crankbase.frames.grid`.
         """
         over = ("station", "axis", "mode")
         return grid(

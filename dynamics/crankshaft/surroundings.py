@@ -7,14 +7,14 @@ from dataclasses import KW_ONLY, dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     finite_array,
     nonnegative_number,
     positive_number,
     read_only,
 )
-from crankbase.checks.choices import whole_number
+from crankbase.choices import whole_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

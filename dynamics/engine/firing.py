@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, finite_vector
-from crankbase.checks.choices import is_whole
+from crankbase.array_checks import FloatArray, finite_vector
+from crankbase.choices import is_whole
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_degrees
 

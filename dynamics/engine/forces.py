@@ -8,7 +8,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     checked_degrees,
@@ -17,10 +17,10 @@ from crankbase.checks.arrays import (
     radians_of,
     turning_speeds,
 )
-from crankbase.checks.choices import whole_within
+from crankbase.choices import whole_within
 from crankbase.errors import InputError
+from crankbase.frames import Axes, Dataset, grid
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
 from dynamics.engine.layout import EngineCylinder, EngineLayout

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     finite_array,
     nonnegative_number,
     positive_number,
     refuse_crank_radians,
 )
-from crankbase.checks.choices import is_whole, whole_within
+from crankbase.choices import is_whole, whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles

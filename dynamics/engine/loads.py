@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, finite_vector, positive_number
+from crankbase.array_checks import ComplexArray, FloatArray, finite_vector, positive_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
+from crankbase.quantity import format_number
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
-from crankbase.units.units import format_number
 from dynamics.cycle import check_even_cycle, cycle_degrees, has_closing_sample
 from dynamics.engine.forces import MechanismForces, pin_groups, summed
 from dynamics.engine.layout import check_distinct_positions

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     checked_degrees,
     positive_number,
     radians_of,
 )
-from crankbase.checks.choices import is_whole, whole_within
+from crankbase.choices import is_whole, whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import even_angles

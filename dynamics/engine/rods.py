@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crankbase.checks.arrays import finite_array, positive_number
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import finite_array, positive_number
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.engine import ROD_MODELS, RodModelName

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     check_shape,
@@ -14,7 +14,7 @@ from crankbase.checks.arrays import (
     positive_vector,
     turning_speeds,
 )
-from crankbase.checks.choices import whole_number, whole_within
+from crankbase.choices import whole_number, whole_within
 from crankbase.diagrams import (
     BLUE,
     COLORS,
@@ -28,9 +28,9 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
-from crankbase.units.units import RPM
 from dynamics.excitation.chain_excitation import axial_throw_forces
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.curves import main_orders_of, set_speed_axis

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     finite_array,
@@ -11,7 +11,7 @@ from crankbase.checks.arrays import (
     positive_number,
     positive_vector,
 )
-from crankbase.checks.choices import is_whole
+from crankbase.choices import is_whole
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics

@@ -8,7 +8,7 @@ from typing import Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     finite_vector,
@@ -18,11 +18,11 @@ from crankbase.checks.arrays import (
     read_only,
     turning_speeds,
 )
-from crankbase.checks.choices import check_choice, whole_number, whole_within
+from crankbase.choices import check_choice, whole_number, whole_within
 from crankbase.diagrams import legend_inside, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes, Dataset, grid
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.cycle import cycle_radians, even_angles, order_step
 from dynamics.engine import RodModelName
 from dynamics.engine.firing import MOST_CYLINDERS

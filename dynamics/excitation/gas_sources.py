@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, nonnegative_number
+from crankbase.array_checks import FloatArray, nonnegative_number
 from crankbase.errors import InputError
 from dynamics.engine.forces import Pressure, pressure_of_each
 from dynamics.engine.layout import EngineLayout

@@ -8,7 +8,7 @@ from typing import Any, Literal, cast, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     finite_array,
     finite_vector,
@@ -17,12 +17,12 @@ from crankbase.checks.arrays import (
     read_only,
     turning_speeds,
 )
-from crankbase.checks.choices import check_choice
+from crankbase.choices import check_choice
 from crankbase.diagrams import legend_below, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes
-from crankbase.units.units import RPM
 from dynamics.critical import engine_orders
 from dynamics.cycle import cycle_radians, even_angles, order_numbers, order_step
 from dynamics.gas.cycle_values import GasCycle

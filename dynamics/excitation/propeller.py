@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     finite_array,
@@ -15,7 +15,7 @@ from crankbase.checks.arrays import (
     positive_number,
     turning_speeds,
 )
-from crankbase.checks.choices import check_choice, whole_number
+from crankbase.choices import check_choice, whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain, speed_ratios

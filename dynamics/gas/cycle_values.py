@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from crankbase.checks.arrays import nonnegative_number, positive_number, refuse_radians_between
+from crankbase.array_checks import nonnegative_number, positive_number, refuse_radians_between
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes, cycle_degrees

@@ -8,13 +8,13 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, finite_vector, nonnegative_number
-from crankbase.checks.choices import check_choice, is_number, whole_number
+from crankbase.array_checks import FloatArray, finite_vector, nonnegative_number
+from crankbase.choices import check_choice, is_number, whole_number
 from crankbase.diagrams import BLUE, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
+from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
-from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.gas.cycle_values import (
     BOTTOM,

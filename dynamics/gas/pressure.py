@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, checked_degrees, positive_vector, read_only
+from crankbase.array_checks import FloatArray, checked_degrees, positive_vector, read_only
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
 from crankbase.input_file import GivenFile
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.cycle import (
     PLACE_TOLERANCE,
     checked_strokes,

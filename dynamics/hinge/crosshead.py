@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     checked_degrees,
     finite_array,
     nonnegative_number,
     positive_number,
 )
-from crankbase.checks.choices import check_choice
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
 from crankbase.summaries import summarized

@@ -6,12 +6,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, finite_vector, positive_number, read_only
-from crankbase.checks.choices import whole_number
+from crankbase.array_checks import FloatArray, finite_vector, positive_number, read_only
+from crankbase.choices import whole_number
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
+from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
-from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import (
     TURN,

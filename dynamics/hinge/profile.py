@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     finite_array,
@@ -16,12 +16,12 @@ from crankbase.checks.arrays import (
     radians_of,
     read_only,
 )
-from crankbase.checks.choices import check_choice
+from crankbase.choices import check_choice
 from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, Row, table
+from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, Row, table
-from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import periodic_spline
 from dynamics.hinge.moment import HingeMoment

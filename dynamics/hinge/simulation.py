@@ -5,12 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, nonnegative_number, positive_number, read_only
+from crankbase.array_checks import FloatArray, nonnegative_number, positive_number, read_only
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
+from crankbase.quantity import RPM, format_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import RPM
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import TURN, ReducedCrank, periodic_spline
 from dynamics.hinge.moment import HingeMoment

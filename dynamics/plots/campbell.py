@@ -5,10 +5,10 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.diagrams import COLORS, GRAY, Band, Diagram, Dots, Limits, Line, Note, draw_diagram
-from crankbase.tables.frames import Axes
-from crankbase.units.units import RPM
+from crankbase.frames import Axes
+from crankbase.quantity import RPM
 from dynamics.plots.harmonics import KIND_COLORS
 from dynamics.plots.quantities import SPEED_LABEL
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import FloatArray, finite_array
+from crankbase.array_checks import FloatArray, finite_array
 from crankbase.diagrams import (
     BLUE,
     COLORS,
@@ -27,8 +27,8 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
-from crankbase.tables.frames import Axes
-from crankbase.units.units import RPM
+from crankbase.frames import Axes
+from crankbase.quantity import RPM
 from dynamics.indices import within
 from dynamics.plots.quantities import SPEED_LABEL, QuantityDisplay
 

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.array_checks import ComplexArray, FloatArray
 from crankbase.diagrams import (
     BLUE,
     COLORS,
@@ -19,7 +19,7 @@ from crankbase.diagrams import (
     new_axes,
     write_title,
 )
-from crankbase.tables.frames import Axes
+from crankbase.frames import Axes
 from dynamics.indices import grouped
 
 ORDER_LABEL = "harmonic order [cycles per revolution]"

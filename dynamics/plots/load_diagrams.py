@@ -7,12 +7,12 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import ComplexArray, FloatArray, positive_number
+from crankbase.choices import check_choice
 from crankbase.diagrams import COLORS, GRAY, legend_below, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.tables.frames import Axes
-from crankbase.units.units import format_number
+from crankbase.frames import Axes
+from crankbase.quantity import format_number
 from dynamics.plots.quantities import KILO
 
 DASHES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 2, 1, 2, 1, 2)))

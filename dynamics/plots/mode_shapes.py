@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.diagrams import (
     BLUE,
     GREEN,
@@ -18,8 +18,8 @@ from crankbase.diagrams import (
     legend_above,
     order_line_style,
 )
-from crankbase.tables.frames import Axes
-from crankbase.units.units import format_number
+from crankbase.frames import Axes
+from crankbase.quantity import format_number
 from dynamics.plots.quantities import MILLI
 
 

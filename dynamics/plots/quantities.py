@@ -6,9 +6,9 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.choices import check_choice
-from crankbase.units.units import UNITS, VIBRATING, factor_of, unit_symbol
+from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.choices import check_choice
+from crankbase.quantity import UNITS, VIBRATING, factor_of, unit_symbol
 
 Coordinate: TypeAlias = tuple[Any, str, str]
 

@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 from scipy.optimize import linear_sum_assignment
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     check_shape,
     check_sizes,
     finite_vector,
 )
+from crankbase.frames import table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
 from dynamics.response.forced import ForcedResponse, chain_and_system
@@ -147,7 +147,7 @@ class ComplexModes:
     def to_pandas(self) -> "DataFrame":
         """Return a table: number, frequency, damping ratio, frequencies of ring free and locked.
 
-        Units and errors are those of `crankbase.tables.frames.table`.
+        Units and errors are those of `crankbase.frames.table`.
 
         Returns
         -------

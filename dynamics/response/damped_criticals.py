@@ -7,11 +7,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, checked_range
+from crankbase.array_checks import ComplexArray, FloatArray, checked_range
 from crankbase.errors import InputError
+from crankbase.frames import Row
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row
-from crankbase.units.units import RPM
 from dynamics.indices import within
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.forced import ForcedResponse

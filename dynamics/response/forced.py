@@ -8,11 +8,11 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.array_checks import ComplexArray, FloatArray
 from crankbase.errors import InputError
+from crankbase.frames import Axes, Dataset, grid
 from crankbase.memory import check_memory
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.chains.chain import Chain
 from dynamics.plots.quantities import (
     Quantity,

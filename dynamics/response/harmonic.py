@@ -7,8 +7,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.choices import check_choice
 from crankbase.errors import SolveError
 from dynamics.response.linear_system import LinearSystem
 

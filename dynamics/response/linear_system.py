@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh, qr
 
-from crankbase.checks.arrays import FloatArray, nonnegative_vector, one_for_each, positive_number
-from crankbase.checks.choices import whole_within
+from crankbase.array_checks import FloatArray, nonnegative_vector, one_for_each, positive_number
+from crankbase.choices import whole_within
 from crankbase.errors import InputError
+from crankbase.quantity import compact
 from crankbase.summaries import summarized
-from crankbase.units.units import compact
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
 from dynamics.indices import node_index, values_at_nodes

@@ -7,12 +7,12 @@ from typing import Literal, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, positive_vector
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import ComplexArray, FloatArray, finite_array, positive_vector
+from crankbase.choices import check_choice
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, SolveError
+from crankbase.frames import Axes, Dataset, grid
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name
 from dynamics.plots.curves import draw_named_curves
@@ -411,7 +411,7 @@ class PowerBalance:
     def to_xarray(self) -> Dataset:
         """Return all powers over order, speed and place.
 
-        Units and errors are those of `crankbase.tables.frames.grid`.
+        Units and errors are those of `crankbase.frames.grid`.
         """
         plane = ("order", "speed")
         return grid(

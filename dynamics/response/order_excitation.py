@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     check_sizes,
@@ -14,10 +14,10 @@ from crankbase.checks.arrays import (
     radians_of,
     read_only,
 )
-from crankbase.checks.choices import whole_within
+from crankbase.choices import whole_within
 from crankbase.errors import InputError
+from crankbase.frames import Dataset, grid
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Dataset, grid
 from dynamics.harmonics import Harmonics
 from dynamics.plots.quantities import Quantity, orders_and_speeds, quantity_display
 
@@ -163,7 +163,7 @@ class OrderExcitation:
     def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``forces`` over order, speed and node.
 
-        Units and errors are those of `crankbase.tables.frames.grid`.
+        Units and errors are those of `crankbase.frames.grid`.
 
         `quantity`, for the unit of the axis, is that of `quantity_display`.
         """

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from crankbase.frames import Row, table_of
+from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table_of
-from crankbase.units.quantity import format_quantity
 from dynamics.indices import index_of_name
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.forced import ForcedResponse
@@ -162,7 +162,7 @@ class PeakCause:
     def to_pandas(self) -> "DataFrame":
         """Return a table with a row for each order.
 
-        Units and errors are those of `crankbase.tables.frames.table`.
+        Units and errors are those of `crankbase.frames.table`.
         """
         return table_of(self.parts)
 

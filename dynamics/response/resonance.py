@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     checked_range,
@@ -16,11 +16,11 @@ from crankbase.checks.arrays import (
     one_for_each,
     positive_vector,
 )
-from crankbase.checks.choices import whole_number
+from crankbase.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes, Row
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, Row
 from dynamics.critical import critical_speeds
 from dynamics.indices import index_of_name
 from dynamics.plots.campbell import draw_campbell

@@ -10,18 +10,18 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     checked_range,
     radians_of,
     regular_array,
 )
-from crankbase.checks.choices import whole_number, whole_within
+from crankbase.choices import whole_number, whole_within
 from crankbase.diagrams import Curves, new_axes, write_title
 from crankbase.errors import InputError, quoted
+from crankbase.frames import Axes, Dataset, grid
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, Dataset, grid
 from dynamics.indices import index_of_name
 from dynamics.plots.curves import MAIN_ORDERS, draw_over_speed, over_speed
 from dynamics.plots.quantities import (

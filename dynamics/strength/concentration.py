@@ -4,8 +4,8 @@ import math
 from dataclasses import KW_ONLY, dataclass, fields
 from typing import Literal, get_args
 
-from crankbase.checks.arrays import nonnegative_number, positive_number
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import nonnegative_number, positive_number
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 

@@ -7,17 +7,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     check_shape,
     finite_array,
     nonnegative_number,
     positive_number,
 )
-from crankbase.checks.choices import check_choice
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.frames import Row
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row
 from dynamics.strength.concentration import ConcentrationFactors, ElementFactors
 
 MPA, MM = 1e6, 1e-3

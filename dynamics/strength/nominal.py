@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     check_shape,
     finite_array,

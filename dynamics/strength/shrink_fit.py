@@ -4,7 +4,7 @@ import math
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 
-from crankbase.checks.arrays import nonnegative_number, positive_number
+from crankbase.array_checks import nonnegative_number, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 

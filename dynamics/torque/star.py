@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     finite_array,
     finite_vector,
@@ -18,8 +18,8 @@ from crankbase.checks.arrays import (
 )
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
 from dynamics.cycle import checked_strokes, order_numbers
 from dynamics.engine.forces import spread_array

@@ -8,12 +8,12 @@ from typing import Literal, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, read_only
-from crankbase.checks.choices import check_choice, is_whole, whole_number, whole_within
+from crankbase.array_checks import FloatArray, finite_array, nonnegative_number, read_only
+from crankbase.choices import check_choice, is_whole, whole_number, whole_within
 from crankbase.diagrams import BLUE, COLORS, ORANGE, legend_above
 from crankbase.errors import InputError, SolveError
+from crankbase.frames import Axes, DataFrame, Dataset, grid, table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, Dataset, grid, table
 from dynamics.cycle import cycle_radians, even_angles
 from dynamics.engine import RodModelName
 from dynamics.engine.firing import IN_LINE

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     finite_array,
     finite_vector,
@@ -18,12 +18,12 @@ from crankbase.checks.arrays import (
     radians_of,
     read_only,
 )
-from crankbase.checks.choices import whole_number
+from crankbase.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes
-from crankbase.units.units import RPM
 from dynamics.indices import node_index
 from dynamics.plots.curves import draw_over_time
 from dynamics.plots.quantities import SPEED_LABEL

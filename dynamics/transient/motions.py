@@ -7,14 +7,13 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
-from crankbase.checks.choices import check_choice, whole_number
+from crankbase.array_checks import ComplexArray, FloatArray, finite_array
+from crankbase.choices import check_choice, whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes, Dataset, grid
+from crankbase.quantity import RPM, format_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, Dataset, grid
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import RPM
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name, node_index
 from dynamics.plots.curves import (

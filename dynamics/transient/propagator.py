@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import expm
 
-from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import FloatArray, positive_number
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

@@ -8,11 +8,11 @@ from typing import Literal, Unpack
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.checks.choices import check_choice, whole_number
+from crankbase.array_checks import FloatArray, positive_number
+from crankbase.choices import check_choice, whole_number
 from crankbase.errors import InputError
+from crankbase.frames import Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Dataset
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
 from dynamics.response.linear_system import LinearSystem

@@ -8,14 +8,14 @@ from typing import Any, Literal, Unpack, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     check_shape,
     finite_array,
     turning_speeds,
 )
-from crankbase.checks.choices import check_choice
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import EngineChain, cylinder_inertia

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, finite_array, positive_number
-from crankbase.checks.choices import whole_number
+from crankbase.array_checks import FloatArray, finite_array, positive_number
+from crankbase.choices import whole_number
 from crankbase.errors import InputError
+from crankbase.frames import Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Dataset
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
 from dynamics.transient.applied_forces import cycle_turns
@@ -100,7 +100,7 @@ class TurningCycle(CycleMotion):
     def to_xarray(self) -> Dataset:
         """Return motions and torques over shaft angle, node and element.
 
-        Units and errors are those of `crankbase.tables.frames.grid`.
+        Units and errors are those of `crankbase.frames.grid`.
         """
         speed = (("shaft_angle", "node"), self.speed, "rad/s", "speed of the node")
         return self._grid("twist", speed=speed)
@@ -342,7 +342,7 @@ class TurningRun(ShaftRun):
     def to_xarray(self) -> Dataset:
         """Return speed, angle, motions, torques, energies and works over time, node and element.
 
-        Units and errors are those of `crankbase.tables.frames.grid`.
+        Units and errors are those of `crankbase.frames.grid`.
         """
         energies = {
             name: (("time",), getattr(self, name), "J", name.replace("_", " ")) for name in ENERGIES

@@ -8,19 +8,19 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     FloatArray,
     finite_array,
     finite_vector,
     nonnegative_number,
     read_only,
 )
-from crankbase.checks.choices import check_choice, whole_number
+from crankbase.choices import check_choice, whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes, DataFrame, table
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
-from crankbase.units.units import RPM
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
 from dynamics.engine.layout import EngineLayout

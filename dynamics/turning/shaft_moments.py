@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     LARGEST,
     ComplexArray,
     FloatArray,

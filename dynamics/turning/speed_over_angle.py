@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, finite_array, positive_number, read_only
-from crankbase.checks.choices import whole_number
+from crankbase.array_checks import FloatArray, finite_array, positive_number, read_only
+from crankbase.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, quoted
+from crankbase.frames import Axes, DataFrame, table
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Axes, DataFrame, table
-from crankbase.units.units import RPM
 from dynamics.cycle import even_angles
 from dynamics.plots.curves import draw_over_angle
 

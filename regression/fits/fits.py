@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.diagrams import new_axes
 from crankbase.errors import InputError
+from crankbase.frames import table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from regression.fits.equation_text import term_effects
 from regression.fits.forms import (
     Basis,

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.choices import is_number
+from crankbase.choices import is_number
 from crankbase.errors import InputError
 from regression.fits.selection import DEPENDENT_COLUMN
 from regression.fits.terms import (

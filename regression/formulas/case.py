@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
-from crankbase.checks.choices import check_kind, is_number
+from crankbase.choices import check_kind, is_number
 from crankbase.errors import InputError, quoted
+from crankbase.frames import table
+from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
-from crankbase.units.quantity import format_quantity
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from regression.formulas.case import (
     AxialFormula,
     Reading,

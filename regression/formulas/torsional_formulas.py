@@ -16,7 +16,7 @@ S. Timoshenko: Vibration Problems in Engineering, New York, Van Nostrand.
 import math
 from collections.abc import Mapping
 
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from fem.material import Material
 from geometry.throw import CrankThrow
 from regression.formulas.case import (

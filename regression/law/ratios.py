@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.choices import check_kind
+from crankbase.choices import check_kind
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web, web_dimension

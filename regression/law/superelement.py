@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import finite_array
+from crankbase.array_checks import finite_array
 from crankbase.errors import InputError, quoted
 from geometry.throw import CrankThrow
 from regression.law.networks import OUTPUTS

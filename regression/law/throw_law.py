@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import finite_array
-from crankbase.checks.choices import is_number
+from crankbase.array_checks import finite_array
+from crankbase.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from geometry.throw import CrankThrow

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import finite_array
+from crankbase.array_checks import finite_array
 from crankbase.errors import InputError, quoted
 from regression.formulas.case import fold_angle_deg
 

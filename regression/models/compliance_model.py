@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.choices import check_not_given, whole_number
+from crankbase.choices import check_not_given, whole_number
 from crankbase.diagrams import BLUE, RED, display_unit, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.tables.frames import grid, table
+from crankbase.frames import grid, table
 from fem.plots import angle_axis
 from geometry.throw import CrankThrow
 from regression.models.angle import between_values, fold_angle

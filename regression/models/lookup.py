@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import check_sizes, finite_array
+from crankbase.array_checks import check_sizes, finite_array
 from crankbase.errors import InputError
+from crankbase.frames import table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from fem.end_reactions import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
 from geometry.throw import CrankThrow
 from regression.models.angle import between_ends, between_values

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
-from crankbase.checks.choices import did_you_mean
+from crankbase.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.input_file import JSON, LARGEST_TABLE_FILE, GivenFile, InputFile
 from crankbase.model import InputModel

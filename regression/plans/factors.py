@@ -7,10 +7,10 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
-from crankbase.checks.choices import check_choice, did_you_mean, is_number, is_whole_within
+from crankbase.choices import check_choice, did_you_mean, is_number, is_whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from geometry.throw import CrankThrow
 
 SPACINGS = ("even", "log", "chebyshev", "log chebyshev")

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.choices import did_you_mean, is_number
+from crankbase.choices import did_you_mean, is_number
 from crankbase.errors import InputError, quoted
 from crankbase.input_file import LARGEST_POWER, LONGEST_EXPRESSION
-from crankbase.units.quantity import format_quantity, unit_registry
+from crankbase.quantity import format_quantity, unit_registry
 
 TOKEN = re.compile(
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"

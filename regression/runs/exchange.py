@@ -13,7 +13,7 @@ import numpy as np
 from crankbase.errors import InputError, MissingLibraryError
 from crankbase.input_file import LARGEST_TABLE_FILE, check_file_size
 from crankbase.outputs import atomic_file
-from crankbase.units.quantity import parse_quantity
+from crankbase.quantity import parse_quantity
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor, changed_record, field_value

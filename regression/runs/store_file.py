@@ -13,7 +13,7 @@ from typing import Any
 
 import psutil
 
-from crankbase.checks.choices import is_number
+from crankbase.choices import is_number
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
 from fem.responses import RESPONSES

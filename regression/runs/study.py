@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.calls import GIGABYTE
-from crankbase.checks.choices import is_whole_within
+from crankbase.choices import is_whole_within
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
 from crankbase.memory import check_memory, free_memory

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from crankbase.diagrams import display_unit, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import table
 from crankbase.model import field_extra
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor

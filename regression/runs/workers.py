@@ -24,7 +24,7 @@ from crankbase.calls import (
     ProcessLostError,
     answered,
 )
-from crankbase.checks.choices import is_number
+from crankbase.choices import is_number
 from crankbase.errors import InputError, NotEnoughMemoryError
 from crankbase.processes import start_child
 from fem.material import Material

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import crankfem as cf
 from crankbase.errors import InputError
-from crankbase.units.quantity import parse_quantity
+from crankbase.quantity import parse_quantity
 from crankfem.files.engine.throw_file import load_study, load_throw_file
 from dynamics.gas.pressure import read_pressure_table
 from dynamics.harmonics import read_torque_table

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.checks.choices import (
+from crankbase.choices import (
     allowed_names,
     did_you_mean,
     is_number,

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 import crankfem as cf
 from comparing import close
-from crankbase.checks.arrays import checked_degrees, refuse_crank_radians
+from crankbase import quantity
+from crankbase.array_checks import checked_degrees, refuse_crank_radians
 from crankbase.errors import InputError
-from crankbase.units import quantity
-from crankbase.units.quantity import (
+from crankbase.quantity import (
     PLAIN_SIZES,
     TURNING,
     format_quantity,

@@ -9,7 +9,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.units.units import RPM
+from crankbase.quantity import RPM
 from crankfem.analyses.submission.document import check_submission, class_document
 from crankfem.analyses.submission.firing_cases import (
     CUT_OUT,

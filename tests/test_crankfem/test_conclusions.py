@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 from comparing import close
-from crankbase.tables.table import parse_output_units
+from crankbase.table import parse_output_units
 from crankfem.analyses.vibration.assessment import Assessment, engine_decision
 from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict
 from crankfem.analyses.vibration.misfiring import FiringCheck, Reached

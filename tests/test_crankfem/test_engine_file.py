@@ -8,8 +8,8 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankbase.checks.arrays import finite_array, positive_number
-from crankbase.checks.choices import whole_number
+from crankbase.array_checks import finite_array, positive_number
+from crankbase.choices import whole_number
 from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.file_check import refuse_what_cannot_run

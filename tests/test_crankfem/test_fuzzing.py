@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 
 import crankfem as cf
 from crankbase.errors import InputError
-from crankbase.units.quantity import parse_quantity
+from crankbase.quantity import parse_quantity
 from crankfem.cli import app as cli
 from regression.plans.relations import read_expression
 from strategies import requests

@@ -9,7 +9,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.tables.table import table_unit
+from crankbase.table import table_unit
 from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.mechanism.plots import picture_torque_table, table_files
 from crankfem.files.hinge_file import load_hinge

@@ -11,7 +11,7 @@ import pytest
 from comparing import close
 from crankbase.diagrams import figure
 from crankbase.errors import InputError
-from crankbase.tables.table import merged_rows
+from crankbase.table import merged_rows
 from crankfem.analyses.mechanism.balance_records import (
     balance_contents,
     mechanism_balance_record,

@@ -10,8 +10,8 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.tables.table import SI, UNITS, Column, Table, parse_output_units
-from crankbase.units.quantity import unit_registry
+from crankbase.quantity import unit_registry
+from crankbase.table import SI, UNITS, Column, Table, parse_output_units
 from crankfem.cli import console
 from crankfem.files.reading.data_files import input_path
 

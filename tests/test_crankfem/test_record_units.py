@@ -9,8 +9,8 @@ import pytest
 import typer
 
 from crankbase.errors import SolveError
-from crankbase.tables.table import SI, OutputUnit, OutputUnits
-from crankbase.units.units import POWER_OF_TEN, UNITS
+from crankbase.quantity import POWER_OF_TEN, UNITS
+from crankbase.table import SI, OutputUnit, OutputUnits
 from crankfem.analyses.record import json_text, plain, units_of, with_units
 from crankfem.analyses.vibration.records import run_record
 from crankfem.cli.app import app

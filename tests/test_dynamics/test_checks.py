@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.checks.arrays import (
+from crankbase.array_checks import (
     HIGHEST_SPEED,
     LARGEST,
     SMALLEST,

@@ -8,7 +8,7 @@ from scipy.signal import peak_prominences
 
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.tables.frames import table_of
+from crankbase.frames import table_of
 from dynamics.assessment.separation import major_criticals
 from dynamics.chains.chain import Chain, Gear
 from dynamics.chains.dampers import RubberDamper, ViscousDamper

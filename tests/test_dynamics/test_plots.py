@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
-from crankbase.tables.frames import table_of
+from crankbase.frames import table_of
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.damper_sizing import SizedDamper
 from dynamics.assessment.limits import AmplitudeCurve, given_limit

@@ -12,7 +12,7 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankbase.units.units import compact
+from crankbase.quantity import compact
 
 pytestmark = pytest.mark.further
 

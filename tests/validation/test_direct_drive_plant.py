@@ -14,7 +14,7 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankbase.units.units import RPM
+from crankbase.quantity import RPM
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.chain.chain_file import load_chain
 from dynamics.assessment.barred_ranges import BarredRangeRule

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.choices import check_choice
 from crankbase.diagrams import figure, make_folder, new_axes
 from crankbase.errors import InputError
+from crankbase.frames import table
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
-from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.hinge_file import HingeFile
 from dynamics.hinge.crosshead import KINEMATICS, Kinematics

@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.diagrams import BLUE, COLORS, GRAY, GREEN, ORANGE, legend_inside, write_title
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import RPM
+from crankbase.quantity import RPM, format_quantity
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
 from dynamics.hinge.simulation import SteadyHingeTurn

@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-from crankbase.tables.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
+from crankbase.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.record import Record, attributes
 from dynamics.balance.balance import (

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray
-from crankbase.tables.table import SI, Column, OutputUnits, Table, format_names, table_unit
-from crankbase.units.units import RPM
+from crankbase.array_checks import FloatArray
+from crankbase.quantity import RPM
+from crankbase.table import SI, Column, OutputUnits, Table, format_names, table_unit
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
 from crankfem.analyses.mechanism.rod_models import ROUND_OFF, ModelDifference, compare_rod_models

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from crankbase.checks.choices import check_choice, check_kind, check_not_given, is_whole
+from crankbase.choices import check_choice, check_kind, check_not_given, is_whole
 from crankbase.errors import InputError
+from crankbase.frames import table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import (
     MechanismFile,

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.summaries import summarized
-from crankbase.tables.table import SI, Column, OutputUnits, Table, format_names
+from crankbase.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.record import Record, attributes
 from dynamics.engine import ROD_MODELS, RodModelName

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.errors import InputError
-from crankbase.units.units import RPM
+from crankbase.quantity import RPM
 from crankfem.analyses.mechanism.mechanism_records import fired_record, seen_stars
 from crankfem.analyses.record import Record, attributes
 from crankfem.files.engine.file_kinds import torque_table_file

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
+from crankbase.quantity import UNITS, VIBRATING, compact, format_quantity, significant, unit_symbol
 from crankbase.summaries import summarized
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import UNITS, VIBRATING, compact, significant, unit_symbol
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
@@ -256,7 +255,7 @@ class Motion(NamedTuple):
     si : str
         Its unit in records.
     printed : str
-        Its unit among those of `crankbase.tables.table`.
+        Its unit among those of `crankbase.table`.
     unit : str
         The same as written in diagrams and reports.
     size : float

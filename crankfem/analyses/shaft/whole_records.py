@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.units.units import RPM, significant
+from crankbase.quantity import RPM, significant
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
 from crankfem.files.engine.engine_file import EngineFile

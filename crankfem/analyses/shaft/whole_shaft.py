@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
-from crankbase.checks.choices import check_choice, check_not_given
+from crankbase.array_checks import FloatArray
+from crankbase.choices import check_choice, check_not_given
 from crankbase.errors import InputError
+from crankbase.frames import table_of
+from crankbase.quantity import RPM, UNBOUNDED, significant
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table_of
-from crankbase.units.units import RPM, UNBOUNDED, significant
 from crankfem.analyses.shaft.chains import ASSUMED, MOTION, magnifier_of, shaft_surroundings
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT

@@ -13,12 +13,12 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError, MeshError, SolveError
+from crankbase.frames import DataFrame, Row, table_of
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
-from crankbase.tables.frames import DataFrame, Row, table_of
-from crankbase.tables.table import Column, Table
-from crankbase.units.units import RPM
+from crankbase.table import Column, Table
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.strength.cycle_loads import CycleLoads, cycle_loads, judged_speeds
 from crankfem.analyses.strength.engine_strength import EngineStrength, engine_strength

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
-from crankbase.units.units import RPM
 from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.vibration.engine_excitation import (

@@ -6,10 +6,10 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.frames import DataFrame, table_of
+from crankbase.quantity import RPM, UNBOUNDED
 from crankbase.summaries import summarized
-from crankbase.tables.frames import DataFrame, table_of
-from crankbase.tables.table import SI, Column, OutputUnits, Table
-from crankbase.units.units import RPM, UNBOUNDED
+from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.strength.cycle_loads import (
     HIGHEST_ORDER,

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.choices import check_choice, check_not_given
+from crankbase.choices import check_choice, check_not_given
 from crankbase.diagrams import display_unit, draw_rows, math_symbol, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import table as frame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table as frame
 from fem.responses import RESPONSES
 from regression.fits.equation_text import equation_text, term_effects
 from regression.fits.fits import Fit, fit_form

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.choices import check_choice, check_not_given, is_whole_within
+from crankbase.choices import check_choice, check_not_given, is_whole_within
 from crankbase.diagrams import legend_inside, new_axes, write_title
 from crankbase.errors import InputError, MeshError, visible
 from crankbase.outputs import atomic_file, check_output, is_listed, write_errors

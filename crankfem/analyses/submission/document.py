@@ -9,9 +9,8 @@ import numpy as np
 
 from crankbase.diagrams import GREEN, ORANGE, figure, legend_below, with_gaps, write_title
 from crankbase.errors import InputError
-from crankbase.tables.table import Column, Table
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import RPM
+from crankbase.quantity import RPM, format_quantity
+from crankbase.table import Column, Table
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.submission import machine_tables, mode_tables

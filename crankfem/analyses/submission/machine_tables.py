@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.tables.table import Cell, Column, OutputUnit, Table
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import UNBOUNDED
+from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.quantity import UNBOUNDED, format_quantity
+from crankbase.table import Cell, Column, OutputUnit, Table
 from crankfem.analyses.submission.firing_cases import (
     GEARS,
     GENERATOR,

@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
+from crankbase.quantity import UNBOUNDED
 from crankbase.summaries import summarized
-from crankbase.tables.table import Cell, Column, OutputUnit, Table
-from crankbase.units.units import UNBOUNDED
+from crankbase.table import Cell, Column, OutputUnit, Table
 from crankfem.analyses.submission.firing_cases import (
     HIGHEST_SHARE,
     MEANING,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.array_checks import FloatArray, positive_number
 from crankbase.diagrams import (
     ALL_ORDERS,
     Curves,

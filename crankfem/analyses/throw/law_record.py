@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import partial
 
 from crankbase.errors import InputError
-from crankbase.tables.table import SI, OutputUnits
-from crankbase.units.units import percent
+from crankbase.quantity import percent
+from crankbase.table import SI, OutputUnits
 from crankfem.analyses.record import Record
 from fem.material import Material
 from geometry.throw import CrankThrow

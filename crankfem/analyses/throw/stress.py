@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.errors import InputError, MeshError, SolveError
-from crankbase.tables.table import SI, Column, OutputUnit, OutputUnits, Table
+from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.stress_picture import RENDER, picture_arrays, picture_name

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from crankbase.tables.table import SI, Column, OutputUnits, Table
-from crankbase.units.units import percent
+from crankbase.quantity import percent
+from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record, attributes
 from fem.modes import ThrowModes
 from fem.solver import asymmetry

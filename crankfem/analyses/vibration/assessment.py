@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
+from crankbase.frames import table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from crankfem.analyses.assumptions import is_assumed
 from crankfem.analyses.shaft.chains import ASSUMED, damped_engine_chain, magnifier_of
 from crankfem.analyses.shaft.sources import source_spread

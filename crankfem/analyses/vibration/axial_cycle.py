@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
-from crankbase.units.units import RPM
+from crankbase.array_checks import FloatArray
+from crankbase.quantity import RPM
 from crankfem.analyses.record import Record
 from crankfem.analyses.vibration.engine_excitation import forces_over_speeds
 from crankfem.analyses.vibration.forced import EngineChains, ForcedVibration

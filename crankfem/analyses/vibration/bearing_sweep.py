@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
+from crankbase.frames import table
+from crankbase.quantity import compact
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
-from crankbase.units.units import compact
 from crankfem.analyses.shaft.chains import BearingStiffness, bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankfem.analyses.shaft.chains import (

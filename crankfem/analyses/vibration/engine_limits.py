@@ -6,9 +6,9 @@ from typing import Protocol
 
 import numpy as np
 
-from crankbase.checks.choices import did_you_mean
+from crankbase.choices import did_you_mean
 from crankbase.errors import InputError
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from crankfem.analyses.shaft.chains import engine_throw_inertias, engine_torsional_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.engine_sections import Engine

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import FloatArray
-from crankbase.checks.choices import check_choice, check_not_given
+from crankbase.array_checks import FloatArray
+from crankbase.choices import check_choice, check_not_given
 from crankbase.diagrams import write_title
 from crankbase.errors import InputError
+from crankbase.frames import table_of
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table_of
 from crankfem.analyses.shaft.chains import MOTION, damped_engine_chain
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.vibration.engine_excitation import (

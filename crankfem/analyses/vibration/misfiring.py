@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
+from crankbase.frames import Row, table_of
+from crankbase.quantity import format_quantity, format_usage
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row, table_of
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import format_usage
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     failing_harmonics,

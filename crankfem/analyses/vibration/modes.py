@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.choices import whole_number
+from crankbase.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import table
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import (
     MOTION,
     engine_axial_chain,

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import finite_array, finite_vector
+from crankbase.array_checks import finite_array, finite_vector
 from crankbase.diagrams import draw_diagram, figure
 from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title

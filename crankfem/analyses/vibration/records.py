@@ -5,8 +5,8 @@ from math import isnan
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
-from crankbase.units.units import RPM
+from crankbase.array_checks import FloatArray
+from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.mechanism_records import power_record
 from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes, plain

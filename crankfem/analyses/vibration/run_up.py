@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
+from crankbase.frames import table
+from crankbase.quantity import parse_quantity
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
-from crankbase.units.quantity import parse_quantity
 from crankfem.analyses.shaft.chains import magnifier_damping
 from crankfem.analyses.vibration.run import EngineVibration
 from dynamics.transient.applied_forces import SpeedCurve

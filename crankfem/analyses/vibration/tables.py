@@ -5,8 +5,8 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
-from crankbase.tables.table import SI, Cell, Column, OutputUnits, Table
-from crankbase.units.units import RPM, UNBOUNDED
+from crankbase.quantity import RPM, UNBOUNDED
+from crankbase.table import SI, Cell, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.chains import MOTION
 from dynamics.assessment.wording import limit_at

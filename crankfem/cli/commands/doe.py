@@ -7,7 +7,7 @@ import typer
 
 from crankbase.errors import InputError
 from crankbase.outputs import protect
-from crankbase.units.quantity import parse_quantity
+from crankbase.quantity import parse_quantity
 from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import Output, WorkersOption, with_output

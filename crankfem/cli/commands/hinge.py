@@ -50,8 +50,8 @@ def hinge(
     out: Output,
 ) -> None:
     """Calculate the guides of an elastic hinge for constant crank speed, and the speed left uneven."""
-    from crankbase.checks.choices import check_choice
-    from crankbase.units.quantity import parse_quantity
+    from crankbase.choices import check_choice
+    from crankbase.quantity import parse_quantity
     from crankfem.analyses.hinge.hinge_run import (
         FILES,
         GUIDES,

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from crankbase.checks.choices import allowed_names
+from crankbase.choices import allowed_names
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
@@ -165,7 +165,7 @@ def _copy(source: str, file: Path) -> str:
 
 
 def _list(json: bool) -> None:
-    from crankbase.tables.table import Column, Table
+    from crankbase.table import Column, Table
     from crankfem.analyses.record import attributes
     from crankfem.files.engine.file_kinds import shipped_files
 
@@ -204,7 +204,7 @@ def fields(
     """List the fields of an engine or chain file: meaning, unit, allowed range, default."""
     from dataclasses import asdict, astuple
 
-    from crankbase.tables.table import Column, Table
+    from crankbase.table import Column, Table
     from crankfem.files.engine.field_tables import section_tables
 
     tables = section_tables(section)

@@ -13,7 +13,7 @@ from crankfem.cli.commands.options import GammaOption, ModelArgument, Output, wi
 from crankfem.cli.console import print_json, print_line, print_table
 
 if TYPE_CHECKING:
-    from crankbase.tables.table import OutputUnits
+    from crankbase.table import OutputUnits
     from crankfem.analyses.study.nominal_throw import Kind
     from regression.models.compliance_model import ComplianceModel
     from regression.models.lookup import Lookup
@@ -391,7 +391,7 @@ def _optimum_record(best: "Optimum") -> dict[str, Any]:
 
 
 def _print_optimum(model: "ComplianceModel", best: "Optimum", units: "OutputUnits") -> None:
-    from crankbase.tables.table import Column, Table
+    from crankbase.table import Column, Table
     from crankfem.cli.arguments import dimensions_text
 
     print_line(f"Smallest {best.minimized}: {units.quantity(best.value, best.unit, 4)}")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from crankbase.checks.choices import check_choice
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
@@ -15,7 +15,7 @@ from crankfem.cli.console import print_json
 from dynamics.engine import ROD_MODELS, RodModelName
 
 if TYPE_CHECKING:
-    from crankbase.tables.table import OutputUnits
+    from crankbase.table import OutputUnits
     from dynamics.harmonics import Harmonics
 
 

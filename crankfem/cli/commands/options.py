@@ -11,7 +11,7 @@ import typer
 
 from crankbase.errors import InputError
 from crankbase.outputs import replacing_files
-from crankbase.tables.table import OutputUnits, parse_output_units
+from crankbase.table import OutputUnits, parse_output_units
 from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.jobs.exit_codes import EXIT_LIMITS, EXIT_UNDECIDED

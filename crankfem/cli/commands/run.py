@@ -21,7 +21,7 @@ from crankfem.cli.commands.options import (
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
-    from crankbase.tables.table import OutputUnits
+    from crankbase.table import OutputUnits
 
 
 @with_output(files=True, units=True)

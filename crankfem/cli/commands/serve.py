@@ -41,7 +41,7 @@ def serve(
 
     Only this machine is served, unless --host and --key-file are given.
     """
-    from crankbase.checks.choices import is_whole_within
+    from crankbase.choices import is_whole_within
     from crankfem.cli.interrupts import interrupts_raise
     from crankfem.service.guard import Bounds, Settings
     from regression.runs.study import check_workers

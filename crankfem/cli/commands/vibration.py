@@ -18,7 +18,7 @@ from crankfem.cli.commands.options import (
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
-    from crankbase.tables.table import OutputUnits
+    from crankbase.table import OutputUnits
     from crankfem.files.reading.toml_file import TomlFile
 
 

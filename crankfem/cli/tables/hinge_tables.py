@@ -3,8 +3,8 @@
 import math
 import re
 
-from crankbase.tables.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
-from crankbase.units.units import RPM
+from crankbase.quantity import RPM
+from crankbase.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.cli.console import print_line, print_notes, print_table
 

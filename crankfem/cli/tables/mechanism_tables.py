@@ -3,8 +3,8 @@
 import math
 from pathlib import Path
 
-from crankbase.tables.table import SI, Column, OutputUnits, Table, table_unit
-from crankbase.units.units import RPM
+from crankbase.quantity import RPM
+from crankbase.table import SI, Column, OutputUnits, Table, table_unit
 from crankfem.analyses.mechanism.balance_records import (
     BALANCED_TEXT,
     balance_contents,

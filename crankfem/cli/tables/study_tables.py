@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.tables.table import Column, OutputUnit, Table
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import DISPLAY_UNITS
+from crankbase.quantity import DISPLAY_UNITS, format_quantity
+from crankbase.table import Column, OutputUnit, Table
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.study.fit_records import LACK_OF_FIT
 from crankfem.cli.console import number, print_line, print_table

@@ -7,8 +7,8 @@ from typing import Any
 from rich.table import Table as RichTable
 
 from crankbase.errors import InputError
-from crankbase.tables.table import SI, Column, OutputUnit, OutputUnits, Table
-from crankbase.units.units import RPM, significant
+from crankbase.quantity import RPM, significant
+from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.formula_records import (
     EngineSpread,

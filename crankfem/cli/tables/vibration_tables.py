@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.tables.table import SI, Column, OutputUnits, Table
-from crankbase.units.units import RPM, UNBOUNDED
+from crankbase.quantity import RPM, UNBOUNDED
+from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.tables import (

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from crankbase.checks.arrays import positive_number
+from crankbase.array_checks import positive_number
 from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, part_field, quantity_field
 from crankfem.files.sections.vibration_sections import AxialDamperPart, TorsionalDamperPart

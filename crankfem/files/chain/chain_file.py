@@ -9,8 +9,8 @@ import numpy as np
 
 from crankbase.errors import InputError, InputErrors
 from crankbase.input_file import LARGEST_TEXT_FILE, InputFile
+from crankbase.quantity import parse_quantity
 from crankbase.summaries import summarized
-from crankbase.units.quantity import parse_quantity
 from crankfem.files.chain.chain_build import (
     UNITS,
     AxialChainSection,

@@ -10,8 +10,8 @@ from typing import Any, Protocol
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankbase.model import InputModel
+from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
-from crankbase.units.quantity import format_quantity
 from crankfem.files.chain.chain_file import PLANT, plant_chain, read_shaft_lines
 from crankfem.files.engine.file_kinds import engine_sections, file_kind, torque_table_file
 from crankfem.files.engine.mechanism_cylinders import (

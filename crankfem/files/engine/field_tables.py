@@ -7,11 +7,10 @@ from typing import Literal, get_args, get_origin
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from crankbase.checks.choices import allowed_names
+from crankbase.choices import allowed_names
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import DISPLAY_UNITS
+from crankbase.quantity import DISPLAY_UNITS, format_quantity
 from crankfem.files.chain.chain_file import KINDS as CHAIN_KINDS
 from crankfem.files.engine.engine_file import SECTIONS
 from fem.material import Material

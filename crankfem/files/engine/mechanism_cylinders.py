@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from crankfem.files.sections.engine_sections import Engine, ShaftLayout
 from crankfem.files.sections.mechanism_sections import HingedRods, Piston, Rod
 from dynamics.engine.firing import (

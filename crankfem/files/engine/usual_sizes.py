@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
-from crankbase.units.quantity import format_quantity
 from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.files.sections.engine_sections import Engine, Flywheel, ThrustBearing
 from crankfem.files.sections.mechanism_sections import Piston, Rod

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from crankbase.checks.choices import did_you_mean
+from crankbase.choices import did_you_mean
 from crankbase.errors import InputError, quoted
 from crankbase.input_file import InputFile, not_a_file
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from types import NoneType, UnionType
 from typing import get_args, get_type_hints
 
-from crankbase.checks.choices import allowed_names, is_number
+from crankbase.choices import allowed_names, is_number
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from crankfem.files.reading.toml_file import InputRecord
 from geometry.throw import CrankThrow
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from crankbase.checks.choices import did_you_mean
+from crankbase.choices import did_you_mean
 from crankbase.errors import InputError, InputErrors, shortened
 from crankbase.input_file import (
     DEEPEST_TABLE,
@@ -19,7 +19,7 @@ from crankbase.input_file import (
     MOST_VALUES,
 )
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.units.quantity import SEPARATED_NUMBER, either, format_quantity, readings
+from crankbase.quantity import SEPARATED_NUMBER, either, format_quantity, readings
 from crankfem.files.reading.data_files import InputFiles
 
 # A key of more names than tables may lie in tables; taking it apart would take long. Nothing is gone

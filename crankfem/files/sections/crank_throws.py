@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError, InputErrors
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.engine_sections import NamedThrow, ShaftLayout
 from geometry.crankshaft import Crankshaft

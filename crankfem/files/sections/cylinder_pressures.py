@@ -8,11 +8,10 @@ from typing import ClassVar, Literal, Self, TypeVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import PER_MINUTE
+from crankbase.quantity import PER_MINUTE, format_quantity
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.engine import forces

@@ -6,12 +6,11 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from crankbase.checks.arrays import refuse_many_turns
-from crankbase.checks.choices import check_choice
+from crankbase.array_checks import refuse_many_turns
+from crankbase.choices import check_choice
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, quantity_field
-from crankbase.units.quantity import format_quantity
-from crankbase.units.units import PER_MINUTE
+from crankbase.quantity import PER_MINUTE, format_quantity
 from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
 from dynamics.engine.firing import (
     even_firing_order,

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
-from crankbase.units.units import PER_MINUTE
+from crankbase.quantity import PER_MINUTE
 from crankfem.files.reading.data_files import InputFiles, torque_path
 from crankfem.files.sections.cylinder_pressures import motored_pressures
 from crankfem.files.sections.mechanism_sections import Gas

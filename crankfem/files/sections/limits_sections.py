@@ -7,10 +7,10 @@ from typing import Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from crankbase.checks.choices import check_choice
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import CRANKSHAFT_RULES, SHAFT_FEATURES, propulsion_shaft_limit
 from dynamics.assessment.limit_rules import Kind as EngineKind

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, quantity_field
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 
 
 def _check_share(section: str, share: float, whole: float) -> None:

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, length_field, part_field, quantity_field
-from crankbase.units.quantity import format_quantity
+from crankbase.quantity import format_quantity
 from dynamics.strength.concentration import Coefficients
 from dynamics.strength.fatigue import TREATED, Manufacture, Piston, Process, SurfaceTreatment
 from dynamics.strength.shrink_fit import LEAST_SAFETY, MOST_FRICTION

@@ -25,7 +25,7 @@ from crankbase.diagrams import (
     Note,
     order_line_style,
 )
-from crankbase.units.units import DISPLAY_UNITS, format_number
+from crankbase.quantity import DISPLAY_UNITS, format_number
 from regression.plans.factors import Factor
 from regression.throw_values import factor_label
 

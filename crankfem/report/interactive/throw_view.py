@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from crankbase.units.units import UNITS
+from crankbase.quantity import UNITS
 from crankfem.analyses.throw.pictures.stress_picture import (
     STRESS_SHOWN,
     load_title,

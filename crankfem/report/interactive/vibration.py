@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.array_checks import FloatArray
 from crankbase.diagrams import BLUE, ORANGE, Curves, Series, with_gaps
-from crankbase.units.units import RPM
+from crankbase.quantity import RPM
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.titles import at_speed, short_name
 from crankfem.analyses.vibration.engine_limits import limited_series, of_stress

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from crankbase.errors import InputError
 from crankbase.outputs import check_output, copy_file
 from crankbase.processes import scratch_folder
-from crankbase.units.units import UNITS
+from crankbase.quantity import UNITS
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from fem.fields import displacement_field, images
 from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak

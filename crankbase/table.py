@@ -12,8 +12,16 @@ from functools import cache
 from typing import Any, Self, TypeAlias
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import WRITTEN_OUT, NoUnitError, format_quantity, unit_quantity
-from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN, UNBOUNDED, UNITS
+from crankbase.quantity import (
+    DISPLAY_UNITS,
+    POWER_OF_TEN,
+    UNBOUNDED,
+    UNITS,
+    WRITTEN_OUT,
+    NoUnitError,
+    format_quantity,
+    unit_quantity,
+)
 
 SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
 # A user who reads angles in degrees does not mean speeds in degrees per second.

@@ -1,1 +1,0 @@
-"""Checks of input: each refuses with one clear sentence."""

@@ -1,1 +1,0 @@
-"""A table as columns over rows of SI values, its display units, and data frames."""

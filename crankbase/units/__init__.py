@@ -1,1 +1,0 @@
-"""Quantities with units: read from text, displayed, written with a number of digits."""
