@@ -1,5 +1,4 @@
-"""Quantities with units: "170 mm" -> 0.170 and 0.170 -> "170 mm"; the units, their sizes and how each is written."""
-
+"""Quantities with units: "170 mm" -> 0.170 and 0.170 -> "170 mm"; units with their sizes and spelling."""
 
 import math
 import re
