@@ -347,9 +347,10 @@ def test_uploads_have_a_folder_of_their_own(service):
     question = {"text": STUDY, "name": "study.toml", "tables": tables}
     _, told = service.json("/api/studies", question)
     job = f"/api/jobs/{told['id']}"
-    while not (files := service.json(job)[1]["files"]):
-        pass
-    assert set(files) >= {f"sent/{name}" for name in ("study.toml", *tables)}
+    sent = {f"sent/{name}" for name in ("study.toml", *tables)}
+    deadline = time.monotonic() + 60.0
+    while not sent <= set(service.json(job)[1]["files"]):  # they are written one after the other
+        assert time.monotonic() < deadline
     assert f"job-{told['id']}" not in service.json("/api/models")[1]["models"]
     assert service.ask(f"{job}/result")[0] == 404
     assert service.ask(f"{job}/files/sent/result.json")[2] == b"{}"
