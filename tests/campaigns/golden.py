@@ -108,7 +108,7 @@ def run_case(name: str, command: str, program: str, target: Path, as_json: bool)
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(written, copy)
     said = "" if as_json else process.stderr
-    partial = answer.with_suffix(".partial")
+    partial = answer.with_name(f"{answer.name}.partial")
     partial.write_text(
         process.stdout + said + ("" if as_json else f"\nexit code {process.returncode}\n")
     )
