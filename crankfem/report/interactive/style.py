@@ -503,8 +503,9 @@ def diagram_figure(diagram: Diagram, title: str, height: int = HEIGHT) -> Figure
         shapes=[*shapes, *([level(0.0)] if diagram.level else [])],
         annotations=[_described_note(text) for text in diagram.notes],
     )
-    # Dots of all sizes are one size in the legend.
-    made["legend"] |= {"itemsizing": "constant"}
+    if any(dots.weights is not None for dots in diagram.dots):
+        # Dots of all sizes are one size in the legend.
+        made["legend"] |= {"itemsizing": "constant"}
     return described_traces(diagram), made
 
 
