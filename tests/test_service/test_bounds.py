@@ -364,7 +364,8 @@ def test_a_busy_port_is_told(service, tmp_path):
 @pytest.mark.slow
 def test_without_the_extra_the_command_says_which_one(tmp_path):
     script = (
-        "import sys; sys.modules['uvicorn'] = None; from crankfem.cli.entry import main; main()"
+        "import sys; sys.modules |= dict.fromkeys(('uvicorn', 'starlette', 'fastapi'));"
+        "from crankfem.cli.entry import main; main()"
     )
     done = subprocess.run(
         [sys.executable, "-c", script, "serve", "--folder", str(tmp_path)],

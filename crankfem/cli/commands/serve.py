@@ -43,21 +43,21 @@ def serve(
     """
     from crankbase.choices import is_whole_within
     from crankfem.cli.interrupts import interrupts_raise
-    from crankfem.service.guard import Bounds, Settings
     from regression.runs.study import check_workers
 
+    try:
+        from crankfem.service.app import serve as serve_until_interrupted
+        from crankfem.service.guard import Bounds, Settings
+    except ModuleNotFoundError as error:
+        raise MissingLibraryError(
+            f"The service needs the package {error.name}; install it with: pip install 'crankfem[serve]'."
+        ) from None
     check_workers(workers)
     if not is_whole_within(jobs, 1, 64):
         raise InputError(f"--jobs: given {jobs}; allowed is 1 to 64.")
     settings = Settings(
         folder, models, host, port, _read_key(key_file), Bounds(running=jobs, workers=workers)
     )
-    try:
-        from crankfem.service.app import serve as serve_until_interrupted
-    except ModuleNotFoundError as error:
-        raise MissingLibraryError(
-            f"The service needs the package {error.name}; install it with: pip install 'crankfem[serve]'."
-        ) from None
     with interrupts_raise():
         serve_until_interrupted(settings, lambda address: _tell(settings, address, out))
 
