@@ -535,14 +535,16 @@ def _new(
     # The worst is known more closely, and counts unless normal firing exceeds the limit there too.
     for reached, case in ((each[worst], worst), alone):
         if not reached.used > 1.0 or np.isinf(reached.value):
-            return None
+            continue
         at = np.array([reached.speed])
         answers = {firing: added.chains.answers(added.forces(at, firing)) for firing in ((), case)}
         series = {firing: added.series(file, *answer)[key] for firing, answer in answers.items()}
         normal = at_place(series[()], reached.place).synthesis.amplitude[0, 0] / reached.permitted
         if normal <= 1.0:
             break
-    if normal > 1.0 or reached.used - normal < NEWS:
+    else:
+        return None
+    if reached.used - normal < NEWS:
         return None
     lengthened, twisted = answers[case]
     answer = lengthened if key.startswith("axial") else twisted
