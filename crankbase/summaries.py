@@ -23,7 +23,9 @@ BRIEF = 24
 TIED = "\u00a0"
 
 
-def summarized(*items: str, keeps_text: bool = False) -> Callable[[type[T]], type[T]]:
+def summarized(
+    *items: str, keeps_text: bool = False, unit_of: Callable[[object, str], str] | None = None
+) -> Callable[[type[T]], type[T]]:
     """Give a class of results a short `__repr__`, and `_repr_html_` for notebooks.
 
     Parameters
@@ -35,6 +37,8 @@ def summarized(*items: str, keeps_text: bool = False) -> Callable[[type[T]], typ
         are left out, and so are all attributes of None.
     keeps_text : bool, optional
         Whether the class has its own text.
+    unit_of : callable, optional
+        Gives the unit of an item that states none, by the result and the path.
 
     Examples
     --------
@@ -49,7 +53,10 @@ def summarized(*items: str, keeps_text: bool = False) -> Callable[[type[T]], typ
     declared = tuple(_declared(item) for item in items)
 
     def rows(result: object) -> dict[str, str]:
-        texts = ((label, _value(_at(result, path), unit)) for label, path, unit in declared)
+        texts = (
+            (label, _value(_at(result, path), unit or (unit_of(result, path) if unit_of else "")))
+            for label, path, unit in declared
+        )
         return {label: text for label, text in texts if text}
 
     def __repr__(self: object) -> str:  # noqa: N807 - these become methods

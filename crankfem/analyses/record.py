@@ -1,16 +1,14 @@
 """Common parts of all records for JSON and tables."""
 
-import json
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from functools import cache
 from typing import Any
 
-import numpy as np
-
-from crankbase.errors import SolveError
 from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.results import Result
+from crankbase.results import plain as _plain
+from crankbase.results import units as result_units
 from crankfem.files.reading.toml_file import InputRecord
 from fem.material import Material
 from geometry.throw import CrankThrow
@@ -40,40 +38,6 @@ def input_records(records: Iterable[InputRecord]) -> list[Record]:
     return [asdict(record) for record in records]
 
 
-def json_text(content: Mapping[str, Any], indent: int | None = None) -> str:
-    """Return content as JSON, in which every number is finite.
-
-    Raises
-    ------
-    SolveError
-        Naming the first number that is not.
-    """
-    try:
-        return json.dumps(content, indent=indent, allow_nan=False) + "\n"
-    except ValueError:
-        wrong = next(_not_finite(content, ""), None)
-        if wrong is None:
-            raise
-        raise SolveError(
-            f"The result {wrong[0]} is {wrong[1]}: allowed are finite numbers."
-        ) from None
-
-
-def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
-    """Yield path and value of every number that is not finite."""
-    if isinstance(value, float) and not math.isfinite(value):
-        yield path, value
-    inside = (
-        value.items()
-        if isinstance(value, Mapping)
-        else enumerate(value, start=1)
-        if isinstance(value, list | tuple)
-        else ()
-    )
-    for name, part in inside:
-        yield from _not_finite(part, f"{path}.{name}" if path else str(name))
-
-
 def attributes(source: object, *names: str) -> Record:
     """Return attributes of an object by their names, as plain JSON content.
 
@@ -96,18 +60,6 @@ def plain(content: Mapping[str, Any]) -> Record:
     {'orders': [0.5, 1.0], 'peak': None}
     """
     return {name: _plain(value) for name, value in content.items()}
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, Mapping):
-        return plain(value)
-    if isinstance(value, list | tuple):
-        return [_plain(part) for part in value]
-    if isinstance(value, float) and math.isinf(value):
-        return None
-    return value
 
 
 # Of names, and of names that end so: "largest_side_force" is a force. Plain numbers have the unit "1".
@@ -242,8 +194,24 @@ def with_units(content: Record, within: str = "") -> Record:
     """
     if "units" in content:
         return content
-    units = units_of(content, within)
-    return content | {"units": units} if units else content
+    exact: dict[str, str] = {}
+    plain_part = _without_results(content, "", exact)
+    known = units_of(plain_part, within) | exact
+    return plain(content) | {"units": known} if known else plain(content)
+
+
+def _without_results(content: Any, path: str, known: dict[str, str]) -> Any:
+    """Return content without its results, whose units are added to the known ones by their path."""
+    if isinstance(content, Result):
+        known |= result_units(content, path)
+        return None
+    if isinstance(content, Mapping):
+        return {
+            name: _without_results(part, f"{path}{name}.", known) for name, part in content.items()
+        }
+    if isinstance(content, list | tuple):
+        return [_without_results(part, path, known) for part in content]
+    return content
 
 
 def units_of(content: Record, within: str = "") -> dict[str, str]:

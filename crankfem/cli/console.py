@@ -65,7 +65,8 @@ def print_json(content: dict[str, Any], within: str = "") -> None:
 
     `within` is the name under which such content appears in other documents, "torque" or "axial".
     """
-    from crankfem.analyses.record import json_text, with_units
+    from crankbase.results import json_text
+    from crankfem.analyses.record import with_units
 
     sys.stdout.write(json_text(with_units(content, within), indent=1))
 

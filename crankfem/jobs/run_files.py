@@ -23,7 +23,7 @@ from crankbase.outputs import (
     recording_run_files,
     write_text,
 )
-from crankfem.analyses.record import json_text
+from crankbase.results import json_text
 from crankfem.report.figures import PLOTS
 from regression.records import Outcome
 from regression.runs.store import Claims

@@ -9,7 +9,7 @@ from typing import Any
 
 from crankbase.errors import InputError
 from crankbase.outputs import write_text
-from crankfem.analyses.record import json_text
+from crankbase.results import json_text
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import TomlFile, read_toml
 from crankfem.service.asking import UNIT_FORCE, AnalysisQuestion, FileQuestion, StressQuestion

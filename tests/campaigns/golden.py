@@ -29,6 +29,10 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from json_units import numbers_with_units
+
 TOLERANCE = 1e-12
 ENGINES = [
     "5rt-flex50d",
@@ -160,7 +164,13 @@ def read(file: Path) -> dict[str, Any]:
     text = file.read_text(encoding="utf-8")
     if file.suffix == ".json":
         try:
-            return dict(leaves(json.loads(text)))
+            content = json.loads(text)
+            declared = content.pop("units", None) if isinstance(content, dict) else None
+            values = dict(leaves(content))
+            if isinstance(declared, dict):  # the unit that each number has, however it is told
+                numbers = numbers_with_units(content | {"units": declared})
+                values |= {f"unit of {'.'.join(path)}": unit for path, _, unit in numbers}
+            return values
         except ValueError:
             pass
     return dict(text_leaves(text))

@@ -10,8 +10,9 @@ import typer
 
 from crankbase.errors import SolveError
 from crankbase.quantity import POWER_OF_TEN, UNITS
+from crankbase.results import json_text
 from crankbase.table import SI, OutputUnit, OutputUnits
-from crankfem.analyses.record import json_text, plain, units_of, with_units
+from crankfem.analyses.record import plain, units_of, with_units
 from crankfem.analyses.vibration.records import run_record
 from crankfem.cli.app import app
 from crankfem.cli.tables.vibration_tables import chain_record, print_run

@@ -1,0 +1,347 @@
+"""Results that describe themselves: each value declares its unit and its meaning once.
+
+JSON both ways, its units, data frames, the texts of the console and of notebooks follow from the declaration.
+"""
+
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cache, cached_property
+from types import NoneType, UnionType
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    Self,
+    TypeAlias,
+    TypeVar,
+    Union,
+    dataclass_transform,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+import numpy as np
+
+from crankbase.errors import SolveError
+from crankbase.frames import Row, table_of
+from crankbase.quantity import RPM
+from crankbase.summaries import summarized
+
+if TYPE_CHECKING:
+    from crankbase.frames import DataFrame
+
+T = TypeVar("T")
+
+# Units that files have in place of SI's, with the size of the SI unit in them and the end of the name.
+EXPORTED = {"1/min": (RPM, "_rpm"), "deg": (180.0 / math.pi, "_deg")}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a value is.
+
+    Parameters
+    ----------
+    unit : str
+        In SI; "1" of plain numbers, "" of words and parts, ".name" if the value of that name
+        beside it tells.
+    meaning : str, optional
+        In words.
+    exported : str, optional
+        Unit in JSON if it is not SI, one of `EXPORTED`: its name ends with "_rpm" or "_deg" there.
+    key : str, optional
+        Name in JSON, if it is not that of the field.
+    left_out : bool, optional
+        Whether JSON leaves the value out where it is None.
+    """
+
+    unit: str = ""
+    meaning: str = ""
+    exported: str = ""
+    key: str = ""
+    left_out: bool = False
+
+    def key_of(self, name: str) -> str:
+        """Return the key in JSON of a field."""
+        return self.key or name + (EXPORTED[self.exported][1] if self.exported else "")
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        size = EXPORTED[self.exported][0] if self.exported else 1.0
+        if get_origin(source) is np.ndarray:
+            return core_schema.no_info_plain_validator_function(lambda values: _array(values, size))
+        if source is not float or not self.unit:
+            return handler(source)
+        # JSON knows no infinity: null is unbounded.
+        return core_schema.no_info_before_validator_function(
+            lambda value: math.inf if value is None else value / size, handler(source)
+        )
+
+
+INTERNAL = Quantity("internal")
+Internal: TypeAlias = Annotated[T, INTERNAL]
+# Plain numbers and parts; quantities declare their meaning besides: Annotated[float, Quantity("N", "...")].
+Number: TypeAlias = Annotated[float, Quantity("1")]
+Speed: TypeAlias = Annotated[float, Quantity("rad/s", exported="1/min")]
+Part: TypeAlias = Annotated[T, Quantity()]
+
+
+@dataclass_transform(frozen_default=True)
+def result(*main: str) -> Callable[[type[T]], type[T]]:
+    """Make a frozen class of results with a short text.
+
+    Parameters
+    ----------
+    *main : str
+        Main values, as for `crankbase.summaries.summarized`; declared units need not be told.
+    """
+
+    def decorate(cls: type[T]) -> type[T]:
+        return summarized(*main, unit_of=_unit_of)(
+            dataclass(frozen=True, eq=False, repr=False)(cls)
+        )
+
+    return decorate
+
+
+def _unit_of(source: object, path: str) -> str:
+    """Return the declared unit of an attribute, or of one of an attribute."""
+    *owners, name = path.split(".")
+    for owner in owners:
+        source = getattr(source, owner)
+    known = contents(type(source)) if isinstance(source, Result) else {}
+    unit = known[name][0].unit if name in known else ""
+    return "" if unit[:1] in ("1", ".") else unit
+
+
+class Result:
+    """Base of results: fields are their content, but for those that are `Internal`.
+
+    Properties whose return type holds a `Quantity` belong to the content, too.
+    """
+
+    __pydantic_config__: ClassVar[dict[str, Any]] = {"arbitrary_types_allowed": True}
+
+    def to_json(self, indent: int | None = None) -> str:
+        """Return content and units of its numbers; None where a value is unbounded.
+
+        Raises
+        ------
+        SolveError
+            Naming the first number that is NaN.
+        """
+        return json_text(self.to_record() | {"units": units(self)}, indent)
+
+    def to_record(self) -> dict[str, Any]:
+        """Return the content as JSON holds it, without units."""
+        record: dict[str, Any] = plain(self)
+        return record
+
+    @classmethod
+    def from_json(cls, text: str | bytes) -> Self:
+        """Read what `to_json` wrote; keys that it does not know are left out."""
+        from pydantic import TypeAdapter
+
+        made: Self = TypeAdapter(cls).validate_python(_by_field(cls, json.loads(text)))
+        return made
+
+    def row(self) -> Row:
+        """Return the single values by column, each with its SI unit."""
+        return dict(_cells(self, ""))
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a table with one row; units in ``frame.attrs["units"]``."""
+        return table_of([self])
+
+
+def json_text(content: Mapping[str, Any], indent: int | None = None) -> str:
+    """Return content as JSON, in which every number is finite.
+
+    Raises
+    ------
+    SolveError
+        Naming the first number that is not.
+    """
+    try:
+        return json.dumps(content, indent=indent, allow_nan=False) + "\n"
+    except ValueError:
+        wrong = next(_not_finite(content, ""), None)
+        if wrong is None:
+            raise
+        raise SolveError(
+            f"The result {wrong[0]} is {wrong[1]}: allowed are finite numbers."
+        ) from None
+
+
+def contents(cls: Any) -> dict[str, tuple[Quantity, Any]]:
+    """Return what each value of a class is, and its type; fields first, then properties.
+
+    Raises
+    ------
+    TypeError
+        If a field has neither a declaration nor a type that JSON holds.
+    """
+    return {name: entry for name, entry in _declared(cls).items() if entry[0] is not INTERNAL}
+
+
+@cache
+def _declared(cls: Any) -> dict[str, tuple[Quantity, Any]]:
+    hints = get_type_hints(cls, include_extras=True) if is_dataclass(cls) else {}
+    known = {
+        entry.name: _entry(f"{cls.__name__}.{entry.name}", hints[entry.name])
+        for entry in (fields(cls) if is_dataclass(cls) else ())
+    }
+    for base in reversed(cls.__mro__):
+        for name, entry in vars(base).items():
+            getter = (
+                entry.fget
+                if isinstance(entry, property)
+                else entry.func
+                if isinstance(entry, cached_property)
+                else None
+            )
+            if getter is None or "Quantity" not in str(getter.__annotations__.get("return", "")):
+                continue
+            kind = get_type_hints(getter, include_extras=True)["return"]
+            known[name] = _entry(f"{cls.__name__}.{name}", kind)
+    return known
+
+
+def _entry(place: str, kind: Any) -> tuple[Quantity, Any]:
+    if quantity := _quantity(kind):
+        return quantity, kind
+    if not _is_part(kind):
+        raise TypeError(f"{place}: {kind} needs a Quantity, or is Internal")
+    return Quantity("1" if kind is int else ""), kind
+
+
+def _quantity(kind: Any) -> Quantity | None:
+    """Return the declaration of a type, also of one that may be None."""
+    if isinstance(kind, str):
+        return None
+    extras = getattr(kind, "__metadata__", ())
+    known = next((extra for extra in extras if isinstance(extra, Quantity)), None)
+    if known is None and get_origin(kind) in (Union, UnionType):
+        return next(filter(None, map(_quantity, get_args(kind))), None)
+    return known
+
+
+def _is_part(kind: Any) -> bool:
+    """Return whether JSON holds values of a type, without a unit."""
+    origin = get_origin(kind)
+    if origin is Literal:
+        return True
+    if origin is Annotated:
+        return _quantity(kind) is not None or _is_part(get_args(kind)[0])
+    if origin is not None:
+        return all(part is Ellipsis or _is_part(part) for part in get_args(kind))
+    return kind in (str, bool, int, NoneType, dict) or _is_result(kind)
+
+
+def _is_result(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, Result)
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON content: arrays as lists, infinities as None."""
+    if isinstance(value, Result):
+        record = {}
+        for name, (quantity, _) in contents(type(value)).items():
+            content = getattr(value, name)
+            if quantity.left_out and content is None:
+                continue
+            if quantity.exported and content is not None:
+                content = np.asarray(content, dtype=float) * EXPORTED[quantity.exported][0]
+            record[quantity.key_of(name)] = plain(content)
+        return record
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(name): plain(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(part) for part in value]
+    return None if isinstance(value, float) and math.isinf(value) else value
+
+
+def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
+    """Yield path and value of every number that is not finite."""
+    if isinstance(value, float) and not math.isfinite(value):
+        yield path, value
+    inside = (
+        value.items()
+        if isinstance(value, Mapping)
+        else enumerate(value, start=1)
+        if isinstance(value, list | tuple)
+        else ()
+    )
+    for name, part in inside:
+        yield from _not_finite(part, f"{path}.{name}" if path else str(name))
+
+
+def units(value: Any, path: str = "") -> dict[str, str]:
+    """Return the units of the numbers in results, by their paths in JSON; lists are not counted.
+
+    "*" stands for all names of a mapping of numbers.
+    """
+    known: dict[str, str] = {}
+    if isinstance(value, Result):
+        for name, (quantity, _) in contents(type(value)).items():
+            content, place = getattr(value, name), f"{path}{quantity.key_of(name)}"
+            if quantity.unit:
+                inside = f"{place}.*" if isinstance(content, Mapping) else place
+                known[inside] = quantity.exported or quantity.unit
+            known |= units(content, f"{place}.")
+    elif isinstance(value, Mapping):
+        for name, part in value.items():
+            known |= units(part, f"{path}{name}.")
+    elif isinstance(value, list | tuple):
+        for part in value:
+            known |= units(part, path)
+    return known
+
+
+def _has_results(kind: Any) -> bool:
+    """Return whether a type is of results, or holds them."""
+    return _is_result(kind) or any(map(_has_results, get_args(kind)))
+
+
+def _cells(source: Result, before: str) -> Iterator[tuple[str, tuple[Any, str]]]:
+    for name, (quantity, _) in contents(type(source)).items():
+        value = getattr(source, name)
+        if isinstance(value, Result):
+            yield from _cells(value, f"{before}{name}.")
+        elif not isinstance(value, Mapping | tuple | list | np.ndarray):
+            unit = quantity.unit
+            yield f"{before}{name}", (value, getattr(source, unit[1:]) if unit[:1] == "." else unit)
+
+
+def _by_field(kind: Any, content: Any) -> Any:
+    """Return JSON content with the names of fields in place of keys, as far as results go."""
+    if _is_result(kind) and isinstance(content, Mapping):
+        known, names = contents(kind), {field.name for field in fields(kind) if field.init}
+        return {
+            name: _by_field(part, content.get(quantity.key_of(name)))
+            for name, (quantity, part) in known.items()
+            if name in names
+        }
+    inside = [part for part in get_args(kind) if _has_results(part)]
+    if not inside or content is None:
+        return content
+    if isinstance(content, list):
+        return [_by_field(inside[0], part) for part in content]
+    if isinstance(content, Mapping) and get_origin(kind) in (dict, Mapping):
+        return {name: _by_field(inside[-1], part) for name, part in content.items()}
+    return _by_field(inside[0], content)
+
+
+def _array(values: Any, size: float) -> Any:
+    array = np.array(values)
+    if array.dtype == object:  # null is unbounded
+        array = np.where(array == None, np.inf, array).astype(float)  # noqa: E711
+    return array if size == 1.0 else array / size
