@@ -31,7 +31,7 @@ from dynamics.assessment.verdict import Verdict
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import Modes
 from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, major_orders
-from dynamics.torque.star import Star, star_diagram
+from dynamics.torque import Star, star_diagram
 
 MEGA_STIFFNESS = OutputUnit("MN m/rad", 1e6)
 # Modes that are shown at least, and at most.
