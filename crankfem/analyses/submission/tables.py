@@ -45,7 +45,7 @@ from dynamics.chains.chain_modes import Modes
 from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, major_orders
 from dynamics.excitation.cylinders import cylinder_harmonics
 from dynamics.indices import within
-from dynamics.torque.star import Star, star_diagram
+from dynamics.torque import Star, star_diagram
 
 MEGA_STIFFNESS = OutputUnit("MN m/rad", 1e6)
 DEGREES = OutputUnit("deg", math.pi / 180.0)
