@@ -11,7 +11,7 @@ from crankbase.results import Part, Quantity, Result, result
 from crankfem.analyses.provenance import Provenance, Repetition
 from crankfem.files.reading.toml_file import InputRecord
 from dynamics.response.loads import LARGEST_POWER_ERROR
-from dynamics.torque.torque import LARGEST_ENERGY_ERROR
+from dynamics.torque import LARGEST_ENERGY_ERROR
 from fem.angle_law import SYMMETRIC
 from fem.solver import LARGEST_ROUND_OFF, rigid_body_residual
 
