@@ -399,7 +399,8 @@ class Table:
         Parameters
         ----------
         *columns : tuple of (Column, str or callable)
-            Each with the key of its cells in the records (of results the field), or a function that makes a cell of a record.
+            Each with the key (of results the field) of its cells in the records, or a function that
+            makes a cell of a record.
         """
         rows = [[_cell(record, cell) for _, cell in columns] for record in records]
         return cls(title, [column for column, _ in columns], rows, note)
