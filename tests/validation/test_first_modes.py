@@ -47,6 +47,7 @@ def test_a_soft_coupling_is_not_told_as_the_first_mode(run, figure):
 def test_summary_names_the_mode_of_the_crankshaft(run):
     results = {
         "engine": _engine_record(run.engine_file),
+        "mechanism": None,
         "vibration": run_record(run),
         "inputs": [],
         "checks": [],
