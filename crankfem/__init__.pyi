@@ -45,8 +45,8 @@ from crankfem.jobs.pipeline import RunResult as RunResult
 from crankfem.jobs.pipeline import run_engine as run_engine
 from dynamics.assessment.verdict import Verdict as Verdict
 from dynamics.assessment.verdict import judge as judge
-from dynamics.balance.balance import Balance as Balance
-from dynamics.balance.balance import balance as balance
+from dynamics.balance import Balance as Balance
+from dynamics.balance import balance as balance
 from dynamics.chains.chain import Chain as Chain
 from dynamics.chains.chain_modes import Modes as Modes
 from dynamics.chains.engine_chains import axial_chain as axial_chain
@@ -65,13 +65,13 @@ from dynamics.response.loads import power_balance as power_balance
 from dynamics.response.order_excitation import OrderExcitation as OrderExcitation
 from dynamics.response.resonance import Resonance as Resonance
 from dynamics.response.resonance import resonances as resonances
-from dynamics.torque.torque import EngineTorque as EngineTorque
-from dynamics.torque.torque import engine_torque as engine_torque
+from dynamics.torque import EngineTorque as EngineTorque
+from dynamics.torque import engine_torque as engine_torque
+from fem.analysis import ThrowAnalysis as ThrowAnalysis
 from fem.analysis import analyze_throw as analyze_throw
 from fem.material import STEEL as STEEL
 from fem.material import Material as Material
 from fem.supports import Neighbors as Neighbors
-from fem.throw_analysis import ThrowAnalysis as ThrowAnalysis
 from geometry.crankshaft import Crankshaft as Crankshaft
 from geometry.mesher import mesh_isolated as mesh_throw  # noqa: F401
 from geometry.throw import CrankThrow as CrankThrow

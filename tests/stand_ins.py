@@ -12,7 +12,7 @@ import crankfem as cf
 from crankbase.errors import MissingLibraryError
 from fem import fillet_stress
 from fem.analysis import analyze_throw
-from fem.craig_bampton import dynamic_superelement
+from fem.modes import dynamic_superelement
 
 # Constants of fem.fillet_stress with which meshes are as coarse as can be.
 COARSE_STRESSES = {"BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2}

@@ -16,8 +16,7 @@ from dynamics.assessment.limit_rules import (
     RULE_OF_DRIVEN,
     crankshaft_material_factors,
 )
-from dynamics.gas.cycle_values import USUAL_VALUES, name_of_field
-from dynamics.gas.gas_cycle import USUAL_PRESSURE_RISE
+from dynamics.gas.gas_cycle import USUAL_PRESSURE_RISE, USUAL_VALUES, name_of_field
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 from fem.material import STEEL
 

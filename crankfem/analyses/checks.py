@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankfem.analyses.record import Record
 from dynamics.response.loads import LARGEST_POWER_ERROR
-from dynamics.torque.torque import LARGEST_ENERGY_ERROR
+from dynamics.torque import LARGEST_ENERGY_ERROR
 from fem.angle_law import SYMMETRIC
 from fem.solver import LARGEST_ROUND_OFF, rigid_body_residual
 

@@ -14,7 +14,7 @@ from crankfem.cli import console
 from crankfem.files.engine.throw_file import load_throw, names_of_throws
 from crankfem.files.reading.toml_file import TomlFile
 from dynamics.cycle import cycle_degrees
-from dynamics.engine.firing import MOST_CYLINDERS, firing_order_from_text
+from dynamics.engine.layout import MOST_CYLINDERS, firing_order_from_text
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from regression.throw_values import field_unit
@@ -259,7 +259,7 @@ def parse_pin_force(text: str) -> list[float]:
     >>> parse_pin_force("0, -100 kN, 0"), parse_pin_force("100 kN")
     ([0.0, -100000.0, 0.0], [0.0, -100000.0, 0.0])
     """
-    from fem.end_reactions import LARGEST_LOAD
+    from fem.supports import LARGEST_LOAD
 
     parts = text.split(",")
     if any(UNIT.search(part) for part in parts):

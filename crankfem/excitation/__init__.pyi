@@ -27,4 +27,4 @@ from dynamics.excitation.pressure_map import pressure_map_from_cycles as pressur
 from dynamics.excitation.pressure_map import propeller_load as propeller_load
 from dynamics.excitation.propeller import PropellerForces as PropellerForces
 from dynamics.excitation.propeller import propeller_excitation as propeller_excitation
-from dynamics.gas.cylinder_volume import motored_from_compression as motored_from_compression
+from dynamics.gas.pressure import motored_from_compression as motored_from_compression

@@ -29,8 +29,8 @@ from crankfem.jobs.run_computation import RunComputation, RunInputs
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics
-from fem.loads import pin_surfaces
-from fem.throw_analysis import ThrowAnalysis
+from fem.analysis import ThrowAnalysis
+from fem.symmetry import pin_surfaces
 from regression.formulas.axial_formulas import axial_formulas
 
 # Without a gas pressure in the engine file, reactions are given for this radial force.

@@ -16,7 +16,7 @@ from crankfem.report.conclusions import (
     undecided,
 )
 from crankfem.report.text_filters import quantity
-from dynamics.engine.firing import repeating_intervals
+from dynamics.engine.layout import repeating_intervals
 
 KINDS = ("axial", "torsional")
 

@@ -17,8 +17,7 @@ from crankbase.summaries import summarized
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, positive_range, usage
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
-from dynamics.plots.curves import draw_named_curves
-from dynamics.plots.quantities import in_unit
+from dynamics.plots.curves import draw_named_curves, in_unit
 
 Ranges = Sequence[tuple[float, float]]
 # Points of the first look at the range of a setting, of later ones about the last best setting, and

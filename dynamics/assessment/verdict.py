@@ -47,8 +47,7 @@ from dynamics.assessment.wording import (
     verdict_headline,
 )
 from dynamics.indices import at_most, within
-from dynamics.plots.curves import draw_barred, set_speed_axis
-from dynamics.plots.quantities import SPEED_LABEL, in_unit
+from dynamics.plots.curves import SPEED_LABEL, draw_barred, in_unit, set_speed_axis
 from dynamics.response.peak_cause import PeakCause
 
 # Checks that a diagram of the verdict draws: those of which most is used.

@@ -10,8 +10,8 @@ from crankbase.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
 from crankbase.summaries import summarized
+from dynamics.plots.curves import name_axis
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
-from dynamics.plots.quantities import name_axis
 
 # A displacement below this share of both next to it is zero.
 ZERO_DISPLACEMENT = 1e-11

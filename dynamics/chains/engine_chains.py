@@ -25,11 +25,11 @@ from dynamics.chains.dampers import AxialDamper, TorsionalDamper, check_axial, c
 from dynamics.chains.editing import join_chains, with_damper, with_ground
 from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.cycle import even_angles
+from dynamics.engine.forces import parts_motion
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import parts_motion
 from dynamics.engine.rods import ConnectingRod, RodModel
 from dynamics.indices import node_index, values_at_nodes
-from dynamics.torque.torque import checked_throws, throws_along_shaft
+from dynamics.torque import checked_throws, throws_along_shaft
 
 PASSIVE = "damping takes energy away"
 

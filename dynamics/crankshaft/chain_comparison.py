@@ -18,8 +18,7 @@ from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem, ShaftModes, crankshaft_modes
 from dynamics.crankshaft.surroundings import RX, RY, RZ, UZ
 from dynamics.indices import within
-from dynamics.plots.curves import draw_named_curves
-from dynamics.plots.quantities import in_unit
+from dynamics.plots.curves import draw_named_curves, in_unit
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.series import synthesis
 

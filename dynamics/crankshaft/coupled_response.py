@@ -28,7 +28,7 @@ from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem
 from dynamics.excitation.chain_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
-from dynamics.plots.quantities import (
+from dynamics.plots.curves import (
     SPEED_LABEL,
     in_unit,
     infinite_where_unbounded,

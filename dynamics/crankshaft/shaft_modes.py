@@ -13,8 +13,8 @@ from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.crankshaft.assembly import CLASSES, AssembledShaft
 from dynamics.crankshaft.surroundings import RZ, UZ
+from dynamics.plots.curves import name_axis
 from dynamics.plots.mode_shapes import shaft_shape
-from dynamics.plots.quantities import name_axis
 from dynamics.response.linear_system import LinearSystem, natural_modes
 
 # A mode is called pure above this share of one class.

@@ -1,4 +1,4 @@
-"""Gas pressures and forces in the mechanism of every cylinder, by equilibrium of pistons and rods."""
+"""Motion of each cylinder's parts, gas pressures and forces in them, loads of crankpins and bearings."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -6,32 +6,288 @@ from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     checked_degrees,
     finite_array,
+    finite_vector,
     nonnegative_number,
+    positive_number,
     radians_of,
     turning_speeds,
 )
-from crankbase.choices import whole_within
+from crankbase.choices import is_whole, whole_within
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.frames import Axes, Dataset, grid
+from crankbase.frames import Axes, DataFrame, Dataset, grid, table
+from crankbase.quantity import format_number
 from crankbase.summaries import summarized
-from dynamics.cycle import cycle_radians
+from dynamics.cycle import (
+    check_even_cycle,
+    cycle_degrees,
+    cycle_radians,
+    even_angles,
+    has_closing_sample,
+)
 from dynamics.engine import RodModelName
-from dynamics.engine.layout import EngineCylinder, EngineLayout
-from dynamics.engine.motions import CylinderMotion, checked_cylinder, parts_motion
-from dynamics.engine.rods import RodModel
-from dynamics.gas.cycle_values import GasCycle
-from dynamics.gas.cylinder_volume import Position
-from dynamics.gas.gas_cycle import FullLoad, GasCycleResult, gas_cycle
-from dynamics.gas.pressure import ATMOSPHERE, GasPressure
-from dynamics.plots.curves import FROM_FIRING, draw_over_angle
-from dynamics.plots.quantities import KILO, angle_axis, number_axis
+from dynamics.engine.layout import (
+    EngineCylinder,
+    EngineLayout,
+    check_distinct_positions,
+    cylinder_crankpin,
+    hinged_foot,
+)
+from dynamics.engine.rods import PointMotion, RodModel, TurnMotion, carried_point, rod_turn
+from dynamics.gas.gas_cycle import FullLoad, GasCycle, GasCycleResult, gas_cycle
+from dynamics.gas.pressure import ATMOSPHERE, GasPressure, Position
+from dynamics.harmonics import Harmonics, harmonics
+from dynamics.plots.curves import FROM_FIRING, KILO, angle_axis, draw_over_angle, number_axis
+from dynamics.plots.load_diagrams import Frame, check_polar, draw_developed_loads, draw_polar_loads
+
+# Angles among which a piston's ends of stroke are looked for, and steps of Newton's method after.
+SEARCH_ANGLES = 360
+NEWTON_STEPS = 8
+
+
+@summarized("piston.place [m]")
+@dataclass(frozen=True, eq=False)
+class CylinderMotion:
+    """Motion of one cylinder's parts in its own frame, s + i n, over shaft angles.
+
+    Parameters
+    ----------
+    foot : PointMotion
+        The rod's end: center of the crankpin, or of the slave pin.
+    rod : TurnMotion
+        Rotation of the rod.
+    piston : PointMotion
+        The piston pin.
+    """
+
+    foot: PointMotion
+    rod: TurnMotion
+    piston: PointMotion
+
+    def rod_point(self, place: complex) -> PointMotion:
+        """Return the motion of the point u + i v of the rod [m]."""
+        return carried_point(self.foot, self.rod, place)
+
+
+def cylinder_motion(
+    engine: EngineLayout, number: int, *, shaft_angles_deg: ArrayLike
+) -> CylinderMotion:
+    """Return the motion of a cylinder's parts."""
+    return parts_motion(engine, number, radians_of("shaft_angles_deg", shaft_angles_deg))
+
+
+def parts_motion(engine: EngineLayout, number: int, shaft_angles: FloatArray) -> CylinderMotion:
+    """Return the motion of a cylinder's parts at shaft angles [rad] of shape (m,), unchecked."""
+    cylinder = engine.cylinder(number)
+    if cylinder.slave_pin is None:
+        foot = cylinder_crankpin(cylinder, engine.crank_radius, shaft_angles)
+    else:
+        main = engine.cylinders[engine.main_of(number) - 1]
+        foot = hinged_foot(engine.crank_radius, main, cylinder, shaft_angles)
+    turn = rod_turn(foot, cylinder.rod.length, cylinder.pin_offset)
+    return CylinderMotion(foot, turn, carried_point(foot, turn, complex(cylinder.rod.length)))
+
+
+def piston_ends(engine: EngineLayout, number: int) -> tuple[float, float]:
+    """Return the lowest and highest s of a piston pin over a revolution [m]."""
+    angles = even_angles(2.0 * math.pi, SEARCH_ANGLES)
+    places = parts_motion(engine, number, angles).piston.place.real
+    ends = angles[[int(np.argmin(places)), int(np.argmax(places))]]
+    for _ in range(NEWTON_STEPS):
+        motion = parts_motion(engine, number, ends).piston
+        ends = ends - motion.first.real / motion.second.real
+    lowest, highest = parts_motion(engine, number, ends).piston.place.real.tolist()
+    return lowest, highest
+
+
+def reduced_inertia(
+    engine: EngineLayout, models: tuple[RodModel, ...], *, shaft_angles_deg: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Return the inertia reduced to the crank, I in T = I w^2 / 2, and its derivative by the angle.
+
+    Parameters
+    ----------
+    models : tuple of n RodModel
+        Of each cylinder's rod.
+
+    Returns
+    -------
+    ndarray of shape (m,)
+        I [kg m^2], shaft and flywheel included.
+    ndarray of shape (m,)
+        dI/dphi, per radian [kg m^2/rad].
+
+    Raises
+    ------
+    InputError
+        If an angle is not a finite number, they are radians, or there is not one model for each cylinder.
+    """
+    if len(models) != len(engine.cylinders):
+        raise InputError(
+            f"models: given {len(models)} for {len(engine.cylinders)} cylinders; allowed is one for each, "
+            "because each cylinder has a rod."
+        )
+    shaft_angles = radians_of("shaft_angles_deg", shaft_angles_deg)
+    inertia = np.full(shaft_angles.shape, float(engine.shaft_inertia))
+    derivative = np.zeros(shaft_angles.shape)
+    for number, (cylinder, model) in enumerate(zip(engine.cylinders, models, strict=True), start=1):
+        motion = parts_motion(engine, number, shaft_angles)
+        for mass, point in (
+            (cylinder.piston_mass, motion.piston),
+            (model.mass, motion.rod_point(model.center)),
+        ):
+            inertia += mass * np.abs(point.first) ** 2
+            derivative += 2.0 * mass * (np.conj(point.first) * point.second).real
+        inertia += model.inertia * motion.rod.first**2
+        derivative += 2.0 * model.inertia * motion.rod.first * motion.rod.second
+    return inertia, derivative
+
+
+# Samples over a turn are doubled until the upper orders are round-off: below this share of the
+# largest value. A crank of 0.999 rod lengths still needs less than the most.
+ROUND_OFF = 1e-14
+TURN = 2.0 * np.pi
+FEWEST, MOST = 64, 32768
+
+
+def turn_spectrum(
+    function: Callable[[FloatArray], NDArray[np.float64] | ComplexArray], highest: int
+) -> ComplexArray:
+    """Return the Fourier coefficients of functions of the shaft angle, f = sum of c_k exp(i k phi).
+
+    Parameters
+    ----------
+    function : callable
+        Takes shaft angles (m,) [rad] and returns values (..., m).
+
+    Returns
+    -------
+    complex ndarray of shape (..., N)
+        c_k in the order of the fast Fourier transform: 0, 1 ... N/2 - 1, -N/2 ... -1. The number of
+        samples N over a revolution is so large that orders from 3/8 of it are round-off. The aliases of
+        all required orders are beyond these, so they are round-off, too.
+    """
+    count = FEWEST
+    while count * 3 // 8 <= highest:
+        count *= 2
+    while count <= MOST:
+        values = np.asarray(function(even_angles(TURN, count)))
+        coefficients = np.fft.fft(values) / count
+        upper = coefficients[..., 3 * count // 8 : count - 3 * count // 8 + 1]
+        if np.all(np.abs(upper) <= ROUND_OFF * np.max(np.abs(values), initial=0.0)):
+            return np.asarray(coefficients)
+        count *= 2
+    raise InputError(
+        f"orders: given a mechanism whose orders do not fade out within {MOST} samples over a turn; "
+        "allowed are rods clearly longer than crank radius plus offset, because others jerk."
+    )
+
+
+def checked_orders(orders: Sequence[int]) -> tuple[int, ...]:
+    """Return orders as integers."""
+    numbers = list(orders)
+    whole = [order for order in numbers if is_whole(order) and order >= 1]
+    if not numbers or len(whole) != len(numbers) or len(set(numbers)) != len(numbers):
+        raise InputError(
+            f"orders: given {numbers}; allowed are different whole numbers of 1 or more, because "
+            "inertia forces repeat every turn."
+        )
+    return tuple(int(order) for order in numbers)
+
+
+def checked_cylinder(engine: EngineLayout, number: int) -> int:
+    """Return the number of a cylinder."""
+    count = len(engine.cylinders)
+    return whole_within("cylinder", number, 1, count, f"the engine has {count} cylinders")
+
+
+def piston_acceleration(
+    engine: EngineLayout, number: int, speed: float, *, angles_deg: ArrayLike
+) -> FloatArray:
+    """Return the acceleration of a piston towards the shaft, at constant speed.
+
+    Parameters
+    ----------
+    number : int
+        Of the cylinder, from 1; its rod may be hinged to another.
+    angles_deg : array_like of shape (m,)
+        Crank angle [deg], counted from the position in which the crank is along this cylinder's axis.
+
+    Returns
+    -------
+    ndarray of shape (m,)
+        [m/s^2], positive at the top: R w^2 (cos alpha + lambda cos 2 alpha + ...). The piston's
+        inertia force, away from the shaft, is mass times this.
+
+    Raises
+    ------
+    InputError
+        If the engine has no such cylinder, an angle is not finite or the speed not above zero.
+    """
+    place = checked_cylinder(engine, number)
+    turning = positive_number("speed", speed, "rad/s", "the shaft turns")
+    shaft = (
+        checked_degrees("angles_deg", angles_deg, vector=True)
+        + engine.cylinders[place - 1].top_shaft_angle_deg
+    )
+    return -parts_motion(engine, place, np.radians(shaft)).piston.acceleration(turning).real
+
+
+def acceleration_orders(
+    engine: EngineLayout, number: int, speed: float, highest: int = 8
+) -> Harmonics:
+    """Return the orders of a piston's acceleration towards the shaft, exact to round-off.
+
+    Returns
+    -------
+    Harmonics
+        Orders 1, 2 ... per revolution [m/s^2], with the crank angle counted as in `piston_acceleration`.
+
+    Raises
+    ------
+    InputError
+        As `piston_acceleration`, and if `highest` is not a whole number of 1 or more.
+
+    Notes
+    -----
+    With a rod on the crankpin and no pin offset the first order is R w^2 and the higher odd ones
+    are zero. The same holds for a hinged rod whose pin is, from the main rod, at the angle
+    between the cylinders: sin beta has odd orders only, and so has the motion of the slave pin across
+    the other cylinder, whose square has even ones.
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from dynamics.engine.layout import EngineCylinder
+    >>> from dynamics.engine.rods import ConnectingRod
+    >>> rod = ConnectingRod(length=0.65, mass=40.0, center_distance=0.2, inertia=2.0)
+    >>> engine = EngineLayout(0.13, [EngineCylinder(0.26, 44.1, rod)], [1])
+    >>> acceleration_orders(engine, 1, 1000 * pi / 30).amplitude[:4].round(2).tolist()
+    [1425.61, 288.03, 0.0, 2.94]
+    """
+    checked_orders([highest])
+    spectrum = turn_spectrum(
+        lambda angles: piston_acceleration(engine, number, speed, angles_deg=np.degrees(angles)),
+        highest,
+    )
+    angles = even_angles(360.0, spectrum.shape[-1])
+    return harmonics(piston_acceleration(engine, number, speed, angles_deg=angles), strokes=2)
+
+
+def order_part(spectrum: Harmonics, order: int, angles: FloatArray) -> FloatArray:
+    """Return one order of an acceleration at crank angles (m,) [rad], shape (m,) [m/s^2]."""
+    place = spectrum.index_of(order)
+    return np.asarray(
+        spectrum.cosine[place] * np.cos(order * angles)
+        + spectrum.sine[place] * np.sin(order * angles)
+    )
 
 
 @summarized("speed [rad/s]", "model", "gas [N]", "torque [N m]")
@@ -437,3 +693,234 @@ def motored_pressures(load: FullLoad, engine: EngineLayout) -> tuple[GasPressure
 
 def _with_remarks(pressure: GasPressure, remarks: tuple[str, ...]) -> GasPressure:
     return replace(pressure, remarks=remarks + pressure.remarks)
+
+
+FEWEST_ANGLES = 3
+
+
+@summarized("name", "maximum [N]", "maximum_angle_deg [deg]", "mean [N]", "angles_deg")
+@dataclass(frozen=True, eq=False)
+class LoadDiagram:
+    """The force on one bearing over a working cycle.
+
+    Parameters
+    ----------
+    angles_deg : ndarray of shape (m,)
+        Shaft angles [deg], even over one cycle, closing sample left out.
+    force : complex ndarray of shape (m,)
+        y - i x in the engine's frame [N]: of the rods on the crankpin, or of the main journal on its
+        bearing.
+    crank_angle_deg : float
+        Angle of the crank that the rotating frame follows, about +z, counted from +y, when the shaft
+        angle is zero [deg]: the crankpin's own; that of cylinder 1 for a main bearing.
+    """
+
+    name: str
+    angles_deg: FloatArray
+    force: ComplexArray
+    crank_angle_deg: float
+
+    @property
+    def in_crank_frame(self) -> ComplexArray:
+        """Force in the frame that turns with the crank, -Z + i T, shape (m,) [N]."""
+        return np.asarray(
+            self.force * np.exp(-1j * np.radians(self.crank_angle_deg + self.angles_deg))
+        )
+
+    @property
+    def magnitude(self) -> FloatArray:
+        """Size of the force, shape (m,) [N]."""
+        return np.abs(self.force)
+
+    @property
+    def mean(self) -> float:
+        """Mean size of the force over the cycle [N]."""
+        return float(np.mean(self.magnitude))
+
+    @property
+    def maximum(self) -> float:
+        """Largest size of the force at the sampled angles [N]."""
+        return float(np.max(self.magnitude))
+
+    @property
+    def maximum_angle_deg(self) -> float:
+        """Shaft angle of the largest force [deg]."""
+        return float(self.angles_deg[int(np.argmax(self.magnitude))])
+
+    def specific_pressure(self, diameter: float, length: float) -> FloatArray:
+        """Return the magnitude of the force over the journal's projected area, shape (m,) [Pa].
+
+        Parameters
+        ----------
+        diameter, length : float
+            Of the bearing surface [m].
+        """
+        across = positive_number("bearing diameter", diameter, "m", "it is a length")
+        along = positive_number("bearing length", length, "m", "it is a length")
+        return self.magnitude / (across * along)
+
+    def columns(self) -> dict[str, FloatArray]:
+        """Return the columns of a table of the diagram, each of shape (m,), units in the names."""
+        turning = self.in_crank_frame
+        return {
+            "shaft_angle_deg": self.angles_deg,
+            "force_x_N": -self.force.imag,
+            "force_y_N": self.force.real,
+            "tangential_N": turning.imag,
+            "radial_N": -turning.real,
+            "magnitude_N": self.magnitude,
+        }
+
+    def plot(
+        self, axes: Axes | None = None, *, frame: Frame | None = None, mark_step_deg: float = 30.0
+    ) -> Axes:
+        """Draw the polar load diagram in a frame, or the magnitude of the force over the shaft angle.
+
+        Parameters
+        ----------
+        frame : {"crank", "engine"}, optional
+            "crank": the locus of the force vector in the frame that turns with the crank, tangential
+            force to the right, radial force (towards the shaft) down. "engine": in the fixed frame,
+            seen from the free end. By default the magnitude of the force over the shaft angle.
+        mark_step_deg : float, optional
+            Interval of the dots on the locus in shaft angle [deg]; only with a frame.
+        """
+        check_polar("crank" if frame is None else frame, mark_step_deg)
+        if frame is None:
+            axes = new_axes(axes)
+            draw_developed_loads(axes, [(self.name, self)])
+            write_title(
+                axes,
+                f"{self.name}: mean {format_number(KILO * self.mean, 4)} kN, maximum "
+                f"{format_number(KILO * self.maximum, 4)} kN",
+            )
+            return axes
+        axes = new_axes(axes, width=6.4, height=6.4)
+        draw_polar_loads(axes, [(self.name, self)], frame, mark_step_deg)
+        write_title(axes, self.name)
+        return axes
+
+    def to_pandas(self) -> DataFrame:
+        """Return the force in both frames, a row for each shaft angle."""
+        forces = {
+            name[:-2]: (force, "N") for name, force in self.columns().items() if name[-2:] == "_N"
+        }
+        return table({"shaft_angle": (self.angles_deg, "deg"), **forces})
+
+
+def crankpin_loads(forces: MechanismForces) -> tuple[LoadDiagram, ...]:
+    """Return the load of each crankpin bearing.
+
+    Parameters
+    ----------
+    forces : MechanismForces
+        At even angles over one working cycle; a closing sample is left out.
+
+    Returns
+    -------
+    tuple of LoadDiagram
+        One for each rod on the crankshaft, in the order of the cylinders: rods side by side on one
+        pin have bearings of their own, rods hinged to a main rod load its bearing.
+
+    Raises
+    ------
+    InputError
+        If the angles are not even over one cycle.
+
+    Notes
+    -----
+    The force is that of the rod on the pin, including the rod's inertia; the pin exerts the opposite
+    force on the rod's bearing.
+    """
+    used = _one_cycle(forces)
+    diagrams = []
+    for group in pin_groups(forces.engine):
+        noun = "cylinder" if len(group) == 1 else "cylinders"
+        numbers = " and ".join(str(number) for number in group)
+        diagrams.append(
+            LoadDiagram(
+                f"crankpin, {noun} {numbers}",
+                forces.shaft_angles_deg[:used],
+                summed(forces, group)[:used],
+                forces.engine.cylinders[group[0] - 1].crank_angle_deg,
+            )
+        )
+    return tuple(diagrams)
+
+
+def main_bearing_loads(
+    forces: MechanismForces, bearing_positions: ArrayLike
+) -> tuple[LoadDiagram, ...]:
+    """Return the load of each main bearing, as if the shaft were hinged at every bearing.
+
+    Each force acts on the two adjacent bearings according to the lever: statically determinate. A
+    continuous shaft shares every load among all bearings, by its own stiffness
+    and the bearings'; loads on the bearings next to the force are then usually smaller, and loads
+    two bearings away not zero.
+
+    Parameters
+    ----------
+    bearing_positions : array_like of shape (k,)
+        Of the bearings' middles along the shaft, ascending [m].
+
+    Returns
+    -------
+    tuple of k LoadDiagram
+        Of the journals on their bearings. Rods load the shaft at the position of the cylinder whose
+        rod is on the crankpin, rotating masses at their own. Weights are neglected.
+
+    Raises
+    ------
+    InputError
+        If the angles are not even over one cycle, there are fewer than two bearings, their positions
+        do not ascend, a load is not between them, or cylinders are at the same position.
+    """
+    used = _one_cycle(forces)
+    bearings = finite_vector("bearing_positions", bearing_positions)
+    if bearings.size < 2 or np.any(np.diff(bearings) <= 0.0):
+        raise InputError(
+            f"bearing_positions: given {bearings.tolist()} m; allowed are two or more ascending "
+            "positions, because every load lies between two bearings."
+        )
+    engine, angles = forces.engine, forces.shaft_angles_deg
+    check_distinct_positions(engine)
+    groups = {f"cylinder {group[0]}": group for group in pin_groups(engine)}
+    places = {name: engine.cylinders[group[0] - 1].position for name, group in groups.items()}
+    loads = [summed(forces, group) for group in groups.values()]
+    turned = np.radians(angles)
+    # A mass at r turns with it: its force on the shaft is -m r'' = m r (w^2 - i w').
+    swing = forces.speed**2 - 1j * forces.crank_acceleration
+    for number, mass in enumerate(engine.rotating, start=1):
+        places[f"rotating mass {number}"] = mass.position
+        loads.append(
+            mass.static_moment * swing * np.exp(1j * (math.radians(mass.angle_deg) + turned))
+        )
+    for name, place in places.items():
+        if not bearings[0] <= place <= bearings[-1]:
+            raise InputError(
+                f"{name}: position: given {place:g} m; allowed is {bearings[0]:g} to {bearings[-1]:g} m, "
+                "because a load beyond the end bearings needs the shaft's stiffness to be shared."
+            )
+    # Bearing j takes the share of a load that a hat function has at its place.
+    shares = np.array(
+        [np.interp(list(places.values()), bearings, hat) for hat in np.eye(bearings.size)]
+    )
+    carried = shares @ np.array(loads)[:, :used]
+    crank_angle = engine.cylinders[0].crank_angle_deg
+    return tuple(
+        LoadDiagram(f"main bearing {number}", angles[:used], force, crank_angle)
+        for number, force in enumerate(carried, start=1)
+    )
+
+
+def _one_cycle(forces: MechanismForces) -> int:
+    """Return how many of the angles are in one cycle, without the closing one."""
+    degrees, cycle = forces.shaft_angles_deg, cycle_degrees(forces.engine.strokes)
+    if degrees.size < FEWEST_ANGLES:
+        raise InputError(
+            f"shaft_angles_deg: given {degrees.size} angles; allowed are even steps over one cycle of "
+            f"{cycle:g} deg, because a load's mean is taken over the cycle."
+        )
+    used = degrees.size - has_closing_sample(degrees, cycle)
+    check_even_cycle("shaft_angles_deg", degrees[:used], cycle)
+    return used

@@ -33,8 +33,7 @@ from crankbase.quantity import RPM
 from crankbase.summaries import summarized
 from dynamics.excitation.chain_excitation import axial_throw_forces
 from dynamics.excitation.cylinders import CylinderForces
-from dynamics.plots.curves import main_orders_of, set_speed_axis
-from dynamics.plots.quantities import KILO
+from dynamics.plots.curves import KILO, main_orders_of, set_speed_axis
 from dynamics.response.order_excitation import checked_speed_index
 
 

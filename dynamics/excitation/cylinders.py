@@ -25,18 +25,15 @@ from crankbase.frames import Axes, Dataset, grid
 from crankbase.summaries import summarized
 from dynamics.cycle import cycle_radians, even_angles, order_step
 from dynamics.engine import RodModelName
-from dynamics.engine.firing import MOST_CYLINDERS
 from dynamics.engine.forces import MechanismForces, mechanism_forces, over_angles
-from dynamics.engine.layout import EngineLayout
-from dynamics.excitation.gas_sources import (
+from dynamics.engine.layout import MOST_CYLINDERS, EngineLayout
+from dynamics.excitation.pressure_map import (
     GasSource,
+    Load,
     Pressures,
     Weights,
     constant_weight,
     gas_sources,
-)
-from dynamics.excitation.pressure_map import (
-    Load,
     order_indices,
     per_minute,
     phasors_of_samples,
@@ -44,10 +41,16 @@ from dynamics.excitation.pressure_map import (
 )
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics
-from dynamics.plots.curves import MAIN_ORDERS, draw_orders, set_speed_axis
-from dynamics.plots.quantities import KILO, number_axis, orders_and_speeds
+from dynamics.plots.curves import (
+    KILO,
+    MAIN_ORDERS,
+    draw_orders,
+    number_axis,
+    orders_and_speeds,
+    set_speed_axis,
+)
 from dynamics.response.order_excitation import at_angles, checked_speed_index, checked_speeds
-from dynamics.torque.torque import DEFAULT_SAMPLES, checked_throws, throws_along_shaft
+from dynamics.torque import DEFAULT_SAMPLES, checked_throws, throws_along_shaft
 
 TURN = 2.0 * math.pi
 # The forces of moving masses are smooth: so many samples of a turn tell all harmonics that matter.

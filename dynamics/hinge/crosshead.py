@@ -20,15 +20,19 @@ from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
 from crankbase.summaries import summarized
 from dynamics.cycle import even_angles
-from dynamics.engine.forces import Pressure, gas_forces, piston_position, rod_models
+from dynamics.engine.forces import (
+    Pressure,
+    gas_forces,
+    parts_motion,
+    piston_position,
+    reduced_inertia,
+    rod_models,
+)
 from dynamics.engine.layout import EngineCylinder, EngineLayout
-from dynamics.engine.motions import parts_motion, reduced_inertia
-from dynamics.engine.rods import ConnectingRod
-from dynamics.engine.slider_crank import check_reach
-from dynamics.gas.cycle_values import usual_gas_cycle
-from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle
+from dynamics.engine.rods import ConnectingRod, check_reach
+from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle, usual_gas_cycle
 from dynamics.gas.pressure import ATMOSPHERE, one_cycle
-from dynamics.sample_table import TableKind, read_sample_rows
+from dynamics.harmonics import TableKind, read_sample_rows
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline

@@ -24,8 +24,7 @@ from dynamics.hinge.crosshead import (
     reduced_crank,
     turn_integral,
 )
-from dynamics.plots.curves import FROM_TOP, draw_over_angle
-from dynamics.plots.quantities import KILO
+from dynamics.plots.curves import FROM_TOP, KILO, draw_over_angle
 
 SAMPLES = 1440
 # Fewer samples do not resolve a rise of pressure by combustion.

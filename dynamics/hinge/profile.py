@@ -25,8 +25,7 @@ from crankbase.summaries import summarized
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import periodic_spline
 from dynamics.hinge.moment import HingeMoment
-from dynamics.plots.curves import FROM_TOP, draw_over_angle
-from dynamics.plots.quantities import KILO, MILLI
+from dynamics.plots.curves import FROM_TOP, KILO, MILLI, draw_over_angle
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline

@@ -9,8 +9,8 @@ from crankbase.array_checks import FloatArray
 from crankbase.diagrams import COLORS, GRAY, Band, Diagram, Dots, Limits, Line, Note, draw_diagram
 from crankbase.frames import Axes
 from crankbase.quantity import RPM
+from dynamics.plots.curves import SPEED_LABEL
 from dynamics.plots.harmonics import KIND_COLORS
-from dynamics.plots.quantities import SPEED_LABEL
 
 RUNNING = "#eef3f8"
 # Points along a straight line to hover on.

@@ -140,7 +140,7 @@ SUM = "#1c2733"
 
 
 class _Vectors(Protocol):
-    """Vectors of one order; `dynamics.torque.star.Star` is an example."""
+    """Vectors of one order; `dynamics.torque.Star` is an example."""
 
     @property
     def directions_deg(self) -> FloatArray: ...

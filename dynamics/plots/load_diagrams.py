@@ -13,7 +13,7 @@ from crankbase.diagrams import COLORS, GRAY, legend_below, legend_inside, new_ax
 from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.quantity import format_number
-from dynamics.plots.quantities import KILO
+from dynamics.plots.curves import KILO
 
 DASHES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 2, 1, 2, 1, 2)))
 AXIS_LINE: Any = (0, (8, 3, 1, 3))
@@ -26,7 +26,7 @@ SHORT = 14
 
 
 class _Curve(Protocol):
-    """A closed curve; `dynamics.balance.moving_masses.Hodograph` is one."""
+    """A closed curve; `dynamics.balance.Hodograph` is one."""
 
     @property
     def major(self) -> float: ...
@@ -118,7 +118,7 @@ AXIS_LABELS: dict[Frame, tuple[str, str]] = {
 
 
 class _Load(Protocol):
-    """The force on a bearing; `dynamics.engine.loads.LoadDiagram` is one."""
+    """The force on a bearing; `dynamics.engine.forces.LoadDiagram` is one."""
 
     @property
     def angles_deg(self) -> FloatArray: ...

@@ -20,7 +20,7 @@ from crankbase.diagrams import (
 )
 from crankbase.frames import Axes
 from crankbase.quantity import format_number
-from dynamics.plots.quantities import MILLI
+from dynamics.plots.curves import MILLI
 
 
 def chain_shapes(

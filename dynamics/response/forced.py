@@ -14,7 +14,7 @@ from crankbase.frames import Axes, Dataset, grid
 from crankbase.memory import check_memory
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
-from dynamics.plots.quantities import (
+from dynamics.plots.curves import (
     Quantity,
     infinite_where_unbounded,
     name_axis,

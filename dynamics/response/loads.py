@@ -15,8 +15,14 @@ from crankbase.frames import Axes, Dataset, grid
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name
-from dynamics.plots.curves import draw_named_curves
-from dynamics.plots.quantities import KILO, Quantity, name_axis, orders_and_speeds, quantity_display
+from dynamics.plots.curves import (
+    KILO,
+    Quantity,
+    draw_named_curves,
+    name_axis,
+    orders_and_speeds,
+    quantity_display,
+)
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.series import DrawnBeside, OrderSeries, with_unbounded
 

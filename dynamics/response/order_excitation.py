@@ -19,7 +19,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Dataset, grid
 from crankbase.summaries import summarized
 from dynamics.harmonics import Harmonics
-from dynamics.plots.quantities import Quantity, orders_and_speeds, quantity_display
+from dynamics.plots.curves import Quantity, orders_and_speeds, quantity_display
 
 
 @dataclass(frozen=True, eq=False)

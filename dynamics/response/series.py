@@ -23,13 +23,15 @@ from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.summaries import summarized
 from dynamics.indices import index_of_name
-from dynamics.plots.curves import MAIN_ORDERS, draw_over_speed, over_speed
-from dynamics.plots.quantities import (
+from dynamics.plots.curves import (
+    MAIN_ORDERS,
     Quantity,
     QuantityDisplay,
+    draw_over_speed,
     infinite_where_unbounded,
     name_axis,
     orders_and_speeds,
+    over_speed,
     quantity_display,
 )
 from dynamics.response.order_excitation import at_angles, checked_speed_index

@@ -25,8 +25,7 @@ from crankbase.frames import Axes
 from crankbase.quantity import RPM
 from crankbase.summaries import summarized
 from dynamics.indices import node_index
-from dynamics.plots.curves import draw_over_time
-from dynamics.plots.quantities import SPEED_LABEL
+from dynamics.plots.curves import SPEED_LABEL, draw_over_time
 from dynamics.response.order_excitation import OrderExcitation, OverSpeed, check_ascending
 from dynamics.transient.propagator import PLACES, POINTS
 

@@ -17,13 +17,18 @@ from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name, node_index
 from dynamics.plots.curves import (
+    MOVING,
+    SI_UNITS,
+    Coordinate,
     SelectedCurve,
+    angle_axis,
     draw_named_curves,
     draw_over_angle,
     draw_over_time,
+    name_axis,
     plot_run,
+    time_axis,
 )
-from dynamics.plots.quantities import MOVING, SI_UNITS, Coordinate, angle_axis, name_axis, time_axis
 from dynamics.transient.propagator import ViscousSystem
 
 Moving: TypeAlias = Literal["torque", "force", "twist", "displacement"]

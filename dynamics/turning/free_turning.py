@@ -25,8 +25,7 @@ from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
-from dynamics.plots.curves import draw_over_time
-from dynamics.plots.quantities import KILO
+from dynamics.plots.curves import KILO, draw_over_time
 from dynamics.turning.shaft_moments import Gas, Resistance, ShaftMoments, shaft_moments
 from dynamics.turning.speed_over_angle import (
     MOST_MOMENTS,

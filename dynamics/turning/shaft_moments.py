@@ -17,9 +17,16 @@ from crankbase.array_checks import (
 )
 from dynamics.cycle import cycle_radians, even_angles
 from dynamics.engine import RodModelName
-from dynamics.engine.forces import Pressure, pressure_of_each, rod_models
+from dynamics.engine.forces import (
+    Pressure,
+    parts_motion,
+    piston_ends,
+    pressure_of_each,
+    reduced_inertia,
+    rod_models,
+    turn_spectrum,
+)
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import parts_motion, piston_ends, reduced_inertia, turn_spectrum
 from dynamics.engine.rods import RodModel
 from dynamics.turning.speed_over_angle import checked_inertia, checked_moment
 

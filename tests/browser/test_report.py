@@ -18,7 +18,7 @@ from comparing import close
 from crankfem.analyses.throw.formula_records import formulas_over_angle
 from crankfem.report.interactive.mechanism import polar_load
 from crankfem.report.interactive.style import figure_of
-from dynamics.engine.loads import LoadDiagram
+from dynamics.engine.forces import LoadDiagram
 
 pytestmark = pytest.mark.further
 MEGABYTE = 1e6

@@ -125,7 +125,7 @@ def series():
 
 
 def torque():
-    from dynamics.plots.quantities import quantity_display
+    from dynamics.plots.curves import quantity_display
 
     return quantity_display("torque", "SI")
 

@@ -44,8 +44,8 @@ from crankfem.report.interactive.vibration import (
     shaft_modes,
 )
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
-from dynamics.engine.loads import LoadDiagram
-from dynamics.plots.quantities import quantity_display
+from dynamics.engine.forces import LoadDiagram
+from dynamics.plots.curves import quantity_display
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
 from fem import fillet_stress

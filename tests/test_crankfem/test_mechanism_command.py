@@ -31,10 +31,9 @@ from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.outputs import check_outputs
 from crankfem.report.interactive.mechanism import MECHANISM
-from dynamics.balance.balance import balance
-from dynamics.balance.moving_masses import balancing_masses
+from dynamics.balance import balance, balancing_masses
+from dynamics.engine.forces import LoadDiagram
 from dynamics.engine.layout import EngineLayout, SlavePin
-from dynamics.engine.loads import LoadDiagram
 from dynamics.engine.rods import ConnectingRod
 from dynamics.plots.load_diagrams import on_paper
 from geometry.crankshaft import throw_masses

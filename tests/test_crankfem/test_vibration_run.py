@@ -27,7 +27,7 @@ from dynamics.chains.chain import Chain
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.torque.torque import engine_torque
+from dynamics.torque import engine_torque
 from fem.analysis import analyze_throw
 
 ADDED = """

@@ -11,16 +11,27 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.balance.balance import balance, hinged_rod_effects, hodograph_change
-from dynamics.balance.moving_masses import Hodograph, balancing_masses, moving_masses, order_vectors
+from dynamics.balance import (
+    Hodograph,
+    balance,
+    balancing_masses,
+    hinged_rod_effects,
+    hodograph_change,
+    moving_masses,
+    order_vectors,
+)
 from dynamics.critical import major_orders
 from dynamics.cycle import order_step
-from dynamics.engine.firing import firing_order_of_angles
-from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
-from dynamics.engine.motions import acceleration_orders, cylinder_motion, piston_acceleration
+from dynamics.engine.forces import acceleration_orders, cylinder_motion, piston_acceleration
+from dynamics.engine.layout import (
+    EngineCylinder,
+    EngineLayout,
+    RotatingMass,
+    SlavePin,
+    firing_order_of_angles,
+)
 from dynamics.engine.rods import ConnectingRod
-from dynamics.torque.star import leading_stars, star_diagram
-from dynamics.torque.torque import engine_torque
+from dynamics.torque import engine_torque, leading_stars, star_diagram
 from parts_in_a_line import cylinder as made_cylinder
 from references import even_firing_angles
 

@@ -20,15 +20,19 @@ from crankbase.array_checks import (
 from crankbase.errors import InputError, SolveError
 from dynamics.assessment.limit_rules import crankshaft_limit, propulsion_shaft_limit
 from dynamics.assessment.limits import LimitCurve, axial_force_limit, given_limit
-from dynamics.balance.balance import balance
+from dynamics.balance import balance
 from dynamics.chains import chain as chains
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_line import ShaftCone
 from dynamics.crankshaft.surroundings import AxialSupport
 from dynamics.critical import critical_speeds, engine_orders
-from dynamics.engine.forces import mechanism_forces
+from dynamics.engine.forces import (
+    acceleration_orders,
+    mechanism_forces,
+    piston_acceleration,
+    reduced_inertia,
+)
 from dynamics.engine.layout import EngineCylinder, EngineLayout
-from dynamics.engine.motions import acceleration_orders, piston_acceleration, reduced_inertia
 from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.cylinders import cylinder_forces, cylinder_harmonics
 from dynamics.excitation.pressure_map import PressureMap
@@ -39,8 +43,7 @@ from dynamics.response import harmonic
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.torque.star import star_diagram
-from dynamics.torque.torque import check_energy, engine_torque, pin_force_harmonics
+from dynamics.torque import check_energy, engine_torque, pin_force_harmonics, star_diagram
 
 ROD = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
 ENGINE = EngineLayout(

@@ -19,8 +19,8 @@ from dynamics.chains.engine_chains import (
     torsional_chain,
 )
 from dynamics.chains.shaft_line import DrivenMachine, ShaftLine, shaft_cylinder
+from dynamics.engine.forces import reduced_inertia
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
-from dynamics.engine.motions import reduced_inertia
 from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.chain_excitation import axial_excitation_of_torsion, axial_section_forces
 from dynamics.excitation.cylinders import cylinder_forces, forces_at_speeds, torque_harmonics

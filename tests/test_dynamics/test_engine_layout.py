@@ -9,17 +9,18 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.engine.firing import (
+from dynamics.engine.forces import cylinder_motion, piston_ends, piston_position
+from dynamics.engine.layout import (
     IN_LINE,
+    EngineCylinder,
+    EngineLayout,
+    RotatingMass,
+    SlavePin,
     firing_angles_of_order,
     firing_intervals,
     firing_order_of_angles,
 )
-from dynamics.engine.forces import piston_position
-from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
-from dynamics.engine.motions import cylinder_motion, piston_ends
-from dynamics.engine.rods import ConnectingRod
-from dynamics.engine.slider_crank import SliderCrank
+from dynamics.engine.rods import ConnectingRod, SliderCrank
 
 ROD = ConnectingRod(0.265, 5.0, 0.097, 0.069)
 SHORT = ConnectingRod(0.065, 5.0, 0.03, 0.005)

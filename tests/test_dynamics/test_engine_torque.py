@@ -14,7 +14,7 @@ from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.rods import ConnectingRod
 from dynamics.harmonics import harmonics, read_torque_table
-from dynamics.torque.torque import engine_torque, pin_force_harmonics
+from dynamics.torque import engine_torque, pin_force_harmonics
 from parts_in_a_line import cylinder
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)

@@ -24,10 +24,8 @@ from dynamics.excitation.chain_excitation import (
 )
 from dynamics.excitation.cylinders import cylinder_forces, cylinder_harmonics, forces_at_speeds
 from dynamics.excitation.pressure_map import propeller_load
-from dynamics.gas.cycle_values import usual_gas_cycle
-from dynamics.gas.cylinder_volume import cylinder_volume, motored_from_compression
-from dynamics.gas.gas_cycle import gas_cycle
-from dynamics.gas.pressure import gas_pressure
+from dynamics.gas.gas_cycle import gas_cycle, usual_gas_cycle
+from dynamics.gas.pressure import cylinder_volume, gas_pressure, motored_from_compression
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
 from parts_in_a_line import cylinder as made_cylinder

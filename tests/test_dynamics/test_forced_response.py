@@ -16,7 +16,7 @@ from dynamics.assessment.response_curves import largest_amplitude, speeds_above
 from dynamics.assessment.verdict import judge
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.harmonics import harmonics
-from dynamics.plots.quantities import quantity_display
+from dynamics.plots.curves import quantity_display
 from dynamics.response.forced import forced_response
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import EngineMagnifier, chain_system, damped

@@ -13,21 +13,22 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_radians
 from dynamics.excitation.pressure_map import pressure_map, pressure_map_from_cycles
-from dynamics.gas.cycle_values import (
+from dynamics.gas.gas_cycle import (
     USUAL_VALUES,
     GasCycle,
     assumption_remarks,
+    gas_cycle,
     name_of_field,
     usual_gas_cycle,
 )
-from dynamics.gas.cylinder_volume import (
+from dynamics.gas.pressure import (
     cylinder_volume,
+    gas_pressure,
     indicated_mean_effective_pressure,
     indicated_work,
     periodic_slope,
+    read_pressure_table,
 )
-from dynamics.gas.gas_cycle import gas_cycle
-from dynamics.gas.pressure import gas_pressure, read_pressure_table
 from references import closed_pressure
 
 

@@ -7,9 +7,8 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.engine.forces import mechanism_forces
+from dynamics.engine.forces import LoadDiagram, crankpin_loads, main_bearing_loads, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
-from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
 from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.axial_forces import axial_force_over_cycle
 

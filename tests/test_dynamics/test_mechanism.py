@@ -11,11 +11,16 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.engine import ROD_MODELS
-from dynamics.engine.forces import gas_forces, mechanism_forces, rod_models, summed
+from dynamics.engine.forces import (
+    cylinder_motion,
+    gas_forces,
+    mechanism_forces,
+    reduced_inertia,
+    rod_models,
+    summed,
+)
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
-from dynamics.engine.motions import cylinder_motion, reduced_inertia
-from dynamics.engine.rods import ConnectingRod
-from dynamics.engine.slider_crank import SliderCrank, crankpin_motion
+from dynamics.engine.rods import ConnectingRod, SliderCrank, crankpin_motion
 from parts_in_a_line import cylinder as made_cylinder
 
 STEP = 1e-3

@@ -18,17 +18,15 @@ from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.assessment.separation import CriticalRange
 from dynamics.assessment.uncertainty import Samples, Spread
 from dynamics.assessment.verdict import Trial, decide, judge
-from dynamics.balance.balance import HingedRodEffects, balance
-from dynamics.balance.moving_masses import Hodograph
+from dynamics.balance import HingedRodEffects, Hodograph, balance
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import ViscousDamper
 from dynamics.crankshaft.chain_comparison import ChainVerdict, ModeMatch, ResponseMatch
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem, ShaftModes
 from dynamics.critical import critical_speeds
-from dynamics.engine.forces import mechanism_forces
+from dynamics.engine.forces import LoadDiagram, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout
-from dynamics.engine.loads import LoadDiagram
 from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.axial_forces import AxialForceComparison, axial_force_over_cycle
 from dynamics.excitation.cylinders import CylinderForces
@@ -50,8 +48,7 @@ from dynamics.response.loads import element_loads, power_balance
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import peak_cause
 from dynamics.response.resonance import campbell_diagram, resonances
-from dynamics.torque.star import Star
-from dynamics.torque.torque import engine_torque, pin_force_harmonics
+from dynamics.torque import Star, engine_torque, pin_force_harmonics
 from dynamics.transient.applied_forces import SpeedCurve
 from dynamics.transient.run import SteadyMotion, TransientMotion
 from dynamics.transient.turning_run import TurningCycle, TurningRun

@@ -6,11 +6,10 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_radians
-from dynamics.engine.forces import gas_forces, mechanism_forces
+from dynamics.engine.forces import gas_forces, mechanism_forces, piston_ends
 from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
-from dynamics.engine.motions import piston_ends
 from dynamics.engine.rods import ConnectingRod
-from dynamics.torque.torque import engine_torque
+from dynamics.torque import engine_torque
 from dynamics.turning.free_turning import turn_freely, turn_steadily
 from dynamics.turning.speed_over_angle import speed_over_angle, steady_turning
 from parts_in_a_line import cylinder

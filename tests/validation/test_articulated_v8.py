@@ -19,10 +19,9 @@ import pytest
 
 from comparing import close
 from crankfem.analyses.mechanism.mechanism_records import acceleration_record
-from dynamics.balance.balance import balance, hinged_rod_effects, hodograph_change
-from dynamics.balance.moving_masses import moving_masses
+from dynamics.balance import balance, hinged_rod_effects, hodograph_change, moving_masses
+from dynamics.engine.forces import acceleration_orders, cylinder_motion, piston_acceleration
 from dynamics.engine.layout import EngineLayout, RotatingMass, SlavePin
-from dynamics.engine.motions import acceleration_orders, cylinder_motion, piston_acceleration
 from dynamics.engine.rods import ConnectingRod
 from parts_in_a_line import cylinder
 

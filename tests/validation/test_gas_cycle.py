@@ -15,9 +15,8 @@ import numpy as np
 import pytest
 
 from comparing import close
-from dynamics.gas.cycle_values import usual_gas_cycle
-from dynamics.gas.cylinder_volume import cylinder_volume
-from dynamics.gas.gas_cycle import gas_cycle, pressure_rise_per_heat
+from dynamics.gas.gas_cycle import gas_cycle, pressure_rise_per_heat, usual_gas_cycle
+from dynamics.gas.pressure import cylinder_volume
 from references import closed_pressure
 
 R, L, AREA = 0.07, 0.25, 0.0133

@@ -22,11 +22,14 @@ from scipy.integrate import quad
 from scipy.special import binom
 
 from comparing import close
-from dynamics.balance.balance import balance
-from dynamics.balance.moving_masses import balancing_masses
-from dynamics.engine.firing import firing_order_of_angles
-from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass
-from dynamics.engine.motions import acceleration_orders
+from dynamics.balance import balance, balancing_masses
+from dynamics.engine.forces import acceleration_orders
+from dynamics.engine.layout import (
+    EngineCylinder,
+    EngineLayout,
+    RotatingMass,
+    firing_order_of_angles,
+)
 from dynamics.engine.rods import ConnectingRod
 from parts_in_a_line import cylinder as made_cylinder
 

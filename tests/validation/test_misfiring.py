@@ -13,7 +13,7 @@ import pytest
 import crankfem as cf
 from crankfem.files.engine.mechanism_file import mechanism_of
 from crankfem.files.sections.excitation_sections import motored_for_misfire
-from dynamics.torque.torque import DEFAULT_SAMPLES
+from dynamics.torque import DEFAULT_SAMPLES
 
 FOLDER = Path(__file__).parents[1] / "data" / "engines"
 NAMES = ("8l32-42-damper", "5-42-176-propeller", "v12-170-190")

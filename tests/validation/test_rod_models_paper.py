@@ -20,10 +20,8 @@ import pytest
 from comparing import close
 from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
-from dynamics.engine.rods import ConnectingRod
-from dynamics.engine.slider_crank import SliderCrank
-from dynamics.gas.cycle_values import usual_gas_cycle
-from dynamics.gas.gas_cycle import gas_cycle
+from dynamics.engine.rods import ConnectingRod, SliderCrank
+from dynamics.gas.gas_cycle import gas_cycle, usual_gas_cycle
 from parts_in_a_line import cylinder
 
 R, L_SHK, L_SHP, L_D, BORE = 0.070, 0.097, 0.168, 0.009, 0.130

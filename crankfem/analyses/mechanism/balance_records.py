@@ -8,16 +8,17 @@ from dataclasses import replace
 from crankbase.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.record import Record, attributes
-from dynamics.balance.balance import (
+from dynamics.balance import (
     BALANCED,
     Balance,
     HingedRodEffects,
+    Hodograph,
     OrderBalance,
     Resultant,
     balance,
     hodograph_change,
+    moving_masses,
 )
-from dynamics.balance.moving_masses import Hodograph, moving_masses
 from geometry.parts import counterweight_moment
 
 BALANCED_TEXT = "balanced"

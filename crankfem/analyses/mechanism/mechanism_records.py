@@ -16,13 +16,16 @@ from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
 from crankfem.files.engine.usual_sizes import EnginePower, indicated_power
 from dynamics.cycle import cycle_radians
-from dynamics.engine.firing import firing_intervals
-from dynamics.engine.forces import pin_groups
-from dynamics.engine.layout import EngineLayout
-from dynamics.engine.loads import LoadDiagram
-from dynamics.engine.motions import acceleration_orders, order_part, piston_acceleration
+from dynamics.engine.forces import (
+    LoadDiagram,
+    acceleration_orders,
+    order_part,
+    pin_groups,
+    piston_acceleration,
+)
+from dynamics.engine.layout import EngineLayout, firing_intervals
 from dynamics.harmonics import Harmonics, TorqueTable
-from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
+from dynamics.torque import Star, leading_stars, same_stars, star_diagram
 
 COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
 # How far the samples are from the sum up to an order, and how a table calls it.

@@ -19,15 +19,20 @@ from crankfem.files.engine.mechanism_file import (
     with_throws,
 )
 from crankfem.files.sections.cylinder_pressures import motored_pressures
-from dynamics.balance.balance import Balance, HingedRodEffects, balance, hinged_rod_effects
+from dynamics.balance import Balance, HingedRodEffects, balance, hinged_rod_effects
 from dynamics.engine import RodModelName
-from dynamics.engine.forces import MechanismForces, mechanism_forces, pin_groups
+from dynamics.engine.forces import (
+    LoadDiagram,
+    MechanismForces,
+    crankpin_loads,
+    main_bearing_loads,
+    mechanism_forces,
+    pin_groups,
+    piston_ends,
+)
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
-from dynamics.engine.motions import piston_ends
-from dynamics.gas.cylinder_volume import indicated_mean_effective_pressure
-from dynamics.gas.pressure import ATMOSPHERE, GasPressure
-from dynamics.torque.torque import (
+from dynamics.gas.pressure import ATMOSPHERE, GasPressure, indicated_mean_effective_pressure
+from dynamics.torque import (
     DEFAULT_SAMPLES,
     EngineTorque,
     check_energy,

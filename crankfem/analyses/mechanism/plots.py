@@ -22,16 +22,17 @@ from crankbase.diagrams import (
 from crankbase.errors import InputError
 from crankfem.analyses.mechanism.rod_models import ModelDifference
 from crankfem.analyses.titles import add_title
-from dynamics.balance.balance import Balance, hinged_rod_effects
-from dynamics.engine.layout import EngineLayout
-from dynamics.engine.loads import LoadDiagram
-from dynamics.engine.motions import (
+from dynamics.balance import Balance, hinged_rod_effects
+from dynamics.engine.forces import (
+    LoadDiagram,
     acceleration_orders,
     checked_cylinder,
     order_part,
     piston_acceleration,
 )
+from dynamics.engine.layout import EngineLayout
 from dynamics.harmonics import Harmonics, TorqueTable
+from dynamics.plots.curves import KILO
 from dynamics.plots.harmonics import (
     KIND_COLORS,
     STAR_STEP,
@@ -51,9 +52,7 @@ from dynamics.plots.load_diagrams import (
     draw_hodographs,
     draw_polar_loads,
 )
-from dynamics.plots.quantities import KILO
-from dynamics.torque.star import Star, same_stars, star_diagram
-from dynamics.torque.torque import EngineTorque
+from dynamics.torque import EngineTorque, Star, same_stars, star_diagram
 
 MOST_IN_A_ROW = 4
 

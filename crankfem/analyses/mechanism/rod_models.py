@@ -11,9 +11,8 @@ from crankbase.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.record import Record, attributes
 from dynamics.engine import ROD_MODELS, RodModelName
-from dynamics.engine.forces import MechanismForces, mechanism_forces
+from dynamics.engine.forces import LoadDiagram, MechanismForces, crankpin_loads, mechanism_forces
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.loads import LoadDiagram, crankpin_loads
 
 # Shares below this are round-off.
 ROUND_OFF = 1e-12

@@ -12,9 +12,8 @@ from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.response.loads import section_modulus
 from dynamics.strength.concentration import CrankWeb, ElementFactors
 from dynamics.strength.shrink_fit import ShrinkFit
-from fem.fillet_peaks import FilletPeak, FilletStresses
+from fem.fillet_peaks import FilletPeak, FilletStresses, largest_principal, principal_stresses
 from fem.fillet_stress import FilletMesh, fillet_stresses
-from fem.surface_stress import largest_principal, principal_stresses
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import web_dimension
 

@@ -54,8 +54,7 @@ from dynamics.excitation.cylinders import (
     cylinder_harmonics,
     forces_at_speeds,
 )
-from dynamics.excitation.gas_sources import constant_weight
-from dynamics.excitation.pressure_map import PressureMap, load_at
+from dynamics.excitation.pressure_map import PressureMap, constant_weight, load_at
 from dynamics.excitation.propeller import propeller_excitation
 from dynamics.gas.pressure import GasPressure
 from dynamics.indices import within

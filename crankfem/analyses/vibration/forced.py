@@ -44,7 +44,7 @@ from dynamics.excitation.axial_forces import AxialForceComparison
 from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics
 from dynamics.indices import at_most, within
-from dynamics.plots.quantities import Quantity
+from dynamics.plots.curves import Quantity
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical, damped_criticals
 from dynamics.response.forced import ForcedResponse, forced_response

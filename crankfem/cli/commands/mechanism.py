@@ -284,7 +284,7 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
         pressures_at,
     )
     from crankfem.jobs.outputs import check_outputs
-    from dynamics.torque.torque import engine_torque, pin_force_harmonics
+    from dynamics.torque import engine_torque, pin_force_harmonics
 
     mechanism = load_mechanism(source)
     engine, strokes, cylinder = mechanism.layout, asked.strokes, asked.cylinder

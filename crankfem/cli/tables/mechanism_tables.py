@@ -35,8 +35,7 @@ from crankfem.analyses.record import ASSUMED, Record
 from crankfem.cli.console import number, print_line, print_notes, print_table, write_rows
 from crankfem.cli.tables.throw_tables import intervals_text
 from crankfem.files.engine.mechanism_file import MechanismFile
-from dynamics.torque.star import star_diagram
-from dynamics.torque.torque import EngineTorque, PinForceHarmonics
+from dynamics.torque import EngineTorque, PinForceHarmonics, star_diagram
 
 
 def print_mechanism(record: Record, units: OutputUnits = SI) -> None:

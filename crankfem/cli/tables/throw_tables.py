@@ -27,7 +27,7 @@ from crankfem.analyses.throw.throw_record import (
 from crankfem.cli import console
 from crankfem.cli.arguments import angle_text
 from crankfem.cli.console import print_line, print_notes, print_table
-from dynamics.engine.firing import repeating_intervals
+from dynamics.engine.layout import repeating_intervals
 from fem.fillet_peaks import (
     ACROSS_WEB,
     LARGEST_NORMAL,
@@ -37,7 +37,7 @@ from fem.fillet_peaks import (
     RULE_LOADS,
 )
 from fem.supports import Neighbors, Support
-from regression.formulas.published import (
+from regression.formulas.axial_formulas import (
     AXIAL_FORMULAS,
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,

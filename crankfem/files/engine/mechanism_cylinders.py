@@ -11,14 +11,15 @@ from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
 from crankfem.files.sections.engine_sections import Engine, ShaftLayout
 from crankfem.files.sections.mechanism_sections import HingedRods, Piston, Rod
-from dynamics.engine.firing import (
+from dynamics.engine.layout import (
     EVEN,
     IN_LINE,
+    EngineCylinder,
+    SlavePin,
     even_firing_order,
     least_uneven_order,
     repeating_intervals,
 )
-from dynamics.engine.layout import EngineCylinder, SlavePin
 from dynamics.engine.rods import ConnectingRod
 from geometry.crankshaft import throw_starts
 from geometry.throw import CrankThrow

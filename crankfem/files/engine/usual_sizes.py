@@ -15,11 +15,9 @@ from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.files.sections.engine_sections import Engine, Flywheel, ThrustBearing
 from crankfem.files.sections.mechanism_sections import Piston, Rod
 from dynamics.cycle import cycle_radians
-from dynamics.engine.forces import piston_position
+from dynamics.engine.forces import piston_ends, piston_position
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import piston_ends
-from dynamics.gas.cylinder_volume import indicated_work, periodic_slope
-from dynamics.gas.pressure import GasPressure
+from dynamics.gas.pressure import GasPressure, indicated_work, periodic_slope
 from geometry.throw import CrankThrow
 from regression.law.ratios import DIVISORS, FILLETS, RANGES, REAL
 from regression.law.ratios import PLAIN as PLAIN_RANGES

@@ -22,8 +22,14 @@ from dynamics.excitation.pressure_map import (
     pressure_map_from_cycles,
     sorted_unique,
 )
-from dynamics.gas.cycle_values import LEAST_EXHAUST, USUAL_VALUES, GasCycle, name_of_field
-from dynamics.gas.gas_cycle import FullLoad, GasCycleResult
+from dynamics.gas.gas_cycle import (
+    LEAST_EXHAUST,
+    USUAL_VALUES,
+    FullLoad,
+    GasCycle,
+    GasCycleResult,
+    name_of_field,
+)
 from dynamics.gas.pressure import ATMOSPHERE, HIGHEST_PEAK, GasPressure, read_pressure_table
 
 Result = TypeVar("Result")

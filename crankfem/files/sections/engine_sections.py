@@ -12,7 +12,7 @@ from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import PER_MINUTE, format_quantity
 from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
-from dynamics.engine.firing import (
+from dynamics.engine.layout import (
     even_firing_order,
     firing_angles_of_order,
     firing_intervals,

@@ -17,8 +17,12 @@ from dynamics.engine.forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.pressure_map import Load, PressureMap, pressure_map, propeller_load
 from dynamics.excitation.propeller import PropellerForces
-from dynamics.gas.cylinder_volume import cylinder_volume, motored_from_compression
-from dynamics.gas.pressure import GasPressure, read_pressure_table
+from dynamics.gas.pressure import (
+    GasPressure,
+    cylinder_volume,
+    motored_from_compression,
+    read_pressure_table,
+)
 from dynamics.harmonics import TorqueTable, read_torque_table
 
 

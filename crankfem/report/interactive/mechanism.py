@@ -30,9 +30,9 @@ from crankfem.report.interactive.style import (
     number,
 )
 from dynamics.cycle import cycle_radians
-from dynamics.engine.loads import LoadDiagram
+from dynamics.engine.forces import LoadDiagram
+from dynamics.plots.curves import KILO
 from dynamics.plots.load_diagrams import OUTLINE, Frame, label_spots, on_paper, square_round
-from dynamics.plots.quantities import KILO
 
 Array = NDArray[np.float64]
 

@@ -28,8 +28,8 @@ from dynamics.crankshaft.coupled_response import CoupledResponse, split_curves
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.critical import engine_orders
 from dynamics.plots.campbell import campbell
+from dynamics.plots.curves import SPEED_LABEL, Quantity, in_unit, quantity_display
 from dynamics.plots.mode_shapes import chain_shapes, shaft_shape
-from dynamics.plots.quantities import SPEED_LABEL, Quantity, in_unit, quantity_display
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
 

@@ -1,1 +1,0 @@
-"""Free inertia forces and moments of the moving parts, by order."""
