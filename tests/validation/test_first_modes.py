@@ -50,6 +50,7 @@ def test_summary_names_the_mode_of_the_crankshaft(run):
         "mechanism": None,
         "vibration": run_record(run),
         "inputs": [],
+        "input_warnings": [],
         "checks": [],
         "throw": {"error_estimate": 0.0, "supports": {"pinned": {"axial_compliance": 1e-9}}},
     }
