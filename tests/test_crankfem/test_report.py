@@ -481,7 +481,7 @@ AS_STORED = {
     "balance": ["1131 kg, 2460 mm long; balanced statically and dynamically."],
     "campbell": [
         "on a rigid shaft: 3, 6, 9, 12. Orders up to 12 are considered",
-        "speed [1/min] lowest highest undamped order mode phase sum peak at amplitude damping [%] margin [%] kind",
+        "speed [1/min] lowest highest undamped order mode phase sum peak at amplitude damping [%] margin [%]",
         "axial 384 383 384 384 12 1 1.00 free end 116 µm 1.25 inside major",
         "axial 512 510 512 512 9 1 1.00 free end 341 µm 1.25 inside major",
         "torsional 435 431 435 435 12 1 1.00 free end 1.42 mrad 1.25 inside major",
