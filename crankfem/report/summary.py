@@ -94,7 +94,7 @@ def uncertain_sentence(vibration: Record, kind: str) -> str:
     spreads = [
         f"{spread['name']} {factor_range(spread)} the value used" for spread in uncertain["spreads"]
     ]
-    bearings = vibration.get("bearings")
+    bearings = vibration["bearings"]
     if bearings is not None:
         low, high = min(bearings["stiffness"]), max(bearings["stiffness"])
         spreads.append(f"stiffness of the main bearings {compact(low)} to {compact(high)} N/m each")
@@ -119,8 +119,10 @@ def _bounds(ends: Mapping[str, float]) -> str:
 
 def _swept(vibration: Mapping[str, Any], kind: str) -> str:
     """First frequency of the whole crankshaft over the stiffness of its bearings; empty if not calculated."""
-    swept = vibration.get("bearings") or {}
-    modes = [swept.get("shaft", {}).get(kind) or (), *swept.get("further", {}).get(kind, ())]
+    swept = vibration["bearings"]
+    if swept is None or kind not in swept["shaft"]:
+        return ""
+    modes = [swept["shaft"][kind], *swept["further"][kind]]
     known = [[frequency for frequency in mode if frequency is not None] for mode in modes]
     if len(known[0]) < 2:
         return ""
@@ -132,7 +134,7 @@ def _swept(vibration: Mapping[str, Any], kind: str) -> str:
 def _first_mode(chain: Record) -> Record | None:
     """Return the crankshaft's first mode, which is not one of coupling, damper or line."""
     return next(
-        (mode for mode in chain["modes"] if not mode["rigid"] and mode.get("of_crankshaft", True)),
+        (mode for mode in chain["modes"] if not mode["rigid"] and mode["of_crankshaft"]),
         None,
     )
 
@@ -157,11 +159,11 @@ def worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Record]:
     """
     worst: dict[str, Record] = {}
     for check in checks:
-        running = dict(check) | (check.get("running") or {})
+        running = dict(check) | (check["running"] or {})
         limit = worst.setdefault(check["limit"], running | {"above": None})
         if _use(running) > _use(limit):
             worst[check["limit"]] = limit = running | {"above": limit["above"]}
-        above = check.get("above")
+        above = check["above"]
         if above is not None and (limit["above"] is None or _use(above) > _use(limit["above"])):
             limit["above"] = {**above, "place": check["place"]}
         limit["passed"] = limit["passed"] and check["passed"]
@@ -203,13 +205,13 @@ def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
     if assessment is not None and shown is not None:
         bounds = assessment["uncertainty"][kind]["frequencies"][shown["number"] - 1]
         details[0] = f"uncertainty range of the chain {_bounds(bounds)}"
-    if whole is not None and whole["chains"].get(kind, {}).get("modes"):
+    if whole is not None and kind in whole["chains"] and whole["chains"][kind]["modes"]:
         mode = whole["chains"][kind]["modes"][0]
-        alike = (mode["shaft_frequency"], mode.get("further_frequency"))
+        alike = (mode["shaft_frequency"], mode["further_frequency"])
         shaft = " and ".join(_hertz(frequency) for frequency in sorted(filter(None, alike)))
         shaft = f"{shaft} Hz" if shaft else "no mode like it"
         # The range over the bearings is that of one mode, the one most alike.
-        swept = "" if mode.get("further_frequency") else _swept(vibration, kind)
+        swept = "" if mode["further_frequency"] else _swept(vibration, kind)
         details.append(f"whole crankshaft in its bearings: {shaft}{f' ({swept})' if swept else ''}")
     beside = elastic.index(shown) if shown is not None else len(elastic)
     if beside:

@@ -30,10 +30,12 @@ from crankfem.report.summary import engine_facts, summary, uncertain_sentence, w
 from crankfem.report.text_filters import loaded_most
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
-from stored import stored_results, typed
+from stand_ins import stored_results, typed
 
 NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e-?\d+)?")
 MOST_LINES = 34
+BEARINGS = {"flips": False, "sentences": [], "stiffness": [1e9, 2e9], "shaft": {}}
+BEARINGS["further"] = {"axial": [], "torsional": []}
 # Scales in which sentences write SI values: themselves, MPa, mrad, um, per cent.
 SCALES = (1.0, 1e-6, 1e3, 1e6, 100.0)
 
@@ -222,7 +224,7 @@ def test_misfiring_that_fails_is_in_the_headline(results):
     results["vibration"]["misfiring"] = {"passed": False, "sentence": "too much"}
     # Where limits are exceeded with all cylinders firing, the largest figure is that of normal firing.
     assert headline(*verdict_parts(results)) == "Not acceptable"
-    results["vibration"]["assessment"] |= {"status": "fine", "sentence": "Fine: all"}
+    results["vibration"]["assessment"] |= {"status": "fine", "headline": "Fine"}
     assert headline(*verdict_parts(results)).startswith(
         "Fine with all cylinders firing; limits are exceeded"
     )
@@ -235,7 +237,7 @@ def test_misfiring_that_fails_is_in_the_headline(results):
 def test_a_crankshaft_too_weak_is_in_the_headline(results):
     results["strength"] = {"passed": False, "sentence": "Q = 1.06, 1.15 is required."}
     assert headline(*verdict_parts(results)) == "Not acceptable"
-    results["vibration"]["assessment"] |= {"status": "fine", "sentence": "Fine: all"}
+    results["vibration"]["assessment"] |= {"status": "fine", "headline": "Fine"}
     assert headline(*verdict_parts(results)).endswith(
         "; the crankshaft is not strong enough by UR M53"
     )
@@ -247,7 +249,7 @@ def test_a_crankshaft_too_weak_is_in_the_headline(results):
 
 
 def test_a_mode_divided_between_two_is_on_its_card_by_both(results):
-    results["vibration"]["bearings"] = {"shaft": {"axial": [80.0, 90.0]}, "stiffness": [1e9, 2e9]}
+    results["vibration"]["bearings"] = BEARINGS | {"shaft": {"axial": [80.0, 90.0]}}
     mode = results["vibration"]["whole"]["chains"]["axial"]["modes"][0]
     shown = "whole crankshaft in its bearings: 81.1 Hz (80.0 to 90.0 Hz)"
     assert shown in summary(typed(results))["figures"][1]["details"]
@@ -347,7 +349,7 @@ def test_what_is_uncertain_names_the_bearings_and_the_crankshafts_own_first_mode
     vibration = results["vibration"]
     before = uncertain_sentence(vibration, "torsional")
     assert "bearings" not in before
-    vibration["bearings"] = {"stiffness": [2.2e8, 2.2e9, 2.2e10]}
+    vibration["bearings"] = BEARINGS | {"stiffness": [2.2e8, 2.2e9, 2.2e10]}
     own = vibration["torsional"]["modes"]
     first, second = (one for one in own if one["number"] in (1, 2))
     first["of_crankshaft"], second["of_crankshaft"] = False, True
@@ -383,12 +385,13 @@ def test_bearings_that_are_alike_are_counted():
 
 
 def test_a_node_on_a_branch_is_told_by_its_branch():
+    mode = {"number": 1, "frequency": 30.0, "node_positions": [1.25, 2.4]}
     record = {
         "kind": "torsional",
         "source": "fe",
         "nodes": ["end", "a", "wheel", "ring"],
         "connections": [[0, 1], [1, 2], [0, 3]],
-        "modes": [{"number": 1, "frequency": 30.0, "rigid": False, "node_positions": [1.25, 2.4]}],
+        "modes": [mode | {"rigid": False, "of_crankshaft": True}],
     }
     (row,) = mode_table(record).texts()
     assert row[-1] == "2.25, 0.40 of the way from end to ring"
@@ -620,7 +623,7 @@ def test_each_of_two_peaks_of_one_mode_has_a_row(results):
     vibration = results["vibration"]
     peaks = vibration["forced"]["torsional"]["resonances"]
     first = next(one for one in peaks if one["order"] == 12.0)
-    peaks.append({**first, "speed_rpm": 0.9 * first["speed_rpm"], "amplitude": 0.5e-3})
+    peaks.append({**first, "speed_rpm": 0.9 * first["speed_rpm"], "value": 0.5e-3})
     table = speed_table(vibration, most=99)
     names = [column.name for column in table.columns]
     rows = [
@@ -672,7 +675,7 @@ def test_a_mode_that_makes_no_peak_has_no_critical_speed_outside(results):
     """Nor a margin to one, of an order beyond the speeds calculated."""
     vibration = results["vibration"]
     peaks = vibration["forced"]["axial"]["resonances"]
-    damped = {"mode": 7, "order": 12.0, "speed_rpm": None, "severity": 0.0}
+    damped = {"mode": 7, "modes": [], "order": 12.0, "speed_rpm": None, "severity": 0.0}
     peaks.append({**peaks[0], **damped, "in_running_range": False})
     bounds = {"mode": 7, "order": 11.0, "margin": 0.0, "speed_rpm": 650.0}
     critical = vibration["assessment"]["uncertainty"]["axial"]["critical"]
@@ -744,6 +747,8 @@ def record():
             "permitted": 2e7 if unit == "Pa" else 1e-3,
             "used": None if value is None else 0.5,
             "passed": value is not None,
+            "running": None,
+            "above": None,
         }
 
     return {

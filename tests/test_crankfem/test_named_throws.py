@@ -32,7 +32,7 @@ from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.reading.toml_file import read_toml
 from crankfem.report.writing import render_report
 from fem.analysis import analyze_throw
-from stored import stored_results, typed
+from stand_ins import stored_results, typed
 
 UNEQUAL = Path(__file__).parents[1] / "data" / "unequal-three.toml"
 SHAFT = 'throws = ["heavy", "plain", "plain"]'

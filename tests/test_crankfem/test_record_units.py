@@ -18,7 +18,7 @@ from crankfem.cli.tables.vibration_tables import chain_record, print_run
 from crankfem.files.chain.chain_file import load_chain
 from fem.responses import RESPONSES
 from json_units import numbers_with_units
-from stored import stored_results
+from stand_ins import stored_results
 
 # Lines whose JSON is looked at, with how many numbers of it are known to be printed with a unit.
 QUICK = {

@@ -38,8 +38,7 @@ from crankfem.jobs.run_files import (
 from crankfem.report.interactive.plot import Plot, Plots
 from crankfem.report.writing import write_report_text
 from regression.models.compliance_model import ComplianceModel
-from stand_ins import put_everywhere
-from stored import STORED
+from stand_ins import put_everywhere, stored_results
 
 LEFT = {
     REPORT: "report",
@@ -168,7 +167,7 @@ def test_texts_of_inputs_are_those_that_were_read(tmp_path, quick_four):
 @pytest.fixture
 def reported(tmp_path):
     """The folder of a run whose report can be written."""
-    shutil.copyfile(STORED, tmp_path / RESULTS)
+    put_results(tmp_path, stored_results())
     (tmp_path / "pictures").mkdir()
     return tmp_path
 
