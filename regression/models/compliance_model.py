@@ -452,7 +452,7 @@ class ComplianceModel(ModelContent):
         many: bool = False,
         gamma_deg: float | None = None,
         strict: bool = False,
-        **dimensions: ArrayLike | str,
+        **dimensions: Any,
     ) -> tuple[dict[str, Any], dict[str, InputError]]:
         """Look several responses up, as far as they have values.
 
