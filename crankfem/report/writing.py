@@ -54,20 +54,6 @@ if TYPE_CHECKING:
 
 # Not allowed in HTML, even in scripts.
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
-# What results of older runs lack.
-LATER: dict[str, Any] = {
-    "fillets": None,
-    "fillet_note": None,
-    "checks": [],
-    "repeat": None,
-    "interactive": {},
-    "picture_note": None,
-    "throws": None,
-    "strength": None,
-    "fatigue": None,
-    "fatigue_note": None,
-}
-LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 # What makes tables, or their cells, of the results.
 TABLES = (
     balance_contents,
@@ -137,7 +123,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         A sentence that names the pictures that cannot be read; the page does without them, and says
         the same.
     """
-    results = LATER | dict(results) | {"about": LATER_ABOUT | results["about"]}
+    results = {"throws": None, **results}  # named throws alone have their own
     for name, kind in TYPED.items():
         if results[name] is not None:
             results[name] = kind.from_record(results[name])
