@@ -407,6 +407,22 @@ class Table:
         ]
         return cls(title, [column for column, _ in columns], rows, note)
 
+    @classmethod
+    def of_columns(
+        cls,
+        title: str,
+        *columns: tuple[Column, Iterable[Any]],
+        note: str = "",
+        marks: Sequence[str] = (),
+    ) -> Self:
+        """Return a table of columns, each with its cells: words, numbers, or an array."""
+        cells = [
+            [cell.item() if hasattr(cell, "item") else cell for cell in cells]
+            for _, cells in columns
+        ]
+        rows = list(zip(*cells, strict=True))
+        return cls(title, [column for column, _ in columns], rows, note, marks)
+
     def texts(
         self, units: OutputUnits = SI, write: Callable[[float, int], str] | None = None
     ) -> list[list[str]]:

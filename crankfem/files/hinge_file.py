@@ -24,8 +24,7 @@ from dynamics.hinge.crosshead import (
     read_gas_force,
     two_stroke_cycle,
 )
-from dynamics.hinge.moment import HingeMoment, hinge_moment
-from dynamics.hinge.profile import GasSpring, HingeProfile, hinge_profile
+from dynamics.hinge.profile import GasSpring, HingeMoment, HingeProfile, hinge_moment, hinge_profile
 
 
 class Crank(InputModel):

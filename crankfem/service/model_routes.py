@@ -49,7 +49,7 @@ from crankfem.service.responses import answer, described
 from crankfem.service.tasks import MODEL
 from fem.material import Material
 from fem.supports import Neighbors, Support
-from geometry.plots.throw_outline import outline_svg
+from geometry.plots.throw_plot import outline_svg
 from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import throw_laws

@@ -13,7 +13,7 @@ from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Part, Quantity, Result, result
 from crankbase.summaries import summarized
-from fem.end_reactions import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
+from fem.supports import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
 from geometry.throw import CrankThrow
 from regression.models.angle import between_ends, between_values
 from regression.models.extrapolation import ErrorBand

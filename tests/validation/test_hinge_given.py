@@ -19,7 +19,7 @@ from crankbase.errors import InputError
 from crankfem.analyses.hinge.hinge_run import hinge_columns, hinge_record, run_hinge
 from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
-from dynamics.hinge.moment import hinge_moment
+from dynamics.hinge.profile import hinge_moment
 
 pytestmark = pytest.mark.slow
 

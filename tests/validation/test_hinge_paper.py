@@ -22,8 +22,13 @@ import pytest
 
 from comparing import close
 from crankfem.files.hinge_file import load_hinge
-from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.simulation import best_pressure, flywheel_for, simulate_hinge, steady_hinge_turn
+from dynamics.hinge.profile import (
+    best_pressure,
+    flywheel_for,
+    hinge_moment,
+    simulate_hinge,
+    steady_hinge_turn,
+)
 
 
 @pytest.fixture(scope="module")

@@ -17,10 +17,11 @@ from crankbase.summaries import summarized
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.hinge_file import HingeFile
 from dynamics.hinge.crosshead import KINEMATICS, Kinematics
-from dynamics.hinge.moment import HingeMoment
-from dynamics.hinge.profile import GasSpring, HingeProfile
-from dynamics.hinge.simulation import (
+from dynamics.hinge.profile import (
     BestPressure,
+    GasSpring,
+    HingeMoment,
+    HingeProfile,
     SteadyHingeTurn,
     best_pressure,
     flywheel_for,

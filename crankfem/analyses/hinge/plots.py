@@ -8,9 +8,7 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.diagrams import BLUE, COLORS, GRAY, GREEN, ORANGE, legend_inside, write_title
 from crankbase.quantity import RPM, format_quantity
-from dynamics.hinge.moment import HingeMoment
-from dynamics.hinge.profile import HingeProfile
-from dynamics.hinge.simulation import SteadyHingeTurn
+from dynamics.hinge.profile import HingeMoment, HingeProfile, SteadyHingeTurn
 from dynamics.turning.speed_over_angle import SpeedOverAngle
 
 if TYPE_CHECKING:

@@ -75,7 +75,7 @@ def critical_table(record: Record) -> Table:
         ],
         marks=[
             ("chosen" if critical["phase_sum"] >= TOGETHER else "")
-            + ("" if critical.get("in_running_range", True) else " above")
+            + ("" if critical["in_running_range"] else " above")
             for critical in record["criticals"]
         ],
     )
@@ -84,7 +84,7 @@ def critical_table(record: Record) -> Table:
 def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
     """Return the first frequencies of one kind with every source, which `said` puts into words."""
     unit = "m/N" if record["kind"] == "axial" else "rad/(N m)"
-    first = next((source.get("first_mode", 1) for source in record["sources"]), 1)
+    first = next((source["first_mode"] for source in record["sources"]), 1)
     # Modes of a coupling or a damper, below the crankshaft's own, hardly depend on its compliances.
     own = f" of the crankshaft, from mode {first} on," if first > 1 else ""
     return Table(
@@ -100,7 +100,7 @@ def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
             [
                 said(source["source"]),
                 source["mean_compliance"],
-                source.get("crankshaft_frequencies", source["first_frequencies"]),
+                source["crankshaft_frequencies"],
                 source["beside_chosen"],
                 source["remark"],
             ]
@@ -138,7 +138,7 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
     # Running speeds come first; what lies above them fills what is left.
     kept = sorted(
         (resonance for resonance in resonances if is_listed(resonance)),
-        key=lambda resonance: (not resonance.get("in_running_range", True), -resonance["severity"]),
+        key=lambda resonance: (not resonance["in_running_range"], -resonance["severity"]),
     )
     worst = sorted(kept[:ROWS_SHOWN], key=lambda peak: peak["speed_rpm"] or float("inf"))
     motion = MOTION[kind].printed
@@ -164,8 +164,8 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
                 peak_place(peak),
                 peak_size(peak, kind, units),
                 UNBOUNDED if peak["unbounded"] else peak["amplitude"],
-                peak.get("damping_ratio"),
-                peak["kind"] + ("" if peak.get("in_running_range", True) else ", above"),
+                peak["damping_ratio"],
+                peak["kind"] + ("" if peak["in_running_range"] else ", above"),
             ]
             for peak in worst
         ],
@@ -175,12 +175,7 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
 
 def is_listed(peak: Record) -> bool:
     """Return whether a table lists a peak of a `forced_record`, or tells of it in `left_out`."""
-    if peak["speed_rpm"] is None:
-        return True
-    # Results of older runs hold the free end's resonances alone.
-    return bool(peak.get("in_band", True)) and (
-        "place" not in peak or peak["severity"] >= LEAST_PEAK
-    )
+    return peak["speed_rpm"] is None or (peak["in_band"] and peak["severity"] >= LEAST_PEAK)
 
 
 def peak_modes(peak: Record) -> str:
@@ -199,15 +194,15 @@ def peak_place(peak: Record) -> str | None:
 
 
 def peak_size(peak: Record, kind: str, units: OutputUnits, digits: int = 4) -> str | None:
-    """Write the amplitude of a peak at its place, of results of older runs at the free end."""
-    if peak.get("speed_rpm") is None:
+    """Write the amplitude of a peak at its place."""
+    if peak["speed_rpm"] is None:
         return None
     if peak["unbounded"]:
         return UNBOUNDED
     motion = MOTION[kind]
-    if peak.get("unit", motion.si) == motion.si:
+    if peak["unit"] == motion.si:
         own = units.of(motion.printed)
-        return f"{own.number(peak.get('value', peak['amplitude']), digits)} {own.name}"
+        return f"{own.number(peak['value'], digits)} {own.name}"
     return units.quantity(peak["value"], peak["unit"], digits)
 
 
@@ -215,7 +210,7 @@ def left_out(found: list[Record], shown: list[Record]) -> str:
     """Say which peaks of one kind a table leaves out, and why; empty without any."""
     peaks = [one for one in found if one["speed_rpm"] is not None and one not in shown]
     beyond = [peak for peak in peaks if is_listed(peak)]
-    forced = [peak for peak in peaks if not peak.get("in_band", True)]
+    forced = [peak for peak in peaks if not peak["in_band"]]
     small = [peak for peak in peaks if peak not in beyond and peak not in forced]
     texts = []
     if beyond:
@@ -260,7 +255,7 @@ def element_table(record: Record) -> Table:
     beside = [
         part
         for part in ("below", "above")
-        if any(load.get(part) is not None for load in record["loads"])
+        if any(load[part] is not None for load in record["loads"])
     ]
     where = {"below": "below running speeds", "above": "above them, as far as judged"}
     return Table(
@@ -298,7 +293,7 @@ def limit_table(
         return UNBOUNDED if value is None else units.quantity(value, unit, digits)
 
     # What was judged above the running range stands beside it.
-    beside = any(check.get("above") is not None for check in checks)
+    beside = any(check["above"] is not None for check in checks)
     table = Table(
         f"{'Limits' if limit is None else limit.capitalize()}, at the running speeds where most is used",
         [
@@ -323,7 +318,7 @@ def limit_table(
                 None if above is None else UNBOUNDED if above["used"] is None else above["used"],
             ]
             for check in checks
-            for running, above in ((check.get("running") or check, check.get("above")),)
+            for running, above in ((check["running"] or check, check["above"]),)
         ],
         marks=["" if check["passed"] else "over" for check in checks],
     )
@@ -490,9 +485,8 @@ def run_up_table(record: Record, units: OutputUnits = SI) -> Table:
 
 def _assessed_range(record: Record, units: OutputUnits) -> str:
     """State over which speeds resonances are listed."""
-    running, judged = record.get("running_rpm"), record.get("judged_rpm")
-    # Results of older runs know no speeds above the running range.
-    if running is None or judged is None or judged[1] <= running[1]:
+    running, judged = record["running_rpm"], record["judged_rpm"]
+    if judged[1] <= running[1]:
         return "in the running range"
     return units.text(
         f"at the speeds judged: the running range to {running[1]:.4g} 1/min, and above it to "
@@ -745,8 +739,7 @@ def _points(names: list[str], first: int) -> str:
 def _still_at(positions: list[float], record: Record, first: int) -> str | None:
     """State the positions of a mode's nodes: by the numbers of the points, or on their branch."""
     names = record["nodes"]
-    # Results of older runs say nothing of branches.
-    pairs = record.get("connections") or [(node, node + 1) for node in range(len(names) - 1)]
+    pairs = record["connections"]
     positions_of_nodes = []
     for position in positions:
         element = min(int(position), len(pairs) - 1)
@@ -758,4 +751,4 @@ def _still_at(positions: list[float], record: Record, first: int) -> str | None:
 
 
 def _beside_crankshaft(mode: Record) -> str:
-    return "" if mode.get("of_crankshaft", True) else " (coupling, damper or line)"
+    return "" if mode["of_crankshaft"] else " (coupling, damper or line)"
