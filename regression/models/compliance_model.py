@@ -17,8 +17,8 @@ from crankbase.choices import check_not_given, whole_number
 from crankbase.diagrams import BLUE, RED, display_unit, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import grid, table
-from fem.end_reactions import Reactions
 from fem.plots import angle_axis
+from fem.supports import Reactions
 from geometry.throw import CrankThrow
 from regression.models.angle import between_values, fold_angle
 from regression.models.extrapolation import OutsideRangeWarning
