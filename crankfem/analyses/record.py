@@ -201,7 +201,7 @@ def _undeclared(content: Any, path: str, known: dict[str, str]) -> Any:
         content = {
             quantity.key_of(name): getattr(content, name)
             for name, (quantity, _) in contents(type(content)).items()
-            if not quantity.unit
+            if not (quantity.unit or quantity.flat)
         }
     if isinstance(content, Mapping):
         return {name: _undeclared(part, f"{path}{name}.", known) for name, part in content.items()}

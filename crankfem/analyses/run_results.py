@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.results import Part, Quantity, Result, result
+from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
 from crankfem.files.reading.toml_file import InputRecord
 from dynamics.response.loads import LARGEST_POWER_ERROR
@@ -75,8 +76,8 @@ class RunResults(Result):
     fillet_note: str | None
     mechanism: Optional
     study: Optional
-    harmonics: Optional
-    two_mass: Optional
+    harmonics: TableHarmonics | None
+    two_mass: Part[Any]
     shaft: Record
     vibration: Record
     strength: Optional
