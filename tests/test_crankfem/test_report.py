@@ -532,7 +532,7 @@ CHANGED = {
         "about x [kN m] 1 balanced 2 2.07 0.00 90.0 line 0.00 0.00 4 balanced",
     ],
     "torque": [
-        "720 samples over one cycle resolve orders up to 12. Mean torque 123.46 N m.",
+        "720 samples over one cycle resolve orders up to 180. Mean torque 123.46 N m.",
         "0.5 -214 180 280 -130 1 10.0 0.00 10.0 90.0",
         "stiffness 942.9 kN m/rad, natural frequency 3261.5 rad/s = 31145 1/min; order 14 is",
         "resonant at 2224.7 1/min. Outside.",
@@ -569,6 +569,7 @@ def changed(results):
         "mean_effective_pressure": 2e6,
     }
     results["harmonics"] = {
+        "strokes": 4,
         "samples": 720,
         "mean": 123.456,
         "highest_order": 12.0,
