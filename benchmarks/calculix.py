@@ -30,13 +30,11 @@ from statistics import median
 import crankfem as cf
 from calculix_run import read_calculix, run_calculix
 from fem.analysis import analyze_axial
-from fem.assembly import assemble_stiffness
 from fem.calculix import axial_case, write_calculix
-from fem.condensation import condense
-from fem.loads import unit_pin_loads
-from fem.superelement import combine_classes
+from fem.solver import assemble_stiffness
+from fem.superelement import combine_classes, condense
 from fem.supports import class_axial_compliances, support_throw
-from fem.symmetry import axial_class, symmetry_classes
+from fem.symmetry import axial_class, symmetry_classes, unit_pin_loads
 from geometry.gmsh_session import shared_process
 from geometry.mesh import ThrowMesh
 from geometry.mesher import mesh_isolated

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from fem.assembly import assemble_mass, assemble_stiffness
 from fem.calculix import number_field
-from fem.loads import rigid_motions
 from fem.material import Material
 from fem.modes import LANCZOS_TOLERANCE, frequencies_of
-from fem.solver import factorize
+from fem.solver import assemble_mass, assemble_stiffness, factorize
+from fem.symmetry import rigid_motions
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.mesh import (

@@ -67,11 +67,11 @@ from dynamics.response.resonance import Resonance as Resonance
 from dynamics.response.resonance import resonances as resonances
 from dynamics.torque import EngineTorque as EngineTorque
 from dynamics.torque import engine_torque as engine_torque
+from fem.analysis import ThrowAnalysis as ThrowAnalysis
 from fem.analysis import analyze_throw as analyze_throw
 from fem.material import STEEL as STEEL
 from fem.material import Material as Material
 from fem.supports import Neighbors as Neighbors
-from fem.throw_analysis import ThrowAnalysis as ThrowAnalysis
 from geometry.crankshaft import Crankshaft as Crankshaft
 from geometry.mesher import mesh_isolated as mesh_throw  # noqa: F401
 from geometry.throw import CrankThrow as CrankThrow

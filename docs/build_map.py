@@ -19,10 +19,8 @@ MAIN = {
     "fem": (
         ("analysis",),
         ("responses",),
-        ("craig_bampton",),
+        ("modes",),
         ("superelement",),
-        ("condensation",),
-        ("assembly",),
         ("solver",),
     ),
     "geometry": (("mesher",), ("mesh",), ("solid",), ("parts",), ("throw",)),

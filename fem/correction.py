@@ -31,9 +31,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
-from fem.assembly import physical_gradients
-from fem.condensation import CondensedClass, end_amplitudes
 from fem.material import Material
+from fem.solver import physical_gradients
+from fem.superelement import CondensedClass, end_amplitudes
 from fem.symmetry import RIGID
 from geometry.mesh import ThrowMesh
 from geometry.shapes import EDGES, shapes_for_quadrature

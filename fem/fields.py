@@ -13,16 +13,17 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from fem.assembly import assemble_stiffness
-from fem.condensation import CondensedClass, EndSections, condense
-from fem.fillet_peaks import fillet_surface
-from fem.loads import radial_directions, unit_pin_loads
+from fem.fillet_peaks import LoadedThrow, fillet_surface, tangent_frames, throw_fillets
 from fem.material import Material
-from fem.solver import SharedSolver
-from fem.superelement import Superelement, checked_superelement
-from fem.surface_stress import tangent_frames, throw_fillets
-from fem.symmetry import mirror_images, symmetry_classes
-from fem.unit_loads import LoadedThrow
+from fem.solver import SharedSolver, assemble_stiffness
+from fem.superelement import (
+    CondensedClass,
+    EndSections,
+    Superelement,
+    checked_superelement,
+    condense,
+)
+from fem.symmetry import mirror_images, radial_directions, symmetry_classes, unit_pin_loads
 from geometry.mesh import ThrowMesh
 from geometry.throw import CrankThrow
 
@@ -225,7 +226,7 @@ def stress_fields(
     solver : str
         See `fem.solver.SharedSolver`.
     end_sections : {"rigid", "averaged"}
-        See `fem.condensation.condense`.
+        See `fem.superelement.condense`.
 
     Raises
     ------

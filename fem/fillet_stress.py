@@ -50,39 +50,39 @@ from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
 from fem.analysis import Mesher, check_solving_memory
-from fem.condensation import EndSections
 from fem.fillet_peaks import (
     RULE_LOADS,
     WISHED_SIZE,
+    Fillet,
     FilletPeak,
     FilletStresses,
     FilletSurface,
+    LoadedThrow,
     OilHolePeak,
+    UnitLoad,
+    fillet_element,
     fillet_points,
     fillet_surface,
-    reading_quality,
-    rule_sizes,
-)
-from fem.loads import radial_directions
-from fem.material import STEEL, Material
-from fem.surface_stress import (
-    Fillet,
-    fillet_element,
     largest_principal,
     measured_sizes,
     principal_stresses,
+    reading_quality,
     refine_at,
+    rule_sizes,
     sharp_corners,
+    solve_unit_loads,
     throw_fillets,
+    unit_loads,
     von_mises,
 )
-from fem.unit_loads import LoadedThrow, UnitLoad, solve_unit_loads, unit_loads
+from fem.material import STEEL, Material
+from fem.superelement import EndSections
+from fem.symmetry import radial_directions
 from fem.wished_accuracy import STRESS_ACCURACY
-from geometry.drilling import DrillingExit
 from geometry.imported import ImportedThrow, imported_parts
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw, mesh_isolated
-from geometry.parts import Cylinder, ThrowParts, WebPlate
+from geometry.parts import Cylinder, DrillingExit, ThrowParts, WebPlate
 from geometry.sizes import SizeMap
 from geometry.throw import CrankThrow
 

@@ -20,12 +20,11 @@ from fem.analysis import Mesher, Problem, solve_to_accuracy
 from fem.angle_law import effective_angle_law
 from fem.correction import error_bars
 from fem.fillet_stress import fillet_stresses
-from fem.loads import radial_directions
 from fem.material import STEEL, Material
 from fem.solver import Stopwatch
 from fem.superelement import RX, RY, Superelement, checked_superelement, combine_classes
 from fem.supports import Neighbors, Support, all_end_motions, support_throw
-from fem.symmetry import SHARED, degree_of, symmetry_classes
+from fem.symmetry import SHARED, degree_of, radial_directions, symmetry_classes
 from geometry.mass import mass_properties
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
@@ -99,7 +98,7 @@ RATIOS = {
     "tilt_stiffness_ratio": "axial_compliance_in_line",
     "cross_tilt_stiffness_ratio": "tangential_end_moment_in_line",
 }
-# Of the unit loads of `fem.unit_loads`, those whose concentration factors the field knows.
+# Of the unit loads of `fem.fillet_peaks`, those whose concentration factors the field knows.
 STRESS_LOADS = ("bending", "torsion")
 STRESS_ACCURACY = 0.05
 

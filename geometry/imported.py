@@ -17,8 +17,7 @@ from crankbase.input_file import not_a_file
 from crankbase.summaries import summarized
 from geometry.gmsh_session import IsolatedProcess, shared_process
 from geometry.mesh import ThrowMesh, flat_triangles
-from geometry.outline import Line, Outline
-from geometry.parts import Cylinder, ThrowParts, WebPlate
+from geometry.parts import Cylinder, Line, Outline, ThrowParts, WebPlate
 from geometry.sizes import SizePlan
 from geometry.solid import LEFT_END, PIN, RIGHT_END, Zone
 

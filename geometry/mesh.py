@@ -380,7 +380,7 @@ class ThrowMesh:
         InputError
             If the direction is not three finite numbers, or along the crank.
         """
-        from geometry.plots.mesh_plot import plot_mesh
+        from geometry.plots.throw_plot import plot_mesh
 
         cuts = (CRANK_PLANE, MIDDLE_PLANE)
         facets = {cut: self.surfaces[cut] for cut in cuts if cut in self.surfaces}

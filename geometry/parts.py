@@ -1,23 +1,640 @@
-"""A throw as the sequence of its solid parts: journal, web, pin, web ... journal.
+"""A throw as the sequence of its solid parts: journal, web, pin, web ... journal; outlines, oil holes.
 
 Everything that draws, builds, checks or weighs a throw uses these, never the input's optional fields.
+
+Outlines of webs are convex, symmetric about the line from the web's foot to its tip. Coordinates (u, v):
+v from the foot axis (main journal) towards the tip axis (crankpin), u across. Only the half u >= 0 is
+described, from the lowest point on the line to the highest.
+
+A straight oil hole goes through a pin or a main journal, across its axis. Points near it have coordinates
+p, q, t: t along the hole from its intersection with the journal's axis, p across both axes, q across the
+hole in the plane of both. With the tilt e the height over the journal's axis towards the hole's direction
+is n = t cos e + q sin e, so the surface of a journal of radius R is at n = +-sqrt(R^2 - p^2). A rounded
+exit is what is outside a ball of that radius that touches both the hole's wall and the journal's surface
+from inside the material.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cache, cached_property
 from itertools import pairwise
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.drilling import Drilling, alike
-from geometry.outline import Outline
+from crankbase.errors import InputError
+from crankbase.quantity import format_quantity
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
+
+# Points round a hole, where integrands are periodic, and across its rounding.
+ROUND, ACROSS = 128, 16
+# How deep an exit reaches into the hole: so many diameters, and at most half of the wall.
+EXIT_DEPTH = 1.0
+# Of the hole's radius: the largest stress is on the wall below exits of smaller radii.
+SMALL_EXIT = 0.4
+# Nodes lie on a hole's wall to this share of the journal's radius.
+PLACE_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Drilling:
+    """An oil hole as built.
+
+    Attributes
+    ----------
+    number : int
+        From 1, in the order in which they are given.
+    journal : str
+        Name of the pin or main journal.
+    axis : (x, y)
+        The journal's [m].
+    journal_radius, bore_radius : float
+        The journal's, and its bore's or 0 [m].
+    bore_axis : (x, y)
+        [m]
+    place : float
+        Position along z at which its axis crosses the journal's [m].
+    angle : float
+        Direction from +y about +z [rad].
+    tilt : float
+        Inclination from the plane across the journal towards +z [rad].
+    radius, exit_radius : float
+        The hole's, and that of its rounded exits, 0 for sharp ones [m].
+    through : bool
+        Whether it has an exit on the other side as well; else it ends on the journal's axis or in its bore.
+    """
+
+    number: int
+    journal: str
+    axis: Point
+    journal_radius: float
+    bore_radius: float
+    bore_axis: Point
+    place: float
+    angle: float
+    tilt: float
+    radius: float
+    exit_radius: float
+    through: bool
+
+    @property
+    def frame(self) -> Array:
+        """Unit vectors of p, q and t, as rows (3, 3)."""
+        sine, cosine = math.sin(self.angle), math.cos(self.angle)
+        up, along = math.cos(self.tilt), math.sin(self.tilt)
+        return np.array(
+            [
+                [cosine, sine, 0.0],
+                [-along * sine, along * cosine, -up],
+                [-up * sine, up * cosine, along],
+            ]
+        )
+
+    @property
+    def middle(self) -> Array:
+        """Intersection of its axis with the journal's (3,) [m]."""
+        return np.array([*self.axis, self.place])
+
+    @property
+    def exits(self) -> "tuple[DrillingExit, ...]":
+        """Its exits from the journal."""
+        return tuple(DrillingExit(self, side) for side in ((1.0, -1.0) if self.through else (1.0,)))
+
+    @property
+    def bore_place(self) -> Point:
+        """Position of the bore's axis relative to the hole, p and n [m]."""
+        x, y = np.subtract(self.bore_axis, self.axis)
+        sine, cosine = math.sin(self.angle), math.cos(self.angle)
+        return (float(x * cosine + y * sine), float(y * cosine - x * sine))
+
+    @property
+    def crosses_bore(self) -> bool:
+        """Whether it runs into the journal's bore."""
+        return abs(self.bore_place[0]) < self.radius + self.bore_radius and self.bore_radius > 0.0
+
+    @property
+    def inner_end(self) -> float:
+        """End along t if it does not run through: on the journal's axis or in its bore [m]."""
+        return self.bore_place[1] / math.cos(self.tilt) if self.crosses_bore else 0.0
+
+    @property
+    def volume(self) -> float:
+        """Its volume in the journal [m^3], by quadrature to round-off."""
+        return sum(outlet.wall_volume + outlet.rounding_volume for outlet in self.exits)
+
+    def local(self, points: Array) -> Array:
+        """Coordinates p, q, t (n, 3) of points (n, 3) [m]."""
+        return np.asarray((points - self.middle) @ self.frame.T)
+
+    def moved(self, angle: float, along: float, axis: Point, bore_axis: Point) -> "Drilling":
+        """Return it turned by an angle [rad] about the shaft and moved along it, its journal's axes given."""
+        place = self.place + along
+        return replace(self, angle=self.angle + angle, place=place, axis=axis, bore_axis=bore_axis)
+
+
+@dataclass(frozen=True)
+class DrillingExit:
+    """An exit of an oil hole: in its own direction (side 1) or at the other side (-1)."""
+
+    drilling: Drilling
+    side: float
+
+    @property
+    def angle_deg(self) -> float:
+        """Direction from the journal's axis, from +y about +z, in (-180, 180] [deg]."""
+        turned = math.degrees(self.drilling.angle) + (0.0 if self.side > 0.0 else 180.0)
+        return round(180.0 - (180.0 - turned) % 360.0, 9) + 0.0
+
+    @property
+    def name(self) -> str:
+        """For example "pin, oil hole 1 at 45 deg"."""
+        return (
+            f"{self.drilling.journal}, oil hole {self.drilling.number} at {self.angle_deg:.4g} deg"
+        )
+
+    @property
+    def point(self) -> Array:
+        """Point where the hole's axis leaves the journal (3,) [m]."""
+        hole = self.drilling
+        reach = self.side * hole.journal_radius / math.cos(hole.tilt)
+        return np.asarray(hole.middle + reach * hole.frame[2])
+
+    @property
+    def direction(self) -> Array:
+        """Unit vector (3,) along the hole, outward."""
+        return np.asarray(self.side * self.drilling.frame[2])
+
+    def surface(self, p: Array, q: Array) -> Array:
+        """Position along t of the journal's surface."""
+        hole = self.drilling
+        height = np.sqrt(np.maximum(hole.journal_radius**2 - p**2, 0.0))
+        return np.asarray((self.side * height - q * math.sin(hole.tilt)) / math.cos(hole.tilt))
+
+    def inner(self, p: Array, q: Array) -> Array:
+        """Start of the hole along t: at the bore, on the journal's axis, or at its end in a bore."""
+        hole = self.drilling
+        if not hole.crosses_bore:
+            return np.zeros_like(p)
+        across, along = hole.bore_place
+        height = self.side * along + np.sqrt(
+            np.maximum(hole.bore_radius**2 - (p - across) ** 2, 0.0)
+        )
+        return np.asarray((self.side * height - q * math.sin(hole.tilt)) / math.cos(hole.tilt))
+
+    @property
+    def wall_volume(self) -> float:
+        """Volume of the hole between its inner end or the bore and the journal's surface [m^3]."""
+        hole = self.drilling
+        angles = 2.0 * math.pi * np.arange(ROUND) / ROUND
+        p, weights = hole.radius * np.sin(angles), hole.radius**2 * np.cos(angles) ** 2
+        weights *= 2.0 * math.pi / ROUND  # p runs over the hole twice, its width is 2 radius cos
+        level = np.zeros_like(p)  # what is odd in q cancels
+        return float(self.side * (weights @ (self.surface(p, level) - self.inner(p, level))))
+
+    def rounding(self, angles: Array, share: Array) -> Array:
+        """Places p, q, t (a, s, 3) on a rounded exit [m].
+
+        They are at `angles` (a,) round the hole [rad], and at shares (s,) of the way from its wall (0) to
+        the journal's surface (1).
+        """
+        hole = self.drilling
+        reach, inside = hole.radius + hole.exit_radius, hole.journal_radius - hole.exit_radius
+        cosine, sine = np.cos(angles), np.sin(angles)
+        p, q = reach * cosine, reach * sine
+        height = self.side * np.sqrt(inside**2 - p**2)
+        up, along = math.cos(hole.tilt), math.sin(hole.tilt)
+        center = np.stack([p, q, (height - q * along) / up], axis=-1)
+        wall = np.stack([-cosine, -sine, np.zeros_like(p)], axis=-1)
+        outward = np.stack([p, height * along, height * up], axis=-1) / inside
+        opening = np.arccos(np.clip(np.sum(wall * outward, axis=-1), -1.0, 1.0))[:, None]
+        first, second = np.sin((1.0 - share) * opening), np.sin(share * opening)
+        arc = first[..., None] * wall[:, None] + second[..., None] * outward[:, None]
+        return np.asarray(center[:, None] + hole.exit_radius * arc / np.sin(opening)[..., None])
+
+    @property
+    def rounding_volume(self) -> float:
+        """Volume removed by rounding the exit: columns along the hole up to the surface [m^3]."""
+        if self.drilling.exit_radius == 0.0:
+            return 0.0
+        angles = 2.0 * math.pi * np.arange(ROUND) / ROUND
+        nodes, weights = np.polynomial.legendre.leggauss(ACROSS)
+        share, step = 0.5 * (1.0 + nodes), 1e-5
+        places = self.rounding(angles, share)
+        along = self.rounding(angles + step, share) - self.rounding(angles - step, share)
+        across = self.rounding(angles, share + step) - self.rounding(angles, share - step)
+        area = (across[..., 0] * along[..., 1] - across[..., 1] * along[..., 0]) / (2.0 * step) ** 2
+        p, q, t = np.moveaxis(places, -1, 0)
+        height = self.side * (self.surface(p, q) - t)
+        return float(np.sum(height * area @ (0.5 * weights)) * 2.0 * math.pi / ROUND)
+
+    @property
+    def rim(self) -> Array:
+        """Places p, q, t (a, 3) round the opening, where the journal's surface is whole again [m]."""
+        hole = self.drilling
+        angles = 2.0 * math.pi * np.arange(ROUND) / ROUND
+        if hole.exit_radius > 0.0:
+            return np.asarray(self.rounding(angles, np.ones(1))[:, 0])
+        p, q = hole.radius * np.cos(angles), hole.radius * np.sin(angles)
+        return np.stack([p, q, self.surface(p, q)], axis=-1)
+
+    @property
+    def lip(self) -> Array:
+        """Places p, q, t (a, 3) where the hole's wall ends and its rounding or the surface begins [m]."""
+        angles = 2.0 * math.pi * np.arange(ROUND) / ROUND
+        rounded = self.drilling.exit_radius > 0.0
+        return np.asarray(self.rounding(angles, np.zeros(1))[:, 0]) if rounded else self.rim
+
+    @property
+    def radius(self) -> float:
+        """Length scale of the stresses: the hole's radius if sharp, else the rounding's if not small [m]."""
+        hole = self.drilling
+        return max(hole.exit_radius, SMALL_EXIT * hole.radius) if hole.exit_radius else hole.radius
+
+    def holds(self, points: Array) -> NDArray[np.bool_]:
+        """Which points (n, 3) of the throw's fillets and oil holes are at this exit.
+
+        The hole's wall to a depth of its diameter is part of it.
+        """
+        hole = self.drilling
+        tolerance = PLACE_TOLERANCE * hole.journal_radius
+        p, q, t = hole.local(points).T
+        far = float(np.hypot(*self.rim[:, :2].T).max())
+        off = np.hypot(p, q)
+        depth = self.side * (self.surface(p, q) - t)
+        wall = self.wall_volume / (math.pi * hole.radius**2)
+        deepest = min(2.0 * EXIT_DEPTH * hole.radius, 0.5 * wall)
+        near = (off > hole.radius - 1e3 * tolerance) & (off < far + 1e3 * tolerance)
+        return np.asarray(near & (depth > -1e3 * tolerance) & (depth < deepest))
+
+
+def alike(first: tuple[Drilling, ...], second: tuple[Drilling, ...]) -> bool:
+    """Whether oil holes are the same ones to round-off, in any order."""
+    return len(first) == len(second) and all(
+        any(_same(hole, other) for other in second) for hole in first
+    )
+
+
+def _same(hole: Drilling, other: Drilling) -> bool:
+    mine, its = ((h.radius, h.exit_radius, len(h.exits)) for h in (hole, other))
+    if not np.allclose(mine, its, rtol=1e-9, atol=0.0):
+        return False
+    size = hole.journal_radius
+    return all(
+        any(
+            np.allclose(near.point, far.point, rtol=0.0, atol=1e-9 * size)
+            and np.allclose(near.direction, far.direction, rtol=0.0, atol=1e-9)
+            for far in other.exits
+        )
+        for near in hole.exits
+    )
+
+
+def distance_from_wall(hole: Drilling) -> str:
+    """Formula of the distance from a hole's wall, drawn out through a bore that it crosses."""
+    middle, (first, second, along) = hole.middle.tolist(), hole.frame.tolist()
+    reach = hole.journal_radius / math.cos(hole.tilt)
+    start = -reach if hole.through else hole.inner_end
+    t, center, half = _length_along(middle, along), 0.5 * (reach + start), 0.5 * (reach - start)
+    beyond = f"0.5*(Abs({t}-({center!r}))-{half!r}+Abs(Abs({t}-({center!r}))-{half!r}))"
+    off = f"Sqrt(({_length_along(middle, first)})^2+({_length_along(middle, second)})^2)"
+    return f"Sqrt(({off}-{hole.radius!r})^2+({beyond})^2)"
+
+
+def _length_along(origin: list[float], way: list[float]) -> str:
+    """Formula of the coordinate along a unit vector from a point."""
+    return "+".join(
+        f"({step!r})*({axis}-({start!r}))"
+        for axis, start, step in zip("xyz", origin, way, strict=True)
+    ).join("()")
+
+
+def distance_from_exits(hole: Drilling) -> str:
+    """Formula of the distance from balls that hold a hole's exits."""
+    formulas = []
+    for outlet in hole.exits:
+        x, y, z = outlet.point.tolist()
+        rim = hole.middle + outlet.rim @ hole.frame
+        ball = float(np.linalg.norm(rim - outlet.point, axis=1).max())
+        off = f"(Sqrt((x-({x!r}))^2+(y-({y!r}))^2+(z-({z!r}))^2)-{ball!r})"
+        formulas.append(f"(0.5*({off}+Abs({off})))")
+    return formulas[0] if len(formulas) == 1 else f"Min({formulas[0]},{formulas[1]})"
+
+
+OutlineName = Literal["obround", "rectangle"]
+# Pieces shorter than this share of the width are left out: they would only breed tiny elements.
+NEGLIGIBLE = 1e-9
+
+
+@dataclass(frozen=True)
+class Line:
+    """A straight piece from `start` to `end` [m]."""
+
+    start: Point
+    end: Point
+
+    def distance(self, point: Point) -> float:
+        """Distance of a point from the piece [m]."""
+        (u, v), (u_1, v_1) = self.start, self.end
+        along, up = u_1 - u, v_1 - v
+        share = ((point[0] - u) * along + (point[1] - v) * up) / (along * along + up * up)
+        share = min(max(share, 0.0), 1.0)
+        return math.hypot(u + share * along - point[0], v + share * up - point[1])
+
+    @property
+    def largest_u(self) -> float:
+        """Largest distance u of the piece [m]."""
+        return max(self.start[0], self.end[0])
+
+    def half_width(self, v: Array) -> Array:
+        """Distance u of the piece at heights v [m]."""
+        (u_0, v_0), (u_1, v_1) = self.start, self.end
+        return np.asarray(u_0 + (u_1 - u_0) * (v - v_0) / (v_1 - v_0))
+
+
+@dataclass(frozen=True)
+class Arc:
+    """A circular piece, counterclockwise about `center`, shorter than half a turn [m]."""
+
+    center: Point
+    start: Point
+    end: Point
+
+    @property
+    def radius(self) -> float:
+        """Radius [m]."""
+        return math.dist(self.center, self.start)
+
+    def points(self, count: int) -> Array:
+        """Points (count, 2) along the arc, both ends included [m]."""
+        first, last = (
+            math.atan2(p[1] - self.center[1], p[0] - self.center[0]) for p in (self.start, self.end)
+        )
+        angles = np.linspace(first, last, count)
+        return np.asarray(
+            np.column_stack([np.cos(angles), np.sin(angles)]) * self.radius + self.center
+        )
+
+    def distance(self, point: Point) -> float:
+        """Distance of a point from the arc [m]."""
+        reach = math.dist(point, self.center)
+        if reach == 0.0:
+            return self.radius
+        first, angle, last = (
+            math.atan2(p[1] - self.center[1], p[0] - self.center[0])
+            for p in (self.start, point, self.end)
+        )
+        if first <= angle <= last:
+            return abs(self.radius - reach)
+        return min(math.dist(point, self.start), math.dist(point, self.end))
+
+    @property
+    def largest_u(self) -> float:
+        """Largest distance u of the arc [m]."""
+        if self.start[1] <= self.center[1] <= self.end[1]:
+            return self.center[0] + self.radius
+        return max(self.start[0], self.end[0])
+
+    def half_width(self, v: Array) -> Array:
+        """Distance u of the arc at heights v [m]."""
+        return np.asarray(
+            self.center[0] + np.sqrt(np.maximum(self.radius**2 - (v - self.center[1]) ** 2, 0.0))
+        )
+
+
+@dataclass(frozen=True)
+class Outline:
+    """The half u >= 0 of a web's outline.
+
+    Attributes
+    ----------
+    pieces : tuple of Line or Arc
+        From the foot's end (0, v) to the tip's.
+    """
+
+    pieces: tuple[Line | Arc, ...]
+
+    @property
+    def foot(self) -> float:
+        """Height v of the end beyond the foot axis [m]."""
+        return self.pieces[0].start[1]
+
+    @property
+    def tip(self) -> float:
+        """Height v of the end beyond the tip axis [m]."""
+        return self.pieces[-1].end[1]
+
+    @property
+    def heights(self) -> Array:
+        """Heights v where one piece ends and the next begins, ascending [m]."""
+        return np.unique([self.foot, *(piece.end[1] for piece in self.pieces)])
+
+    @property
+    def width(self) -> float:
+        """Largest width, twice the largest u [m]."""
+        return 2.0 * max(piece.largest_u for piece in self.pieces)
+
+    def half_width(self, v: Array) -> Array:
+        """Half of the width at heights v, 0 outside [m]."""
+        width = np.zeros_like(v, dtype=float)
+        for piece in self.pieces:
+            low, high = piece.start[1], piece.end[1]
+            if high > low:
+                here = (v >= low) & (v <= high)
+                width[here] = piece.half_width(v[here])
+        return width
+
+    def distance(self, v: float) -> float:
+        """Distance of the point (0, v) on the line of symmetry from the outline [m]."""
+        return min(piece.distance((0.0, v)) for piece in self.pieces)
+
+    def polygon(self, per_arc: int = 24) -> Array:
+        """Corners (n, 2) of the half outline for drawing, from the foot's end to the tip's [m]."""
+        points: list[Array] = [np.array([self.pieces[0].start])]
+        for piece in self.pieces:
+            if isinstance(piece, Arc):
+                points.append(piece.points(per_arc)[1:])
+            else:
+                points.append(np.array([piece.end]))
+        return np.concatenate(points)
+
+
+def obround(width: float, foot_radius: float, tip_radius: float, distance: float) -> Outline:
+    """Hull of a circle about each axis, with straight sides where it would be wider than `width`.
+
+    Parameters
+    ----------
+    width : float
+        B [m].
+    foot_radius, tip_radius : float
+        Radii of the ends about the foot and the tip axis [m].
+    distance : float
+        Distance of the axes [m].
+
+    Raises
+    ------
+    InputError
+        If the width is reached nowhere, or one end encloses the other.
+    """
+    half, largest = 0.5 * width, max(foot_radius, tip_radius)
+    if largest < half * (1.0 - 1e-9):
+        raise InputError(
+            f"both ends are narrower than the width of {format_quantity(width, 'm')}; allowed is a "
+            f"distance of {format_quantity(half, 'm')} or more from an axis to the end beyond it."
+        )
+    if abs(foot_radius - tip_radius) >= distance * (1.0 - 1e-6) and distance > NEGLIGIBLE * width:
+        raise InputError(
+            f"the end of radius {format_quantity(largest, 'm')} swallows that of "
+            f"{format_quantity(min(foot_radius, tip_radius), 'm')}; allowed is a difference below the "
+            f"{format_quantity(distance, 'm')} between the axes."
+        )
+    sine = (foot_radius - tip_radius) / distance if distance > NEGLIGIBLE * width else 0.0
+    cosine = math.sqrt(1.0 - sine**2)
+    low = (foot_radius * cosine, foot_radius * sine)
+    high = (tip_radius * cosine, distance + tip_radius * sine)
+    foot, tip = (0.0, 0.0), (0.0, distance)
+    pieces: list[Line | Arc] = [
+        Arc(foot, (0.0, -foot_radius), low),
+        Line(low, high),
+        Arc(tip, high, (0.0, distance + tip_radius)),
+    ]
+    if largest > half * (1.0 + 1e-9):
+        pieces = _clip(pieces, half)
+    return Outline(_without_tiny(pieces, width))
+
+
+def _clip(pieces: list[Line | Arc], half: float) -> list[Line | Arc]:
+    """Cut a convex half outline by the straight side u = half."""
+    before: list[Line | Arc] = []
+    after: list[Line | Arc] = []
+    lowest: float | None = None
+    highest = 0.0
+    for piece in pieces:
+        for crossing in _crossings(piece, half):
+            lowest = crossing if lowest is None else min(lowest, crossing)
+            highest = max(highest, crossing)
+    assert lowest is not None
+    for piece in pieces:
+        low, high = piece.start[1], piece.end[1]
+        if low < lowest:
+            end = piece.end if high <= lowest else (half, lowest)
+            before.append(_between(piece, piece.start, end))
+        if high > highest:
+            start = piece.start if low >= highest else (half, highest)
+            after.append(_between(piece, start, piece.end))
+    return [*before, Line((half, lowest), (half, highest)), *after]
+
+
+def _between(piece: Line | Arc, start: Point, end: Point) -> Line | Arc:
+    return Arc(piece.center, start, end) if isinstance(piece, Arc) else Line(start, end)
+
+
+def _crossings(piece: Line | Arc, half: float) -> list[float]:
+    """Heights v where a piece crosses u = half."""
+    low, high = piece.start[1], piece.end[1]
+    if isinstance(piece, Line):
+        (u_0, v_0), (u_1, v_1) = piece.start, piece.end
+        if (u_0 - half) * (u_1 - half) >= 0.0:
+            return []
+        return [v_0 + (half - u_0) / (u_1 - u_0) * (v_1 - v_0)]
+    if piece.radius <= half:
+        return []
+    rise = math.sqrt(piece.radius**2 - half**2)
+    heights = (piece.center[1] - rise, piece.center[1] + rise)
+    return [v for v in heights if low <= v <= high]
+
+
+def rectangle(
+    width: float,
+    foot_end: float,
+    tip_end: float,
+    distance: float,
+    corner_radius: float = 0.0,
+    corner_chamfer: float = 0.0,
+) -> Outline:
+    """Rectangle with corners rounded by a radius, or cut by a chamfer at 45 deg, or sharp.
+
+    Parameters
+    ----------
+    width : float
+        B [m].
+    foot_end, tip_end : float
+        Distance of each end from its axis [m].
+    distance : float
+        Distance of the axes [m].
+    corner_radius, corner_chamfer : float
+        One of them 0 [m].
+
+    Raises
+    ------
+    InputError
+        If the corners are larger than the rectangle, or both rounded and cut.
+    """
+    half, low, high = 0.5 * width, -foot_end, distance + tip_end
+    cut = max(corner_radius, corner_chamfer)
+    largest = min(half, 0.5 * (high - low))
+    if corner_radius > 0.0 and corner_chamfer > 0.0:
+        raise InputError(
+            "the corners have a radius and a chamfer; allowed is one of them, because a corner is either "
+            "rounded or cut."
+        )
+    if cut > largest * (1.0 + 1e-9):
+        raise InputError(
+            f"the corners of {format_quantity(cut, 'm')} do not fit the rectangle; allowed is at most "
+            f"{format_quantity(largest, 'm')}, half of its shorter side."
+        )
+    foot, tip = (0.0, low), (0.0, high)
+    if cut == 0.0:
+        corners = [foot, (half, low), (half, high), tip]
+        return Outline(tuple(Line(a, b) for a, b in pairwise(corners)))
+    stops = [(half - cut, low), (half, low + cut), (half, high - cut), (half - cut, high)]
+    corner: list[Line | Arc]
+    if corner_radius > 0.0:
+        corner = [
+            Arc((half - cut, low + cut), stops[0], stops[1]),
+            Arc((half - cut, high - cut), stops[2], stops[3]),
+        ]
+    else:
+        corner = [Line(stops[0], stops[1]), Line(stops[2], stops[3])]
+    pieces = [Line(foot, stops[0]), corner[0], Line(stops[1], stops[2]), corner[1]]
+    return Outline(_without_tiny([*pieces, Line(stops[3], tip)], width))
+
+
+def _without_tiny(pieces: list[Line | Arc], width: float) -> tuple[Line | Arc, ...]:
+    return tuple(p for p in pieces if math.dist(p.start, p.end) > NEGLIGIBLE * width)
+
+
+@dataclass(frozen=True)
+class OutlineKind:
+    """Construction of the outline of a name.
+
+    Attributes
+    ----------
+    make : callable
+        Makes it of width, reach beyond the foot and the tip axis and their distance [m], and of its own
+        `dimensions` by name.
+    dimensions : tuple of str
+        Names in `OUTLINE_DIMENSIONS` that it has.
+    round_ends : bool
+        Whether the reach beyond an axis is the radius of the end about it.
+    """
+
+    make: Callable[..., Outline]
+    dimensions: tuple[str, ...] = ()
+    round_ends: bool = False
+
+
+OUTLINES: Mapping[OutlineName, OutlineKind] = {
+    "obround": OutlineKind(obround, round_ends=True),
+    "rectangle": OutlineKind(rectangle, ("corner_radius", "corner_chamfer")),
+}
+# Fields of a web that some outlines have and others not, and what of an outline they measure.
+OUTLINE_DIMENSIONS = {"corner_radius": "corners", "corner_chamfer": "corners"}
+
+
 Part = TypeVar("Part")
 # Numbers of `Slope`, `Sector` and `Drilling` that are no lengths.
 NOT_LENGTHS = ("inward", "towards", "half_angle", "angle", "tilt")

@@ -12,8 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.drilling import Drilling, distance_from_exits, distance_from_wall
-from geometry.parts import Cylinder, ThrowParts, WebPlate, throw_volume
+from geometry.parts import (
+    Cylinder,
+    Drilling,
+    ThrowParts,
+    WebPlate,
+    distance_from_exits,
+    distance_from_wall,
+    throw_volume,
+)
 from geometry.shapes import outer_facets
 from geometry.solid import BORE, OIL_HOLE, Zone
 

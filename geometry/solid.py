@@ -16,10 +16,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import MeshError
-from geometry.drilling import Drilling
 from geometry.gmsh_session import middle_point
-from geometry.outline import Arc, Line
-from geometry.parts import Cylinder, Sector, Slope, ThrowParts, WebPlate, scaled_parts
+from geometry.parts import (
+    Arc,
+    Cylinder,
+    Drilling,
+    Line,
+    Sector,
+    Slope,
+    ThrowParts,
+    WebPlate,
+    scaled_parts,
+)
 
 Entity = tuple[int, int]
 # Radius of a journal where the kernel rounds exits, like one of 200 mm in millimeters.

@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Literal, Self
 from pydantic import model_validator
 
 from crankbase.errors import InputError
-from geometry.drilling import Drilling
-from geometry.outline import OUTLINES, obround
 from geometry.parts import (
     LEFT_JOURNAL,
+    OUTLINES,
     RIGHT_JOURNAL,
     Cylinder,
+    Drilling,
     Point,
     Sector,
     Slope,
     ThrowParts,
     WebPlate,
+    obround,
     throw_volume,
 )
 from geometry.throw_checks import check_throw, fits_plainly, throw_remarks

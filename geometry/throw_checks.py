@@ -10,9 +10,15 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
-from geometry.drilling import Drilling
-from geometry.outline import OUTLINE_DIMENSIONS, OUTLINES
-from geometry.parts import Cylinder, Sector, ThrowParts, WebPlate
+from geometry.parts import (
+    OUTLINE_DIMENSIONS,
+    OUTLINES,
+    Cylinder,
+    Drilling,
+    Sector,
+    ThrowParts,
+    WebPlate,
+)
 from geometry.throw_dimensions import ThrowDimensions, web_dimension
 
 

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from pydantic import Field
 
 from crankbase.model import InputModel, length_field, part_field, quantity_field
-from geometry.outline import OUTLINES, OutlineName
+from geometry.parts import OUTLINES, OutlineName
 
 # Smallest and largest lengths [m], of the throw and of what its webs and further pins have of their own.
 CRANK_RADIUS = (0.0005, 2.5)

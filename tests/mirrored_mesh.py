@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.condensation import nodes_on
+from fem.superelement import nodes_on
 from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, RIGHT_END
 
 # A mirror image of a tetrahedron is inside out until two of its corners change places.

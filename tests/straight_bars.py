@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from fem.loads import NodalLoads
-from fem.symmetry import mirror_images
+from fem.symmetry import NodalLoads, mirror_images
 from geometry.gmsh_session import gmsh_session
 from geometry.mesh import SolidProperties, ThrowMesh, read_mesh
 from geometry.solid import LEFT_END

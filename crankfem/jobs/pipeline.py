@@ -45,8 +45,8 @@ from crankfem.jobs.run_files import RESULTS as RESULTS
 from crankfem.jobs.run_records import UNIT_RADIAL_FORCE as UNIT_RADIAL_FORCE
 from crankfem.jobs.run_records import run_results
 from crankfem.report.writing import write_report
+from fem.analysis import ThrowAnalysis
 from fem.fillet_stress import FilletMesh
-from fem.throw_analysis import ThrowAnalysis
 from regression.runs.store import ResultStore
 from regression.runs.study import check_workers, run_plan
 

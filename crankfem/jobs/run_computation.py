@@ -17,8 +17,8 @@ from crankfem.files.engine.file_kinds import engine_sections
 from crankfem.files.engine.mechanism_file import MechanismFile, engine_inputs, mechanism_of
 from crankfem.files.reading.toml_file import TomlFile
 from dynamics.harmonics import Harmonics, TorqueTable, read_torque_table
+from fem.analysis import ThrowAnalysis
 from fem.fillet_peaks import FilletStresses
-from fem.throw_analysis import ThrowAnalysis
 from regression.models.compliance_model import ComplianceModel
 from regression.plans.plan import StudyPlan
 

@@ -10,9 +10,10 @@ from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.checks import run_checks, throw_checks
 from crankfem.analyses.mechanism.balance_records import mechanism_balance_record
-from crankfem.analyses.mechanism.mechanism_records import harmonics_record, mechanism_record
+from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
-from crankfem.analyses.mechanism.two_masses import checked, two_mass_record
+from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
+from crankfem.analyses.mechanism.two_masses import checked
 from crankfem.analyses.provenance import provenance_record
 from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
@@ -28,9 +29,8 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_computation import RunComputation, RunInputs
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
-from dynamics.harmonics import Harmonics
-from fem.loads import pin_surfaces
-from fem.throw_analysis import ThrowAnalysis
+from fem.analysis import ThrowAnalysis
+from fem.symmetry import pin_surfaces
 from regression.formulas.axial_formulas import axial_formulas
 
 # Without a gas pressure in the engine file, reactions are given for this radial force.
@@ -65,8 +65,12 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
         "fillet_note": first["fillet_note"],
         "mechanism": _mechanism_record(computed.mechanism),
         "study": None,
-        "harmonics": _harmonics_record(computed),
-        "two_mass": _two_mass_record(engine_file, computed.harmonics),
+        "harmonics": None
+        if computed.torque is None or computed.harmonics is None
+        else TableHarmonics(computed.harmonics, source=computed.torque.source),
+        "two_mass": None
+        if engine_file.two_mass is None
+        else checked(engine_file.two_mass, computed.harmonics),
         "pictures": {},
         "interactive": {},
         "picture_note": NOT_DRAWN_YET,
@@ -204,14 +208,3 @@ def _angle_record(engine_file: EngineFile, analysis: ThrowAnalysis) -> Record:
             for name in tables[0]
         },
     }
-
-
-def _harmonics_record(computed: RunComputation) -> Record | None:
-    if computed.torque is None or computed.harmonics is None:
-        return None
-    return harmonics_record(computed.harmonics) | {"source": computed.torque.source}
-
-
-def _two_mass_record(engine_file: EngineFile, harmonics: Harmonics | None) -> Record | None:
-    rod = engine_file.two_mass
-    return None if rod is None else two_mass_record(checked(rod, harmonics))

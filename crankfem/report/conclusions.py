@@ -56,8 +56,8 @@ def _of_vibration(vibration: Record) -> str:
     words = VERDICTS[status]
     if assessment is None:
         return words
-    if status != "undecided":  # results of older runs have no headline
-        words = assessment.get("headline") or words
+    if status != "undecided":
+        words = assessment["headline"]
     misfiring = misfiring_decides(vibration)
     if assessment["status"] == "not acceptable":
         exceeded = "; with the values used, limits are exceeded, also while a cylinder misfires"
@@ -71,14 +71,14 @@ def _of_vibration(vibration: Record) -> str:
 
 def misfiring_decides(vibration: Record) -> bool:
     """Whether limits are exceeded while a cylinder misfires, and may be kept with all cylinders firing."""
-    assessment, failing = vibration["assessment"], vibration.get("misfiring")
+    assessment, failing = vibration["assessment"], vibration["misfiring"]
     fails = failing is not None and failing["passed"] is False
     return fails and (assessment["status"] != "not acceptable" or undecided(assessment))
 
 
 def undecided(assessment: Record) -> bool:
     """Whether the verdict changes with values that are assumed."""
-    return bool((assessment.get("decision") or {}).get("status") == "undecided")
+    return bool(assessment["decision"]["status"] == "undecided")
 
 
 def verdict_line(results: Record) -> str:
@@ -92,7 +92,7 @@ def verdict_line(results: Record) -> str:
     assessment = results["vibration"]["assessment"]
     if assessment is None:
         return f"Verdict: {VERDICTS['not judged']}."
-    worst = _worst(assessment)
+    worst = assessment["worst"]
     used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
     status, of = verdict_status(results["vibration"]), ""
     if misfiring_decides(results["vibration"]):
@@ -124,7 +124,7 @@ def conclusions(results: Record) -> list[str]:
     assessment = results["vibration"]["assessment"]
     if assessment is None:
         return [*_warned(results), *_without_forces(results)]
-    cause = _worst(assessment).get("cause")
+    cause = assessment["worst"]["cause"]
     # What decides comes first.
     assumed, open_ = _assumed(results), undecided(assessment)
     found = [
@@ -163,22 +163,16 @@ def reached_and_permitted(check: Record) -> tuple[str, str]:
     return quantities_apart(value, permitted, unit, DIGITS)
 
 
-def _worst(assessment: Record) -> Record:
-    """Return the check that decides, at the speed that it names; older runs have the first one."""
-    found: Record = assessment.get("worst") or assessment["checks"][0]
-    return found
-
-
 def _reached(assessment: Record) -> str:
-    worst, most = _worst(assessment), assessment["checks"][0]
-    running = worst.get("running")
+    worst, most = assessment["worst"], assessment["checks"][0]
+    running = worst["running"]
     shown = _share(worst, worst["unit"])
-    if worst["speed_rpm"] != most["speed_rpm"] and not most.get("in_running_range", True):
+    if worst["speed_rpm"] != most["speed_rpm"] and not most["in_running_range"]:
         place = (
             "" if most["place"] == worst["place"] else f"{limit_at(most['limit'], most['place'])}: "
         )
         shown = f"{shown}; above the running range {place}{_share(most, most['unit'])}"
-    elif running is not None and not worst.get("in_running_range", True):
+    elif running is not None and not worst["in_running_range"]:
         shown = f"{_share(running, worst['unit'])}; above the running range {shown}"
     failed = sum(not one["passed"] for one in assessment["checks"])
     others = failed - 1
@@ -189,7 +183,7 @@ def _reached(assessment: Record) -> str:
 
 
 def _cause(assessment: Record) -> str:
-    worst = _worst(assessment)
+    worst = assessment["worst"]
     return sentence(
         f"at {significant(worst['speed_rpm'], DIGITS)} 1/min, {worst['cause']['sentence']}"
     )
@@ -214,7 +208,7 @@ def _assumed(results: Record) -> str:
     vibration, inputs = results["vibration"], results["inputs"]
     assessment = vibration["assessment"]
     limits = assessment["limits"]
-    decision = (assessment.get("decision") or {}).get("sentence")
+    decision = assessment["decision"]["sentence"]
     if decision and misfiring_decides(vibration):
         decision = f"with all cylinders firing, {decision}"
     found = [sentence(decision)] if decision else []
@@ -228,7 +222,7 @@ def _assumed(results: Record) -> str:
             f"Axial vibration{_axial_amplitude(results)} is not judged: give limits.axial_amplitude or "
             "limits.axial_force."
         )
-    load = vibration.get("load")
+    load = vibration["load"]
     if load is not None and load["rated"] is not None and not load["rated"]["consistent"]:
         found.append(sentence(load["rated"]["sentence"]))
     count = sum(bool(one["assumed"]) for one in inputs)
@@ -261,9 +255,9 @@ def _axial_amplitude(results: Record) -> str:
 
 
 def _misfiring(vibration: Record) -> str:
-    """State what misfiring does; nothing of older runs, which have not calculated it."""
-    found = vibration.get("misfiring")
-    said = vibration.get("misfiring_note") if found is None else found["sentence"]
+    """State what misfiring does, or why it was not calculated."""
+    found = vibration["misfiring"]
+    said = vibration["misfiring_note"] if found is None else found["sentence"]
     return with_three_digits(sentence(said)) if said else ""
 
 
@@ -299,8 +293,8 @@ def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
 
 def _by_whole(vibration: Record) -> str:
     """State how the whole crankshaft differs from the chains, also in the force on the thrust bearing."""
-    found = [*vibration["assessment"].get("by_whole", ())]
-    force = vibration.get("axial_force") or {}
+    found = [*vibration["assessment"]["by_whole"]]
+    force = vibration["axial_force"] or {}
     models = list(filter(None, (force.get(name) for name in ("running", "running_whole"))))
     if found and len(models) == 2:
         chain, whole = (
@@ -311,7 +305,7 @@ def _by_whole(vibration: Record) -> str:
             f"Largest force amplitude on the thrust bearing at running speeds: {whole} by the whole "
             f"crankshaft, {chain} by the chain."
         )
-    criticals = (vibration.get("whole") or {}).get("criticals") or {}
+    criticals = (vibration["whole"] or {"criticals": {}})["criticals"]
     for kind, told in criticals.items():
         running = [one for one in told["peaks"] if one["in_running_range"] and one["value"]]
         if not running:
@@ -329,10 +323,9 @@ def _by_whole(vibration: Record) -> str:
 
 def _other_models(vibration: Record) -> str:
     """State what is not modeled, and whether the verdict hangs on the bearings."""
-    bearings, assessment = vibration.get("bearings") or {}, vibration["assessment"]
-    told = assessment.get("by_whole", ())
-    found = [one for one in assessment.get("beside", ()) if one not in told]
-    found += bearings.get("sentences", ()) if bearings.get("flips") else ()
+    bearings, assessment = vibration["bearings"], vibration["assessment"]
+    found = [text for text in assessment["beside"] if text not in assessment["by_whole"]]
+    found += bearings["sentences"] if bearings is not None and bearings["flips"] else ()
     return with_three_digits(
         " ".join(dict.fromkeys(found))
     )  # the range of the bearings stands in both
@@ -344,9 +337,9 @@ def _advice(results: Record) -> str:
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
     that alone exceeds the limit, no damping keeps it.
     """
-    worst = _worst(results["vibration"]["assessment"])
-    cause = worst.get("cause")
-    if worst["passed"] or cause is None or worst["value"] is None or not cause.get("orders"):
+    worst = results["vibration"]["assessment"]["worst"]
+    cause = worst["cause"]
+    if worst["passed"] or cause is None or worst["value"] is None or not cause["orders"]:
         return ""
     resonant = [one for one in cause["orders"] if one["state"] in RESONANT]
     made = sum(one["contribution"] for one in resonant)
@@ -380,8 +373,8 @@ def _undamped(modes: Sequence[tuple[str, int]], results: Record) -> str:
 
 
 def _warned(results: Record) -> list[str]:
-    """Name the input that looks wrong; results of earlier versions say nothing of it."""
-    warnings = results.get("input_warnings", ())
+    """Name the input that looks wrong."""
+    warnings = results["input_warnings"]
     fields = dict.fromkeys(warning.partition(":")[0] for warning in warnings)
     if not fields:
         return []

@@ -64,20 +64,19 @@ def engine_facts(results: Mapping[str, Any]) -> list[str]:
     Parameters
     ----------
     results : mapping
-        Content of results.json; those of earlier releases know neither piston speed nor intervals.
+        Content of results.json.
     """
-    engine, mechanism = results["engine"], results.get("mechanism")
+    engine, mechanism = results["engine"], results["mechanism"]
     count = engine["cylinders"]
     arranged = "in V" if engine["v_engine"] else "in line"
     lowest, highest, rated = (
         format_number(engine[f"{which}_speed_rpm"], 4) for which in ("lowest", "highest", "rated")
     )
-    piston = engine.get("mean_piston_speed")
-    mean = "" if piston is None else f" (mean piston speed {significant(piston, 3)} m/s)"
+    mean = f"mean piston speed {significant(engine['mean_piston_speed'], 3)} m/s"
     facts = [
         f"{count} cylinder{'' if count == 1 else 's'} {arranged}, {engine['strokes']}-stroke",
         f"bore {quantity(engine['bore'], 'm', 6)}, stroke {quantity(engine['stroke'], 'm', 6)}",
-        f"{lowest} to {highest} 1/min, rated speed {rated} 1/min{mean}",
+        f"{lowest} to {highest} 1/min, rated speed {rated} 1/min ({mean})",
     ]
     if mechanism is not None and "mean_indicated_pressure" in mechanism:
         facts.append(
@@ -86,14 +85,12 @@ def engine_facts(results: Mapping[str, Any]) -> list[str]:
         )
     if count > 1:
         order = f"firing order {'-'.join(map(str, engine['firing_order']))}"
-        facts.append(order + _firing(engine.get("firing_intervals_deg")))
+        facts.append(order + _firing(engine["firing_intervals_deg"]))
     return facts
 
 
-def _firing(intervals: Sequence[float] | None) -> str:
-    """Say at which intervals an engine fires; nothing where that is not known."""
-    if intervals is None:
-        return ""
+def _firing(intervals: Sequence[float]) -> str:
+    """Say at which intervals an engine fires."""
     steps = repeating_intervals(intervals)
     listed = ", ".join(f"{step:.4g}" for step in steps)
     if len(steps) == 1:
@@ -107,7 +104,7 @@ def uncertain_sentence(vibration: Record, kind: str) -> str:
     spreads = [
         f"{spread['name']} {factor_range(spread)} the value used" for spread in uncertain["spreads"]
     ]
-    bearings = vibration.get("bearings")
+    bearings = vibration["bearings"]
     if bearings is not None:
         low, high = min(bearings["stiffness"]), max(bearings["stiffness"])
         spreads.append(f"stiffness of the main bearings {compact(low)} to {compact(high)} N/m each")
@@ -132,8 +129,10 @@ def _bounds(ends: Mapping[str, float]) -> str:
 
 def _swept(vibration: Mapping[str, Any], kind: str) -> str:
     """First frequency of the whole crankshaft over the stiffness of its bearings; empty if not calculated."""
-    swept = vibration.get("bearings") or {}
-    modes = [swept.get("shaft", {}).get(kind) or (), *swept.get("further", {}).get(kind, ())]
+    swept = vibration["bearings"]
+    if swept is None or kind not in swept["shaft"]:
+        return ""
+    modes = [swept["shaft"][kind], *swept["further"][kind]]
     known = [[frequency for frequency in mode if frequency is not None] for mode in modes]
     if len(known[0]) < 2:
         return ""
@@ -145,7 +144,7 @@ def _swept(vibration: Mapping[str, Any], kind: str) -> str:
 def _first_mode(chain: Record) -> Record | None:
     """Return the crankshaft's first mode, which is not one of coupling, damper or line."""
     return next(
-        (mode for mode in chain["modes"] if not mode["rigid"] and mode.get("of_crankshaft", True)),
+        (mode for mode in chain["modes"] if not mode["rigid"] and mode["of_crankshaft"]),
         None,
     )
 
@@ -170,11 +169,11 @@ def worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Record]:
     """
     worst: dict[str, Record] = {}
     for check in checks:
-        running = dict(check) | (check.get("running") or {})
+        running = dict(check) | (check["running"] or {})
         limit = worst.setdefault(check["limit"], running | {"above": None})
         if _use(running) > _use(limit):
             worst[check["limit"]] = limit = running | {"above": limit["above"]}
-        above = check.get("above")
+        above = check["above"]
         if above is not None and (limit["above"] is None or _use(above) > _use(limit["above"])):
             limit["above"] = {**above, "place": check["place"]}
         limit["passed"] = limit["passed"] and check["passed"]
@@ -216,13 +215,13 @@ def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
     if assessment is not None and shown is not None:
         bounds = assessment["uncertainty"][kind]["frequencies"][shown["number"] - 1]
         details[0] = f"uncertainty range of the chain {_bounds(bounds)}"
-    if whole is not None and whole["chains"].get(kind, {}).get("modes"):
+    if whole is not None and kind in whole["chains"] and whole["chains"][kind]["modes"]:
         mode = whole["chains"][kind]["modes"][0]
-        alike = (mode["shaft_frequency"], mode.get("further_frequency"))
+        alike = (mode["shaft_frequency"], mode["further_frequency"])
         shaft = " and ".join(_hertz(frequency) for frequency in sorted(filter(None, alike)))
         shaft = f"{shaft} Hz" if shaft else "no mode like it"
         # The range over the bearings is that of one mode, the one most alike.
-        swept = "" if mode.get("further_frequency") else _swept(vibration, kind)
+        swept = "" if mode["further_frequency"] else _swept(vibration, kind)
         details.append(f"whole crankshaft in its bearings: {shaft}{f' ({swept})' if swept else ''}")
     beside = elastic.index(shown) if shown is not None else len(elastic)
     if beside:

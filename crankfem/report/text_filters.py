@@ -124,7 +124,7 @@ def duration(seconds: float) -> str:
 
 def check_value_text(check: Record) -> str:
     """Write the value of a self-check."""
-    return _figure(check["figure"], _shown_unit(check))
+    return _figure(check["figure"], check["shown_unit"])
 
 
 def check_limit_text(check: Record) -> str:
@@ -132,12 +132,7 @@ def check_limit_text(check: Record) -> str:
     allowed = check["allowed"]
     if allowed is None:
         return "not bounded" if check["met"] is None else "by its criteria"
-    return f"at most {_figure(allowed, _shown_unit(check))}"
-
-
-def _shown_unit(check: Record) -> str:
-    # Results of earlier releases have the unit to show under "unit".
-    return str(check.get("shown_unit", check["unit"]))
+    return f"at most {_figure(allowed, check['shown_unit'])}"
 
 
 def _figure(value: float | None, unit: str) -> str:
@@ -190,10 +185,7 @@ def table_cells(table: Table) -> list[list[str]]:
 
 def range_sentence(barred: Record) -> str:
     """Write whether a range of speeds may be barred or passed, and why not; without its full stop."""
-    # Results of earlier releases have only the reasons.
-    reasons = "; ".join(barred["refusals"])
-    older = f"{barred['shown']}, {f'not accepted: {reasons}' if reasons else 'accepted'}"
-    return with_three_digits(barred.get("sentence") or older)
+    return with_three_digits(barred["sentence"])
 
 
 def with_three_digits(text: str) -> str:

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from crankbase.outputs import recording_run_files, write_text
+from crankbase.results import Result
 from crankfem.analyses.mechanism.balance_records import (
     balance_contents,
     balance_table,
     moving_mass_table,
     throw_mass_table,
 )
-from crankfem.analyses.mechanism.mechanism_records import harmonics_table
 from crankfem.analyses.mechanism.rod_models import bearing_table
+from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.stress import mirrored, stress_tables
@@ -45,6 +46,7 @@ from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.figures import PLOTS, load_figures
 from crankfem.report.summary import summary
 from crankfem.report.text_filters import FILTERS, source_label
+from dynamics.harmonics import Harmonics
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -52,20 +54,6 @@ if TYPE_CHECKING:
 
 # Not allowed in HTML, even in scripts.
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
-# What results of older runs lack.
-LATER: dict[str, Any] = {
-    "fillets": None,
-    "fillet_note": None,
-    "checks": [],
-    "repeat": None,
-    "interactive": {},
-    "picture_note": None,
-    "throws": None,
-    "strength": None,
-    "fatigue": None,
-    "fatigue_note": None,
-}
-LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 # What makes tables, or their cells, of the results.
 TABLES = (
     balance_contents,
@@ -95,6 +83,8 @@ TABLES = (
     mirrored,
     reached_and_permitted,
 )
+# What is read back as results.
+TYPED: dict[str, type[Result]] = {"harmonics": Harmonics}
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
 
 
@@ -133,7 +123,10 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         A sentence that names the pictures that cannot be read; the page does without them, and says
         the same.
     """
-    results = LATER | dict(results) | {"about": LATER_ABOUT | results["about"]}
+    results = {"throws": None, **results}  # named throws alone have their own
+    for name, kind in TYPED.items():
+        if results[name] is not None:
+            results[name] = kind.from_record(results[name])
     figures, unread = load_figures(results, pictures)
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.diagrams import BLUE
-from geometry.outline import Arc
-from geometry.parts import Cylinder, Sector, WebPlate
+from geometry.parts import Arc, Cylinder, Sector, WebPlate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,21 +1,23 @@
-"""A throw or a row of throws on the axes of a diagram, to scale."""
+"""A throw or a row of throws on the axes of a diagram, to scale, as a small SVG, and meshed."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from html import escape
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from crankbase.diagrams import new_axes, write_title
+from crankbase.diagrams import GRAY, new_axes, write_title
 from crankbase.errors import InputError
 from geometry.parts import Cylinder, Point, Sector, Slope, ThrowParts, WebPlate
-from geometry.plots.dimension_lines import CENTER, JOURNAL_COLOR, View
+from geometry.plots.dimension_lines import CENTER, INK, JOURNAL_COLOR, OUTLINE, Place, Style, View
 from geometry.plots.views import draw_end, draw_side
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
 
 Array = NDArray[np.float64]
 ThrowView = Literal["side", "left end"]
@@ -191,3 +193,225 @@ def _label(axes: "Axes", across: str, up: str) -> None:
     axes.set_xlabel(across)
     axes.set_ylabel(up)
     axes.grid(visible=False)
+
+
+OutlineView = Literal["side", "front"]
+DRAWINGS: dict[str, tuple[Callable[[View, ThrowParts, bool], None], str]] = {
+    "side": (draw_side, "Side view of the throw, the shaft from left to right"),
+    "front": (draw_end, "Front view of the throw, from its left end"),
+}
+# A point on paper stands for this share of the throw's length.
+POINT = 1.0 / 300.0
+MARGIN = 6.0  # points
+DIGITS = 5  # of a coordinate, in the thousandth part of a millimeter for a throw of a hundred
+
+
+class _SvgView(View):
+    """A view that is written as SVG at once, without matplotlib; it takes no dimensions."""
+
+    def __init__(self, point: float) -> None:
+        nobody: Any = None
+        super().__init__(nobody, point)
+        self._shapes: list[tuple[float, str]] = []
+
+    def stroke(self, points: ArrayLike, style: Style = OUTLINE, closed: bool = False) -> None:
+        path = np.asarray(points, dtype=float)
+        dashes = ""
+        if "dashes" in style:
+            dashes = f' stroke-dasharray="{" ".join(f"{part:g}" for part in style["dashes"])}"'
+        self._add(
+            path,
+            style.get("zorder", 3.0),
+            f'fill="none" stroke="{style["color"]}" stroke-width="{style["linewidth"]:g}"{dashes}',
+            closed,
+        )
+
+    def surface(self, points: ArrayLike, color: str, edge: float = 1.0) -> None:
+        stroke = f' stroke="{INK}" stroke-width="{edge * OUTLINE["linewidth"]:g}"' if edge else ""
+        self._add(np.asarray(points, dtype=float), 1.0, f'fill="{color}"{stroke}', closed=True)
+
+    def write(
+        self,
+        text: str,
+        *places: Place,
+        upright: bool = False,  # noqa: ARG002 - names of pins stand level
+        paper: str = "white",  # noqa: ARG002 - and on their pins
+        **style: Any,
+    ) -> int:
+        x, y, _ = places[0]
+        size = style.get("fontsize", 8.0) * self.point
+        self._shapes.append(
+            (
+                5.0,
+                f'<text x="{x:.{DIGITS}g}" y="{-y:.{DIGITS}g}" font-size="{size:.3g}" '
+                f'text-anchor="middle" font-family="sans-serif">{escape(text)}</text>',
+            )
+        )
+        return 0
+
+    def _add(self, path: Any, layer: float, look: str, closed: bool) -> None:
+        self._reach(path)
+        pieces, drawn = [], False
+        for x, y in path.tolist():
+            if x != x:  # a gap
+                drawn = False
+                continue
+            pieces.append(f"{'L' if drawn else 'M'}{x:.{DIGITS}g} {0.0 - y:.{DIGITS}g}")
+            drawn = True
+        end = "Z" if closed else ""
+        self._shapes.append(
+            (layer, f'<path vector-effect="non-scaling-stroke" d="{"".join(pieces)}{end}" {look}/>')
+        )
+
+    def text(self, label: str) -> str:
+        margin = MARGIN * self.point
+        low, high = self.low - margin, self.high + margin
+        width, height = high - low
+        # Sorted by layer, else in the order in which they were drawn.
+        shapes = "".join(shape for _, shape in sorted(self._shapes, key=lambda one: one[0]))
+        return (
+            f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{escape(label)}" '
+            f'viewBox="{low[0]:.6g} {-high[1]:.6g} {width:.6g} {height:.6g}">'
+            f"{shapes}</svg>"
+        )
+
+
+def outline_svg(parts: ThrowParts, view: OutlineView = "side", label: str = "") -> str:
+    """Draw one view of a throw to scale, without dimensions.
+
+    Parameters
+    ----------
+    view : {"side", "front"}
+        From the side, z to the right and y up; or from the left end, where x points to the left.
+    label : str
+        Text for a screen reader instead of the view's name.
+
+    Returns
+    -------
+    str
+        An SVG whose units are meters.
+
+    Raises
+    ------
+    InputError
+        If the view is neither.
+    """
+    if view not in DRAWINGS:
+        raise InputError(
+            f"view: given {view!r}; allowed are {', '.join(DRAWINGS)}, because a throw is drawn from "
+            "these two."
+        )
+    draw, name = DRAWINGS[view]
+    drawn = _SvgView(POINT * parts.length)
+    draw(drawn, parts, False)
+    return drawn.text(label or name)
+
+
+Integers = NDArray[np.int64]
+
+OUTSIDE, CUT = (0.78, 0.84, 0.90), (0.96, 0.80, 0.60)
+LINE, LINE_WIDTH = "#44525f", 0.25
+# A face that looks past the light has this share of its color.
+DARKEST = 0.7
+LIGHT = (-0.45, 0.65, 1.0)  # to the right, up and towards the eye of the view
+ARROW = 0.14  # length of the frame's arrows as a share of the view's width
+
+
+def plot_mesh(
+    axes: "Axes | None",
+    points: Array,
+    outside: Integers,
+    cuts: Mapping[str, Integers],
+    eye: Array,
+    title: str,
+) -> "Axes":
+    """Draw the facets that look towards the eye, the farthest first.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        [m]
+    outside : (k, 3) array of int
+        Corners of the facets, counterclockwise from outside.
+    cuts : mapping of str to (k, 3) array of int
+        Facets on planes of symmetry, by the plane's name.
+    eye : (3,) array
+        Direction to the eye.
+
+    Raises
+    ------
+    InputError
+        If the direction is not three finite numbers, or along y.
+    """
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Patch
+
+    frame = view_frame(eye)
+    facets = np.concatenate([outside, *cuts.values()])
+    is_cut = np.arange(len(facets)) >= len(outside)
+    seen = points @ frame.T  # to the right, up, towards the eye
+    corners = seen[facets]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    front = np.flatnonzero(normals[:, 2] > 0.0)
+    order = front[np.argsort(corners[front, :, 2].mean(axis=1), kind="stable")]
+    light = np.array(LIGHT) / np.linalg.norm(LIGHT)
+    bright = DARKEST + (1.0 - DARKEST) * np.clip(normals[order] @ light, 0.0, 1.0)
+    colors = np.where(is_cut[order, None], CUT, OUTSIDE) * bright[:, None]
+
+    axes = new_axes(axes, width=6.4, height=5.6)
+    axes.add_collection(
+        PolyCollection(
+            list(corners[order, :, :2]), facecolors=colors, edgecolors=LINE, linewidths=LINE_WIDTH
+        )
+    )
+    low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
+    margin = 0.04 * float(np.max(high - low))
+    _draw_frame(axes, frame, low - margin, float(high[0] - low[0]))
+    axes.set_xlim(low[0] - 4.0 * margin, high[0] + margin)
+    axes.set_ylim(low[1] - 4.0 * margin, high[1] + margin)
+    axes.set_aspect("equal")
+    axes.grid(visible=False)
+    axes.set_xlabel("across the view [m]")
+    axes.set_ylabel("up the view [m]")
+    write_title(axes, title)
+    if cuts:
+        cut = Patch(facecolor=CUT, edgecolor=LINE, label=f"cut: {', '.join(cuts)}")
+        axes.legend(
+            frameon=False, handles=[cut], fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0)
+        )
+    return axes
+
+
+def view_frame(eye: Array) -> Array:
+    """Directions to the right, up and towards the eye (3, 3), the crank upright.
+
+    Raises
+    ------
+    InputError
+        If the direction to the eye is not three finite numbers, or along y.
+    """
+    usable = eye.shape == (3,) and bool(np.all(np.isfinite(eye)))
+    right = np.cross((0.0, 1.0, 0.0), eye) if usable else np.zeros(3)
+    if float(np.linalg.norm(right)) <= 1e-6 * float(np.linalg.norm(eye)):
+        raise InputError(
+            f"eye: given {eye.tolist()}; allowed are three finite numbers not all along y, because the crank "
+            "is upright in the view."
+        )
+    towards = eye / np.linalg.norm(eye)
+    right = right / np.linalg.norm(right)
+    return np.array([right, np.cross(towards, right), towards])
+
+
+def _draw_frame(axes: "Axes", frame: Array, corner: Array, width: float) -> None:
+    """Draw the throw's directions x, y, z in a corner."""
+    for name, direction in zip("xyz", frame.T, strict=True):
+        tip = corner + ARROW * width * direction[:2]
+        axes.annotate(
+            "",
+            xy=(float(tip[0]), float(tip[1])),
+            xytext=(float(corner[0]), float(corner[1])),
+            arrowprops={"arrowstyle": "-|>", "color": GRAY, "linewidth": 1.0, "shrinkB": 0.0},
+        )
+        text = corner + 1.25 * ARROW * width * direction[:2]
+        axes.text(float(text[0]), float(text[1]), name, ha="center", va="center", fontsize=9)

@@ -7,9 +7,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from geometry.drilling import Drilling, DrillingExit
-from geometry.outline import Line
-from geometry.parts import Cylinder, Sector, ThrowParts, WebPlate
+from geometry.parts import Cylinder, Drilling, DrillingExit, Line, Sector, ThrowParts, WebPlate
 from geometry.plots.dimension_lines import (
     BEYOND,
     CENTER,

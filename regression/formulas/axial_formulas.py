@@ -24,22 +24,644 @@ Technologies, 2021, no. 4, pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83. The s
 original authors given in each formula's source.
 """
 
+import csv
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 
 from crankbase.errors import InputError
+from crankbase.quantity import format_quantity
 from fem.material import Material
 from geometry.throw import CrankThrow
 from regression.formulas.case import (
     AxialFormula,
     FormulaValue,
     OfThrow,
+    Reading,
+    Remark,
     ThrowCase,
     checked_angle_deg,
     checked_constants,
+    negative_shear_remarks,
+    no_angle_remarks,
+    open_angle_factor_remarks,
+    plain_web_remarks,
     reading_value,
+    round_inertia,
     throw_and_material,
+    unused_bores_remarks,
 )
-from regression.formulas.published import AXIAL_FORMULA_NAMES, AXIAL_FORMULAS, AXIAL_VARIANTS
+
+# Anderson's formula.
+#
+# Printed: ``(R^2/E) [1.1 L_shm / I_shm k_phi + k_1^2 (k_phi - k_1/3) R / I_w]
+# + (1/E) (L_km / F_km + L_shm / F_shm) + 2 [R - 0.5 (D_km + D_shm)] / (G I_w)`` with
+# ``k_1 = 1 - (D_km + D_shm) / (0.125 R)`` and ``k_phi = 0.75 - 0.25 cos gamma``. The last term requires
+# the web's area F_w = B h, as in Gorbunov's formula. The printed k_1 is about -17 for ordinary
+# throws; ``1 - 0.125 (D_km + D_shm) / R`` is the share of the crank radius that bends. With k_1 = 1
+# the web has 2/3 at gamma = 180 deg and 1/6 at 0, as a slender frame.
+
+
+def _web_share(case: ThrowCase) -> float:
+    """Return k_1, the share of the crank radius over which the web bends."""
+    throw = case.throw
+    diameters = throw.main_journal_diameter + throw.pin_diameter
+    return 1.0 - 0.125 * diameters / throw.crank_radius
+
+
+def _anderson_corrected(case: ThrowCase) -> float:
+    k_phi = 0.75 - 0.25 * case.cosine
+    k_1 = _web_share(case)
+    bending = 1.1 * k_phi * case.pin + k_1**2 * (k_phi - k_1 / 3.0) * case.web
+    return bending + case.tension + case.shear_of_length(-2.0 * case.throw.overlap)
+
+
+def _anderson_remarks(case: ThrowCase) -> list[Remark]:
+    remarks = negative_shear_remarks(case)
+    if _web_share(case) <= 0.0:
+        remarks.append(
+            Remark(
+                "The crank radius "
+                f"{format_quantity(case.throw.crank_radius, 'm')} is at most an eighth of the sum of "
+                "both journal diameters: nothing of the web is left to bend (k_1 <= 0).",
+                invalidates=True,
+            )
+        )
+    return remarks
+
+
+ANDERSON = AxialFormula(
+    "Anderson",
+    "And",
+    "G. Anderson, in: Marine low-speed turbocharged engines, ed. N. N. Ivanchenko, Leningrad, 1967",
+    {"corrected": Reading(_anderson_corrected, _anderson_remarks)},
+    "its shear term 2 [R - 0.5 (D_km + D_shm)] / (G I_w) is in 1/(N m), not in m/N, because "
+    "it divides by the web's inertia instead of its area B h",
+)
+
+
+# Dorey's formula, linear in the angle.
+#
+# Printed: ``(R^2/E) [k_3 L_shm / I_shm (0.5 + gamma/360) + (0.167 + gamma/360) R / I_w]``, gamma in
+# deg from 0 to 180. No fault was found: both limits, gamma = 180 and 0 deg, are those of a slender
+# frame with flexible webs, with 0.167 for 1/6. The factor k_3 for built shafts is not published.
+
+
+def _dorey_as_printed(case: ThrowCase) -> float:
+    pin, web = 0.5 + case.gamma_deg / 360.0, 0.167 + case.gamma_deg / 360.0
+    return case.constants["k_3"] * pin * case.pin + web * case.web
+
+
+_DOREY = Reading(_dorey_as_printed, plain_web_remarks)
+
+DOREY = AxialFormula(
+    "Dorey",
+    "Dor",
+    "S. F. Dorey, I.S.P. Journal, 1939, no. 55, pp. 69-78",
+    {"corrected": _DOREY, "printed": _DOREY},
+)
+
+
+# Draminsky's two formulas.
+#
+# (1), printed ``(1/E) (R^2 L_km / I_km + 2 R^3 / (3 I_w))``, is the bending of a slender frame at
+# gamma = 180 deg, exactly, once its first term is the crankpin's.
+#
+# (2), printed ``(R^2/E) [(L_shm + 0.33 h) / I_shm (1 - k/12) + (R / I_w) (2/3 - k/2)]
+# + (1/E) (L_km / F_km + L_shm / F_shm) + 2 R / (G I_w)`` with k = 1 + cos gamma. The last term is in
+# 1/(N m): it requires the web's area F_w = B h. The denominators 12 and 2 are inconsistent: at
+# gamma = 0 the web's factor would be -1/3, which is impossible, and with the tilt blocked a frame
+# with flexible webs has 1/2 pin + 1/6 web, that is k/4 in both places ("k/4").
+
+# Below this angle the web factor of the second formula falls towards zero and, from 70.5 deg down,
+# below it.
+SMALLEST_ANGLE_DEG = 75.0
+
+_AUTHORS = "P. Draminsky, E. Warming, MTZ, 1942, no. 2, pp. 292-301"
+
+
+def _draminsky_first_printed(case: ThrowCase) -> float:
+    """Return (1) with length and inertia of the main journal, as its subscripts are printed."""
+    throw = case.throw
+    inertia = round_inertia(throw.main_journal_diameter, throw.main_journal_bore)
+    journal = throw.crank_radius**2 * throw.main_journal_length / (case.youngs_modulus * inertia)
+    return journal + 2.0 / 3.0 * case.web
+
+
+def _draminsky_second_with(case: ThrowCase, pin_divisor: float, web_divisor: float) -> float:
+    k = 1.0 + case.cosine
+    pin = case.pin_of_length(case.throw.pin_length + 0.33 * case.throw.web_thickness)
+    shear = case.shear_of_length(2.0 * case.throw.crank_radius)
+    return (
+        pin * (1.0 - k / pin_divisor)
+        + case.web * (2.0 / 3.0 - k / web_divisor)
+        + case.tension
+        + shear
+    )
+
+
+def _draminsky_first_remarks(case: ThrowCase) -> list[Remark]:
+    return [*plain_web_remarks(case), *no_angle_remarks(case)]
+
+
+def _draminsky_first_printed_remarks(case: ThrowCase) -> list[Remark]:
+    misprint = Remark(
+        "The print names the main journal in the first term, where the bent crankpin belongs."
+    )
+    return [*_draminsky_first_remarks(case), misprint]
+
+
+def _draminsky_second_remarks(case: ThrowCase) -> list[Remark]:
+    remarks = plain_web_remarks(case)
+    if case.gamma_deg < SMALLEST_ANGLE_DEG:
+        remarks.append(
+            Remark(
+                f"gamma = {case.gamma_deg:g} deg is below {SMALLEST_ANGLE_DEG:g} deg: the "
+                "factor 2/3 - (1 + cos gamma)/2 of the web falls to zero and below, which no "
+                "throw does.",
+                invalidates=True,
+            )
+        )
+    return remarks
+
+
+DRAMINSKY_1 = AxialFormula(
+    "Draminsky (1)",
+    "D1",
+    _AUTHORS,
+    {
+        "corrected": Reading(
+            lambda case: case.pin + 2.0 / 3.0 * case.web, _draminsky_first_remarks
+        ),
+        "printed": Reading(_draminsky_first_printed, _draminsky_first_printed_remarks),
+    },
+)
+DRAMINSKY_2 = AxialFormula(
+    "Draminsky (2)",
+    "D2",
+    _AUTHORS,
+    {
+        "corrected": Reading(
+            lambda case: _draminsky_second_with(case, 12.0, 2.0), _draminsky_second_remarks
+        ),
+        "k/4": Reading(lambda case: _draminsky_second_with(case, 4.0, 4.0), plain_web_remarks),
+    },
+    "its shear term 2 R / (G I_w) is in 1/(N m), not in m/N, because it divides by the web's "
+    "inertia instead of its area B h",
+)
+
+
+# The formula of the Central Research Institute of the Merchant Fleet (TsNIIMF): the web alone.
+#
+# Printed: ``8 R^3 / (E B h_e^3)`` with ``h_e = h sqrt((D_km + D_shm) / (2 h) - R / h)``, that is
+# h_e = sqrt(s h) for an overlap s. The dimensions are right, but without overlap the root is
+# undefined, and an overlap smaller than the web's thickness makes the web softer than none.
+# "1 +" and a square were lost: ``h_e = sqrt(h^2 + s^2)``, which is the k_2 of Gorbunov's formula from
+# the same institute, is the reading "corrected", with s = 0 where journal and pin do not overlap.
+# The plain thickness, h_e = h, with which the survey's own table may have been calculated, is the reading
+# "plain".
+
+# 8 R^3 / (E B h^3) in terms of R^3 / (E I_w).
+FRAME_WEB = 8.0 / 12.0
+
+
+def overlapped_thickness(case: ThrowCase) -> float:
+    """Return sqrt(h^2 + s^2), the web's thickness h where journal and pin do not overlap [m]."""
+    return math.hypot(max(case.throw.overlap, 0.0), case.throw.web_thickness)
+
+
+def _tsniimf_printed(case: ThrowCase) -> float:
+    return FRAME_WEB * case.web_of_thickness(
+        math.sqrt(case.throw.overlap * case.throw.web_thickness)
+    )
+
+
+def _tsniimf_printed_fault(case: ThrowCase) -> str:
+    throw = case.throw
+    if throw.overlap > 0.0:
+        return ""
+    root = throw.overlap / throw.web_thickness
+    return (
+        "its root of (D_km + D_shm)/(2 h) - R/h is the root of "
+        f"{root:.3g} where main journal and crankpin do not overlap"
+    )
+
+
+def _tsniimf_remarks(case: ThrowCase) -> list[Remark]:
+    share = case.pin / (case.pin + FRAME_WEB * case.web)
+    web_only = Remark(
+        "The formula includes only the webs: the crankpin, "
+        f"{100.0 * share:.2g} % of a slender frame of these dimensions, is left out."
+    )
+    return [web_only, *no_angle_remarks(case), *unused_bores_remarks(case)]
+
+
+def _tsniimf_printed_remarks(case: ThrowCase) -> list[Remark]:
+    remarks = _tsniimf_remarks(case)
+    throw = case.throw
+    if throw.overlap < throw.web_thickness:
+        remarks.append(
+            Remark(
+                f"The overlap {format_quantity(throw.overlap, 'm')} is smaller than the web's "
+                f"thickness {format_quantity(throw.web_thickness, 'm')}: the print makes the web "
+                f"{(throw.web_thickness / throw.overlap) ** 1.5:.3g} times softer than one "
+                "without overlap.",
+                invalidates=True,
+            )
+        )
+    return remarks
+
+
+TSNIIMF = AxialFormula(
+    "TsNIIMF",
+    "TsN",
+    "TsNIIMF: V. I. Zinchenko, Trudy TsNII morskogo flota, 1970, no. 125, pp. 80-103",
+    {
+        "corrected": Reading(
+            lambda case: FRAME_WEB * case.web_of_thickness(overlapped_thickness(case)),
+            _tsniimf_remarks,
+        ),
+        "printed": Reading(_tsniimf_printed, _tsniimf_printed_remarks, _tsniimf_printed_fault),
+        "plain": Reading(
+            lambda case: FRAME_WEB * case.web,
+            lambda case: [*_tsniimf_remarks(case), *plain_web_remarks(case)],
+        ),
+    },
+)
+
+
+# The formula of Guglielmotti and Macchiotta, for slow-speed shafts with little or no overlap.
+#
+# Printed: ``C [64 R^2 L_km / (pi E D_km^4) + 42 R (R - 0.44 D_km)^2 / (E B h^3)]``. The dimensions
+# are right, but for thin journals (D -> 0) the web's term must tend to that of a frame,
+# 8 R^3 / (E B h^3), of which 42 is 5.25 times too much: it was probably "4 . 2 R" = 8 R. The first
+# term is R^2 L / (E I) of the part loaded by the moment R of a unit force, which is the crankpin,
+# not the main journal. The print does not show whose diameter shortens the web; the main
+# journal's is used.
+
+# The web's coefficient in terms of R^3 / (E I_w) = 12 R^3 / (E B h^3): that of a frame, 8, and 42.
+CORRECTED_WEB, PRINTED_WEB = 8.0 / 12.0, 42.0 / 12.0
+
+
+def _free_share(case: ThrowCase) -> float:
+    """Return (R - 0.44 D_km) / R, the share of the crank radius over which the web bends."""
+    throw = case.throw
+    return 1.0 - 0.44 * throw.main_journal_diameter / throw.crank_radius
+
+
+def _guglielmotti_corrected(case: ThrowCase) -> float:
+    web = CORRECTED_WEB * _free_share(case) ** 2 * case.web
+    return case.constants["C"] * (case.pin + web)
+
+
+def _guglielmotti_printed(case: ThrowCase) -> float:
+    throw = case.throw
+    inertia = round_inertia(throw.main_journal_diameter, 0.0)
+    journal = throw.crank_radius**2 * throw.main_journal_length / (case.youngs_modulus * inertia)
+    web = PRINTED_WEB * _free_share(case) ** 2 * case.web
+    return case.constants["C"] * (journal + web)
+
+
+def _guglielmotti_remarks(case: ThrowCase) -> list[Remark]:
+    remarks = open_angle_factor_remarks(case, "C")
+    share = _free_share(case)
+    if share <= 0.0:
+        remarks.append(
+            Remark(
+                f"The crank radius {format_quantity(case.throw.crank_radius, 'm')} is at most 0.44 "
+                "of the main journal's diameter: nothing of the web is left to bend "
+                "(R - 0.44 D_km <= 0).",
+                invalidates=True,
+            )
+        )
+    elif case.throw.overlap > 0.0:
+        remarks.append(
+            Remark(
+                f"Main journal and crankpin overlap by {format_quantity(case.throw.overlap, 'm')}, and the "
+                f"formula is for slow-speed shafts: it includes {100.0 * share**2:.2g} % of the plain web's "
+                "bending."
+            )
+        )
+    return remarks
+
+
+def _guglielmotti_printed_remarks(case: ThrowCase) -> list[Remark]:
+    return [
+        *_guglielmotti_remarks(case),
+        *unused_bores_remarks(case),
+        Remark(
+            "The print gives the web 42/8 of the compliance of a slender frame, and names the main "
+            "journal in the first term, where the bent crankpin belongs."
+        ),
+    ]
+
+
+GUGLIELMOTTI_MACCHIOTTA = AxialFormula(
+    "Guglielmotti-Macchiotta",
+    "GM",
+    "L. Guglielmotti, R. Macchiotta, in: Marine low-speed turbocharged engines, "
+    "ed. N. N. Ivanchenko, Leningrad, 1967",
+    {
+        "corrected": Reading(_guglielmotti_corrected, _guglielmotti_remarks),
+        "printed": Reading(_guglielmotti_printed, _guglielmotti_printed_remarks),
+    },
+)
+
+
+# Skorchev's formula, for the crankshafts of large low-speed engines.
+#
+# Printed: ``k_or (R^2/E) [(0.175 R / D_shm + 0.285) R / I_w + L_shm / I_shm]``. No fault was found; the
+# web has the 2/3 of a slender frame at R / D_shm = 2.18. The factor k_or for the angle between
+# neighboring cranks is not published.
+
+
+def _skorchev_as_printed(case: ThrowCase) -> float:
+    factor = 0.175 * case.throw.crank_radius / case.throw.pin_diameter + 0.285
+    return case.constants["k_or"] * (factor * case.web + case.pin)
+
+
+_SKORCHEV = Reading(
+    _skorchev_as_printed,
+    lambda case: [*plain_web_remarks(case), *open_angle_factor_remarks(case, "k_or")],
+)
+
+SKORCHEV = AxialFormula(
+    "Skorchev",
+    "Sko",
+    "N. S. Skorchev, thesis abstract, Leningrad, 1972",
+    {"corrected": _SKORCHEV, "printed": _SKORCHEV},
+)
+
+
+# Stoyanov's formula, recommended for medium-speed engines.
+#
+# Printed: ``(1/E) [(L_shm + 0.48 h) R^2 / I_shm + (L_shm + 0.7 h) / F_shm + (L_km + 0.7 h) / F_km
+# + 4.72 R k_n / (B c h) (1 + 1.7 R^2 / h^2)]`` with ``c = 3.97 - 3.64 b + 1.13 b^2`` and
+# ``b = 2 B / (D_km + D_shm)``. No fault was found: 4.72 x 1.7 = 8.02, so that for c = 1 the web bends
+# as that of a slender frame, 8 R^3 / (E B h^3); the rest of the last term is the web's shear. B c is
+# the effective width. The factor k_n for the overlap is not published; the angle is not included.
+
+# The parabola c(b) has its minimum, 1.04, at b = 1.61; a slender frame has c = 1. Between these widths
+# c is at most 1.15. The survey gives no range, but farther out the parabola makes any web stiff, a
+# narrow one too: by 1.46 at b = 1, by 3.2 at b = 3.
+SMALLEST_WIDTH, LARGEST_WIDTH = 1.30, 1.92
+
+
+def relative_width(case: ThrowCase) -> float:
+    """Return b, the web's width over the mean diameter of main journal and crankpin."""
+    throw = case.throw
+    return 2.0 * throw.web_width / (throw.main_journal_diameter + throw.pin_diameter)
+
+
+def width_factor(b: float) -> float:
+    """Return c, the effective width of the web over its width B."""
+    return 3.97 - 3.64 * b + 1.13 * b**2
+
+
+def _stoyanov_as_printed(case: ThrowCase) -> float:
+    throw = case.throw
+    h, R = throw.web_thickness, throw.crank_radius
+    section = throw.web_width * width_factor(relative_width(case)) * h
+    webs = 4.72 * R * case.constants["k_n"] / section * (1.0 + 1.7 * R**2 / h**2)
+    return (
+        case.pin_of_length(throw.pin_length + 0.48 * h)
+        + case.tension_of_lengths(throw.main_journal_length + 0.7 * h, throw.pin_length + 0.7 * h)
+        + webs / case.youngs_modulus
+    )
+
+
+def _stoyanov_remarks(case: ThrowCase) -> list[Remark]:
+    remarks = no_angle_remarks(case)
+    overlap = case.throw.overlap
+    if overlap > 0.0 and "k_n" not in case.given_constants:
+        remarks.append(
+            Remark(
+                f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}, for which the "
+                "factor k_n is not published: the value applies without overlap (k_n = 1), unless "
+                "the constant k_n is given.",
+                invalidates=True,
+            )
+        )
+    b = relative_width(case)
+    if not SMALLEST_WIDTH <= b <= LARGEST_WIDTH:
+        remarks.append(
+            Remark(
+                f"The web's width is {b:.3g} of the mean journal diameter, outside "
+                f"{SMALLEST_WIDTH:g} to {LARGEST_WIDTH:g}: the factor c = {width_factor(b):.3g} of "
+                "the effective width is then far from the 1 of a slender frame.",
+                invalidates=True,
+            )
+        )
+    return remarks
+
+
+_STOYANOV = Reading(_stoyanov_as_printed, _stoyanov_remarks)
+
+STOYANOV = AxialFormula(
+    "Stoyanov",
+    "Sto",
+    "V. S. Stoyanov, thesis abstract, Leningrad, 1970",
+    {"corrected": _STOYANOV, "printed": _STOYANOV},
+)
+
+
+# Gorbunov's formula.
+#
+# Printed: ``(4 / (pi E)) [2 pi R^3 k_phi / (B k_2) + 2 R L_1shm / D_shm^4 + L_1shm / D_shm^2
+# + L_1km / D_km^2] + (2 R - D_km - D_shm) / (G B h)`` with ``k_2 = sqrt(s^2 + h^2)``,
+# ``k_phi = 0.8 (1 - cos gamma)`` and ``L_1 = L + 0.2 h``. All terms in the bracket must be in 1/m:
+# k_2^3 makes the first the web of a frame, 8 R^3 / (E B k_2^3), which confirms the coefficient 2 pi, and
+# 16 R^2 L_1 / D^4 makes the second the pin's R^2 L_1 / (E I); exponents were lost in both. The number
+# 0.8 would have to be 0.5 for the web of a frame at 180 deg; it is left as printed (`k_gorbunov`).
+
+
+def _gorbunov_angle_factor(case: ThrowCase) -> float:
+    return case.constants["k_gorbunov"] * (1.0 - case.cosine)
+
+
+def _gorbunov_corrected(case: ThrowCase) -> float:
+    throw = case.throw
+    pin_length = throw.pin_length + 0.2 * throw.web_thickness
+    journal_length = throw.main_journal_length + 0.2 * throw.web_thickness
+    return (
+        FRAME_WEB * case.web_of_thickness(overlapped_thickness(case)) * _gorbunov_angle_factor(case)
+        + case.pin_of_length(pin_length)
+        + case.tension_of_lengths(journal_length, pin_length)
+        + case.shear_of_length(-2.0 * throw.overlap)
+    )
+
+
+def _gorbunov_remarks(case: ThrowCase) -> list[Remark]:
+    remarks = negative_shear_remarks(case)
+    number = case.constants["k_gorbunov"]
+    factor = _gorbunov_angle_factor(case)
+    # A frame with blocked tilt has 1/6 of R^3 / (E I_w), a quarter of the web's term at k_phi = 1.
+    if factor < 0.25:
+        remarks.append(
+            Remark(
+                f"At gamma = {case.gamma_deg:g} deg the angle factor of the web is {factor:.3g}: "
+                "the web is then stiffer than even a frame with blocked tilt has it.",
+                invalidates=True,
+            )
+        )
+    elif 2.0 * number > 1.0 + 1e-12:
+        remarks.append(
+            Remark(
+                f"The angle factor k_phi = {number:g} (1 - cos gamma) gives the web "
+                f"{2.0 * number:g} times the compliance of a slender frame at 180 deg; "
+                "the constant k_gorbunov = 0.5 matches the frame."
+            )
+        )
+    return remarks
+
+
+GORBUNOV = AxialFormula(
+    "Gorbunov",
+    "Gor",
+    "Yu. S. Barshai, E. Ya. Gorbunov, Trudy TsNII morskogo flota, 1975, no. 192, pp. 70-79",
+    {"corrected": Reading(_gorbunov_corrected, _gorbunov_remarks)},
+    "its web term 2 pi R^3 / (B k_2) is in m, its pin term 2 R L_1 / D^4 in 1/m^2 and the "
+    "others in 1/m, which cannot be added (k_2^3 and 16 R^2 L_1 / D^4 would fit)",
+)
+
+
+AXIAL_FORMULAS: Mapping[str, AxialFormula] = {
+    formula.name: formula
+    for formula in (
+        GUGLIELMOTTI_MACCHIOTTA,
+        DRAMINSKY_1,
+        DRAMINSKY_2,
+        TSNIIMF,
+        ANDERSON,
+        GORBUNOV,
+        DOREY,
+        SKORCHEV,
+        STOYANOV,
+    )
+}
+AXIAL_FORMULA_NAMES: tuple[str, ...] = tuple(AXIAL_FORMULAS)
+AXIAL_VARIANTS: tuple[str, ...] = ("corrected", "printed", "plain", "k/4")
+
+
+FINITE_ELEMENTS = "finite elements"
+COLUMNS = (
+    "engine",
+    "strokes",
+    "bore_mm",
+    "stroke_mm",
+    "formula",
+    "printed_1e-9_m_per_N",
+    "exponent_factor",
+    "group",
+    "doubt",
+)
+# The value by finite elements that the paper gives for one engine is doubted in words of its own.
+FINITE_ELEMENTS_DOUBT = (
+    "The survey's value by finite elements for ChN 26/26, 3.3220e-9 m/N, is probably 3.3220e-10 m/N: "
+    "as printed it is at least twice what any formula gives in its row, and four to eight times what "
+    "finite elements give for throws of that size between opposite neighbors. It is no validation "
+    "target."
+)
+
+
+@dataclass(frozen=True)
+class PublishedValue:
+    """One value of the survey's table.
+
+    Attributes
+    ----------
+    engine : str
+        Designation: cylinder bore / stroke [cm]; from it bore and stroke [m].
+    strokes : int
+        4 or 2.
+    formula : str
+        As in `AXIAL_FORMULA_NAMES`, or "finite elements".
+    digits : str
+        The digits of the print.
+    exponent_factor : float or None
+        Power of ten to apply to the print, a hypothesis; 1 where none seems necessary, None if unknown.
+    group : str
+        "A" or "B": formulas whose values agree with one web thickness; empty for neither.
+    doubt : str
+        Doubts; empty if none.
+    """
+
+    engine: str
+    strokes: int
+    bore: float
+    stroke: float
+    formula: str
+    digits: str
+    exponent_factor: float | None
+    group: str
+    doubt: str
+
+    @property
+    def printed(self) -> float:
+        """The value as printed [m/N]."""
+        return float(self.digits) * 1e-9
+
+    @property
+    def repaired(self) -> float | None:
+        """The printed value times its hypothetical power of ten [m/N]; None where there is none."""
+        return None if self.exponent_factor is None else self.printed * self.exponent_factor
+
+    @property
+    def mark(self) -> str:
+        """Return "*" if the power of ten was repaired, "?" if it is doubted only, or ""."""
+        if self.exponent_factor not in (None, 1.0):
+            return "*"
+        return "?" if self.doubt else ""
+
+
+def read_published_table(path: Path) -> tuple[PublishedValue, ...]:
+    """Read the survey's table, ``axial_compliance_published.csv``, in the order of the print.
+
+    Raises
+    ------
+    InputError
+        If the file does not exist or is not in this table's format.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: given as the published table, but there is no such file.")
+    lines = [
+        line
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if line.strip() and not line.startswith("#")
+    ]
+    rows = csv.DictReader(lines)
+    if tuple(rows.fieldnames or ()) != COLUMNS:
+        raise InputError(
+            f"{path}: given columns {', '.join(rows.fieldnames or ['none'])}; allowed are "
+            f"{', '.join(COLUMNS)}, those of the published table."
+        )
+    return tuple(_value(path, number, row) for number, row in enumerate(rows, start=1))
+
+
+def _value(path: Path, number: int, row: Mapping[str, str]) -> PublishedValue:
+    try:
+        factor = row["exponent_factor"]
+        value = PublishedValue(
+            engine=row["engine"],
+            strokes=int(row["strokes"]),
+            bore=float(row["bore_mm"]) / 1e3,
+            stroke=float(row["stroke_mm"]) / 1e3,
+            formula=row["formula"],
+            digits=row["printed_1e-9_m_per_N"],
+            exponent_factor=float(factor) if factor else None,
+            group=row["group"],
+            doubt=row["doubt"],
+        )
+        positive = value.printed > 0.0
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{path}: row {number} of the table cannot be read: {error}.") from None
+    if not positive:
+        raise InputError(
+            f"{path}: row {number} gives {value.digits}; allowed is a positive number, because it "
+            "is a compliance."
+        )
+    return value
 
 
 def axial_formulas(

@@ -67,7 +67,7 @@ def law_reactions(
         As `axial_law`; if the webs are unequal, the support is unknown, or the force is not three
         finite numbers of which the last is 0.
     """
-    from fem.end_reactions import Reactions
+    from fem.supports import Reactions
     from regression.models.lookup import ReactionLookup, both_ends
 
     force = finite_array("pin_force", pin_force)
@@ -106,9 +106,9 @@ def law_reactions(
 
 def _loads(throw: CrankThrow, numbers: Array, force: Array, support: "Support") -> Array:
     """Reactions (12,) on both ends by the numbers of a throw [N, N m]."""
-    from fem.loads import RADIAL
     from fem.superelement import Superelement
     from fem.supports import reactions
+    from fem.symmetry import RADIAL
 
     diameter = throw.main_journal_diameter
     stiffness, pin_loads = superelement(

@@ -20,14 +20,12 @@ from scipy.optimize import least_squares
 
 import crankfem as cf
 from crankbase.errors import InputError, MeshError
-from fem.analysis import Problem, refined_sizes, solve_level, solve_to_accuracy
+from fem.analysis import Problem, refined_sizes, solve_level, solve_to_accuracy, stiffness_errors
 from fem.correction import EFFECTIVITY, error_bars
-from fem.loads import radial_directions
 from fem.solver import Stopwatch
 from fem.superelement import Superelement, combine_classes
 from fem.supports import support_throw
-from fem.symmetry import symmetry_classes
-from fem.throw_analysis import stiffness_errors
+from fem.symmetry import radial_directions, symmetry_classes
 from geometry.mesher import mesh_isolated
 
 COUNT, FIRST_SEED = 120, 2001

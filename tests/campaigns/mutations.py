@@ -48,7 +48,7 @@ EQUIVALENT = {
     "geometry/shapes.py: + -> - in return np.asarray((low * MOST_NODES + middle) * MOST_NODES + high)": (
         "facets are only told apart by this number, and different ones have different numbers either way"
     ),
-    "fem/assembly.py: 0 -> 1 in count, starts = upper.shape[0], upper.indptr[:-1]": (
+    "fem/solver.py: 0 -> 1 in count, starts = upper.shape[0], upper.indptr[:-1]": (
         "the matrix is square"
     ),
 }

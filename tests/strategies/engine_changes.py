@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from crankbase.model import InputModel, field_extra, limits_of, part_kind
 from crankfem.files.engine.engine_file import SECTIONS
-from regression.formulas.published import AXIAL_FORMULA_NAMES
+from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 ENGINES = Path(__file__).resolve().parents[2] / "data" / "engines"

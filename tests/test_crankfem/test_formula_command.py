@@ -23,8 +23,7 @@ from fem.analysis import analyze_throw
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web
-from regression.formulas.axial_formulas import axial_formulas
-from regression.formulas.published import AXIAL_FORMULA_NAMES
+from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES, axial_formulas
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 coarse = functools.partial(analyze_throw, accuracy=0.1)

@@ -20,9 +20,9 @@ from crankfem.analyses.throw.stress import stress_record, stress_tables
 from crankfem.cli.app import app
 from crankfem.cli.tables.throw_tables import _down, _rule_sentences, _sentences, _up, print_stresses
 from fem import fillet_stress
+from fem.fillet_peaks import unit_loads
 from fem.fillet_stress import fillet_stresses, nominal_hole_stress
-from fem.loads import radial_directions
-from fem.unit_loads import unit_loads
+from fem.symmetry import radial_directions
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from stand_ins import COARSE_STRESSES

@@ -3,13 +3,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem.assembly import assemble_stiffness
-from fem.condensation import condense
-from fem.loads import RADIAL, uniform_pin_loads, unit_pin_loads
 from fem.material import STEEL
-from fem.superelement import combine_classes
+from fem.solver import assemble_stiffness
+from fem.superelement import combine_classes, condense
 from fem.supports import class_axial_compliances
-from fem.symmetry import axial_class, symmetry_classes
+from fem.symmetry import RADIAL, axial_class, symmetry_classes, uniform_pin_loads, unit_pin_loads
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from mirrored_mesh import add_mirror_image

@@ -12,7 +12,8 @@ from skfem.models.elasticity import linear_elasticity
 from skfem.quadrature import get_quadrature
 
 from comparing import close
-from fem.assembly import (
+from fem.material import STEEL, Material
+from fem.solver import (
     MASS_QUADRATURE_ORDER,
     assemble_mass,
     assemble_stiffness,
@@ -20,7 +21,6 @@ from fem.assembly import (
     physical_gradients,
     symmetric_product,
 )
-from fem.material import STEEL, Material
 from geometry.mesh import mesh_throw
 from geometry.shapes import EDGES, shapes_for_quadrature
 from geometry.throw import CrankThrow
@@ -66,7 +66,7 @@ def test_stiffness_is_scikit_fems(mesh, material):
 
 def test_batches_give_the_same(mesh, monkeypatch):
     whole = assemble_stiffness(mesh.points, mesh.elements, STEEL)
-    monkeypatch.setattr("fem.assembly.CHUNK", 37)
+    monkeypatch.setattr("fem.solver.CHUNK", 37)
     assert abs(whole - assemble_stiffness(mesh.points, mesh.elements, STEEL)).max() == 0.0
 
 
@@ -149,7 +149,7 @@ def test_mass_is_scikit_fems(mesh, upper):
 
 
 def test_batches_give_the_same_mass(mesh, upper, monkeypatch):
-    monkeypatch.setattr("fem.assembly.CHUNK", 37)
+    monkeypatch.setattr("fem.solver.CHUNK", 37)
     assert (
         abs(upper - assemble_mass(mesh.points, mesh.elements, DENSITY)).max()
         <= 1e-13 * abs(upper).max()
@@ -250,7 +250,7 @@ def gradient():
 )
 @pytest.mark.parametrize("kind", ["sharp", "filleted"])
 def test_linear_field_is_reproduced(request, monkeypatch, gradient, kind, curved, order):
-    monkeypatch.setattr("fem.assembly.QUADRATURE_ORDER", order)
+    monkeypatch.setattr("fem.solver.QUADRATURE_ORDER", order)
     mesh = request.getfixturevalue(kind)
     mesh = mesh if curved else patch_straightened(mesh)
     wanted = mesh.points @ gradient.T

@@ -18,8 +18,8 @@ from fem.calculix import (
     torque_case,
     write_calculix,
 )
-from fem.condensation import nodes_on
 from fem.material import STEEL
+from fem.superelement import nodes_on
 from geometry.solid import LEFT_END, RIGHT_END
 
 RADIAL = [[0.0, -1.0, 0.0]]

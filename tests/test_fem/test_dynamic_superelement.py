@@ -12,16 +12,28 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.analysis import analyze_throw
-from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
-from fem.condensation import condense, nodes_on
-from fem.craig_bampton import dynamic_superelement
-from fem.loads import unit_pin_loads
 from fem.material import STEEL
-from fem.modes import free_modes, frequencies_of
-from fem.solver import factorize
-from fem.superelement import assemble_shaft, combine_classes, shaft_compliances, sharing_sections
+from fem.modes import dynamic_superelement, free_modes, frequencies_of
+from fem.solver import assemble_mass, assemble_stiffness, factorize, symmetric_product
+from fem.superelement import (
+    assemble_shaft,
+    combine_classes,
+    condense,
+    nodes_on,
+    shaft_compliances,
+    sharing_sections,
+)
 from fem.supports import Neighbors
-from fem.symmetry import KEPT, SectionMotions, _basis, _ring, both_ends, degree_of, symmetry_classes
+from fem.symmetry import (
+    KEPT,
+    SectionMotions,
+    _basis,
+    _ring,
+    both_ends,
+    degree_of,
+    symmetry_classes,
+    unit_pin_loads,
+)
 from geometry.mesh import mesh_throw
 from geometry.solid import LEFT_END, RIGHT_END
 

@@ -5,14 +5,19 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from fem.assembly import assemble_stiffness, symmetric_product
-from fem.condensation import condense, nodes_on
 from fem.fields import displacement_field
-from fem.loads import end_sections, unit_end_loads, unit_pin_loads
 from fem.material import STEEL
-from fem.superelement import RX, RY, RZ, UZ, combine_classes
+from fem.solver import assemble_stiffness, symmetric_product
+from fem.superelement import RX, RY, RZ, UZ, combine_classes, condense, nodes_on
 from fem.supports import Neighbors, support_throw
-from fem.symmetry import SymmetryClass, axial_class, symmetry_classes
+from fem.symmetry import (
+    SymmetryClass,
+    axial_class,
+    end_sections,
+    symmetry_classes,
+    unit_end_loads,
+    unit_pin_loads,
+)
 from geometry.mesh import mesh_throw
 from geometry.solid import LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow

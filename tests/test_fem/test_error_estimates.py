@@ -13,8 +13,6 @@ from crankfem.analyses.throw.throw_record import NOT_CORRECTED, throw_record
 from crankfem.cli.tables.throw_tables import print_throw
 from fem import correction
 from fem.analysis import FIRST_FILLETED, analyze_axial, analyze_throw, first_factor
-from fem.assembly import assemble_stiffness, physical_gradients, symmetric_product
-from fem.condensation import condense
 from fem.correction import (
     corrected_class,
     energy_errors,
@@ -22,10 +20,11 @@ from fem.correction import (
     strain_energy,
     stresses_at,
 )
-from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import STEEL
+from fem.solver import assemble_stiffness, physical_gradients, symmetric_product
+from fem.superelement import condense
 from fem.supports import Neighbors
-from fem.symmetry import symmetry_classes
+from fem.symmetry import NodalLoads, symmetry_classes, unit_pin_loads
 from geometry.mesh import mesh_throw
 from geometry.shapes import EDGES, shapes_for_quadrature
 from geometry.throw import CrankThrow

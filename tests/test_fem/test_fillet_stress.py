@@ -9,23 +9,27 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from fem import fillet_stress
-from fem.assembly import assemble_stiffness, symmetric_product
-from fem.condensation import nodes_on
 from fem.fields import displacement_field, images, stress_fields
-from fem.fillet_peaks import fillet_points, fillet_surface, reading_quality
-from fem.fillet_stress import fillet_stresses, nominal_stress, torsion_modulus, web_section
-from fem.loads import radial_directions
-from fem.material import STEEL, Material
-from fem.surface_stress import (
+from fem.fillet_peaks import (
+    LoadedThrow,
     as_components,
     as_matrices,
+    fillet_points,
+    fillet_surface,
+    reading_quality,
     sharp_corners,
+    solve_unit_loads,
     surface_stress,
     throw_fillets,
+    unit_loads,
     von_mises,
+    whole_nodes,
 )
-from fem.symmetry import SymmetryClass
-from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads, whole_nodes
+from fem.fillet_stress import fillet_stresses, nominal_stress, torsion_modulus, web_section
+from fem.material import STEEL, Material
+from fem.solver import assemble_stiffness, symmetric_product
+from fem.superelement import nodes_on
+from fem.symmetry import SymmetryClass, radial_directions
 from geometry.imported import import_throw, imported_parts
 from geometry.mesh import mesh_throw
 from geometry.mesher import mesh_imported_throw

@@ -14,8 +14,16 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from fem.loads import LoadedSurface, NodalLoads, pin_load, pin_surfaces, unit_pin_loads
-from fem.symmetry import MIRROR_X, MIRROR_Z, symmetry_classes
+from fem.symmetry import (
+    MIRROR_X,
+    MIRROR_Z,
+    LoadedSurface,
+    NodalLoads,
+    pin_load,
+    pin_surfaces,
+    symmetry_classes,
+    unit_pin_loads,
+)
 
 ROUND_OFF = 1e-12
 CYLINDER = 2e-3

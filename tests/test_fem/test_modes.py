@@ -9,8 +9,6 @@ from scipy.linalg import eigh
 
 from comparing import close
 from crankbase.errors import InputError, SolveError
-from fem.assembly import symmetric_product
-from fem.condensation import blocked_unknowns
 from fem.material import STEEL
 from fem.modes import (
     ClassModes,
@@ -22,6 +20,8 @@ from fem.modes import (
     name_of_motion,
     rigid_count,
 )
+from fem.solver import symmetric_product
+from fem.superelement import blocked_unknowns
 from fem.symmetry import SymmetryClass, symmetry_classes
 from geometry.mesh import mesh_throw
 

@@ -9,7 +9,6 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
-from fem.loads import radial_directions
 from fem.responses import evaluate_throw
 from fem.superelement import UZ, shaft_compliances, solve_shaft
 from fem.supports import (
@@ -18,7 +17,7 @@ from fem.supports import (
     class_torsional_compliance,
     support_throw,
 )
-from fem.symmetry import axial_class, torsional_class
+from fem.symmetry import axial_class, radial_directions, torsional_class
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web

@@ -12,13 +12,11 @@ from comparing import close
 from crankbase.errors import InputError
 from fem import responses
 from fem.analysis import analyze_throw
-from fem.assembly import assemble_stiffness
-from fem.condensation import nodes_on
 from fem.fillet_stress import fillet_stresses
-from fem.loads import pin_load, pin_surfaces, unit_pin_loads
 from fem.material import STEEL
 from fem.responses import RESPONSES, evaluate_throw
-from fem.solver import Factorization, factorize
+from fem.solver import Factorization, assemble_stiffness, factorize
+from fem.superelement import nodes_on
 from fem.supports import (
     Neighbors,
     all_end_motions,
@@ -28,6 +26,7 @@ from fem.supports import (
     pin_compliance,
     pin_response,
 )
+from fem.symmetry import pin_load, pin_surfaces, unit_pin_loads
 from geometry.solid import LEFT_END, MAIN_JOURNAL, RIGHT_END
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web

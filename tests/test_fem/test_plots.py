@@ -11,18 +11,14 @@ from matplotlib import pyplot
 
 from comparing import close
 from crankbase.errors import InputError
-from fem.craig_bampton import DynamicSuperelement
-from fem.fillet_peaks import FilletPeak, FilletStresses, ReadingQuality
-from fem.loads import RADIAL
+from fem.analysis import AxialAnalysis, ThrowAnalysis
+from fem.fillet_peaks import FilletPeak, FilletStresses, ReadingQuality, throw_fillets, unit_loads
 from fem.material import STEEL
-from fem.modes import ThrowModes
+from fem.modes import DynamicSuperelement, ThrowModes
 from fem.plots import ANGLES_DEG
 from fem.superelement import shaft_compliances
 from fem.supports import Neighbors
-from fem.surface_stress import throw_fillets
-from fem.symmetry import SymmetryClass, axial_class
-from fem.throw_analysis import AxialAnalysis, ThrowAnalysis
-from fem.unit_loads import unit_loads
+from fem.symmetry import RADIAL, SymmetryClass, axial_class
 from geometry.mass import mass_properties
 
 

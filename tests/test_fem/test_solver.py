@@ -12,14 +12,11 @@ from crankbase import memory
 from crankbase.errors import InputError, NotEnoughMemoryError, SolveError
 from fem import analysis
 from fem.analysis import Problem, analyze_throw, solve_level
-from fem.assembly import assemble_stiffness
-from fem.condensation import condense
 from fem.fillet_stress import fillet_stresses
-from fem.loads import RADIAL, unit_pin_loads
 from fem.material import STEEL
-from fem.solver import Factorization, SharedSolver, Stopwatch, refined_solution
-from fem.superelement import checked_superelement
-from fem.symmetry import axial_class, symmetry_classes
+from fem.solver import Factorization, SharedSolver, Stopwatch, assemble_stiffness, refined_solution
+from fem.superelement import checked_superelement, condense
+from fem.symmetry import RADIAL, axial_class, symmetry_classes, unit_pin_loads
 from geometry.throw import CrankThrow
 from solving import solve_symmetric
 

@@ -12,11 +12,16 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.throw.throw_record import reciprocity_record
 from fem.analysis import analyze_throw
-from fem.assembly import assemble_stiffness
-from fem.condensation import nodes_on
-from fem.loads import uniform_pin_loads
 from fem.material import STEEL
-from fem.superelement import RZ, UZ, assemble_shaft, free_unknowns, superelement_of_end_forces
+from fem.solver import assemble_stiffness
+from fem.superelement import (
+    RZ,
+    UZ,
+    assemble_shaft,
+    free_unknowns,
+    nodes_on,
+    superelement_of_end_forces,
+)
 from fem.supports import (
     Neighbors,
     class_axial_compliances,
@@ -24,7 +29,7 @@ from fem.supports import (
     reactions,
     support_throw,
 )
-from fem.symmetry import symmetry_classes
+from fem.symmetry import symmetry_classes, uniform_pin_loads
 from geometry.shapes import smallest_jacobians
 from geometry.solid import LEFT_END
 from geometry.throw import CrankThrow

@@ -8,12 +8,11 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError, MeshError
-from fem.assembly import assemble_stiffness
-from fem.condensation import condense
-from fem.loads import unit_pin_loads
 from fem.material import STEEL
+from fem.solver import assemble_stiffness
+from fem.superelement import condense
 from fem.supports import class_axial_compliances
-from fem.symmetry import axial_class
+from fem.symmetry import axial_class, unit_pin_loads
 from geometry.gmsh_session import IsolatedProcess, gmsh_session
 from geometry.imported import decode_string, import_throw, read_step
 from geometry.mass import mass_properties

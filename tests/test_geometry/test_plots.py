@@ -12,8 +12,7 @@ from crankbase.diagrams import display_unit
 from crankbase.errors import InputError
 from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.mesh import SolidProperties, ThrowMesh
-from geometry.plots.mesh_plot import view_frame
-from geometry.plots.throw_plot import positioned_parts
+from geometry.plots.throw_plot import positioned_parts, view_frame
 from geometry.throw import CrankThrow
 
 

@@ -17,8 +17,7 @@ from geometry.gmsh_session import IsolatedProcess, gmsh_session
 from geometry.mass import cylinder_mass_properties, mass_properties, mesh_mass_properties, unbalance
 from geometry.mesh import SolidKeeper, mesh_throw, solid_properties
 from geometry.mesher import mesh_isolated
-from geometry.outline import Arc, obround, rectangle
-from geometry.parts import scaled_parts
+from geometry.parts import Arc, obround, rectangle, scaled_parts
 from geometry.sizes import element_sizes, sizes_at_corners
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight, FurtherPin, OilHole, Web

@@ -14,7 +14,12 @@ from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web
 from parts_in_a_line import crank_throw
-from regression.formulas.axial_formulas import axial_formula, axial_formula_faults, axial_formulas
+from regression.formulas.axial_formulas import (
+    AXIAL_FORMULA_NAMES,
+    axial_formula,
+    axial_formula_faults,
+    axial_formulas,
+)
 from regression.formulas.case import (
     DEFAULT_CONSTANTS,
     FORMULA_CONSTANTS,
@@ -22,7 +27,6 @@ from regression.formulas.case import (
     round_area,
     round_inertia,
 )
-from regression.formulas.published import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import torsional_formulas
 
 

@@ -21,8 +21,8 @@ from calculix_run import read_calculix, run_calculix
 from comparing import close
 from fem.analysis import analyze_throw
 from fem.calculix import axial_case, bending_case, pin_case, torque_case, write_calculix
-from fem.loads import uniform_pin_loads
 from fem.material import STEEL, Material
+from fem.symmetry import uniform_pin_loads
 from geometry.mesh import SolidProperties, ThrowMesh
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow

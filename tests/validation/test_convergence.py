@@ -24,12 +24,11 @@ import pytest
 from scipy.optimize import brentq
 
 from comparing import close
-from fem.assembly import assemble_stiffness
-from fem.condensation import condense
-from fem.loads import unit_pin_loads
 from fem.material import STEEL
+from fem.solver import assemble_stiffness
+from fem.superelement import condense
 from fem.supports import class_axial_compliances
-from fem.symmetry import axial_class
+from fem.symmetry import axial_class, unit_pin_loads
 from geometry.mesh import mesh_throw
 from geometry.shapes import element_volumes
 from parts_in_a_line import crank_throw

@@ -23,14 +23,11 @@ from scipy.optimize import brentq
 
 from comparing import close
 from dynamic_shaft import assemble_dynamic_shaft, natural_modes
-from fem.assembly import assemble_stiffness
-from fem.condensation import condense
-from fem.craig_bampton import dynamic_superelement
-from fem.loads import unit_pin_loads
 from fem.material import STEEL
-from fem.modes import free_modes
-from fem.superelement import RZ, UX, UY
-from fem.symmetry import symmetry_classes
+from fem.modes import dynamic_superelement, free_modes
+from fem.solver import assemble_stiffness
+from fem.superelement import RZ, UX, UY, condense
+from fem.symmetry import symmetry_classes, unit_pin_loads
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from straight_bars import DIAMETER, no_pin, shaft_quarter

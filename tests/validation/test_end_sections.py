@@ -25,12 +25,11 @@ from skfem import ElementTriP2, MeshTri1
 from skfem.quadrature import get_quadrature
 
 from comparing import close
-from fem.assembly import assemble_stiffness, symmetric_product
-from fem.condensation import condense, nodes_on
-from fem.loads import unit_pin_loads
 from fem.material import STEEL
+from fem.solver import assemble_stiffness, symmetric_product
+from fem.superelement import condense, nodes_on
 from fem.supports import class_axial_compliances
-from fem.symmetry import axial_class
+from fem.symmetry import axial_class, unit_pin_loads
 from geometry.mesh import ThrowMesh, mesh_throw, six_node_triangles
 from geometry.solid import LEFT_END
 from geometry.throw import CrankThrow

@@ -47,8 +47,10 @@ def test_a_soft_coupling_is_not_told_as_the_first_mode(run, figure):
 def test_summary_names_the_mode_of_the_crankshaft(run):
     results = {
         "engine": _engine_record(run.engine_file),
+        "mechanism": None,
         "vibration": run_record(run),
         "inputs": [],
+        "input_warnings": [],
         "checks": [],
         "throw": {"error_estimate": 0.0, "supports": {"pinned": {"axial_compliance": 1e-9}}},
     }

@@ -19,8 +19,7 @@ from hypothesis import strategies as st
 from comparing import close
 from geometry.throw import CrankThrow
 from parts_in_a_line import crank_throw
-from regression.formulas.axial_formulas import axial_formula, axial_formulas
-from regression.formulas.published import AXIAL_VARIANTS
+from regression.formulas.axial_formulas import AXIAL_VARIANTS, axial_formula, axial_formulas
 
 E = 2.1e11
 

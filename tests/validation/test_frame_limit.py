@@ -30,12 +30,11 @@ import numpy as np
 import pytest
 
 from comparing import close
-from fem.assembly import assemble_stiffness
-from fem.condensation import condense
-from fem.loads import unit_pin_loads
 from fem.material import STEEL
+from fem.solver import assemble_stiffness
+from fem.superelement import condense
 from fem.supports import class_axial_compliances, class_torsional_compliance
-from fem.symmetry import axial_class, torsional_class
+from fem.symmetry import axial_class, torsional_class, unit_pin_loads
 from geometry.mesh import mesh_throw
 from parts_in_a_line import crank_throw
 

@@ -28,16 +28,19 @@ from scipy.spatial import KDTree
 from scipy.special import ellipe, ellipk
 
 from comparing import close
-from fem.fillet_peaks import fillet_surface
+from fem.fillet_peaks import (
+    fillet_surface,
+    largest_principal,
+    principal_stresses,
+    solve_unit_loads,
+    unit_loads,
+)
 from fem.material import STEEL
-from fem.surface_stress import largest_principal, principal_stresses
-from fem.unit_loads import solve_unit_loads, unit_loads
 from geometry.crankshaft import throw_solid
-from geometry.drilling import Drilling, distance_from_wall
 from geometry.gmsh_session import gmsh_session
 from geometry.mass import mesh_mass_properties
 from geometry.mesh import SolidProperties, ThrowMesh, mesh_throw, read_mesh
-from geometry.parts import Cylinder, ThrowParts
+from geometry.parts import Cylinder, Drilling, ThrowParts, distance_from_wall
 from geometry.shapes import straighten_elements
 from geometry.solid import build_solid
 from geometry.throw import CrankThrow

@@ -16,11 +16,11 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.files.reading.data_files import data_folder
 from parts_in_a_line import crank_throw
-from regression.formulas.axial_formulas import axial_formula
-from regression.formulas.published import (
+from regression.formulas.axial_formulas import (
     AXIAL_FORMULA_NAMES,
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,
+    axial_formula,
     read_published_table,
 )
 

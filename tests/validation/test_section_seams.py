@@ -15,10 +15,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.assembly import assemble_stiffness
-from fem.condensation import condense
 from fem.material import STEEL
-from fem.superelement import RX, RZ, UZ, assemble_shaft, combine_classes
+from fem.solver import assemble_stiffness
+from fem.superelement import RX, RZ, UZ, assemble_shaft, combine_classes, condense
 from fem.symmetry import SECTIONS, degree_of, symmetry_classes
 from mirrored_mesh import add_mirror_image
 from straight_bars import DIAMETER, no_pin, shaft_quarter

@@ -20,10 +20,9 @@ import numpy as np
 import pytest
 
 from comparing import close
-from fem.assembly import assemble_stiffness
-from fem.condensation import condense
 from fem.material import STEEL
-from fem.superelement import combine_classes
+from fem.solver import assemble_stiffness
+from fem.superelement import combine_classes, condense
 from fem.symmetry import symmetry_classes
 from geometry.shapes import element_volumes
 from straight_bars import DIAMETER, no_pin, shaft_quarter

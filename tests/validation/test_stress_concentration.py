@@ -22,19 +22,20 @@ import pytest
 from skfem import ElementTriP2, MeshTri1
 from skfem.quadrature import get_quadrature
 
-from fem.condensation import nodes_on
-from fem.fillet_peaks import fillet_surface
-from fem.material import STEEL
-from fem.surface_stress import (
+from fem.fillet_peaks import (
+    fillet_surface,
     largest_principal,
     measured_sizes,
     principal_stresses,
     refine_at,
+    solve_unit_loads,
     surface_stress,
+    unit_loads,
     von_mises,
 )
+from fem.material import STEEL
+from fem.superelement import nodes_on
 from fem.symmetry import MirrorImage
-from fem.unit_loads import solve_unit_loads, unit_loads
 from geometry.gmsh_session import gmsh_session
 from geometry.mesh import SolidProperties, ThrowMesh, mesh_throw, read_mesh, six_node_triangles
 from geometry.shapes import straighten_elements

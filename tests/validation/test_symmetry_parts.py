@@ -12,13 +12,11 @@ import numpy as np
 import pytest
 
 from comparing import close
-from fem.assembly import assemble_stiffness
-from fem.condensation import condense
-from fem.loads import radial_directions, unit_pin_loads
 from fem.material import STEEL
-from fem.superelement import combine_classes
+from fem.solver import assemble_stiffness
+from fem.superelement import combine_classes, condense
 from fem.supports import Neighbors, support_throw
-from fem.symmetry import symmetry_classes
+from fem.symmetry import radial_directions, symmetry_classes, unit_pin_loads
 from geometry.mesh import mesh_throw
 from parts_in_a_line import crank_throw
 

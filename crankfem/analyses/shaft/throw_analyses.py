@@ -4,8 +4,7 @@ from collections.abc import Mapping
 
 from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile
-from fem.analysis import analyze_throw
-from fem.throw_analysis import ThrowAnalysis
+from fem.analysis import ThrowAnalysis, analyze_throw
 
 # Of the one throw that all cranks are, or of each throw by its name.
 Analyses = ThrowAnalysis | Mapping[str, ThrowAnalysis]

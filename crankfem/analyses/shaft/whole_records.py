@@ -12,8 +12,8 @@ from crankfem.files.engine.engine_file import EngineFile
 from dynamics.crankshaft.chain_comparison import ChainVerdict
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.indices import within
+from fem.analysis import ThrowAnalysis
 from fem.superelement import ShaftCompliances
-from fem.throw_analysis import ThrowAnalysis
 from geometry.crankshaft import Crankshaft
 from geometry.mass import unbalance
 

@@ -50,7 +50,7 @@ from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from fem.craig_bampton import DynamicSuperelement
+from fem.modes import DynamicSuperelement
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:

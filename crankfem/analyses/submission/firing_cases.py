@@ -114,6 +114,10 @@ class FiringCases:
         cases = self.failing[way]
         return max(cases, key=lambda number: cases[number].kept[key, place].severity)
 
+    def worst(self, way: str, key: str, place: str) -> Reached:
+        """Return the worst of a location with any cylinder failing."""
+        return self.failing[way][self.worst_cylinder(way, key, place)].kept[key, place]
+
 
 def firing_cases(run: EngineVibration) -> FiringCases:
     """Calculate all cases of firing.

@@ -21,12 +21,11 @@ from crankbase.diagrams import (
 from crankbase.errors import InputError
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.law_record import LAW, law_record
-from fem.analysis import analyze_throw
+from fem.analysis import ThrowAnalysis, analyze_throw
 from fem.angle_law import is_symmetric
 from fem.material import STEEL, Material
 from fem.plots import ANGLES_DEG
 from fem.supports import Neighbors
-from fem.throw_analysis import ThrowAnalysis
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula_faults, axial_formulas
 from regression.formulas.case import FormulaValue

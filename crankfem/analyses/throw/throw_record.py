@@ -7,11 +7,11 @@ from typing import Any
 from crankbase.quantity import percent
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record, attributes
+from fem.analysis import ThrowAnalysis, axial_correction
 from fem.modes import ThrowModes
 from fem.solver import asymmetry
 from fem.superelement import superelement_of_end_forces
 from fem.supports import Neighbors, Support, reactions
-from fem.throw_analysis import ThrowAnalysis, axial_correction
 from geometry.mass import unbalance
 from geometry.mesher import Throw
 from geometry.throw import CrankThrow

@@ -48,8 +48,8 @@ from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.excitation.axial_forces import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
+from fem.analysis import ThrowAnalysis
 from fem.superelement import ShaftCompliances
-from fem.throw_analysis import ThrowAnalysis
 from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:

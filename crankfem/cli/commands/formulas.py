@@ -163,7 +163,7 @@ def _all_engines(asked: _Request) -> None:
 def _published(json: bool) -> None:
     from crankfem.analyses.record import attributes
     from crankfem.files.reading.data_files import data_folder
-    from regression.formulas.published import FINITE_ELEMENTS_DOUBT, read_published_table
+    from regression.formulas.axial_formulas import FINITE_ELEMENTS_DOUBT, read_published_table
 
     values = read_published_table(data_folder() / "tables" / "axial_compliance_published.csv")
     if not json:

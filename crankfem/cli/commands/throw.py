@@ -153,9 +153,9 @@ def stress(
     from crankfem.cli.tables.throw_tables import print_stresses
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import make_output_folder
+    from fem.fillet_peaks import unit_loads
     from fem.fillet_stress import fillet_stresses
-    from fem.loads import radial_directions
-    from fem.unit_loads import unit_loads
+    from fem.symmetry import radial_directions
 
     part, material = select_part(engine, name, pins, out.quiet)
     if pictures is not None:

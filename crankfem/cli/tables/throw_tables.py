@@ -37,7 +37,7 @@ from fem.fillet_peaks import (
     RULE_LOADS,
 )
 from fem.supports import Neighbors, Support
-from regression.formulas.published import (
+from regression.formulas.axial_formulas import (
     AXIAL_FORMULAS,
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,

@@ -31,6 +31,7 @@ from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.chain.chain_file import ChainFile
 from crankfem.report.conclusions import conclusions, reached_and_permitted, verdict_line
 from crankfem.report.summary import engine_facts, worst_of_each
+from dynamics.assessment.wording import VERDICTS
 
 NOT_FORCED = (
     "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."
@@ -45,10 +46,9 @@ CHAINS_ALONE = (
 def print_run(record: Record, units: OutputUnits = SI) -> None:
     """Print an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
     forced = record["forced"]
-    if "firing" in record:
-        print_line(units.text(record["firing"]))
-        print_notes([f"{remark}." for remark in record["firing_remarks"]], units)
-    if record.get("load") is not None:
+    print_line(units.text(record["firing"]))
+    print_notes([f"{remark}." for remark in record["firing_remarks"]], units)
+    if record["load"] is not None:
         print_load(record["load"], units)
     for kind in ("axial", "torsional"):
         chain = record[kind]
@@ -60,14 +60,14 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_notes([f"Not used: {remark}." for remark in chain["unusable"]], units)
         if forced is not None:
             _print_forced(forced[kind], units)
-        if kind == "axial" and record.get("axial_force") is not None:
+        if kind == "axial" and record["axial_force"] is not None:
             for line in record["axial_force"]["sentences"]:
                 print_line(units.text(line))
     if record["whole"] is not None:
         _print_whole(record["whole"], units)
-    for line in (record.get("bearings") or {"sentences": ()})["sentences"]:
+    for line in (record["bearings"] or {"sentences": ()})["sentences"]:
         print_line(units.text(line))
-    count = len(record.get("assumed", ()))
+    count = len(record["assumed"])
     if count:
         counted = "1 value is" if count == 1 else f"{count} values are"
         print_line(f"{counted} assumed, not given; crankfem check lists them with their reasons.")
@@ -75,15 +75,15 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_line(NOT_FORCED)
     else:
         print_assessment(record["assessment"], units)
-        misfiring = record.get("misfiring")
+        misfiring = record["misfiring"]
         if misfiring is not None:
             print_table(misfiring_table(misfiring, units), units)
         print_notes(
-            filter(None, misfiring["remarks"] if misfiring else [record.get("misfiring_note")]),
+            filter(None, misfiring["remarks"] if misfiring else [record["misfiring_note"]]),
             units,
         )
         if record["whole"] is None:
-            reason = record.get("not_comparable")
+            reason = record["not_comparable"]
             print_notes([f"{CHAINS_USED}; {reason or CHAINS_ALONE}"], units)
         print_judgment(record["assessment"], units)
         if misfiring is not None:
@@ -115,7 +115,7 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
     length = units.of("um")
     print_table(whole_table(record), units)
     print_notes(record["remarks"], units)
-    for kind in record.get("criticals", ()):
+    for kind in record["criticals"]:
         print_table(whole_critical_table(record, kind), units)
     for kind, chain in record["chains"].items():
         motion = units.of(MOTION[kind].printed)
@@ -130,9 +130,9 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
         else:
             reasons = " ".join(chain["reasons"])
             print_line(units.text(f"Lumped model inadequate ({kind} chain): {reasons}"))
-    for difference in record.get("differences", ()):
+    for difference in record["differences"]:
         print_line(f"{difference['sentence'][0].upper()}{difference['sentence'][1:]}.")
-    if record.get("flywheel_tilt") is not None:
+    if record["flywheel_tilt"] is not None:
         print_line(units.text(record["flywheel_tilt"]["sentence"]))
     split = record["axial_split"]
     if split is not None:
@@ -181,9 +181,10 @@ def print_judgment(record: Record, units: OutputUnits = SI) -> None:
         # The verdict has the reasons of those that cannot be accepted.
         text = passed["sentence"] if passed["allowed"] else passed["shown"]
         print_line(units.text(f"Range {text}. Its ends: {passed['ends']}."))
-    decision = record.get("decision", {"status": "", "sentence": ""})
+    decision = record["decision"]
     if decision["status"] == "undecided":
-        print_line(units.text(f"Verdict: undecided, {decision['sentence']}."))
+        undecided = VERDICTS["undecided"].lower()
+        print_line(units.text(f"Verdict: {undecided}, {decision['sentence']}."))
         print_line(units.text(f"With the values used: {record['sentence']}"))
     else:
         print_line(units.text(f"Verdict: {record['sentence']}"))
@@ -198,7 +199,7 @@ def print_judgment(record: Record, units: OutputUnits = SI) -> None:
 def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
     for spread in record["spreads"]:
         print_line(f"{kind.capitalize()}: {spread['name']} {factor_range(spread)} the value used")
-    if record.get("barred"):
+    if record["barred"]:
         print_line(units.text(f"{kind.capitalize()}: {barred_within_error(record['barred'])}."))
     print_table(margin_table(record, kind), units)
     drawn, motion = record["amplitudes"], units.of(MOTION[kind].printed)

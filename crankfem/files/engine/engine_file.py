@@ -66,7 +66,7 @@ from dynamics.chains.chain import Chain
 from fem.material import STEEL, Material
 from geometry.crankshaft import ShaftEnds
 from geometry.throw import CrankThrow
-from regression.formulas.published import AXIAL_FORMULA_NAMES
+from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 from regression.plans.plan import StudyPlan
 

@@ -30,9 +30,8 @@ from crankfem.report.interactive.style import (
     rounded,
     shortest,
 )
-from fem.fillet_peaks import FilletStresses
-from fem.throw_analysis import ThrowAnalysis
-from fem.unit_loads import whole_nodes
+from fem.analysis import ThrowAnalysis
+from fem.fillet_peaks import FilletStresses, whole_nodes
 from geometry.mesh import SUBTRIANGLES
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ from crankfem.analyses.throw.pictures.stress_picture import (
     whole_points,
 )
 from crankfem.analyses.throw.pictures.stress_rendering import Scene
-from fem.unit_loads import whole_facets, whole_nodes
+from fem.fillet_peaks import whole_facets, whole_nodes
 from geometry.crankshaft import Crankshaft
 from geometry.mesher import Throw, mesh_isolated
 from geometry.solid import BORE, COUNTERWEIGHT, FILLET, LEFT_END, RIGHT_END, WEB

@@ -13,13 +13,20 @@ from crankbase.outputs import check_output, copy_file
 from crankbase.processes import scratch_folder
 from crankbase.quantity import UNITS
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
+from fem.analysis import ThrowAnalysis
 from fem.fields import displacement_field, images
-from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak
+from fem.fillet_peaks import (
+    FilletPeak,
+    FilletStresses,
+    OilHolePeak,
+    UnitLoad,
+    WholeNodes,
+    von_mises,
+    whole_facets,
+    whole_nodes,
+)
 from fem.superelement import RZ, UZ
 from fem.supports import end_motions
-from fem.surface_stress import von_mises
-from fem.throw_analysis import ThrowAnalysis
-from fem.unit_loads import UnitLoad, WholeNodes, whole_facets, whole_nodes
 from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 from geometry.solid_files import write_mesh
