@@ -358,7 +358,7 @@ def damped(
     if chain.varying:
         places = [(chain.names if s.to_ground else chain.elements)[s.place] for s in chain.varying]
         notes.append(
-            f"stiffness that varies with frequency or speed: {', '.join(places)}; forced vibration and "
+            f"stiffness that varies with frequency or speed: {', '.join(at)}; forced vibration and "
             "critical speeds have it, natural frequencies are those of the constant one"
         )
     between = of_elements("relative", relative, chain)
