@@ -107,7 +107,8 @@ def result(*main: str) -> Callable[[type[T]], type[T]]:
     """
 
     def decorate(cls: type[T]) -> type[T]:
-        return summarized(*main, unit_of=_unit_of)(
+        own = "__repr__" in vars(cls)
+        return summarized(*main, keeps_text=own, unit_of=_unit_of)(
             dataclass(frozen=True, eq=False, repr=False)(cls)
         )
 

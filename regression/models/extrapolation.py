@@ -43,19 +43,17 @@ class ErrorBand:
     upper: float | None
     text: str
 
-    def around(self, value: float) -> tuple[float | None, float | None]:
-        """Lower and upper end round a value, which may be negative."""
-        low = value * self.lower
-        high = None if self.upper is None else value * self.upper
-        return (low, high) if value >= 0.0 else (high, low)
-
-    def around_all(self, values: Any) -> tuple[Any, Any]:
-        """Lower and upper ends round an array of values; an open end is infinite."""
+    def around(self, values: Any, inside: Any) -> tuple[Any, Any]:
+        """Lower and upper ends round a value, or an array of them; infinite where open, and not inside."""
         far = np.copysign(np.inf, values) if self.upper is None else values * self.upper
         ends = values * self.lower, far
-        if np.min(values) >= 0.0:
+        if values.__class__ is float:
+            return (min(ends), max(ends)) if inside else (-math.inf, math.inf)
+        if np.min(values) < 0.0:
+            ends = np.minimum(*ends), np.maximum(*ends)
+        if np.all(inside):
             return ends
-        return tuple(np.where(values >= 0.0, *pair) for pair in (ends, ends[::-1]))
+        return np.where(inside, ends[0], -np.inf), np.where(inside, ends[1], np.inf)
 
 
 def percent(share: float) -> str:

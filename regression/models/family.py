@@ -275,7 +275,7 @@ def query_for_throw(
     """
     dimensions = throw_values(throw)
     study = {} if study_throw is None else throw_values(CrankThrow(**study_throw))
-    numbers = {*family.ranges, *family.fixed, *family.relations}
+    numbers = tuple(dict.fromkeys((*family.ranges, *family.fixed, *family.relations)))
     asked: dict[str, float | str] = {}
     for name in numbers:
         value = dimensions.get(name)

@@ -34,46 +34,27 @@ PIECE = 8192
 ColumnValues = Any
 
 
-@dataclass(frozen=True)
-class CompiledEquation:
-    """An equation as two functions of its columns, which are not coded and not logged.
-
-    `scalar` takes k floats, and raises `OverflowError` or `ValueError` if there is no value; `array` k
-    floats or arrays of one shape, and gives infinity or NaN there.
-    """
-
-    scalar: Callable[[Sequence[float]], float]
-    array: Callable[[Sequence[ColumnValues]], ColumnValues]
+# Value of the columns, k floats or arrays of one shape, not coded and not logged; with `math` it raises
+# `OverflowError` or `ValueError` where there is none, with `numpy` that is infinity or NaN.
+Equation = Callable[[Sequence[ColumnValues], Any], ColumnValues]
 
 
-def compile_equation(fitted: FittedForm) -> CompiledEquation:
+def compile_equation(fitted: FittedForm) -> Equation:
     """Compile a fitted form: equal to `fitted.predict` within rounding."""
     codings = tuple(zip(fitted.log_factors, fitted.center, fitted.half_range, strict=True))
     polynomial = _horner_tree(dict(zip(fitted.terms, fitted.coefficients, strict=True)))
-    if not fitted.logarithmic:
-        total = _closure(polynomial)
-        return CompiledEquation(
-            lambda columns: total(_coded(columns, codings, math.log)),
-            lambda columns: total(_coded(columns, codings, np.log)),
-        )
     # exp(constant) once and for all: the rest is of order 1 and loses no digits in the exponential.
-    size = math.exp(polynomial.constant)
-    rest = _closure(_HornerNode(0.0, polynomial.children))
-    return CompiledEquation(
-        lambda columns: size * math.exp(rest(_coded(columns, codings, math.log))),
-        lambda columns: size * np.exp(rest(_coded(columns, codings, np.log))),
-    )
+    size = math.exp(polynomial.constant) if fitted.logarithmic else 1.0
+    total = _closure(_HornerNode(0.0, polynomial.children) if fitted.logarithmic else polynomial)
 
+    def evaluate(columns: Sequence[ColumnValues], library: Any) -> ColumnValues:
+        coded = [
+            ((library.log(value) if logged else value) - center) / half_range
+            for value, (logged, center, half_range) in zip(columns, codings, strict=True)
+        ]
+        return size * library.exp(total(coded)) if fitted.logarithmic else total(coded)
 
-def _coded(
-    columns: Sequence[ColumnValues],
-    codings: tuple[tuple[bool, float, float], ...],
-    logarithm: Callable[[ColumnValues], ColumnValues],
-) -> list[ColumnValues]:
-    return [
-        ((logarithm(value) if logged else value) - center) / half_range
-        for value, (logged, center, half_range) in zip(columns, codings, strict=True)
-    ]
+    return evaluate
 
 
 @dataclass(frozen=True)
@@ -192,7 +173,7 @@ class ResponseQuery:
     columns: tuple[Column, ...]
     ratios: tuple[Ratio, ...]
     needed: tuple[str, ...]
-    equation: CompiledEquation
+    equation: Equation
     scale: Reader | None
     constraints: tuple[StudyConstraint, ...] = ()
 
@@ -214,7 +195,7 @@ class ResponseQuery:
         findings: list[Finding] = []
         values: Any
         if shape == ():
-            least, inside = self._piece(known, self.equation.scalar, findings)
+            least, inside = self._piece(known, math, findings)
             values, finite = least, math.isfinite(least)
         else:
             values, inside = np.empty(shape), np.ones(shape, dtype=bool)
@@ -222,9 +203,7 @@ class ResponseQuery:
             with np.errstate(all="ignore"):
                 for start, piece in pieces(known, shape):
                     place = slice(start, start + PIECE)
-                    flat[place], flat_inside[place] = self._piece(
-                        piece, self.equation.array, findings
-                    )
+                    flat[place], flat_inside[place] = self._piece(piece, np, findings)
             least, finite = float(np.min(values)), bool(np.isfinite(values).all())
         outside = tuple(worst(findings))
         for finding in outside:
@@ -281,10 +260,10 @@ class ResponseQuery:
     def _piece(
         self,
         known: Mapping[str, Given],
-        evaluate: Callable[[Sequence[Any]], Any],
+        library: Any,
         findings: list[Finding],
     ) -> tuple[Any, Any]:
-        """Evaluate one piece (or one point), and collect values outside, and where all are inside."""
+        """Evaluate one piece by numpy, or one point by math; `findings` gets the values outside."""
         for ratio in self.ratios:
             _check_ratio(ratio, ratio.read(known))
         columns = [column.read(known) for column in self.columns]
@@ -293,7 +272,7 @@ class ResponseQuery:
             findings.append(finding)
             inside = inside & np.logical_not(where)
         try:
-            value = evaluate(columns)
+            value = self.equation(columns, library)
             return (value if self.scale is None else value * self.scale(known)), inside
         except (ArithmeticError, ValueError):
             return math.nan, inside  # told of by the caller

@@ -388,8 +388,8 @@ def test_compiled_equations_are_the_fitted_ones(columns, degree, logarithmic, se
     compiled = compile_equation(fitted)
     coded = rng.uniform(-1.0, 1.0, (50, columns))
     x = np.where(logged, np.exp(-1.0 + 0.2 * coded), 0.3 + 0.2 * coded)
-    arrays = compiled.array(list(x.T))
-    scalars = np.array([compiled.scalar(row) for row in x.tolist()])
+    arrays = compiled(list(x.T), np)
+    scalars = np.array([compiled(row, math) for row in x.tolist()])
     size = np.maximum(np.abs(arrays), 1.0 if not logarithmic else 0.0)
     assert np.max(np.abs(arrays - scalars) / size) <= 1e-14
     # The exponent of the plain evaluation is of the size 20 to 40: 40 * 2^-53 and a few of its sums.
