@@ -356,7 +356,7 @@ def damped(
         )
     notes = [f"damping of the chain itself: {_own_damping(chain)}"] if of_chain else []
     if chain.varying:
-        places = [(chain.names if s.to_ground else chain.elements)[s.place] for s in chain.varying]
+        at = [(chain.names if s.to_ground else chain.elements)[s.place] for s in chain.varying]
         notes.append(
             f"stiffness that varies with frequency or speed: {', '.join(at)}; forced vibration and "
             "critical speeds have it, natural frequencies are those of the constant one"
