@@ -393,6 +393,7 @@ class Table:
         records: Iterable[Any],
         *columns: tuple[Column, str | Callable[[Any], Cell]],
         note: str = "",
+        mark: Callable[[Any], str] | None = None,
     ) -> Self:
         """Return a table with a row for each record.
 
@@ -401,9 +402,13 @@ class Table:
         *columns : tuple of (Column, str or callable)
             Each with the key (of results the field) of its cells in the records, or a function that
             makes a cell of a record.
+        mark : callable, optional
+            Gives the mark of a record's row.
         """
+        records = list(records)
         rows = [[_cell(record, cell) for _, cell in columns] for record in records]
-        return cls(title, [column for column, _ in columns], rows, note)
+        marks = [mark(record) for record in records] if mark else ()
+        return cls(title, [column for column, _ in columns], rows, note, marks)
 
     @classmethod
     def of_columns(

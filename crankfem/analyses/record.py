@@ -87,16 +87,13 @@ _NAMES = {
     "misfiring processors q_squared r_squared resultant rho runs same_stars samples section_error sections "
     "sense severity shape "
     "side_force_beside_largest strokes t throw torsional_beside_pinned unknowns used written",
-    "m": "about axis center_of_mass largest_compression least_compression overlap principal_place "
-    "shear_place stroke "
-    "von_mises_place",
+    "m": "about axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
     "m^3": "volume",
     "rad": "crank_angles",
     "N": "force_scale",
     "N m": "moment moment_scale",
     "kg": "at_center at_foot at_piston_pin",
-    "kg m^2": "flywheel_with_hinge flywheel_without_hinge inertia_about_shaft",
-    "J": "energy_swing",
+    "kg m^2": "inertia_about_shaft",
     "s": "duration",
     "1/min": "vibrations_per_minute",
     "m/s": "mean_piston_speed",
@@ -113,7 +110,7 @@ _PLACES = {
     "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction "
     "shrink_fit.safety "
     "axial_forces.difference change.major change.minor constants.* elasticity.* "
-    "errors.* first.* kinematics_deviation.* kinetic_shares.* model_difference.maximum "
+    "errors.* first.* kinetic_shares.* model_difference.maximum "
     "model_difference.mean modes.axial modes.bending modes.torsional quality.* "
     "shaft_torque.magnification "
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
@@ -127,7 +124,7 @@ _PLACES = {
     "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean "
     "model_difference.sizes",
     "N m": "throws.alternating_torque shrink_fit.torque "
-    "elements.largest elements.steady hinge_moment.largest hinge_moment.least hinge_moment.load "
+    "elements.largest elements.steady "
     "shaft_torque.exciting shaft_torque.torque torque.largest torque.residual_largest torque.residual_rms "
     "torque.smallest two_mass.resonances.amplitude",
     "Pa": "places.added places.bending places.equivalent places.nominal_bending places.nominal_shear "

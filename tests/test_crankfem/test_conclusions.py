@@ -29,6 +29,7 @@ from crankfem.report.conclusions import conclusions, failed_checks, headline, ve
 from crankfem.report.summary import engine_facts, summary, uncertain_sentence, worst_of_each
 from crankfem.report.text_filters import loaded_most
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
+from dynamics.assessment.wording import VERDICTS
 from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
 from stand_ins import stored_results, typed
 
@@ -209,10 +210,10 @@ def test_a_verdict_that_hangs_on_assumptions_is_undecided(results):
         "status": "undecided",
         "sentence": "acceptable with a tensile strength of 590 MPa",
     }
-    assert headline(*verdict_parts(results)) == "Undecided"
+    assert headline(*verdict_parts(results)) == VERDICTS["undecided"]
     assert summary(typed(results))["status"] == "barred"
     assert verdict_line(*verdict_parts(results)).startswith(
-        "Verdict: Undecided. With the values used: torsional stress of crankshaft 115 %"
+        f"Verdict: {VERDICTS['undecided']}. With the values used: torsional stress of crankshaft 115 %"
     )
     found = conclusions(typed(results))
     assert found[0].startswith("Acceptable with a tensile strength of 590 MPa.")
@@ -283,9 +284,9 @@ def test_a_steel_that_keeps_the_limits_of_normal_firing_is_not_said_to_keep_thos
         "sentence": "acceptable with a tensile strength of 672 MPa",
     }
     said = "With all cylinders firing, acceptable with a tensile strength of 672 MPa."
-    assert any(said in line for line in conclusions(typed(results)))
+    assert any(said in line for line in conclusions(results))
     assert headline(*verdict_parts(results)) == (
-        "Undecided; with the values used, limits are exceeded, also while a cylinder misfires"
+        f"{VERDICTS['undecided']}; with the values used, limits are exceeded, also while a cylinder misfires"
     )
 
 
@@ -546,9 +547,13 @@ def test_what_is_given_is_not_tried(limits):
 @pytest.mark.parametrize(
     ("peaks", "limits", "begins"),
     [
-        ((KEPT,), {}, "Undecided: acceptable with a tensile strength of 507 MPa, not with 506 MPa"),
-        ((KEPT,), {"crankshaft_stress": 20e6}, "Not acceptable: torsional stress"),
-        (((0.9, 1.0),), {"crankshaft_stress": 20e6}, "Fine from "),
+        (
+            (KEPT,),
+            {},
+            f"{VERDICTS['undecided']}: acceptable with a tensile strength of 507 MPa, not with 506 MPa",
+        ),
+        ((KEPT,), {"crankshaft_stress": 20e6}, f"{VERDICTS['not acceptable']}: torsional stress"),
+        (((0.9, 1.0),), {"crankshaft_stress": 20e6}, f"{VERDICTS['fine']} from "),
     ],
 )
 def test_there_is_one_conclusion(peaks, limits, begins):
@@ -556,7 +561,7 @@ def test_there_is_one_conclusion(peaks, limits, begins):
     said = Assessment(verdict, decision, {}, (), None, None).conclusion
     assert said.startswith(begins)
     # The status of the values used is told as theirs where it is not the conclusion.
-    used = f"With the values used, not acceptable{verdict.sentence.removeprefix('Not acceptable')}"
+    used = f"With the values used, {verdict.sentence[0].lower()}{verdict.sentence[1:]}"
     assert said.endswith(used if decision.status == "undecided" else verdict.sentence)
 
 
@@ -786,7 +791,7 @@ def test_what_decides_stands_before_the_verdict_with_the_values_assumed(record, 
     record["decision"] = {"status": "undecided", "sentence": "acceptable with this: give that"}
     print_judgment(record)
     assert capsys.readouterr().out.splitlines()[-2:] == [
-        "Verdict: undecided, acceptable with this: give that.",
+        f"Verdict: {VERDICTS['undecided'].lower()}, acceptable with this: give that.",
         "With the values used: Fine.",
     ]
 

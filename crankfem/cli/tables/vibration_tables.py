@@ -32,6 +32,7 @@ from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.chain.chain_file import ChainFile
 from crankfem.report.conclusions import conclusions, reached_and_permitted, verdict_line
 from crankfem.report.summary import engine_facts, worst_of_each
+from dynamics.assessment.wording import VERDICTS
 
 NOT_FORCED = (
     "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."
@@ -183,7 +184,8 @@ def print_judgment(record: Record, units: OutputUnits = SI) -> None:
         print_line(units.text(f"Range {text}. Its ends: {passed['ends']}."))
     decision = record["decision"]
     if decision["status"] == "undecided":
-        print_line(units.text(f"Verdict: undecided, {decision['sentence']}."))
+        undecided = VERDICTS["undecided"].lower()
+        print_line(units.text(f"Verdict: {undecided}, {decision['sentence']}."))
         print_line(units.text(f"With the values used: {record['sentence']}"))
     else:
         print_line(units.text(f"Verdict: {record['sentence']}"))
