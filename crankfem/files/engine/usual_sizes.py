@@ -19,9 +19,8 @@ from dynamics.engine.forces import piston_ends, piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import GasPressure, indicated_work, periodic_slope
 from geometry.throw import CrankThrow
-from regression.law.ratios import DIVISORS, FILLETS, RANGES, REAL
-from regression.law.ratios import PLAIN as PLAIN_RANGES
-from regression.law.throw_law import axial_law
+from regression.law.throw_law import DIVISORS, FILLETS, RANGES, REAL, axial_law
+from regression.law.throw_law import PLAIN as PLAIN_RANGES
 
 # Rated power beside the indicated one: 0.75 in small old engines, 0.97 in slow-running crosshead ones.
 LOWEST_EFFICIENCY, HIGHEST_EFFICIENCY = 0.75, 0.97
