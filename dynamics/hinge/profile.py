@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,7 +23,7 @@ from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_t
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table
 from crankbase.quantity import RPM, format_quantity
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Number, Part, Quantity, Result, Speed, result
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import (
     TURN,
@@ -49,14 +49,18 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
 
+Length = Annotated[float, Quantity("m")]
+Degrees = Annotated[float, Quantity("deg")]
+Moment = Annotated[float, Quantity("N m")]
+Force = Annotated[float, Quantity("N")]
+Pressure = Annotated[float, Quantity("Pa")]
 SAMPLES = 1440
 # Fewer samples do not resolve a rise of pressure by combustion.
 FEWEST_SAMPLES = 72
 
 
-@summarized("speed [rad/s]", "load [N m]", "moment [N m]", "stored_energy [J]", "closing_error")
-@dataclass(frozen=True, eq=False)
-class HingeMoment:
+@result("speed [rad/s]", "load", "moment [N m]", "stored_energy [J]", "closing_error")
+class HingeMoment(Result):
     """The hinge moment at one operating point of an engine; arrays of shape (m,) over one revolution.
 
     Made by `hinge_moment`.
@@ -77,15 +81,15 @@ class HingeMoment:
         M_h, on the crank, positive when it drives [N m].
     """
 
-    engine: CrossheadEngine
-    speed: float
-    kinematics: Kinematics
-    angles_deg: FloatArray
-    gas_force: GasForce
-    gas: FloatArray
-    reduced: ReducedCrank
-    load: float
-    moment: FloatArray
+    engine: Internal[CrossheadEngine]
+    speed: Internal[float]
+    kinematics: Internal[Kinematics]
+    angles_deg: Internal[FloatArray]
+    gas_force: Internal[GasForce]
+    gas: Internal[FloatArray]
+    reduced: Internal[ReducedCrank]
+    load: Moment
+    moment: Internal[FloatArray]
 
     @property
     def gas_moment(self) -> FloatArray:
@@ -98,9 +102,44 @@ class HingeMoment:
         return read_only(-antiderivative(self.moment))
 
     @property
-    def closing_error(self) -> float:
+    def largest(self) -> Moment:
+        """Of M_h."""
+        return float(self.moment.max())
+
+    @property
+    def largest_at_deg(self) -> Degrees:
+        """Crank angle of the largest M_h."""
+        return float(self.angles_deg[np.argmax(self.moment)])
+
+    @property
+    def least(self) -> Moment:
+        """Of M_h."""
+        return float(self.moment.min())
+
+    @property
+    def least_at_deg(self) -> Degrees:
+        """Crank angle of the least M_h."""
+        return float(self.angles_deg[np.argmin(self.moment)])
+
+    @property
+    def closing_error(self) -> Number:
         """Integral of M_h over a revolution, relative to that of its absolute value."""
         return turn_integral(self.moment) / max(turn_integral(np.abs(self.moment)), 1e-300)
+
+    @property
+    def energy_swing(self) -> Annotated[float, Quantity("J")]:
+        """Largest less least stored energy."""
+        return float(np.ptp(self.stored_energy))
+
+    @property
+    def largest_gas_force(self) -> Force:
+        """Over the revolution."""
+        return float(self.gas.max())
+
+    @property
+    def reduced_inertia(self) -> Annotated[tuple[float, float], Quantity("kg m^2")]:
+        """Least and largest over the revolution."""
+        return float(self.reduced.inertia.min()), float(self.reduced.inertia.max())
 
     def at_angles(self, *, angles_deg: ArrayLike) -> tuple[ReducedCrank, FloatArray]:
         """Return the reduced crank, and the moment without the hinge [N m], at angles [deg], (k,)."""
@@ -299,7 +338,7 @@ NEWTON_STEPS = 60
 
 
 @dataclass(frozen=True)
-class GasSpring:
+class GasSpring(Result):
     """A gas spring of two opposed pistons.
 
     Parameters
@@ -331,11 +370,11 @@ class GasSpring:
     0.2
     """
 
-    piston_area: float
-    height: float
-    pressure: float
-    exponent: float = 1.25
-    ambient: float = 0.0
+    piston_area: Annotated[float, Quantity("m^2")]
+    height: Length
+    pressure: Pressure
+    exponent: Number = 1.25
+    ambient: Annotated[float, Quantity("Pa", key="ambient_pressure")] = 0.0
 
     def __post_init__(self) -> None:
         positive_number("piston_area", self.piston_area, "m^2", "the gas presses on it")
@@ -454,7 +493,7 @@ class GasSpring:
 
 
 # [rad] Steeper guides press a sliding follower hard to the side; 30 deg is the usual limit of cams.
-STEEP = np.pi / 6.0
+STEEP_DEG = 30.0
 # What must hold of a guide that can be made, and why.
 MUST_BE = {
     "smallest radius": "above the roller's radius, or the two rollers would meet",
@@ -464,9 +503,8 @@ MUST_BE = {
 }
 
 
-@summarized("name", "met", "value", "limit", "unit")
-@dataclass(frozen=True)
-class ProfileCheck:
+@result("name", "met", "value", "limit", "unit")
+class ProfileCheck(Result):
     """One condition for a guide that can be made.
 
     Parameters
@@ -479,10 +517,10 @@ class ProfileCheck:
 
     name: str
     met: bool
-    value: float
-    limit: float
+    value: Annotated[float, Quantity(".unit")]
+    limit: Annotated[float, Quantity(".unit")]
     unit: str
-    reason: str
+    reason: Annotated[str, Quantity(key="meaning")]
 
     @property
     def shown(self) -> str:
@@ -510,9 +548,8 @@ class ProfileCheck:
         }
 
 
-@summarized("radius [m]", "speed [rad/s]", "checks", "remarks")
-@dataclass(frozen=True, eq=False)
-class HingeProfile:
+@result("radius [m]", "speed [rad/s]", "checks", "remarks")
+class HingeProfile(Result):
     """Path of the rollers' centers in the rotating guides; arrays of shape (m,) over one revolution.
 
     Made by `hinge_profile`. Between the angles the radius is the periodic cubic spline; all
@@ -533,12 +570,12 @@ class HingeProfile:
         Speed for which the guides were designed [rad/s].
     """
 
-    spring: GasSpring
-    start_radius: float
-    roller_radius: float
-    angles_deg: FloatArray
-    radius: FloatArray
-    speed: float
+    spring: Internal[GasSpring]
+    start_radius: Internal[float]
+    roller_radius: Internal[float]
+    angles_deg: Internal[FloatArray]
+    radius: Internal[FloatArray]
+    speed: Internal[float]
 
     @cached_property
     def curve(self) -> "CubicSpline":
@@ -615,20 +652,63 @@ class HingeProfile:
         return outer_parallel(self._angles, self.radius, self.slope, self.roller_radius)
 
     @property
-    def checks(self) -> tuple[ProfileCheck, ...]:
+    def smallest_radius(self) -> Length:
+        """Of the rollers' path."""
+        return float(self.radius.min())
+
+    @property
+    def largest_radius(self) -> Length:
+        """Of the rollers' path."""
+        return float(self.radius.max())
+
+    @property
+    def largest_compression(self) -> Length:
+        """Of the gas column, from the start."""
+        return float(self.compression.max())
+
+    @property
+    def least_compression(self) -> Length:
+        """Negative where the column gets longer."""
+        return float(self.compression.min())
+
+    @property
+    def largest_pressure(self) -> Pressure:
+        """Of the gas above ambient."""
+        return float(self.pressure.max())
+
+    @property
+    def lowest_pressure(self) -> Pressure:
+        """Of the gas above ambient."""
+        return float(self.pressure.min())
+
+    @property
+    def largest_spring_force(self) -> Force:
+        """Of the gas on each roller."""
+        return float(self.spring_force.max())
+
+    @property
+    def largest_normal_force(self) -> Force:
+        """Of the guide on each roller."""
+        return float(self.normal_force.max())
+
+    @property
+    def largest_force_angle_deg(self) -> Degrees:
+        """Of the force on a roller, off the spring's axis."""
+        return float(np.abs(self.force_angle_deg).max())
+
+    @property
+    def checks(self) -> Part[tuple[ProfileCheck, ...]]:
         """Conditions for guides that can be made, each met or not.
 
         `hinge_profile` makes no guides with less than the least gas column; this states the
         remaining column, and other guides may leave less.
         """
-        least, column = float(self.radius.min()), self.spring.height - float(self.compression.max())
-        least_column = LEAST_COLUMN * self.spring.height
-        hollow, lowest = smallest_hollow(self.curvature), float(self.pressure.min())
+        height, rollers = self.spring.height, self.roller_radius
         conditions = {
-            "smallest radius": (least, self.roller_radius, "m"),
-            "shortest gas column": (column, least_column, "m"),
-            "lowest spring pressure": (lowest, 0.0, "Pa"),
-            "smallest hollow": (hollow, self.roller_radius, "m"),
+            "smallest radius": (self.smallest_radius, rollers, "m"),
+            "shortest gas column": (height - self.largest_compression, LEAST_COLUMN * height, "m"),
+            "lowest spring pressure": (self.lowest_pressure, 0.0, "Pa"),
+            "smallest hollow": (smallest_hollow(self.curvature), rollers, "m"),
         }
         return tuple(
             ProfileCheck(name, value > limit, value, limit, unit, MUST_BE[name])
@@ -636,19 +716,18 @@ class HingeProfile:
         )
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def remarks(self) -> Part[tuple[str, ...]]:
         """Remarks on conditions that are met."""
         sentences = []
-        longest = -float(self.compression.min())
+        longest = -self.least_compression
         if longest > 1e-6 * self.spring.height:
             sentences.append(
                 f"The spring gets {longest * 1e3:.3g} mm longer than at the top dead center: its "
                 "cylinder needs room for that."
             )
-        steepest = float(np.radians(np.max(np.abs(self.force_angle_deg))))
-        if steepest > STEEP:
+        if self.largest_force_angle_deg > STEEP_DEG:
             sentences.append(
-                f"The guides are steep: the roller force is up to {np.degrees(steepest):.0f} "
+                f"The guides are steep: the roller force is up to {self.largest_force_angle_deg:.0f} "
                 "deg off the spring's axis (cams are kept below 30 deg), so friction matters."
             )
         half = np.roll(self.radius, -(self.radius.size // 2))
@@ -716,6 +795,17 @@ class HingeProfile:
         )
 
 
+@result("height", "start_radius", "pressure", "refused")
+class ComparedGuides(Result):
+    """Guides for one spring and start radius, or the reason why there are none."""
+
+    height: Length
+    pressure: Pressure
+    start_radius: Length
+    guides: Annotated[HingeProfile | None, Quantity(flat=True, left_out=True)] = None
+    refused: Annotated[str | None, Quantity(left_out=True)] = None
+
+
 def hinge_profile(
     moment: HingeMoment, spring: GasSpring, start_radius: float, *, roller_radius: float = 0.0
 ) -> HingeProfile:
@@ -767,9 +857,8 @@ def hinge_profile(
 STEPS = 2880
 
 
-@summarized("mean_speed [rad/s]", "fluctuation", "flywheel [kg m^2]", "gain", "angles_deg")
-@dataclass(frozen=True, eq=False)
-class SteadyHingeTurn:
+@result("mean_speed", "fluctuation", "flywheel", "gain [J]", "angles_deg [deg]")
+class SteadyHingeTurn(Result):
     """One periodic revolution of a crank.
 
     Parameters
@@ -780,14 +869,14 @@ class SteadyHingeTurn:
         Energy surplus of the revolution [J]; zero except for integration error.
     """
 
-    angles_deg: FloatArray
-    speed: FloatArray
-    mean_speed: float
-    gain: float
-    flywheel: float
+    angles_deg: Internal[FloatArray]
+    speed: Internal[FloatArray]
+    mean_speed: Speed
+    gain: Internal[float]
+    flywheel: Annotated[float, Quantity("kg m^2", key="inertia")]
 
     @property
-    def fluctuation(self) -> float:
+    def fluctuation(self) -> Number:
         """Coefficient of speed fluctuation, (highest - lowest) / mean."""
         return float((self.speed.max() - self.speed.min()) / self.mean_speed)
 
@@ -989,17 +1078,12 @@ TRIED_PRESSURES, PRESSURE_STEP = 41, 1e-10
 STANDING = 100.0
 
 
-@summarized(
-    "pressure [Pa]", "ratio", "fluctuation", "unchanged", "moment_residual", "largest_residual"
-)
-@dataclass(frozen=True)
-class BestPressure:
+@result("pressure", "ratio", "fluctuation", "unchanged", "moment_residual", "largest_residual")
+class BestPressure(Result):
     """The initial pressure of a spring that smooths a crank's speed most, for given guides.
 
     Parameters
     ----------
-    pressure : float
-        [Pa]
     ratio : float
         Relative to that for which the guides were designed.
     fluctuation : float
@@ -1015,13 +1099,13 @@ class BestPressure:
         Pressure ratio with the least residual.
     """
 
-    pressure: float
-    ratio: float
-    fluctuation: float
-    unchanged: float | None
-    moment_residual: float
-    largest_residual: float
-    fitted_ratio: float
+    pressure: Annotated[float, Quantity("Pa", key="best_pressure")]
+    ratio: Annotated[float, Quantity("1", key="best_ratio")]
+    fluctuation: Number
+    unchanged: Annotated[float | None, Quantity("1", key="fluctuation_unchanged")]
+    moment_residual: Number
+    largest_residual: Number
+    fitted_ratio: Number
 
 
 def flywheel_for(
