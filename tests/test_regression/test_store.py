@@ -168,7 +168,9 @@ def test_a_store_in_a_folder_that_cannot_be_written_is_refused():
         ResultStore("/proc/runs.sqlite")
 
 
-@pytest.mark.parametrize("layout", [store_module.SCHEMA_VERSION - 1, store_module.SCHEMA_VERSION + 1])
+@pytest.mark.parametrize(
+    "layout", [store_module.SCHEMA_VERSION - 1, store_module.SCHEMA_VERSION + 1]
+)
 @pytest.mark.parametrize("readonly", [False, True])
 def test_a_store_of_another_layout_is_refused_and_left_alone(tmp_path, layout, readonly):
     path = tmp_path / "runs.sqlite"
