@@ -78,6 +78,7 @@ _NAMES = {
     "1": "accuracy across_web added adjusted_r_squared aic "
     "allowed asymmetry axial_beside_pinned axial_correction "
     "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
+    "crankpin_beside_mean side_force_beside_largest "
     "cranks cylinder cylinders designs detuning done elements elements_across_fillets "
     "evaluations exponent f_value failed fe_scatter figure fluctuation held_out kept largest_error_at_runs "
     "largest_error_held_out largest_leverage layers left_out "
