@@ -15,7 +15,7 @@ from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
 from crankfem.analyses.provenance import provenance_record
-from crankfem.analyses.record import Record, attributes, input_records
+from crankfem.analyses.record import Record, attributes, input_records, plain
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.whole_records import shaft_balance_record, shaft_record
 from crankfem.analyses.strength.cycle_fatigue import fatigue_record
@@ -87,7 +87,7 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
         results["study"] = study_record(study.table, study.fits, study.model)
     if computed.model is not None:
         _add_regression(results, computed)
-    results["checks"] = run_checks(results, engine_file.throw.length, _pin_middle(analysis))
+    results["checks"] = run_checks(plain(results), engine_file.throw.length, _pin_middle(analysis))
     for name, records in list(results.get("throws", {}).items())[1:]:
         throw, middle = engine_file.named_throws[name], _pin_middle(computed.throws[name].analysis)
         results["checks"] += [
