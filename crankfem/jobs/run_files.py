@@ -158,8 +158,20 @@ class Progress(Protocol):
         """Data are lost or damaged, or the input looks wrong, which nobody should miss."""
 
 
-class SilentProgress(Progress):
+class SilentProgress:
     """Silent progress: nothing is reported."""
+
+    def step(self, text: str) -> None:
+        """Ignore a step."""
+
+    def design(self, finished: int, total: int, newest: Outcome | None) -> None:
+        """Ignore a design."""
+
+    def note(self, text: str) -> None:
+        """Ignore a note."""
+
+    def warn(self, text: str) -> None:
+        """Ignore a warning."""
 
 
 class TimedProgress:
