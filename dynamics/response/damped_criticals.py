@@ -370,20 +370,33 @@ class _Vibration:
 
     def maxima(self) -> _Maxima:
         """Return the local maxima of all orders at all places."""
-        maxima = [self._maxima(order) for order in range(self.response.orders.size)]
+        known = self.response.speeds
+        ends = (float(known[0]), float(known[-1]))
+        frequencies, ratios = self.modes.frequencies, self.modes.damping_ratios
+        # Speeds about each order's resonances; at all of them together the system is solved once.
+        added = [
+            np.setdiff1d(refined_speeds(frequencies, ratios, [order], ends), known)
+            for order in self.response.orders.tolist()
+        ]
+        counts = [speeds.size for speeds in added]
+        about = np.repeat(np.arange(len(added)), counts), np.concatenate(added)
+        splits = np.cumsum(counts)[:-1]
+        parts = [np.split(answer, splits) for answer in self.answer(*about)]
+        maxima = map(self._maxima, range(len(added)), added, *parts)
         return _Maxima._make(np.concatenate(column) for column in zip(*maxima, strict=True))
 
-    def _maxima(self, place: int) -> _Maxima:
+    def _maxima(
+        self,
+        place: int,
+        added: FloatArray,
+        more: ComplexArray,
+        endless: NDArray[np.bool_],
+        beside: ComplexArray,
+    ) -> _Maxima:
         order, known = float(self.response.orders[place]), self.response.speeds
-        ends = (float(known[0]), float(known[-1]))
-        about = refined_speeds(self.modes.frequencies, self.modes.damping_ratios, [order], ends)
-        added = np.setdiff1d(about, known)
-        motion, unbounded = self.response.unknowns[place], self.response.unbounded[place]
-        forces = self.forces.at(np.array(place), known)
-        if added.size:
-            more, endless, beside = self.answer(np.full(added.size, place), added)
-            motion, forces = np.concatenate((motion, more)), np.concatenate((forces, beside))
-            unbounded = np.concatenate((unbounded, endless))
+        motion = np.concatenate((self.response.unknowns[place], more))
+        forces = np.concatenate((self.forces.at(np.array(place), known), beside))
+        unbounded = np.concatenate((self.response.unbounded[place], endless))
         ascending = np.argsort(np.concatenate((known, added)))
         grid = np.concatenate((known, added))[ascending]
         values = np.abs(self.quantities.at(order * grid, motion[ascending], forces[ascending]))
@@ -485,8 +498,9 @@ class _Vibration:
             stands = share[group] >= (LARGE * largest if least is None else min(least, largest))
             main.append(group[np.argmax(np.where(stands, rank[group], -1.0))])
         chosen = maxima.chosen(np.array(main))
+        twice = np.tile(chosen.orders, 2), np.tile(chosen.places, 2)
         speeds = _golden_section(
-            lambda some: self._amplitudes(chosen.orders, chosen.places, some),
+            lambda some: self._amplitudes(*twice, some),
             chosen.low,
             chosen.high,
         )
@@ -579,10 +593,10 @@ def _together(maxima: _Maxima, share: FloatArray, near: FloatArray) -> list[NDAr
 def _golden_section(
     at: Callable[[FloatArray], FloatArray], low: FloatArray, high: FloatArray
 ) -> FloatArray:
-    """Return the maximum of a function within brackets (m,), each with one maximum."""
+    """Return the maximum of functions, of (2 m,) places, within brackets (m,), each with one maximum."""
     for _ in range(STEPS):
         span = SECTION * (high - low)
-        left, right = at(high - span), at(low + span)
+        left, right = np.split(at(np.concatenate((high - span, low + span))), 2)
         falling = left > right
         low, high = np.where(falling, low, high - span), np.where(falling, low + span, high)
     return np.asarray(0.5 * (low + high))
