@@ -1,12 +1,11 @@
 """Common parts of all records for JSON and tables."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict
 from functools import cache
 from typing import Any
 
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.results import Result
+from crankbase.results import Result, contents
 from crankbase.results import plain as _plain
 from crankbase.results import units as result_units
 from crankfem.files.reading.toml_file import InputRecord
@@ -31,11 +30,6 @@ def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
         for record in records
         if record.assumed
     ]
-
-
-def input_records(records: Iterable[InputRecord]) -> list[Record]:
-    """Every input with its source."""
-    return [asdict(record) for record in records]
 
 
 def attributes(source: object, *names: str) -> Record:
@@ -84,27 +78,24 @@ _NAMES = {
     "1": "accuracy across_web added adjusted_r_squared aic "
     "allowed asymmetry axial_beside_pinned axial_correction "
     "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
-    "crankpin_beside_mean cranks cylinder cylinders designs detuning done elements elements_across_fillets "
+    "crankpin_beside_mean side_force_beside_largest "
+    "cranks cylinder cylinders designs detuning done elements elements_across_fillets "
     "evaluations exponent f_value failed fe_scatter figure fluctuation held_out kept largest_error_at_runs "
-    "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle layers left_out "
+    "largest_error_held_out largest_leverage layers left_out "
     "first_mode likeness lost modes "
     "magnifier mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements missing mode "
-    "node_positions nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points "
+    "node_positions nodes nonuniformity overlap_per_radius phase_sum pins points "
     "misfiring processors q_squared r_squared resultant rho runs same_stars samples section_error sections "
     "sense severity shape "
-    "side_force_beside_largest strokes t throw torsional_beside_pinned unknowns used written",
-    "m": "about axis center_of_mass largest_compression least_compression overlap principal_place "
-    "shear_place stroke "
-    "von_mises_place",
+    "strokes t throw torsional_beside_pinned unknowns used written",
+    "m": "about axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
     "m^3": "volume",
     "rad": "crank_angles",
     "N": "force_scale",
     "N m": "moment moment_scale",
     "kg": "at_center at_foot at_piston_pin",
-    "kg m^2": "flywheel_with_hinge flywheel_without_hinge inertia_about_shaft",
-    "J": "energy_swing",
+    "kg m^2": "inertia_about_shaft",
     "s": "duration",
-    "1/min": "vibrations_per_minute",
     "m/s": "mean_piston_speed",
     "rad/s": "angular_frequency speed",
     "m/N": "axial_compliance axial_rigid_sections e_0 e_180 influence influence_coefficient",
@@ -119,9 +110,8 @@ _PLACES = {
     "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction "
     "shrink_fit.safety "
     "axial_forces.difference change.major change.minor constants.* elasticity.* "
-    "errors.* first.* kinematics_deviation.* kinetic_shares.* model_difference.maximum "
-    "model_difference.mean modes.axial modes.bending modes.torsional quality.* "
-    "shaft_torque.magnification "
+    "errors.* first.* kinetic_shares.* "
+    "modes.axial modes.bending modes.torsional quality.* "
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
     "m": "places.depth places.point shrink_fit.largest_bore shrink_fit.distance shrink_fit.least_shrinkage "
     "shrink_fit.most_shrinkage shrink_fit.journal_bore "
@@ -130,17 +120,14 @@ _PLACES = {
     "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
     "pistons.amplitude pistons.largest pistons.left",
     "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
-    "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean "
-    "model_difference.sizes",
+    "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean",
     "N m": "throws.alternating_torque shrink_fit.torque "
-    "elements.largest elements.steady hinge_moment.largest hinge_moment.least hinge_moment.load "
-    "shaft_torque.exciting shaft_torque.torque torque.largest torque.residual_largest torque.residual_rms "
-    "torque.smallest two_mass.resonances.amplitude",
+    "elements.largest elements.steady "
+    "torque.largest torque.smallest",
     "Pa": "places.added places.bending places.equivalent places.nominal_bending places.nominal_shear "
     "places.nominal_torsion places.strength places.torsion places.shear_amplitude places.normal_stress "
     "places.criterion places.limit shrink_fit.journal_yield shrink_fit.web_yield",
     "N/m": "bearings.stiffness",
-    "N m/rad": "two_mass.stiffness",
     "kg": "masses.reciprocating masses.rotating",
     "kg m": "balance.static throws.counterweights throws.rods throws.solid throws.sum unbalance.static",
     "kg m^2": "balance.dynamic unbalance.dynamic",
@@ -179,12 +166,11 @@ _GROUPS = {
     ("lowest highest", "N"): tuple(
         f"axial_force.{end}" for end in ("thrust_bearing", "held", "throws")
     ),
-    (_HARMONICS, "N"): ("gas", "inertia", "gas and inertia"),
-    (_HARMONICS, "N m"): ("torque", "harmonics"),
+    (_HARMONICS, "N m"): ("torque",),
 }
 
 
-def with_units(content: Record, within: str = "") -> Record:
+def with_units(content: Record | Result, within: str = "") -> Record:
     """Return a record with the units of its numbers under "units"; unchanged if it has no numbers.
 
     Parameters
@@ -192,25 +178,27 @@ def with_units(content: Record, within: str = "") -> Record:
     within : str, optional
         Name under which such content appears in other records, "torque" or "axial".
     """
-    if "units" in content:
+    if isinstance(content, dict) and "units" in content:
         return content
     exact: dict[str, str] = {}
-    plain_part = _without_results(content, "", exact)
-    known = units_of(plain_part, within) | exact
-    return plain(content) | {"units": known} if known else plain(content)
+    known = units_of(_undeclared(content, "", exact), within) | exact
+    whole: Record = _plain(content)
+    return whole | {"units": known} if known else whole
 
 
-def _without_results(content: Any, path: str, known: dict[str, str]) -> Any:
-    """Return content without its results, whose units are added to the known ones by their path."""
+def _undeclared(content: Any, path: str, known: dict[str, str]) -> Any:
+    """Return content without what results declare, whose units are added by their path."""
     if isinstance(content, Result):
         known |= result_units(content, path)
-        return None
-    if isinstance(content, Mapping):
-        return {
-            name: _without_results(part, f"{path}{name}.", known) for name, part in content.items()
+        content = {
+            quantity.key_of(name): getattr(content, name)
+            for name, (quantity, _) in contents(type(content)).items()
+            if not (quantity.unit or quantity.flat)
         }
+    if isinstance(content, Mapping):
+        return {name: _undeclared(part, f"{path}{name}.", known) for name, part in content.items()}
     if isinstance(content, list | tuple):
-        return [_without_results(part, path, known) for part in content]
+        return [_undeclared(part, path, known) for part in content]
     return content
 
 

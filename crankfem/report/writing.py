@@ -16,8 +16,9 @@ from crankfem.analyses.mechanism.balance_records import (
     moving_mass_table,
     throw_mass_table,
 )
-from crankfem.analyses.mechanism.mechanism_records import harmonics_table
-from crankfem.analyses.mechanism.rod_models import bearing_table
+from crankfem.analyses.mechanism.mechanism_records import bearing_table
+from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
+from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.stress import mirrored, stress_tables
@@ -52,20 +53,6 @@ if TYPE_CHECKING:
 
 # Not allowed in HTML, even in scripts.
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
-# What results of older runs lack.
-LATER: dict[str, Any] = {
-    "fillets": None,
-    "fillet_note": None,
-    "checks": [],
-    "repeat": None,
-    "interactive": {},
-    "picture_note": None,
-    "throws": None,
-    "strength": None,
-    "fatigue": None,
-    "fatigue_note": None,
-}
-LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 # What makes tables, or their cells, of the results.
 TABLES = (
     balance_contents,
@@ -98,7 +85,7 @@ TABLES = (
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
 
 
-def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path:
+def write_report(results: RunResults, pictures: Path, path: Path) -> Path:
     """Write the report of a run in one step; see `render_report`.
 
     Returns
@@ -115,13 +102,11 @@ def write_report_text(path: Path, text: str) -> Path:
         return write_text(path, text, "report")
 
 
-def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str | None]:
+def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]:
     """Make the text of a run's report.
 
     Parameters
     ----------
-    results : mapping
-        Content of results.json.
     pictures : Path
         Folder of the pictures and plots that the results name.
 
@@ -133,8 +118,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         A sentence that names the pictures that cannot be read; the page does without them, and says
         the same.
     """
-    results = LATER | dict(results) | {"about": LATER_ABOUT | results["about"]}
-    figures, unread = load_figures(results, pictures)
+    figures, unread = load_figures(results.pictures, results.interactive, pictures)
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
         page_environment()
@@ -142,11 +126,11 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         .render(
             r=results,
             first=summary(results),
-            schematic=engine_schematic(results),
-            compliances=compliance_tables(results),
-            further=further_compliances(results),
+            schematic=engine_schematic(results.engine, results.vibration["torsional"]),
+            compliances=compliance_tables(results.throw, results.formulas, results.vibration),
+            further=further_compliances(results.throws),
             figures=figures,
-            picture_notes=[text for text in (results["picture_note"], note) if text],
+            picture_notes=[text for text in (results.picture_note, note) if text],
             style=Markup(template_text(STYLE)),
             scripts=plotting() if any(drawn.plot is not None for drawn in figures.values()) else (),
         )
@@ -214,9 +198,7 @@ def render_throw_report(results: Mapping[str, Any], folder: Path) -> str:
     str
         A page of HTML.
     """
-    figures, _ = load_figures(
-        {"pictures": {"drawing": THROW_DRAWING}, "interactive": {"throw_view": THROW_VIEW}}, folder
-    )
+    figures, _ = load_figures({"drawing": THROW_DRAWING}, {"throw_view": THROW_VIEW}, folder)
     shown = any(drawn.plot is not None for drawn in figures.values())
     return (
         page_environment()

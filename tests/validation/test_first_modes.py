@@ -10,6 +10,7 @@ import pytest
 
 import crankfem as cf
 from comparing import close
+from crankfem.analyses.record import plain
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.tables import mode_table
@@ -47,8 +48,10 @@ def test_a_soft_coupling_is_not_told_as_the_first_mode(run, figure):
 def test_summary_names_the_mode_of_the_crankshaft(run):
     results = {
         "engine": _engine_record(run.engine_file),
-        "vibration": run_record(run),
+        "mechanism": None,
+        "vibration": plain(run_record(run)),
         "inputs": [],
+        "input_warnings": [],
         "checks": [],
         "throw": {"error_estimate": 0.0, "supports": {"pinned": {"axial_compliance": 1e-9}}},
     }

@@ -71,6 +71,7 @@ def vibration(
         _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
         return
     from crankbase.outputs import protect
+    from crankfem.analyses.record import with_units
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
     from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
@@ -130,9 +131,9 @@ def vibration(
         if speed_up is not None:
             written.append(drawn / "run_up.svg")
             picture_run_up(written[-1], run, speed_up)
-    record = run_record(run)
-    if speed_up is not None:
-        record["run_up"] = run_up_record(speed_up)
+    record = with_units(
+        run_record(run) | ({} if speed_up is None else {"run_up": run_up_record(speed_up)})
+    )
     if out.json:
         print_json(record | {"files": [str(path) for path in written]})
     else:
@@ -141,7 +142,7 @@ def vibration(
             print_run_up(record["run_up"], out.units)
         for path in written:
             console.print_line(f"Written: {path}")
-        print_verdict({"vibration": record}, out.units)
+        print_verdict(record, None, out.units)
     if strict:
         exit_unless_acceptable(record)
 
