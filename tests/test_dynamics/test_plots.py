@@ -769,11 +769,11 @@ TABLES = {
     "Modes": (modes, lambda o: {"frequency": (o.frequencies, "Hz")}),
     "Decision": (
         lambda: decide("fine", [Trial("a.field", "strength", 4e8, "Pa", "fine")]),
-        lambda o: {"value": ([one.value for one in o.trials], "SI, see the column unit")},
+        lambda o: {"value": ([one.value for one in o.trials], "Pa")},
     ),
     "PeakCause": (
         lambda: peak_cause(response(), response().nodes, 0, 0),
-        lambda o: {"contribution": ([one.contribution for one in o.parts], "SI")},
+        lambda o: {"contribution": ([one.contribution for one in o.parts], "rad or m")},
     ),
     "ComplexModes": (
         lambda: complex_modes(response()),
