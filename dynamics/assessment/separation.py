@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.array_checks import FloatArray, nonnegative_vector, positive_vector
+from crankbase.array_checks import FloatArray, positive_vector
 from crankbase.frames import Row
 from crankbase.quantity import format_quantity
 from crankbase.results import Internal, Number, Quantity, Result, Speed, result
@@ -75,13 +75,13 @@ class CriticalRange(Result):
 
 
 def separation_margin(
-    low: ArrayLike, high: ArrayLike, running_range: tuple[float, float]
+    low: FloatArray, high: FloatArray, running_range: tuple[float, float]
 ) -> FloatArray:
     """Return the separation of critical speeds between two bounds from a running range.
 
     Parameters
     ----------
-    low, high : array_like of shape (m,)
+    low, high : ndarray of shape (m,)
         Least and largest possible critical speed [rad/s].
     running_range : tuple of two floats
         Lowest and highest running speed [rad/s].
@@ -93,10 +93,8 @@ def separation_margin(
         0 where they overlap. At a given speed this is also the distance between natural frequency
         and excitation as a share of the latter.
     """
-    least = nonnegative_vector("low", low, "rad/s", "it is a speed")
-    most = nonnegative_vector("high", high, "rad/s", "it is a speed")
-    first, last = checked_running_range(running_range)
-    margins = np.maximum(1.0 - most / first, least / last - 1.0)
+    first, last = running_range
+    margins = np.maximum(1.0 - high / first, low / last - 1.0)
     return np.asarray(np.maximum(margins, 0.0))
 
 
@@ -169,7 +167,7 @@ def critical_ranges(
                 least = per_hertz * float(min(low for low, _ in ends))
                 most = per_hertz * float(max(high for _, high in ends))
                 margin, nominal = separation_margin(
-                    [least, middle], [most, middle], (first, last)
+                    np.array([least, middle]), np.array([most, middle]), (first, last)
                 ).tolist()
                 if margin <= within:
                     ranges.append(
