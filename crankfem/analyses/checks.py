@@ -12,16 +12,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankfem.analyses.record import Record
+from crankfem.analyses.throw.throw_record import ThrowResults
 from dynamics.response.loads import LARGEST_POWER_ERROR
 from dynamics.torque import LARGEST_ENERGY_ERROR
 from fem.angle_law import SYMMETRIC
 from fem.solver import LARGEST_ROUND_OFF, rigid_body_residual
+from fem.supports import EndReaction
 
 Array = NDArray[np.float64]
 
 
 def unbalanced_share(
-    ends: Sequence[Mapping[str, Sequence[float]]],
+    ends: Sequence[EndReaction],
     places: ArrayLike,
     force: ArrayLike,
     at: ArrayLike,
@@ -30,8 +32,8 @@ def unbalanced_share(
 
     Parameters
     ----------
-    ends : sequence of mappings
-        "force" [N] and "moment" [N m], each (3,), of the supports on the shaft.
+    ends : sequence of EndReaction
+        Of the supports on the shaft.
     places : (ends, 3) array
         Their positions [m].
     force : (3,) array
@@ -45,8 +47,8 @@ def unbalanced_share(
         The larger of unbalanced force / force and unbalanced moment / (force x distance of the ends).
     """
     places, force, at = (np.asarray(own, dtype=float) for own in (places, force, at))
-    forces = np.array([end["force"] for end in ends])
-    moments = np.array([end["moment"] for end in ends])
+    forces = np.array([end.force for end in ends])
+    moments = np.array([end.moment for end in ends])
     size = float(np.linalg.norm(force))
     arm = float(np.linalg.norm(places[-1] - places[0]))
     left_over = forces.sum(axis=0) + force
@@ -108,34 +110,33 @@ def _check(
     }
 
 
-def throw_checks(
-    throw: Mapping[str, Any], length: float, pin_center: Sequence[float]
-) -> list[Record]:
+def throw_checks(throw: ThrowResults, length: float, pin_center: Sequence[float]) -> list[Record]:
     """Return the self-checks possible with the results of a throw; arguments as for `run_checks`."""
-    stiffness = throw["stiffness"]
-    radial = (0.0, -float(throw["radial_force"]), 0.0)
+    stiffness = throw.stiffness
+    radial = (0.0, -throw.radial_force, 0.0)
     worst = max(
         unbalanced_share(
-            [support["reactions"][side] for side in ("left", "right")],
+            (support.reactions.left, support.reactions.right),
             ((0.0, 0.0, 0.0), (0.0, 0.0, length)),
             radial,
             pin_center,
         )
-        for support in throw["supports"].values()
+        for support in throw.supports.values()
     )
-    reciprocity = throw["reciprocity"]
+    reciprocity = throw.reciprocity
+    assert reciprocity is not None
     return [
         _check(
             "Error of the axial compliance",
-            throw["error_estimate"],
+            throw.error_estimate,
             "Error left after the correction for discretization: of 100 random throws tested, 95 had a "
             "smaller one."
-            if throw.get("axial_correction")
+            if throw.axial_correction
             else "Estimated from the finite-element stresses; the true compliance is larger by about this "
             "much.",
             shown_unit="%",
-            allowed=throw["accuracy"],
-            met=throw["accuracy_met"],
+            allowed=throw.accuracy,
+            met=throw.accuracy_met,
         ),
         _check(
             "Rigid-body motions of the stiffness",
@@ -146,7 +147,7 @@ def throw_checks(
         ),
         _check(
             "Symmetry of the stiffness",
-            reciprocity["asymmetry"],
+            reciprocity.asymmetry,
             "Reciprocity: largest difference between the stiffness from end-section forces and its "
             "transpose, relative to the largest stiffness. The stiffness used follows from strain energies "
             "and is always symmetric.",
@@ -161,14 +162,14 @@ def throw_checks(
         ),
         _check(
             "Axial reaction by reciprocity",
-            reciprocity["axial_reaction"],
+            reciprocity.axial_reaction,
             "Difference, relative to Z, between the axial reaction of the held ends to a radial force Z on "
             "the pin and c Z / e_n, with c from the motion of the pin when the ends are moved.",
             allowed=LARGEST_ROUND_OFF,
         ),
         _check(
             "Elements mended",
-            throw["mended_elements"],
+            throw.mended_elements,
             "Elements turned inside out by the curved surface; all were straightened.",
             unit="elements",
         ),
@@ -179,7 +180,7 @@ def _angle_checks(found: Mapping[str, Any]) -> list[Record]:
     fe = found["formulas"].get("fe")
     if fe is None or fe["angle_law"] is None:
         return []
-    pinned = found["throw"]["supports"]["pinned"]["axial_compliance"]
+    pinned = found["throw"].supports["pinned"].axial
     return [
         _check(
             "Opposite neighbors compared with pinned ends",

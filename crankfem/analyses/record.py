@@ -184,7 +184,7 @@ _GROUPS = {
 }
 
 
-def with_units(content: Record, within: str = "") -> Record:
+def with_units(content: Record | Result, within: str = "") -> Record:
     """Return a record with the units of its numbers under "units"; unchanged if it has no numbers.
 
     Parameters
@@ -192,6 +192,8 @@ def with_units(content: Record, within: str = "") -> Record:
     within : str, optional
         Name under which such content appears in other records, "torque" or "axial".
     """
+    if isinstance(content, Result):
+        return content.to_record() | {"units": result_units(content)}
     if "units" in content:
         return content
     exact: dict[str, str] = {}
@@ -202,7 +204,7 @@ def with_units(content: Record, within: str = "") -> Record:
 
 def _without_results(content: Any, path: str, known: dict[str, str]) -> Any:
     """Return content without its results, whose units are added to the known ones by their path."""
-    if isinstance(content, Result):
+    if isinstance(content, Result | InputModel):
         known |= result_units(content, path)
         return None
     if isinstance(content, Mapping):

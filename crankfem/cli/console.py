@@ -36,6 +36,7 @@ from regression.records import Outcome
 
 if TYPE_CHECKING:
     from crankbase.array_checks import FloatArray
+    from crankbase.results import Result
 
 Value = TypeVar("Value")
 LONGEST_WORD = 20
@@ -60,7 +61,7 @@ errors = Terminal(stderr=True, markup=False, emoji=False)
 output = Terminal(markup=False, emoji=False)
 
 
-def print_json(content: dict[str, Any], within: str = "") -> None:
+def print_json(content: "dict[str, Any] | Result", within: str = "") -> None:
     """Print JSON content with the units of its numbers, and nothing else, on standard output.
 
     `within` is the name under which such content appears in other documents, "torque" or "axial".

@@ -1,6 +1,7 @@
 """All numbers of a run as plain JSON content: what results.json holds."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from crankfem.analyses.strength.engine_strength import strength_record
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
-from crankfem.analyses.throw.throw_record import reciprocity_record, regression_record, throw_record
+from crankfem.analyses.throw.throw_record import reciprocity, regression_record, throw_results
 from crankfem.analyses.vibration.records import run_record
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_computation import RunComputation, RunInputs
@@ -102,10 +103,10 @@ def _pin_middle(analysis: ThrowAnalysis) -> list[float]:
 def _throw_records(computed: RunComputation, name: str) -> Record:
     """Records of each distinct throw."""
     computed_throw, engine_file = computed.throws[name], computed.engine_file
-    throw = throw_record(computed_throw.analysis, _radial_force(computed.inputs))
+    throw = throw_results(computed_throw.analysis, _radial_force(computed.inputs))
     formulas = formula_records(engine_file.named_throws[name], engine_file.material)
     return {
-        "throw": throw | {"reciprocity": reciprocity_record(computed_throw.analysis)},
+        "throw": replace(throw, reciprocity=reciprocity(computed_throw.analysis)),
         "formulas": formulas | {"fe": fe_record(computed_throw.analysis, 180.0)},
         "fillets": None
         if computed_throw.stresses is None

@@ -22,11 +22,9 @@ from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import (
+    ThrowResults,
     compliance_tables,
     further_compliances,
-    reaction_table,
-    section_sentence,
-    support_table,
 )
 from crankfem.analyses.vibration.tables import (
     barred_within_error,
@@ -83,9 +81,6 @@ TABLES = (
     whole_critical_table,
     whole_table,
     harmonics_table,
-    support_table,
-    reaction_table,
-    section_sentence,
     stress_tables,
     throw_mass_table,
     strength_table,
@@ -133,7 +128,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         A sentence that names the pictures that cannot be read; the page does without them, and says
         the same.
     """
-    results = LATER | dict(results) | {"about": LATER_ABOUT | results["about"]}
+    results = read_results(results)
     figures, unread = load_figures(results, pictures)
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
@@ -152,6 +147,17 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         )
     )
     return html, note
+
+
+def read_results(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the results of a run from the content of results.json, or as they are."""
+    results = LATER | dict(content) | {"about": LATER_ABOUT | content["about"]}
+    throws = {name: _read_throw(own) for name, own in (results["throws"] or {}).items()}
+    return _read_throw(results) | {"throws": throws or None}
+
+
+def _read_throw(content: Mapping[str, Any]) -> dict[str, Any]:
+    return dict(content) | {"throw": ThrowResults.from_record(content["throw"])}
 
 
 @cache
@@ -222,7 +228,7 @@ def render_throw_report(results: Mapping[str, Any], folder: Path) -> str:
         page_environment()
         .get_template(THROW_TEMPLATE)
         .render(
-            r=results,
+            r=_read_throw(results),
             about=results["about"],
             figures=figures,
             style=Markup(template_text(STYLE)),

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.array_checks import check_sizes, finite_array
 from crankbase.errors import InputError
 from crankbase.frames import table
+from crankbase.results import Quantity, result
 from crankbase.summaries import summarized
 from fem.supports import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
 from geometry.throw import CrankThrow
@@ -252,15 +253,14 @@ _OTHER_PARTS = ("further_pins.", "oil_holes.")
 _WEBS = ("left_web.thickness", "right_web.thickness")
 
 
-@summarized(
+@result(
     "support",
-    "left force: left.force [N]",
-    "left moment: left.moment [N m]",
-    "right force: right.force [N]",
-    "right moment: right.moment [N m]",
+    "left force: left.force",
+    "left moment: left.moment",
+    "right force: right.force",
+    "right moment: right.moment",
     "remarks",
 )
-@dataclass(frozen=True, eq=False)
 class ReactionLookup(Reactions):
     """Reactions from a compliance model, with their errors.
 
@@ -279,7 +279,7 @@ class ReactionLookup(Reactions):
 
     band: Reactions
     support: str
-    inside: NDArray[np.bool_]
+    inside: Annotated[NDArray[np.bool_], Quantity()]
     remarks: tuple[str, ...]
 
     def to_pandas(self) -> Any:

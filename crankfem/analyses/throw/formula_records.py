@@ -19,8 +19,9 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
-from crankfem.analyses.record import Record, attributes
-from crankfem.analyses.throw.law_record import LAW, law_record
+from crankfem.analyses.record import Record, attributes, plain
+from crankfem.analyses.throw.law_record import LAW, law_results
+from crankfem.analyses.throw.throw_record import ThrowResults
 from fem.analysis import ThrowAnalysis, analyze_throw
 from fem.angle_law import is_symmetric
 from fem.material import STEEL, Material
@@ -67,13 +68,13 @@ def formula_records(
     )
     torsional = torsional_formulas(throw, material=material)
     faults = axial_formula_faults(throw, variant) if variant in ("printed", "corrected") else {}
-    law = law_record(throw, material, gamma_deg)
-    if law["answers"] is None:
-        faults |= {LAW: f"the law, {law['reason'].rstrip('.')}"}
+    law = law_results(throw, material, gamma_deg)
+    if law.answers is None:
+        faults |= {LAW: f"the law, {str(law.reason).rstrip('.')}"}
     return {
         "axial": _records(axial),
         "torsional": _records(torsional),
-        "law": law["answers"],
+        "law": None if law.answers is None else plain(law.answers),
         "left_out": [{"name": name, "reason": reason} for name, reason in faults.items()],
     }
 
@@ -397,10 +398,10 @@ def _draw(axes: "Axes | None", described: Curves, title: str) -> "Axes":
 
 def run_formulas_over_angle(results: Mapping[str, Any]) -> Curves:
     """Describe finite elements and formulas over the angle, from the results of a run."""
-    law, supports = results["angle_law"], results["throw"]["supports"]
+    law, supports = results["angle_law"], ThrowResults.from_record(results["throw"]).supports
     # Where a formula gives no compliance above zero, there is null, which becomes nan.
     curves = {name: np.array(values, dtype=np.float64) for name, values in law["formulas"].items()}
-    bounds = {name: supports[name]["axial_compliance"] for name in ("guided", "pinned")}
+    bounds = {name: supports[name].axial for name in ("guided", "pinned")}
     return formulas_over_angle(np.array(law["gamma_deg"]), curves, np.array(law["fe"]), bounds)
 
 
