@@ -6,7 +6,7 @@ JSON both ways, its units, data frames, the texts of the console and of notebook
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache, cached_property
 from types import NoneType, UnionType
 from typing import (
@@ -49,7 +49,7 @@ class Quantity:
     ----------
     unit : str
         In SI; "1" of plain numbers, "" of words and parts, ".name" if the value of that name
-        beside it tells.
+        beside it tells, which may be internal.
     meaning : str, optional
         In words.
     exported : str, optional
@@ -58,6 +58,8 @@ class Quantity:
         Name in JSON, if it is not that of the field.
     left_out : bool, optional
         Whether JSON leaves the value out where it is None.
+    flat : bool, optional
+        Whether the content of this part stands in JSON beside the part's neighbors.
     """
 
     unit: str = ""
@@ -65,6 +67,7 @@ class Quantity:
     exported: str = ""
     key: str = ""
     left_out: bool = False
+    flat: bool = False
 
     def key_of(self, name: str) -> str:
         """Return the key in JSON of a field."""
@@ -90,9 +93,10 @@ Internal: TypeAlias = Annotated[T, INTERNAL]
 Number: TypeAlias = Annotated[float, Quantity("1")]
 Speed: TypeAlias = Annotated[float, Quantity("rad/s", exported="1/min")]
 Part: TypeAlias = Annotated[T, Quantity()]
+Flat: TypeAlias = Annotated[T, Quantity(flat=True)]
 
 
-@dataclass_transform(frozen_default=True)
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
 def result(*main: str) -> Callable[[type[T]], type[T]]:
     """Make a frozen class of results with a short text.
 
@@ -103,7 +107,8 @@ def result(*main: str) -> Callable[[type[T]], type[T]]:
     """
 
     def decorate(cls: type[T]) -> type[T]:
-        return summarized(*main, unit_of=_unit_of)(
+        own = "__repr__" in vars(cls)
+        return summarized(*main, keeps_text=own, unit_of=_unit_of)(
             dataclass(frozen=True, eq=False, repr=False)(cls)
         )
 
@@ -263,10 +268,13 @@ def _is_input(value: Any) -> bool:
 def plain(value: Any) -> Any:
     """Return a value as JSON content: arrays as lists, infinities as None."""
     if isinstance(value, Result):
-        record = {}
+        record: dict[str, Any] = {}
         for name, (quantity, _) in contents(type(value)).items():
             content = getattr(value, name)
             if quantity.left_out and content is None:
+                continue
+            if quantity.flat:
+                record |= plain(content)
                 continue
             if quantity.exported and content is not None:
                 content = np.asarray(content, dtype=float) * EXPORTED[quantity.exported][0]
@@ -307,10 +315,11 @@ def units(value: Any, path: str = "") -> dict[str, str]:
     if isinstance(value, Result):
         for name, (quantity, _) in contents(type(value)).items():
             content, place = getattr(value, name), f"{path}{quantity.key_of(name)}"
-            if quantity.unit:
+            if unit := quantity.exported or quantity.unit:
                 inside = f"{place}.*" if isinstance(content, Mapping) else place
-                known[inside] = quantity.exported or quantity.unit
-            known |= units(content, f"{place}.")
+                hidden = unit[:1] == "." and unit[1:] not in contents(type(value))
+                known[inside] = getattr(value, unit[1:]) if hidden else unit
+            known |= units(content, path if quantity.flat else f"{place}.")
     elif _is_input(value):
         from crankbase.model import model_units
 
@@ -344,7 +353,7 @@ def _by_field(kind: Any, content: Any) -> Any:
     if _is_result(kind) and isinstance(content, Mapping):
         known, names = contents(kind), {field.name for field in fields(kind) if field.init}
         return {
-            name: _by_field(part, content.get(quantity.key_of(name)))
+            name: _by_field(part, content if quantity.flat else content.get(quantity.key_of(name)))
             for name, (quantity, part) in known.items()
             if name in names
         }

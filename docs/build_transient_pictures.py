@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import crankfem as cf
-from dynamics.transient.turning_chain import throw_inertia_curves
+from dynamics.transient.turning_run import throw_inertia_curves
 
 HERE = Path(__file__).parent
 RPM = 30.0 / np.pi

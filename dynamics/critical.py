@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,45 +17,41 @@ from crankbase.array_checks import (
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.quantity import RPM
+from crankbase.results import Internal, Number, Part, Quantity, Result, Speed, result
 from crankbase.summaries import summarized
 from dynamics.cycle import order_step
 from dynamics.harmonics import Harmonics
 from dynamics.indices import within
 
 
-@summarized("stiffness [N m/rad]", "frequency [Hz]", "order", "resonant_speed [rad/s]")
-@dataclass(frozen=True, eq=False)
-class TwoMassCheck:
+@result("stiffness", "frequency", "order", "resonant_speed")
+class TwoMassCheck(Result):
     """Natural frequency of two inertias on a shaft, and the speed at which one order meets it.
 
     Parameters
     ----------
-    stiffness : float
-        C_np, torsional stiffness of the shaft [N m/rad].
-    angular_frequency : float
-        w_c1, natural angular frequency [rad/s].
     harmonics : Harmonics or None
         Those of the exciting torque [N m], if given.
     """
 
-    stiffness: float
-    angular_frequency: float
-    order: float
-    harmonics: Harmonics | None = None
+    stiffness: Annotated[float, Quantity("N m/rad", "C_np, torsional stiffness of the shaft")]
+    angular_frequency: Annotated[float, Quantity("rad/s", "w_c1, natural angular frequency")]
+    order: Number
+    harmonics: Internal[Harmonics | None] = None
 
     @property
-    def frequency(self) -> float:
-        """Natural frequency [Hz]."""
+    def frequency(self) -> Annotated[float, Quantity("Hz")]:
+        """Natural frequency."""
         return self.angular_frequency / (2.0 * math.pi)
 
     @property
-    def vibrations_per_minute(self) -> float:
-        """Natural vibrations per minute [1/min]."""
+    def vibrations_per_minute(self) -> Annotated[float, Quantity("1/min")]:
+        """Natural vibrations per minute."""
         return self.angular_frequency * RPM
 
     @property
-    def resonant_speed(self) -> float:
-        """Crankshaft speed at which the order meets the natural frequency [rad/s]."""
+    def resonant_speed(self) -> Speed:
+        """Crankshaft speed at which the order meets the natural frequency."""
         return self.angular_frequency / self.order
 
     @property
@@ -68,7 +65,7 @@ class TwoMassCheck:
         return None if self.harmonics is None else self.harmonics.resolves(self.order)
 
     @property
-    def statement(self) -> str:
+    def statement(self) -> Part[str]:
         """One sentence on whether the given torque can resolve the order."""
         if self.harmonics is None:
             return f"No torque table is given: how strongly order {self.order:g} excites is open."

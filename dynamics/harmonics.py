@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +20,7 @@ from crankbase.choices import check_choice
 from crankbase.errors import InputError, shortened
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.input_file import CSV, LARGEST_TABLE_FILE, GivenFile, InputFile
+from crankbase.results import Internal, Number, Quantity, Result, result
 from crankbase.summaries import summarized
 from dynamics.cycle import (
     check_even_cycle,
@@ -217,9 +218,25 @@ ROUND_OFF_SHARE = 1e-13
 ROOM = 1.0 + 1e-9
 
 
-@summarized("orders", "amplitude", "mean", "strokes", "samples")
-@dataclass(frozen=True, eq=False)
-class Harmonics:
+# In the unit of the samples.
+Sampled = Annotated[FloatArray, Quantity(".unit")]
+
+
+@result("orders", "amplitude", "mean")
+class Spectrum(Result):
+    """Mean and harmonics M_k sin(order x + a_k)."""
+
+    orders: Annotated[FloatArray, Quantity("1")]
+    amplitude: Sampled
+    phase: Annotated[FloatArray, Quantity("rad", exported="deg")]
+    cosine: Sampled
+    sine: Sampled
+    mean: Annotated[float, Quantity(".unit")]
+    unit: Internal[str] = field(default="unit of the samples", kw_only=True)
+
+
+@result("orders", "amplitude", "mean", "strokes", "samples")
+class Harmonics(Spectrum):
     """The harmonics of samples over one cycle: y = mean + sum of M_k sin(order x + a_k).
 
     x is the crank angle and the order counts cycles per crankshaft revolution, so that the k-th
@@ -248,17 +265,11 @@ class Harmonics:
     fall on the sample points is not detected.
     """
 
-    orders: FloatArray
-    amplitude: FloatArray
-    phase: FloatArray
-    cosine: FloatArray
-    sine: FloatArray
-    mean: float
     strokes: int
     samples: int
 
     @property
-    def highest_order(self) -> float:
+    def highest_order(self) -> Number:
         """The highest order that the samples resolve, in cycles per crankshaft revolution."""
         return order_step(self.strokes) * (self.samples // 2)
 
@@ -373,7 +384,11 @@ class Harmonics:
 
 
 def harmonics(
-    samples: ArrayLike, strokes: int = 4, *, angles_deg: ArrayLike | None = None
+    samples: ArrayLike,
+    strokes: int = 4,
+    *,
+    angles_deg: ArrayLike | None = None,
+    unit: str = "unit of the samples",
 ) -> Harmonics:
     """Find the harmonics of samples taken evenly over one working cycle, by fast Fourier transform.
 
@@ -385,6 +400,8 @@ def harmonics(
     angles_deg : array_like of shape (m,), optional
         Crank angles of the samples [deg], to be checked. They may start anywhere: phases
         count from crank angle zero. By default the first sample is at zero.
+    unit : str, optional
+        Of the samples, for JSON.
 
     Returns
     -------
@@ -445,6 +462,7 @@ def harmonics(
         mean=float(transform[0].real) / count,
         strokes=int(strokes),
         samples=int(count),
+        unit=unit,
     )
 
 
@@ -493,7 +511,8 @@ class TorqueTable:
 
     def harmonics(self) -> Harmonics:
         """Return the harmonics of the torque [N m]."""
-        return harmonics(self.torque, self.strokes, angles_deg=self.crank_angle_deg)
+        degrees = self.crank_angle_deg
+        return harmonics(self.torque, self.strokes, angles_deg=degrees, unit="N m")
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the samples, and the sum of their harmonics between them."""

@@ -3,8 +3,8 @@
 import cmath
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
-from typing import Literal, TypeGuard
+from dataclasses import fields
+from typing import Annotated, Literal, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +21,7 @@ from crankbase.choices import check_choice, is_whole, whole_number, whole_within
 from crankbase.diagrams import BLUE, COLORS, ORANGE, legend_above, new_axes, write_title
 from crankbase.errors import InputError, SolveError
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
-from crankbase.summaries import summarized
+from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, Speed, result
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
 from dynamics.cycle import checked_strokes, cycle_radians, even_angles, order_numbers
 from dynamics.engine import RodModelName
@@ -89,11 +89,11 @@ def _are_pressures(
 
 
 def from_firing_top(
-    engine: EngineLayout, place: int, angles: FloatArray, values: FloatArray
+    engine: EngineLayout, place: int, angles: FloatArray, values: FloatArray, unit: str
 ) -> Harmonics:
     """Return the harmonics of a cylinder's values (m,), its index from 0, counted from its firing top."""
     since_firing = np.degrees(angles - np.radians(engine.firing_deg[place]))
-    return harmonics(values, engine.strokes, angles_deg=since_firing)
+    return harmonics(values, engine.strokes, angles_deg=since_firing, unit=unit)
 
 
 # Rods on one throw stand closer than this share of the bore: cylinders of a bank cannot.
@@ -157,14 +157,13 @@ def checked_throws(engine: EngineLayout, throws: Sequence[int]) -> tuple[tuple[i
     )
 
 
-@summarized(
+@result(
     "number",
-    "firing_angle_deg [deg]",
+    "firing_angle_deg",
     "tangential: tangential.amplitude [N]",
     "radial: radial.amplitude [N]",
 )
-@dataclass(frozen=True, eq=False)
-class PinForceHarmonics:
+class PinForceHarmonics(Result):
     """Harmonics of one cylinder's force on its crankpin, by its cause [N].
 
     Phases count from the cylinder's own firing top: a harmonic of order k is
@@ -180,13 +179,22 @@ class PinForceHarmonics:
     """
 
     number: int
-    firing_angle_deg: float
-    tangential_gas: Harmonics
-    tangential_inertia: Harmonics
-    tangential: Harmonics
-    radial_gas: Harmonics
-    radial_inertia: Harmonics
-    radial: Harmonics
+    firing_angle_deg: Annotated[float, Quantity("deg")]
+    tangential_gas: Internal[Harmonics]
+    tangential_inertia: Internal[Harmonics]
+    tangential: Internal[Harmonics]
+    radial_gas: Internal[Harmonics]
+    radial_inertia: Internal[Harmonics]
+    radial: Internal[Harmonics]
+
+    @property
+    def by_cause(self) -> Flat[dict[str, dict[str, Harmonics]]]:
+        """Harmonics of the "tangential" and the "radial" force, each by its cause."""
+        causes = {"gas": "_gas", "inertia": "_inertia", "gas and inertia": ""}
+        return {
+            force: {cause: getattr(self, force + ending) for cause, ending in causes.items()}
+            for force in ("tangential", "radial")
+        }
 
     def plot(
         self,
@@ -253,7 +261,7 @@ def pin_force_harmonics(
     by_cylinder = []
     for place, firing in enumerate(np.radians(engine.firing_deg)):
         split = [
-            from_firing_top(engine, place, angles, part[place]).up_to(highest_order)
+            from_firing_top(engine, place, angles, part[place], "N").up_to(highest_order)
             for part in parts
         ]
         by_cylinder.append(PinForceHarmonics(place + 1, math.degrees(firing), *split))
@@ -268,11 +276,8 @@ NO_MEAN = 1e-12
 LARGEST_ENERGY_ERROR = 1e-10
 
 
-@summarized(
-    "speed [rad/s]", "mean [N m]", "total [N m]", "power [W]", "nonuniformity", "energy_error"
-)
-@dataclass(frozen=True, eq=False)
-class EngineTorque:
+@result("speed", "mean", "total [N m]", "power", "nonuniformity", "energy_error")
+class EngineTorque(Result):
     """Torque on the shaft over one working cycle, positive when it drives.
 
     Parameters
@@ -287,13 +292,13 @@ class EngineTorque:
         Work of the gas on each piston over the cycle, integral of p dV [J].
     """
 
-    engine: EngineLayout
-    speed: float
-    shaft_angles_deg: FloatArray
-    gas: FloatArray
-    inertia: FloatArray
-    throws: tuple[tuple[int, ...], ...]
-    indicated_work: FloatArray
+    engine: Internal[EngineLayout]
+    speed: Speed
+    shaft_angles_deg: Internal[FloatArray]
+    gas: Internal[FloatArray]
+    inertia: Internal[FloatArray]
+    throws: Internal[tuple[tuple[int, ...], ...]]
+    indicated_work: Annotated[FloatArray, Quantity("J")]
 
     @property
     def per_cylinder(self) -> FloatArray:
@@ -319,17 +324,17 @@ class EngineTorque:
         return np.asarray(self.per_cylinder.sum(axis=0))
 
     @property
-    def mean(self) -> float:
-        """Mean torque [N m]."""
+    def mean(self) -> Annotated[float, Quantity("N m")]:
+        """Mean torque."""
         return float(np.mean(self.total))
 
     @property
-    def power(self) -> float:
-        """Indicated power, mean torque times speed [W]."""
+    def power(self) -> Annotated[float, Quantity("W")]:
+        """Indicated power, mean torque times speed."""
         return self.mean * self.speed
 
     @property
-    def nonuniformity(self) -> float | None:
+    def nonuniformity(self) -> Number | None:
         """Degree of nonuniformity, (largest - least) / mean; None where the mean is round-off."""
         total, mean = self.total, self.mean
         if abs(mean) <= NO_MEAN * float(np.max(np.abs(self.per_cylinder))):
@@ -337,7 +342,7 @@ class EngineTorque:
         return float(np.ptp(total) / mean)
 
     @property
-    def energy_error(self) -> float:
+    def energy_error(self) -> Number:
         """Mean torque times the cycle's angle minus indicated work, relative to the gas's exchange.
 
         The exchange is the work of the gas on all pistons, integrated as absolute value.
@@ -351,15 +356,14 @@ class EngineTorque:
 
     def harmonics(self, throw: int | None = None) -> Harmonics:
         """Return the harmonics of the engine's torque, or of one throw's, counted from 1."""
-        if throw is None:
-            return harmonics(self.total, self.engine.strokes)
-        return harmonics(self.per_throw[self._checked_throw(throw)], self.engine.strokes)
+        torque = self.total if throw is None else self.per_throw[self._checked_throw(throw)]
+        return harmonics(torque, self.engine.strokes, unit="N m")
 
     def cylinder_harmonics(self, number: int) -> Harmonics:
         """Return the harmonics of one cylinder's torque, phases counted from its own firing top."""
         place = checked_cylinder(self.engine, number) - 1
         return from_firing_top(
-            self.engine, place, np.radians(self.shaft_angles_deg), self.per_cylinder[place]
+            self.engine, place, np.radians(self.shaft_angles_deg), self.per_cylinder[place], "N m"
         )
 
     def plot(self, axes: Axes | None = None, throw: int | None = None) -> Axes:
@@ -484,9 +488,8 @@ Kind = Literal["major", "minor", "balanced"]
 SAME_DIRECTION = 1e-6
 
 
-@summarized("order", "kind", "share", "resultant")
-@dataclass(frozen=True, eq=False)
-class Star:
+@result("order", "kind", "share", "resultant")
+class Star(Result):
     """The harmonics of one order of all cylinders as vectors.
 
     A cylinder that fires at f and whose harmonic is M sin(k (x - f) + a) has the direction k f - a:
@@ -503,9 +506,9 @@ class Star:
         Their lengths; negative where the mode shape reverses a vector.
     """
 
-    order: float
-    directions_deg: FloatArray
-    weights: FloatArray
+    order: Number
+    directions_deg: Annotated[FloatArray, Quantity("deg")]
+    weights: Internal[FloatArray]
 
     @property
     def vectors(self) -> "np.ndarray[tuple[int], np.dtype[np.complex128]]":
@@ -513,7 +516,7 @@ class Star:
         return np.asarray(self.weights * np.exp(1j * np.radians(self.directions_deg)))
 
     @property
-    def resultant(self) -> float:
+    def resultant(self) -> Number:
         """Length of their sum."""
         return float(abs(self.vectors.sum()))
 
@@ -530,12 +533,12 @@ class Star:
         return float(np.sum(np.abs(self.weights)))
 
     @property
-    def share(self) -> float:
+    def share(self) -> Number:
         """Resultant as a share of the largest possible, 0 to 1."""
         return self.resultant / self.largest if self.largest > 0.0 else 0.0
 
     @property
-    def kind(self) -> Kind:
+    def kind(self) -> Part[Kind]:
         """Return "major" with all vectors in one direction, "balanced" with no resultant, else "minor"."""
         if self.share >= 1.0 - FULL_SUM_TOLERANCE:
             return "major"

@@ -1,6 +1,7 @@
 """Light runs: what takes long and is tested elsewhere is done once, coarsely or not at all."""
 
 import importlib
+import json
 import sys
 from functools import cache
 from pathlib import Path
@@ -9,6 +10,7 @@ from matplotlib.figure import Figure
 
 import crankfem as cf
 from crankbase.errors import MissingLibraryError
+from crankfem.analyses.run_results import RunResults
 from fem import fillet_stress
 from fem.analysis import analyze_throw
 from fem.modes import dynamic_superelement
@@ -79,3 +81,17 @@ def analyze_coarsely(monkeypatch):
 def draw_nothing(monkeypatch):
     """Leave diagrams empty where nothing depends on what they show."""
     monkeypatch.setattr(Figure, "savefig", save_nothing)
+
+
+def stored_results():
+    """Return the results of a whole run, as a file holds them; its worst check is the first one itself."""
+    path = Path(__file__).with_name("test_crankfem") / "report_results.json"
+    results = json.loads(path.read_text(encoding="utf-8"))
+    assessment = results["vibration"]["assessment"]
+    assessment["worst"] = assessment["checks"][0]
+    return results
+
+
+def typed(content):
+    """Return the results that a file of this content holds."""
+    return RunResults.from_json(json.dumps(content))

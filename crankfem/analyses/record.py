@@ -1,12 +1,11 @@
 """Common parts of all records for JSON and tables."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict
 from functools import cache
 from typing import Any
 
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.results import Result
+from crankbase.results import Result, contents
 from crankbase.results import plain as _plain
 from crankbase.results import units as result_units
 from crankfem.files.reading.toml_file import InputRecord
@@ -31,11 +30,6 @@ def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
         for record in records
         if record.assumed
     ]
-
-
-def input_records(records: Iterable[InputRecord]) -> list[Record]:
-    """Every input with its source."""
-    return [asdict(record) for record in records]
 
 
 def attributes(source: object, *names: str) -> Record:
@@ -93,16 +87,13 @@ _NAMES = {
     "misfiring processors q_squared r_squared resultant rho runs same_stars samples section_error sections "
     "sense severity shape "
     "side_force_beside_largest strokes t throw torsional_beside_pinned unknowns used written",
-    "m": "about axis center_of_mass largest_compression least_compression overlap principal_place "
-    "shear_place stroke "
-    "von_mises_place",
+    "m": "about axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
     "m^3": "volume",
     "rad": "crank_angles",
     "N": "force_scale",
     "N m": "moment moment_scale",
     "kg": "at_center at_foot at_piston_pin",
-    "kg m^2": "flywheel_with_hinge flywheel_without_hinge inertia_about_shaft",
-    "J": "energy_swing",
+    "kg m^2": "inertia_about_shaft",
     "s": "duration",
     "1/min": "vibrations_per_minute",
     "m/s": "mean_piston_speed",
@@ -119,7 +110,7 @@ _PLACES = {
     "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction "
     "shrink_fit.safety "
     "axial_forces.difference change.major change.minor constants.* elasticity.* "
-    "errors.* first.* kinematics_deviation.* kinetic_shares.* model_difference.maximum "
+    "errors.* first.* kinetic_shares.* model_difference.maximum "
     "model_difference.mean modes.axial modes.bending modes.torsional quality.* "
     "shaft_torque.magnification "
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
@@ -133,7 +124,7 @@ _PLACES = {
     "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean "
     "model_difference.sizes",
     "N m": "throws.alternating_torque shrink_fit.torque "
-    "elements.largest elements.steady hinge_moment.largest hinge_moment.least hinge_moment.load "
+    "elements.largest elements.steady "
     "shaft_torque.exciting shaft_torque.torque torque.largest torque.residual_largest torque.residual_rms "
     "torque.smallest two_mass.resonances.amplitude",
     "Pa": "places.added places.bending places.equivalent places.nominal_bending places.nominal_shear "
@@ -192,27 +183,30 @@ def with_units(content: Record | Result, within: str = "") -> Record:
     within : str, optional
         Name under which such content appears in other records, "torque" or "axial".
     """
-    if isinstance(content, Result):
-        return content.to_record() | {"units": result_units(content)}
-    if "units" in content:
+    if isinstance(content, dict) and "units" in content:
         return content
     exact: dict[str, str] = {}
-    plain_part = _without_results(content, "", exact)
-    known = units_of(plain_part, within) | exact
-    return plain(content) | {"units": known} if known else plain(content)
+    known = units_of(_undeclared(content, "", exact), within) | exact
+    whole: Record = _plain(content)
+    return whole | {"units": known} if known else whole
 
 
-def _without_results(content: Any, path: str, known: dict[str, str]) -> Any:
-    """Return content without its results, whose units are added to the known ones by their path."""
-    if isinstance(content, Result | InputModel):
+def _undeclared(content: Any, path: str, known: dict[str, str]) -> Any:
+    """Return content without what results declare, whose units are added by their path."""
+    if isinstance(content, InputModel):
         known |= result_units(content, path)
         return None
-    if isinstance(content, Mapping):
-        return {
-            name: _without_results(part, f"{path}{name}.", known) for name, part in content.items()
+    if isinstance(content, Result):
+        known |= result_units(content, path)
+        content = {
+            quantity.key_of(name): getattr(content, name)
+            for name, (quantity, _) in contents(type(content)).items()
+            if not (quantity.unit or quantity.flat)
         }
+    if isinstance(content, Mapping):
+        return {name: _undeclared(part, f"{path}{name}.", known) for name, part in content.items()}
     if isinstance(content, list | tuple):
-        return [_without_results(part, path, known) for part in content]
+        return [_undeclared(part, path, known) for part in content]
     return content
 
 

@@ -66,10 +66,14 @@ def print_json(content: "dict[str, Any] | Result", within: str = "") -> None:
 
     `within` is the name under which such content appears in other documents, "torque" or "axial".
     """
-    from crankbase.results import json_text
+    from crankbase.results import Result, json_text
     from crankfem.analyses.record import with_units
 
-    sys.stdout.write(json_text(with_units(content, within), indent=1))
+    sys.stdout.write(
+        content.to_json(indent=1)
+        if isinstance(content, Result)
+        else json_text(with_units(content, within), indent=1)
+    )
 
 
 def print_line(text: str) -> None:
@@ -145,6 +149,15 @@ def print_drawn(drawn: RichTable) -> None:
     least = Measurement.get(output, output.options.update_width(LEAST_TABLE), drawn).minimum
     options = output.options.update_width(max(output.width, least))
     output.print(Segments(output.render(drawn, options)), crop=False)
+
+
+def print_parts(parts: Iterable[Table | str], units: OutputUnits = SI) -> None:
+    """Print tables and paragraphs."""
+    for part in parts:
+        if isinstance(part, str):
+            print_line(part)
+        else:
+            print_table(part, units)
 
 
 def print_notes(remarks: Iterable[str], units: OutputUnits = SI) -> None:

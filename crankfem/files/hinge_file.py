@@ -14,8 +14,9 @@ from crankbase.quantity import PER_MINUTE, format_quantity
 from crankbase.summaries import summarized
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
-from crankfem.files.sections.cylinder_pressures import given_of_cycle, name_fields
+from crankfem.files.sections.cylinder_pressures import given_of_cycle
 from dynamics.engine.rods import ConnectingRod
+from dynamics.gas.gas_cycle import name_fields
 from dynamics.hinge.crosshead import (
     CrossheadEngine,
     GasForce,
@@ -24,8 +25,14 @@ from dynamics.hinge.crosshead import (
     read_gas_force,
     two_stroke_cycle,
 )
-from dynamics.hinge.moment import HingeMoment, hinge_moment
-from dynamics.hinge.profile import GasSpring, HingeProfile, hinge_profile
+from dynamics.hinge.profile import (
+    ComparedGuides,
+    GasSpring,
+    HingeMoment,
+    HingeProfile,
+    hinge_moment,
+    hinge_profile,
+)
 
 
 class Crank(InputModel):
@@ -325,22 +332,23 @@ class HingeFile:
             moment, self.spring, self.start_radius, roller_radius=self.roller_radius
         )
 
-    def compared(self, moment: HingeMoment) -> list[tuple[GasSpring, float, HingeProfile | str]]:
-        """Return spring, initial radius, and guides or why there are none, of all sizes and pressures."""
-        compared: list[tuple[GasSpring, float, HingeProfile | str]] = []
+    def compared(self, moment: HingeMoment) -> tuple[ComparedGuides, ...]:
+        """Return the guides, or why there are none, of all sizes and pressures of the comparison."""
+        compared: list[ComparedGuides] = []
         if self.comparison is None:
-            return compared
+            return ()
         for size in self.comparison.sizes:
             for pressure in self.comparison.pressures:
                 spring = replace(self.spring, height=size.height, pressure=pressure)
+                described = (size.height, pressure, size.start_radius)
                 try:
-                    made: HingeProfile | str = hinge_profile(
+                    guides = hinge_profile(
                         moment, spring, size.start_radius, roller_radius=self.roller_radius
                     )
+                    compared.append(ComparedGuides(*described, guides))
                 except InputError as error:
-                    made = str(error)
-                compared.append((spring, size.start_radius, made))
-        return compared
+                    compared.append(ComparedGuides(*described, refused=str(error)))
+        return tuple(compared)
 
     def point_at(self, field: str, speed: float) -> RunningPoint:
         """Return the operating point of a speed [rad/s]; `field` names it in the message.

@@ -5,6 +5,7 @@ from typing import Any
 
 from crankbase.quantity import compact, format_number, nano, significant
 from crankfem.analyses.record import Record
+from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.vibration.tables import factor_range
 from crankfem.report.conclusions import (
     conclusions,
@@ -20,13 +21,8 @@ from dynamics.engine.layout import repeating_intervals
 KINDS = ("axial", "torsional")
 
 
-def summary(results: Mapping[str, Any]) -> Record:
+def summary(results: RunResults) -> Record:
     """Return what the first screen of a report says.
-
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json.
 
     Returns
     -------
@@ -35,20 +31,20 @@ def summary(results: Mapping[str, Any]) -> Record:
         (the conclusions), "failed_checks" (a sentence), "limits", "figures", "uncertain" (a sentence by
         kind).
     """
-    vibration = results["vibration"]
+    vibration = results.vibration
     assessment = vibration["assessment"]
     known = {"fine": "fine", "not acceptable": "bad"}
     status = "open" if assessment is None else known.get(assessment["status"], "barred")
     if assessment is not None and (undecided(assessment) or misfiring_decides(vibration)):
         status = "barred"
-    if too_weak(results):
+    if too_weak(results.strength):
         status = "bad"
     return {
         "facts": engine_facts(results),
         "status": status,
-        "headline": headline(results),
+        "headline": headline(results.vibration, results.strength),
         "sentences": conclusions(results),
-        "failed_checks": failed_checks(results["checks"]),
+        "failed_checks": failed_checks(results.checks),
         "limits": [] if assessment is None else worst_of_each(assessment["checks"]),
         "figures": [_compliance(results), *(_frequency(vibration, kind) for kind in KINDS)],
         "uncertain": {}
@@ -57,42 +53,33 @@ def summary(results: Mapping[str, Any]) -> Record:
     }
 
 
-def engine_facts(results: Mapping[str, Any]) -> list[str]:
-    """Say what the engine is, a phrase each: its layout, size, speeds, pressure and firing order.
-
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json; those of earlier releases know neither piston speed nor intervals.
-    """
-    engine, mechanism = results["engine"], results.get("mechanism")
+def engine_facts(results: RunResults) -> list[str]:
+    """Say what the engine is, a phrase each: its layout, size, speeds, pressure and firing order."""
+    engine, mechanism = results.engine, results.mechanism
     count = engine["cylinders"]
     arranged = "in V" if engine["v_engine"] else "in line"
     lowest, highest, rated = (
         format_number(engine[f"{which}_speed_rpm"], 4) for which in ("lowest", "highest", "rated")
     )
-    piston = engine.get("mean_piston_speed")
-    mean = "" if piston is None else f" (mean piston speed {significant(piston, 3)} m/s)"
+    piston = significant(engine["mean_piston_speed"], 3)
     facts = [
         f"{count} cylinder{'' if count == 1 else 's'} {arranged}, {engine['strokes']}-stroke",
         f"bore {quantity(engine['bore'], 'm', 6)}, stroke {quantity(engine['stroke'], 'm', 6)}",
-        f"{lowest} to {highest} 1/min, rated speed {rated} 1/min{mean}",
+        f"{lowest} to {highest} 1/min, rated speed {rated} 1/min (mean piston speed {piston} m/s)",
     ]
-    if mechanism is not None and "mean_indicated_pressure" in mechanism:
+    if mechanism is not None:
         facts.append(
             f"indicated power {quantity(mechanism['power'], 'W', 3)}, mean indicated pressure "
             f"{quantity(mechanism['mean_indicated_pressure'], 'Pa', 3)}"
         )
     if count > 1:
         order = f"firing order {'-'.join(map(str, engine['firing_order']))}"
-        facts.append(order + _firing(engine.get("firing_intervals_deg")))
+        facts.append(order + _firing(engine["firing_intervals_deg"]))
     return facts
 
 
-def _firing(intervals: Sequence[float] | None) -> str:
-    """Say at which intervals an engine fires; nothing where that is not known."""
-    if intervals is None:
-        return ""
+def _firing(intervals: Sequence[float]) -> str:
+    """Say at which intervals an engine fires."""
     steps = repeating_intervals(intervals)
     listed = ", ".join(f"{step:.4g}" for step in steps)
     if len(steps) == 1:
@@ -106,7 +93,7 @@ def uncertain_sentence(vibration: Record, kind: str) -> str:
     spreads = [
         f"{spread['name']} {factor_range(spread)} the value used" for spread in uncertain["spreads"]
     ]
-    bearings = vibration.get("bearings")
+    bearings = vibration["bearings"]
     if bearings is not None:
         low, high = min(bearings["stiffness"]), max(bearings["stiffness"])
         spreads.append(f"stiffness of the main bearings {compact(low)} to {compact(high)} N/m each")
@@ -131,8 +118,10 @@ def _bounds(ends: Mapping[str, float]) -> str:
 
 def _swept(vibration: Mapping[str, Any], kind: str) -> str:
     """First frequency of the whole crankshaft over the stiffness of its bearings; empty if not calculated."""
-    swept = vibration.get("bearings") or {}
-    modes = [swept.get("shaft", {}).get(kind) or (), *swept.get("further", {}).get(kind, ())]
+    swept = vibration["bearings"]
+    if swept is None or kind not in swept["shaft"]:
+        return ""
+    modes = [swept["shaft"][kind], *swept["further"][kind]]
     known = [[frequency for frequency in mode if frequency is not None] for mode in modes]
     if len(known[0]) < 2:
         return ""
@@ -144,7 +133,7 @@ def _swept(vibration: Mapping[str, Any], kind: str) -> str:
 def _first_mode(chain: Record) -> Record | None:
     """Return the crankshaft's first mode, which is not one of coupling, damper or line."""
     return next(
-        (mode for mode in chain["modes"] if not mode["rigid"] and mode.get("of_crankshaft", True)),
+        (mode for mode in chain["modes"] if not mode["rigid"] and mode["of_crankshaft"]),
         None,
     )
 
@@ -169,11 +158,11 @@ def worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Record]:
     """
     worst: dict[str, Record] = {}
     for check in checks:
-        running = dict(check) | (check.get("running") or {})
+        running = dict(check) | (check["running"] or {})
         limit = worst.setdefault(check["limit"], running | {"above": None})
         if _use(running) > _use(limit):
             worst[check["limit"]] = limit = running | {"above": limit["above"]}
-        above = check.get("above")
+        above = check["above"]
         if above is not None and (limit["above"] is None or _use(above) > _use(limit["above"])):
             limit["above"] = {**above, "place": check["place"]}
         limit["passed"] = limit["passed"] and check["passed"]
@@ -187,8 +176,8 @@ def _use(check: Mapping[str, Any]) -> float:
     return float("inf") if check["used"] is None else float(check["used"])
 
 
-def _compliance(results: Mapping[str, Any]) -> Record:
-    throw, named = results["throw"], results.get("throws")
+def _compliance(results: RunResults) -> Record:
+    throw, named = results.throw, results.throws
     which = f"throw {next(iter(named))}" if named else "a throw"
     exact = " of the exact solution, as 95 of 100 test throws"
     return {
@@ -215,13 +204,13 @@ def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
     if assessment is not None and shown is not None:
         bounds = assessment["uncertainty"][kind]["frequencies"][shown["number"] - 1]
         details[0] = f"uncertainty range of the chain {_bounds(bounds)}"
-    if whole is not None and whole["chains"].get(kind, {}).get("modes"):
+    if whole is not None and kind in whole["chains"] and whole["chains"][kind]["modes"]:
         mode = whole["chains"][kind]["modes"][0]
-        alike = (mode["shaft_frequency"], mode.get("further_frequency"))
+        alike = (mode["shaft_frequency"], mode["further_frequency"])
         shaft = " and ".join(_hertz(frequency) for frequency in sorted(filter(None, alike)))
         shaft = f"{shaft} Hz" if shaft else "no mode like it"
         # The range over the bearings is that of one mode, the one most alike.
-        swept = "" if mode.get("further_frequency") else _swept(vibration, kind)
+        swept = "" if mode["further_frequency"] else _swept(vibration, kind)
         details.append(f"whole crankshaft in its bearings: {shaft}{f' ({swept})' if swept else ''}")
     beside = elastic.index(shown) if shown is not None else len(elastic)
     if beside:

@@ -1,7 +1,6 @@
 """The HTML reports: pages of numbers and pictures that open without a network."""
 
 import re
-from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -16,8 +15,9 @@ from crankfem.analyses.mechanism.balance_records import (
     moving_mass_table,
     throw_mass_table,
 )
-from crankfem.analyses.mechanism.mechanism_records import harmonics_table
 from crankfem.analyses.mechanism.rod_models import bearing_table
+from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
+from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.stress import mirrored, stress_tables
@@ -50,20 +50,6 @@ if TYPE_CHECKING:
 
 # Not allowed in HTML, even in scripts.
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
-# What results of older runs lack.
-LATER: dict[str, Any] = {
-    "fillets": None,
-    "fillet_note": None,
-    "checks": [],
-    "repeat": None,
-    "interactive": {},
-    "picture_note": None,
-    "throws": None,
-    "strength": None,
-    "fatigue": None,
-    "fatigue_note": None,
-}
-LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 # What makes tables, or their cells, of the results.
 TABLES = (
     balance_contents,
@@ -93,7 +79,7 @@ TABLES = (
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
 
 
-def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path:
+def write_report(results: RunResults, pictures: Path, path: Path) -> Path:
     """Write the report of a run in one step; see `render_report`.
 
     Returns
@@ -110,13 +96,11 @@ def write_report_text(path: Path, text: str) -> Path:
         return write_text(path, text, "report")
 
 
-def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str | None]:
+def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]:
     """Make the text of a run's report.
 
     Parameters
     ----------
-    results : mapping
-        Content of results.json.
     pictures : Path
         Folder of the pictures and plots that the results name.
 
@@ -128,8 +112,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         A sentence that names the pictures that cannot be read; the page does without them, and says
         the same.
     """
-    results = read_results(results)
-    figures, unread = load_figures(results, pictures)
+    figures, unread = load_figures(results.pictures, results.interactive, pictures)
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
         page_environment()
@@ -137,27 +120,16 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         .render(
             r=results,
             first=summary(results),
-            schematic=engine_schematic(results),
-            compliances=compliance_tables(results),
-            further=further_compliances(results),
+            schematic=engine_schematic(results.engine, results.vibration["torsional"]),
+            compliances=compliance_tables(results.throw, results.formulas, results.vibration),
+            further=further_compliances(results.throws),
             figures=figures,
-            picture_notes=[text for text in (results["picture_note"], note) if text],
+            picture_notes=[text for text in (results.picture_note, note) if text],
             style=Markup(template_text(STYLE)),
             scripts=plotting() if any(drawn.plot is not None for drawn in figures.values()) else (),
         )
     )
     return html, note
-
-
-def read_results(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the results of a run from the content of results.json, or as they are."""
-    results = LATER | dict(content) | {"about": LATER_ABOUT | content["about"]}
-    throws = {name: _read_throw(own) for name, own in (results["throws"] or {}).items()}
-    return _read_throw(results) | {"throws": throws or None}
-
-
-def _read_throw(content: Mapping[str, Any]) -> dict[str, Any]:
-    return dict(content) | {"throw": ThrowResults.from_record(content["throw"])}
 
 
 @cache
@@ -204,13 +176,13 @@ THROW_TEMPLATE = "throw_report.html.j2"
 THROW_VIEW, THROW_DRAWING = "throw_view.json", "throw_drawing.svg"
 
 
-def render_throw_report(results: Mapping[str, Any], folder: Path) -> str:
+def render_throw_report(results: dict[str, Any], folder: Path) -> str:
     """Make the text of a throw's report.
 
     Parameters
     ----------
-    results : mapping
-        "about": provenance; "throw", as `throw_record` makes it; "formulas", as `formula_records`;
+    results : dict
+        "about": provenance; "throw": `ThrowResults`, or their record; "formulas", as `formula_records`;
         "fillets", as `stress_record`, or None with "fillet_note".
     folder : Path
         Holds `THROW_VIEW` and `THROW_DRAWING`.
@@ -220,15 +192,13 @@ def render_throw_report(results: Mapping[str, Any], folder: Path) -> str:
     str
         A page of HTML.
     """
-    figures, _ = load_figures(
-        {"pictures": {"drawing": THROW_DRAWING}, "interactive": {"throw_view": THROW_VIEW}}, folder
-    )
+    figures, _ = load_figures({"drawing": THROW_DRAWING}, {"throw_view": THROW_VIEW}, folder)
     shown = any(drawn.plot is not None for drawn in figures.values())
     return (
         page_environment()
         .get_template(THROW_TEMPLATE)
         .render(
-            r=_read_throw(results),
+            r=results | {"throw": ThrowResults.from_record(results["throw"])},
             about=results["about"],
             figures=figures,
             style=Markup(template_text(STYLE)),

@@ -55,7 +55,6 @@ from regression.law.superelement import law_reactions
 from regression.law.throw_law import throw_laws
 from regression.models.compliance_model import ComplianceModel
 from regression.models.lookup import ReactionLookup
-from regression.response_kinds import ANGLE_LAWS
 
 
 def law_answer(
@@ -280,35 +279,33 @@ def _lookups(model: ComplianceModel, asked: LookupQuestion, rows: int | None) ->
         else model.dimensions_of(read_record(CrankThrow, asked.throw, "throw"))
     )
     dimensions |= _dimensions(model, asked.dimensions)
-    names = model.responses if asked.responses is None else dict.fromkeys(asked.responses)
-    responses: dict[str, Any] = {}
-    refused: dict[str, str] = {}
-    for name in names:
-        angle = asked.gamma_deg if name in ANGLE_LAWS else None
-        look = model.lookup if rows is None else model.lookups
-        try:
-            value = look(name, gamma_deg=angle, strict=asked.strict, **dimensions)
-        except InputError as error:
-            if asked.strict or asked.responses is not None:
-                raise
-            refused[name] = str(error)
-            continue
-        responses[name] = {part: _plain(getattr(value, part)) for part in TOLD}
-    if not responses:
-        raise InputError(
-            next(iter(refused.values()), "responses: given none; allowed are those of the model.")
-        )
+    looked_up, refused = model.look_all_up(
+        asked.responses,
+        many=rows is not None,
+        gamma_deg=asked.gamma_deg,
+        strict=asked.strict,
+        **dimensions,
+    )
+    if refused and (asked.strict or asked.responses is not None):
+        raise next(iter(refused.values()))
+    if not looked_up:
+        raise InputError("responses: given none; allowed are those of the model.")
+    responses = {}
+    for name, lookup in looked_up.items():
+        record = lookup.to_record()
+        responses[name] = {part: record[part] for part in TOLD}
     reactions = None
     if asked.pin_force is not None:
         made = model.reactions(
             asked.pin_force, asked.read_support(), strict=asked.strict, **dimensions
         )
         reactions = reactions_record(made)
-    return {"rows": rows, "responses": responses, "refused": refused, "reactions": reactions}
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if isinstance(value, np.ndarray) else value
+    return {
+        "rows": rows,
+        "responses": responses,
+        "refused": {name: str(reason) for name, reason in refused.items()},
+        "reactions": reactions,
+    }
 
 
 def _dimensions(model: ComplianceModel, query: Mapping[str, Any]) -> dict[str, Any]:

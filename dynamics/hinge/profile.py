@@ -1,8 +1,9 @@
-"""The guides of an elastic hinge: their shape for a required moment, and whether they can be made."""
+"""The elastic hinge: its moment for constant speed, the guides that give it, and the speed that results."""
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,24 +12,258 @@ from crankbase.array_checks import (
     ComplexArray,
     FloatArray,
     finite_array,
+    finite_vector,
     nonnegative_number,
     positive_number,
     radians_of,
     read_only,
 )
-from crankbase.choices import check_choice
+from crankbase.choices import check_choice, whole_number
 from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table
-from crankbase.quantity import format_quantity
-from crankbase.summaries import summarized
+from crankbase.quantity import RPM, format_quantity
+from crankbase.results import Internal, Number, Part, Quantity, Result, Speed, result
 from dynamics.cycle import even_angles
-from dynamics.hinge.crosshead import periodic_spline
-from dynamics.hinge.moment import HingeMoment
+from dynamics.hinge.crosshead import (
+    TURN,
+    CrossheadEngine,
+    GasForce,
+    Kinematics,
+    ReducedCrank,
+    antiderivative,
+    periodic_spline,
+    reduced_crank,
+    turn_integral,
+)
 from dynamics.plots.curves import FROM_TOP, KILO, MILLI, draw_over_angle
+from dynamics.turning.speed_over_angle import (
+    SpeedOverAngle,
+    energy_for_mean_speed,
+    mean_speed,
+    slowest_mean_speed,
+    speed_over_angle,
+)
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
+
+
+Length = Annotated[float, Quantity("m")]
+Degrees = Annotated[float, Quantity("deg")]
+Moment = Annotated[float, Quantity("N m")]
+Force = Annotated[float, Quantity("N")]
+Pressure = Annotated[float, Quantity("Pa")]
+SAMPLES = 1440
+# Fewer samples do not resolve a rise of pressure by combustion.
+FEWEST_SAMPLES = 72
+
+
+@result("speed [rad/s]", "load", "moment [N m]", "stored_energy [J]", "closing_error")
+class HingeMoment(Result):
+    """The hinge moment at one operating point of an engine; arrays of shape (m,) over one revolution.
+
+    Made by `hinge_moment`.
+
+    Parameters
+    ----------
+    speed : float
+        Of the crank, held constant [rad/s].
+    angles_deg : ndarray
+        Even crank angles from the top dead center [deg], without the closing one.
+    gas_force : callable
+        Force on the piston towards the shaft [N] at any angles, a function of radians.
+    gas : ndarray
+        That force at the angles [N].
+    load : float
+        M_r, constant moment of the driven machine [N m]: the mean of the gas moment.
+    moment : ndarray
+        M_h, on the crank, positive when it drives [N m].
+    """
+
+    engine: Internal[CrossheadEngine]
+    speed: Internal[float]
+    kinematics: Internal[Kinematics]
+    angles_deg: Internal[FloatArray]
+    gas_force: Internal[GasForce]
+    gas: Internal[FloatArray]
+    reduced: Internal[ReducedCrank]
+    load: Moment
+    moment: Internal[FloatArray]
+
+    @property
+    def gas_moment(self) -> FloatArray:
+        """Moment of the gas force [N m], shape (m,)."""
+        return self.gas * self.reduced.travel_rate
+
+    @cached_property
+    def stored_energy(self) -> FloatArray:
+        """Required stored energy of the hinge since the top, minus the integral of M_h [J], (m,)."""
+        return read_only(-antiderivative(self.moment))
+
+    @property
+    def largest(self) -> Moment:
+        """Of M_h."""
+        return float(self.moment.max())
+
+    @property
+    def largest_at_deg(self) -> Degrees:
+        """Crank angle of the largest M_h."""
+        return float(self.angles_deg[np.argmax(self.moment)])
+
+    @property
+    def least(self) -> Moment:
+        """Of M_h."""
+        return float(self.moment.min())
+
+    @property
+    def least_at_deg(self) -> Degrees:
+        """Crank angle of the least M_h."""
+        return float(self.angles_deg[np.argmin(self.moment)])
+
+    @property
+    def closing_error(self) -> Number:
+        """Integral of M_h over a revolution, relative to that of its absolute value."""
+        return turn_integral(self.moment) / max(turn_integral(np.abs(self.moment)), 1e-300)
+
+    @property
+    def energy_swing(self) -> Annotated[float, Quantity("J")]:
+        """Largest less least stored energy."""
+        return float(np.ptp(self.stored_energy))
+
+    @property
+    def largest_gas_force(self) -> Force:
+        """Over the revolution."""
+        return float(self.gas.max())
+
+    @property
+    def reduced_inertia(self) -> Annotated[tuple[float, float], Quantity("kg m^2")]:
+        """Least and largest over the revolution."""
+        return float(self.reduced.inertia.min()), float(self.reduced.inertia.max())
+
+    def at_angles(self, *, angles_deg: ArrayLike) -> tuple[ReducedCrank, FloatArray]:
+        """Return the reduced crank, and the moment without the hinge [N m], at angles [deg], (k,)."""
+        reduced = reduced_crank(self.engine, self.kinematics, angles_deg=angles_deg)
+        gas = self.gas_force(np.radians(angles_deg)) * reduced.travel_rate
+        return reduced, gas + reduced.weight_moment - self.load
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the moments of hinge, gas and driven machine over the crank angle."""
+        curves = {
+            "hinge": KILO * self.moment,
+            "gas": KILO * self.gas_moment,
+            "driven machine": np.full(self.angles_deg.shape, -KILO * self.load),
+        }
+        title = f"Moments at {format_quantity(self.speed, 'rad/s', 5)}"
+        return draw_over_angle(
+            axes,
+            np.radians(self.angles_deg),
+            curves,
+            "moment [kN m]",
+            title=title,
+            angle_label=FROM_TOP,
+        )
+
+    def to_pandas(self) -> DataFrame:
+        """Return a row for each crank angle: gas force, moments, energy, the engine reduced to its crank."""
+        return table(
+            {
+                "crank_angle": (self.angles_deg, "deg"),
+                "gas_force": (self.gas, "N"),
+                "gas_moment": (self.gas_moment, "N m"),
+                "hinge_moment": (self.moment, "N m"),
+                "stored_energy": (self.stored_energy, "J"),
+                "inertia": (self.reduced.inertia, "kg m^2"),
+                "inertia_rate": (self.reduced.inertia_rate, "kg m^2/rad"),
+                "travel_rate": (self.reduced.travel_rate, "m/rad"),
+                "weight_moment": (self.reduced.weight_moment, "N m"),
+            }
+        )
+
+
+def hinge_moment(
+    engine: CrossheadEngine,
+    gas_force: GasForce | ArrayLike,
+    speed: float,
+    *,
+    kinematics: Kinematics = "exact",
+    samples: int = SAMPLES,
+) -> HingeMoment:
+    """Find the moment of a hinge that keeps the crank speed constant.
+
+    Parameters
+    ----------
+    gas_force : callable or array_like of shape (k,)
+        Force on the piston towards the shaft [N]: a function of an array of crank angles [rad] from
+        the top dead center, or values at even angles over one revolution from the top, without the
+        closing one.
+    speed : float
+        Of the crank [rad/s].
+    samples : int, optional
+        Number of angles over the revolution.
+
+    Raises
+    ------
+    InputError
+        If the speed is not above zero, there are too few samples, or the force is not finite.
+
+    Notes
+    -----
+    Lagrange's equation of the crank is I phi'' + I' phi'^2 / 2 = F x' + M_w - M_r + M_h, with the
+    moment M_w of the weights. For phi'' = 0 at phi' = w (equation (8) of Zotov, Imaeva 2024, doi
+    10.24412/0131-4270-2024-1-2-50-55): M_h = w^2/2 I' - F x' - M_w + M_r, where
+    M_r = 1/(2 pi) times the integral of F x' over a turn (5). I' and M_w have the mean zero, hence
+    M_h has, and the hinge returns over a revolution all energy that it takes.
+
+    Examples
+    --------
+    >>> from dynamics.engine.rods import ConnectingRod
+    >>> rod = ConnectingRod(1.55, 150.0, 0.8, 50.0)
+    >>> engine = CrossheadEngine(0.3, 0.5, 80.0, 0.2, 30.0, rod, 150.0, 200.0, 110.0)
+    >>> found = hinge_moment(engine, lambda angle: 2e5 * (1.0 + np.sin(angle)), 9.3)
+    >>> round(found.load, 6), abs(found.closing_error) < 1e-12
+    (50000.0, True)
+    """
+    positive_number("speed", speed, "rad/s", "the crank turns forward")
+    count = whole_number(
+        "samples", samples, FEWEST_SAMPLES, "fewer over a turn do not show the rise of the pressure"
+    )
+    angles = even_angles(TURN, count)
+    force = as_function(gas_force)
+    gas = finite_vector("gas_force", force(angles))
+    if gas.shape != angles.shape:
+        raise InputError(
+            f"gas_force: given {gas.size} values for {angles.size} angles; allowed is one for each, "
+            "because the force is a function of the angle."
+        )
+    reduced = reduced_crank(engine, kinematics, angles_deg=np.degrees(angles))
+    gas_moment = gas * reduced.travel_rate
+    load = float(np.mean(gas_moment))
+    moment = 0.5 * speed**2 * reduced.inertia_rate - gas_moment - reduced.weight_moment + load
+    return HingeMoment(
+        engine=engine,
+        speed=float(speed),
+        kinematics=kinematics,
+        angles_deg=read_only(np.degrees(angles)),
+        gas_force=force,
+        gas=read_only(gas),
+        reduced=reduced,
+        load=load,
+        moment=read_only(moment),
+    )
+
+
+def as_function(gas_force: GasForce | ArrayLike) -> GasForce:
+    """Return a gas force as a function of angles [rad]; samples are interpolated by a periodic spline."""
+    if callable(gas_force):
+        return gas_force
+    forces = finite_vector("gas_force", gas_force)
+    if forces.size < FEWEST_SAMPLES:
+        raise InputError(
+            f"gas_force: given {forces.size} values; allowed are {FEWEST_SAMPLES} or more at even angles "
+            "over a turn, because fewer do not show the rise of the pressure."
+        )
+    return periodic_spline(forces)
 
 
 def polar_curvature(radius: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
@@ -103,7 +338,7 @@ NEWTON_STEPS = 60
 
 
 @dataclass(frozen=True)
-class GasSpring:
+class GasSpring(Result):
     """A gas spring of two opposed pistons.
 
     Parameters
@@ -135,11 +370,11 @@ class GasSpring:
     0.2
     """
 
-    piston_area: float
-    height: float
-    pressure: float
-    exponent: float = 1.25
-    ambient: float = 0.0
+    piston_area: Annotated[float, Quantity("m^2")]
+    height: Length
+    pressure: Pressure
+    exponent: Number = 1.25
+    ambient: Annotated[float, Quantity("Pa", key="ambient_pressure")] = 0.0
 
     def __post_init__(self) -> None:
         positive_number("piston_area", self.piston_area, "m^2", "the gas presses on it")
@@ -258,7 +493,7 @@ class GasSpring:
 
 
 # [rad] Steeper guides press a sliding follower hard to the side; 30 deg is the usual limit of cams.
-STEEP = np.pi / 6.0
+STEEP_DEG = 30.0
 # What must hold of a guide that can be made, and why.
 MUST_BE = {
     "smallest radius": "above the roller's radius, or the two rollers would meet",
@@ -268,9 +503,8 @@ MUST_BE = {
 }
 
 
-@summarized("name", "met", "value", "limit", "unit")
-@dataclass(frozen=True)
-class ProfileCheck:
+@result("name", "met", "value", "limit", "unit")
+class ProfileCheck(Result):
     """One condition for a guide that can be made.
 
     Parameters
@@ -283,10 +517,10 @@ class ProfileCheck:
 
     name: str
     met: bool
-    value: float
-    limit: float
+    value: Annotated[float, Quantity(".unit")]
+    limit: Annotated[float, Quantity(".unit")]
     unit: str
-    reason: str
+    reason: Annotated[str, Quantity(key="meaning")]
 
     @property
     def shown(self) -> str:
@@ -314,9 +548,8 @@ class ProfileCheck:
         }
 
 
-@summarized("radius [m]", "speed [rad/s]", "checks", "remarks")
-@dataclass(frozen=True, eq=False)
-class HingeProfile:
+@result("radius [m]", "speed [rad/s]", "checks", "remarks")
+class HingeProfile(Result):
     """Path of the rollers' centers in the rotating guides; arrays of shape (m,) over one revolution.
 
     Made by `hinge_profile`. Between the angles the radius is the periodic cubic spline; all
@@ -337,12 +570,12 @@ class HingeProfile:
         Speed for which the guides were designed [rad/s].
     """
 
-    spring: GasSpring
-    start_radius: float
-    roller_radius: float
-    angles_deg: FloatArray
-    radius: FloatArray
-    speed: float
+    spring: Internal[GasSpring]
+    start_radius: Internal[float]
+    roller_radius: Internal[float]
+    angles_deg: Internal[FloatArray]
+    radius: Internal[FloatArray]
+    speed: Internal[float]
 
     @cached_property
     def curve(self) -> "CubicSpline":
@@ -419,20 +652,63 @@ class HingeProfile:
         return outer_parallel(self._angles, self.radius, self.slope, self.roller_radius)
 
     @property
-    def checks(self) -> tuple[ProfileCheck, ...]:
+    def smallest_radius(self) -> Length:
+        """Of the rollers' path."""
+        return float(self.radius.min())
+
+    @property
+    def largest_radius(self) -> Length:
+        """Of the rollers' path."""
+        return float(self.radius.max())
+
+    @property
+    def largest_compression(self) -> Length:
+        """Of the gas column, from the start."""
+        return float(self.compression.max())
+
+    @property
+    def least_compression(self) -> Length:
+        """Negative where the column gets longer."""
+        return float(self.compression.min())
+
+    @property
+    def largest_pressure(self) -> Pressure:
+        """Of the gas above ambient."""
+        return float(self.pressure.max())
+
+    @property
+    def lowest_pressure(self) -> Pressure:
+        """Of the gas above ambient."""
+        return float(self.pressure.min())
+
+    @property
+    def largest_spring_force(self) -> Force:
+        """Of the gas on each roller."""
+        return float(self.spring_force.max())
+
+    @property
+    def largest_normal_force(self) -> Force:
+        """Of the guide on each roller."""
+        return float(self.normal_force.max())
+
+    @property
+    def largest_force_angle_deg(self) -> Degrees:
+        """Of the force on a roller, off the spring's axis."""
+        return float(np.abs(self.force_angle_deg).max())
+
+    @property
+    def checks(self) -> Part[tuple[ProfileCheck, ...]]:
         """Conditions for guides that can be made, each met or not.
 
         `hinge_profile` makes no guides with less than the least gas column; this states the
         remaining column, and other guides may leave less.
         """
-        least, column = float(self.radius.min()), self.spring.height - float(self.compression.max())
-        least_column = LEAST_COLUMN * self.spring.height
-        hollow, lowest = smallest_hollow(self.curvature), float(self.pressure.min())
+        height, rollers = self.spring.height, self.roller_radius
         conditions = {
-            "smallest radius": (least, self.roller_radius, "m"),
-            "shortest gas column": (column, least_column, "m"),
-            "lowest spring pressure": (lowest, 0.0, "Pa"),
-            "smallest hollow": (hollow, self.roller_radius, "m"),
+            "smallest radius": (self.smallest_radius, rollers, "m"),
+            "shortest gas column": (height - self.largest_compression, LEAST_COLUMN * height, "m"),
+            "lowest spring pressure": (self.lowest_pressure, 0.0, "Pa"),
+            "smallest hollow": (smallest_hollow(self.curvature), rollers, "m"),
         }
         return tuple(
             ProfileCheck(name, value > limit, value, limit, unit, MUST_BE[name])
@@ -440,19 +716,18 @@ class HingeProfile:
         )
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def remarks(self) -> Part[tuple[str, ...]]:
         """Remarks on conditions that are met."""
         sentences = []
-        longest = -float(self.compression.min())
+        longest = -self.least_compression
         if longest > 1e-6 * self.spring.height:
             sentences.append(
                 f"The spring gets {longest * 1e3:.3g} mm longer than at the top dead center: its "
                 "cylinder needs room for that."
             )
-        steepest = float(np.radians(np.max(np.abs(self.force_angle_deg))))
-        if steepest > STEEP:
+        if self.largest_force_angle_deg > STEEP_DEG:
             sentences.append(
-                f"The guides are steep: the roller force is up to {np.degrees(steepest):.0f} "
+                f"The guides are steep: the roller force is up to {self.largest_force_angle_deg:.0f} "
                 "deg off the spring's axis (cams are kept below 30 deg), so friction matters."
             )
         half = np.roll(self.radius, -(self.radius.size // 2))
@@ -520,6 +795,17 @@ class HingeProfile:
         )
 
 
+@result("height", "start_radius", "pressure", "refused")
+class ComparedGuides(Result):
+    """Guides for one spring and start radius, or the reason why there are none."""
+
+    height: Length
+    pressure: Pressure
+    start_radius: Length
+    guides: Annotated[HingeProfile | None, Quantity(flat=True, left_out=True)] = None
+    refused: Annotated[str | None, Quantity(left_out=True)] = None
+
+
 def hinge_profile(
     moment: HingeMoment, spring: GasSpring, start_radius: float, *, roller_radius: float = 0.0
 ) -> HingeProfile:
@@ -564,4 +850,381 @@ def hinge_profile(
         angles_deg=read_only(even_angles(360.0, moment.angles_deg.size)),
         radius=read_only(start_radius - 0.5 * compression),
         speed=moment.speed,
+    )
+
+
+# Angles over a turn of the energy equation, twice those of a hinge moment by default.
+STEPS = 2880
+
+
+@result("mean_speed", "fluctuation", "flywheel", "gain [J]", "angles_deg [deg]")
+class SteadyHingeTurn(Result):
+    """One periodic revolution of a crank.
+
+    Parameters
+    ----------
+    angles_deg : ndarray of shape (m,)
+        Even crank angles from the top dead center [deg].
+    gain : float
+        Energy surplus of the revolution [J]; zero except for integration error.
+    """
+
+    angles_deg: Internal[FloatArray]
+    speed: Internal[FloatArray]
+    mean_speed: Speed
+    gain: Internal[float]
+    flywheel: Annotated[float, Quantity("kg m^2", key="inertia")]
+
+    @property
+    def fluctuation(self) -> Number:
+        """Coefficient of speed fluctuation, (highest - lowest) / mean."""
+        return float((self.speed.max() - self.speed.min()) / self.mean_speed)
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the speed over the crank angle."""
+        curves = {"speed": RPM * self.speed}
+        title = f"Speed over a turn, fluctuation {self.fluctuation:.2g}"
+        return draw_over_angle(
+            axes,
+            np.radians(self.angles_deg),
+            curves,
+            "crank speed [1/min]",
+            title=title,
+            angle_label=FROM_TOP,
+        )
+
+    def to_pandas(self) -> DataFrame:
+        """Return crank angles and speeds."""
+        return table({"crank_angle": (self.angles_deg, "deg"), "speed": (self.speed, "rad/s")})
+
+
+@dataclass(frozen=True, eq=False)
+class TurnEnergy:
+    """Inertia and the energy gained since the top at even angles, shapes (m,)."""
+
+    angles: FloatArray
+    inertia: FloatArray
+    gained: FloatArray
+    left_over: float
+
+
+def steady_hinge_turn(
+    point: HingeMoment,
+    hinge: HingeProfile | None = None,
+    *,
+    pressure: float | None = None,
+    flywheel: float = 0.0,
+    speed: float | None = None,
+    top_speed: float | None = None,
+) -> SteadyHingeTurn:
+    """Find a periodic revolution at constant load.
+
+    Parameters
+    ----------
+    point : HingeMoment
+        Engine, gas force, load and speed; its own hinge moment is not used.
+    pressure : float, optional
+        Initial pressure of the spring [Pa], by default that of the design.
+    speed : float, optional
+        Mean speed of the revolution [rad/s], by default that of `point`.
+    top_speed : float, optional
+        Speed at the top dead center [rad/s], instead of the mean speed.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range, both speeds are given, or the crank does not complete a revolution.
+
+    Notes
+    -----
+    I phi'' + I' phi'^2 / 2 = Q is d(I phi'^2 / 2)/dphi = Q. As gas, weights, load and hinge depend
+    on the angle alone, the energy is an integral of known functions, and a revolution is periodic
+    from any initial speed. The mean speed grows with the energy at the top, which is solved for it.
+    """
+    nonnegative_number("flywheel", flywheel, "kg m^2", "it is an inertia")
+    energy = turn_energy(point, hinge, pressure)
+    if top_speed is not None:
+        if speed is not None:
+            raise InputError(
+                f"top_speed: given {top_speed:g} rad/s beside a mean speed of {speed:g} rad/s; allowed is "
+                "one of the two, because either follows from the other."
+            )
+        reason = "the crank turns forward"
+        return _from_top(energy, flywheel, positive_number("top_speed", top_speed, "rad/s", reason))
+    wanted = positive_number(
+        "speed", point.speed if speed is None else speed, "rad/s", "the crank turns forward"
+    )
+    return steady_at(energy, flywheel, wanted)
+
+
+def simulate_hinge(
+    point: HingeMoment,
+    hinge: HingeProfile | None = None,
+    *,
+    pressure: float | None = None,
+    flywheel: float = 0.0,
+    start_speed: float | None = None,
+    turns: float = 1.0,
+    samples: int = STEPS,
+) -> SpeedOverAngle:
+    """Integrate the equation of motion of a crank from the top dead center.
+
+    Parameters
+    ----------
+    start_speed : float, optional
+        At the top [rad/s]; by default that of the periodic revolution at the speed of `point`.
+
+    Raises
+    ------
+    InputError
+        As `steady_hinge_turn`.
+
+    Notes
+    -----
+    Inertia and moments are splines over the angle. The hinge's moment is that of its
+    guides and spring, 2 F_pn d rho/d phi.
+    """
+    if start_speed is None:
+        turn = steady_hinge_turn(point, hinge, pressure=pressure, flywheel=flywheel)
+        start_speed = float(turn.speed[0])
+    _, reduced, moments = moments_on_crank(point, hinge, pressure)
+    inertia, moment = periodic_spline(reduced.inertia + flywheel), periodic_spline(moments)
+    return speed_over_angle(
+        lambda angle: float(inertia(angle)),
+        lambda _, angle: float(moment(angle)),
+        start_angle_deg=0.0,
+        start_speed=start_speed,
+        turns=turns,
+        samples=samples,
+    )
+
+
+def moments_on_crank(
+    point: HingeMoment, hinge: HingeProfile | None, pressure: float | None
+) -> tuple[FloatArray, ReducedCrank, FloatArray]:
+    """Return even angles, the reduced crank and the sum of all moments on it at them."""
+    angles = even_angles(TURN, STEPS)
+    reduced, moment = point.at_angles(angles_deg=np.degrees(angles))
+    if hinge is not None:
+        moment = moment + hinge.moment_at(pressure, angles_deg=np.degrees(angles))
+    return angles, reduced, moment
+
+
+def turn_energy(
+    point: HingeMoment, hinge: HingeProfile | None, pressure: float | None
+) -> TurnEnergy:
+    """Integrate all moments on the crank over a revolution."""
+    angles, reduced, moment = moments_on_crank(point, hinge, pressure)
+    return integrated(angles, reduced.inertia, moment)
+
+
+def integrated(angles: FloatArray, inertia: FloatArray, moment: FloatArray) -> TurnEnergy:
+    """Integrate the sum of the moments at even angles from the top."""
+    gained = np.asarray(periodic_spline(moment).antiderivative()(np.append(angles, TURN)))
+    return TurnEnergy(angles, inertia, gained[:-1], float(gained[-1]))
+
+
+def steady_at(energy: TurnEnergy, flywheel: float, speed: float) -> SteadyHingeTurn:
+    """Solve for the energy at the top that gives the required mean speed.
+
+    The initial value of `steady_turning` is sufficient here: no moment depends on the speed, so
+    the energy need not be integrated again for each trial.
+    """
+    inertia = energy.inertia + flywheel
+    at_top = energy_for_mean_speed(energy.gained, inertia, speed)
+    if at_top is None:
+        slowest = slowest_mean_speed(energy.gained, inertia)
+        raise InputError(
+            f"speed: given a mean of {format_quantity(speed, 'rad/s', 4)}; allowed is "
+            f"{format_quantity(slowest, 'rad/s', 4)} or more with a flywheel of {flywheel:.4g} kg m^2, "
+            "because a slower crank does not complete a revolution: over a turn its energy swings by "
+            f"{np.ptp(energy.gained) / 1e3:.4g} kJ."
+        )
+    return _turn(energy, inertia, at_top, flywheel)
+
+
+def _from_top(energy: TurnEnergy, flywheel: float, top_speed: float) -> SteadyHingeTurn:
+    """Return the revolution for a speed at the top."""
+    inertia = energy.inertia + flywheel
+    at_top = 0.5 * float(inertia[0]) * top_speed**2
+    lacking = -float(energy.gained.min())
+    if not at_top > lacking:
+        needed = math.sqrt(2.0 * lacking / float(inertia[0]))
+        raise InputError(
+            f"top_speed: given {top_speed:.4g} rad/s; allowed is more than {needed:.4g} rad/s, because "
+            f"over a turn the crank loses {lacking / 1e3:.4g} kJ and must complete a revolution."
+        )
+    return _turn(energy, inertia, at_top, flywheel)
+
+
+def _turn(
+    energy: TurnEnergy, inertia: FloatArray, at_top: float, flywheel: float
+) -> SteadyHingeTurn:
+    kinetic = energy.gained + at_top
+    speed = np.sqrt(2.0 * kinetic / inertia)
+    return SteadyHingeTurn(
+        angles_deg=read_only(np.degrees(energy.angles)),
+        speed=read_only(speed),
+        mean_speed=mean_speed(kinetic, inertia),
+        gain=energy.left_over,
+        flywheel=flywheel,
+    )
+
+
+LARGEST_FLYWHEEL = 1e9
+# Of the logarithm of the pressure: values tried at first, and where the search ends.
+TRIED_PRESSURES, PRESSURE_STEP = 41, 1e-10
+# Stands for the fluctuation of a crank that does not come round; no turning one reaches it.
+STANDING = 100.0
+
+
+@result("pressure", "ratio", "fluctuation", "unchanged", "moment_residual", "largest_residual")
+class BestPressure(Result):
+    """The initial pressure of a spring that smooths a crank's speed most, for given guides.
+
+    Parameters
+    ----------
+    ratio : float
+        Relative to that for which the guides were designed.
+    fluctuation : float
+        Coefficient of speed fluctuation with it.
+    unchanged : float or None
+        With the pressure of the design; None if the crank does not complete a revolution with it.
+    moment_residual : float
+        Root mean square of the difference between the hinge's moment and that for constant speed,
+        relative to the root mean square of the latter.
+    largest_residual : float
+        Largest difference, relative to the largest moment for constant speed.
+    fitted_ratio : float
+        Pressure ratio with the least residual.
+    """
+
+    pressure: Annotated[float, Quantity("Pa", key="best_pressure")]
+    ratio: Annotated[float, Quantity("1", key="best_ratio")]
+    fluctuation: Number
+    unchanged: Annotated[float | None, Quantity("1", key="fluctuation_unchanged")]
+    moment_residual: Number
+    largest_residual: Number
+    fitted_ratio: Number
+
+
+def flywheel_for(
+    point: HingeMoment, fluctuation: float, hinge: HingeProfile | None = None
+) -> float:
+    """Return the inertia of the flywheel that reaches a coefficient of speed fluctuation.
+
+    Parameters
+    ----------
+    fluctuation : float
+        Required coefficient, above zero.
+
+    Returns
+    -------
+    float
+        [kg m^2]; zero if the engine needs none.
+
+    Raises
+    ------
+    InputError
+        If no flywheel up to 1e9 kg m^2 is enough.
+    """
+    from scipy.optimize import brentq
+
+    positive_number("fluctuation", fluctuation, "", "a speed that varies not at all needs no end")
+    energy = turn_energy(point, hinge, None)
+
+    def excess(inertia: float) -> float:
+        try:
+            reached = steady_at(energy, inertia, point.speed).fluctuation
+        except InputError:
+            reached = STANDING
+        return math.log(reached / fluctuation)
+
+    if excess(0.0) <= 0.0:
+        return 0.0
+    larger = 1.0
+    while excess(larger) > 0.0:
+        larger *= 10.0
+        if larger > LARGEST_FLYWHEEL:
+            raise InputError(
+                f"fluctuation: given {fluctuation:g}; allowed is what a flywheel of "
+                f"{LARGEST_FLYWHEEL:g} kg m^2 reaches, because larger ones are not built."
+            )
+    smaller = 0.0 if larger == 1.0 else larger / 10.0
+    return float(brentq(excess, smaller, larger, rtol=1e-12))
+
+
+def best_pressure(
+    point: HingeMoment,
+    hinge: HingeProfile,
+    *,
+    bounds: tuple[float, float] = (0.1, 10.0),
+    flywheel: float = 0.0,
+) -> BestPressure:
+    """Find the initial pressure that smooths the speed most at an operating point.
+
+    Parameters
+    ----------
+    point : HingeMoment
+        Operating point, in general not the one for which the guides were designed.
+    bounds : tuple of two float, optional
+        Smallest and largest pressure considered, as multiples of the design's.
+
+    Raises
+    ------
+    InputError
+        If the bounds are not above zero and ascending, or the crank comes round nowhere in them.
+
+    Notes
+    -----
+    The guides fix z, so the gas force and hence the moment of the hinge are proportional to
+    the initial pressure if there is no ambient pressure (equation (14) of Zotov, Imaeva 2024).
+    """
+    from scipy.optimize import minimize_scalar
+
+    low, high = bounds
+    if not 0.0 < low < high:
+        raise InputError(
+            f"bounds: given {low:g} to {high:g}; allowed are two ascending multiples above zero, because "
+            "the best pressure is looked for between them."
+        )
+    angles, reduced, driving = moments_on_crank(point, None, None)
+
+    def fluctuation(logarithm: float) -> float:
+        pressure = math.exp(logarithm) * hinge.spring.pressure
+        moment = driving + hinge.moment_at(pressure, angles_deg=np.degrees(angles))
+        energy = integrated(angles, reduced.inertia, moment)
+        try:
+            return steady_at(energy, flywheel, point.speed).fluctuation
+        except InputError:
+            # The crank does not come round: worse than any that does, and the more so the more
+            # energy it lacks.
+            swing = float(np.ptp(energy.gained)) / float(np.mean(energy.inertia) + flywheel)
+            return STANDING * (1.0 + swing / point.speed**2)
+
+    tried = np.linspace(math.log(low), math.log(high), TRIED_PRESSURES)
+    place = int(np.argmin([fluctuation(value) for value in tried]))
+    minimum = minimize_scalar(
+        fluctuation,
+        bounds=(tried[max(place - 1, 0)], tried[min(place + 1, tried.size - 1)]),
+        method="bounded",
+        options={"xatol": PRESSURE_STEP},
+    )
+    if not minimum.fun < STANDING:
+        raise InputError(
+            f"bounds: given {low:g} to {high:g}; allowed are bounds between which the crank completes "
+            f"revolutions at {point.speed:g} rad/s, because there is nothing to compare otherwise."
+        )
+    unchanged = fluctuation(0.0)
+    ratio = math.exp(float(minimum.x))
+    wanted, hinged = point.moment, hinge.moment_at(angles_deg=point.angles_deg)
+    residual = wanted - hinge.moment_at(ratio * hinge.spring.pressure, angles_deg=point.angles_deg)
+    return BestPressure(
+        pressure=ratio * hinge.spring.pressure,
+        ratio=ratio,
+        fluctuation=float(minimum.fun),
+        unchanged=unchanged if unchanged < STANDING else None,
+        moment_residual=math.sqrt(float(np.mean(residual**2) / np.mean(wanted**2))),
+        largest_residual=float(np.max(np.abs(residual)) / np.max(np.abs(wanted))),
+        fitted_ratio=float(np.dot(wanted, hinged) / np.dot(hinged, hinged)),
     )

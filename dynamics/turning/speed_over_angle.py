@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.quantity import RPM
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Number, Quantity, Result, Speed, result
 from dynamics.cycle import even_angles
 from dynamics.plots.curves import draw_over_angle
 
@@ -214,9 +215,8 @@ OUTER = (5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0)
 STOPPED_SHARE = 1e-9
 
 
-@summarized("mean_speed [rad/s]", "fluctuation", "speed [rad/s]", "stopped_at_deg [deg]")
-@dataclass(frozen=True, eq=False)
-class SpeedOverAngle:
+@result("mean_speed", "fluctuation", "speed [rad/s]", "stopped_at_deg [deg]")
+class SpeedOverAngle(Result):
     """Rotation of a shaft over given angles.
 
     Parameters
@@ -229,23 +229,33 @@ class SpeedOverAngle:
         Angle at which the shaft stopped [deg]; the arrays then end before it.
     """
 
-    angle_deg: FloatArray
-    speed: FloatArray
-    time: FloatArray
-    energy: FloatArray
-    stopped_at_deg: float | None = None
+    angle_deg: Internal[FloatArray]
+    speed: Internal[FloatArray]
+    time: Internal[FloatArray]
+    energy: Internal[FloatArray]
+    stopped_at_deg: Internal[float | None] = None
 
     @property
-    def mean_speed(self) -> float:
+    def lowest_speed(self) -> Speed:
+        """Over the angles."""
+        return float(self.speed.min())
+
+    @property
+    def highest_speed(self) -> Speed:
+        """Over the angles."""
+        return float(self.speed.max())
+
+    @property
+    def mean_speed(self) -> Speed:
         """Angle turned divided by the time that it took [rad/s]."""
         if self.time[-1] == 0.0:  # stopped within the first step
             return float(self.speed[0])
         return float(math.radians(self.angle_deg[-1] - self.angle_deg[0]) / self.time[-1])
 
     @property
-    def fluctuation(self) -> float:
+    def fluctuation(self) -> Number:
         """Coefficient of speed fluctuation: (highest - lowest speed) / mean speed."""
-        return float((self.speed.max() - self.speed.min()) / self.mean_speed)
+        return (self.highest_speed - self.lowest_speed) / self.mean_speed
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the speed over the shaft angle."""
@@ -466,20 +476,19 @@ TRIALS = 100
 STOPPED = 1e3
 
 
-@summarized("load [N m]", "turning.mean_speed [rad/s]", "turning.fluctuation")
-@dataclass(frozen=True, eq=False)
-class SteadyTurning:
+@result("load", "turning.mean_speed", "turning.fluctuation")
+class SteadyTurning(Result):
     """Rotation with a periodic speed under a constant load.
 
     Parameters
     ----------
     load : float
-        Constant braking moment [N m].
+        Constant braking moment.
     turning : SpeedOverAngle
         Over one period.
     """
 
-    load: float
+    load: Annotated[float, Quantity("N m")]
     turning: SpeedOverAngle
 
 

@@ -1,101 +1,38 @@
 """Results of lookups: values with their unit, their bands and remarks."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.array_checks import check_sizes, finite_array
+from crankbase.array_checks import FloatArray, check_sizes, finite_array
 from crankbase.errors import InputError
 from crankbase.frames import table
-from crankbase.results import Quantity, result
-from crankbase.summaries import summarized
-from fem.supports import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
-from geometry.throw import CrankThrow
+from crankbase.results import Part, Quantity, Result, result
+from fem.end_reactions import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
 from regression.models.angle import between_ends, between_values
-from regression.models.extrapolation import ErrorBand
-from regression.models.family import Family, angle_law_remarks
+from regression.models.family import Family
 from regression.models.response_model import ResponseModel
-from regression.models.response_query import ResponseValues
-from regression.response_kinds import NEEDED, RIGHT_MOMENTS, ThrowLengths, end_reactions
+from regression.models.response_query import ErrorBand, ResponseValues
+from regression.response_kinds import ThrowLengths
 
 if TYPE_CHECKING:
-    from fem.supports import Support
-    from regression.models.model_file import ModelContent
+    pass
 
 
 NO_BAND = "none holds outside the range of the fit"
 
 
-@summarized("value", "unit", "support", "lower", "upper", "inside", "remarks", keeps_text=True)
-@dataclass(frozen=True)
-class Lookup:
-    """One value from a compliance model, with all information on it.
-
-    Parameters
-    ----------
-    value : float
-        The response, in `unit`; never clipped.
-    unit : str
-        Its SI unit.
-    support : str
-        Support of the throw, such as "pinned".
-    inside : bool
-        Whether everything is within the range of the fit and the study's constraints.
-    remarks : tuple of str
-        One sentence for each dimension or ratio outside its range and each constraint of the study that
-        is violated, and further remarks.
-    error : float or None
-        Largest relative error of the equation at held-out designs; None if there were none. The error
-        used for the band is in `band`.
-    equation : str
-        The equation in natural units.
-    lower, upper : float or None
-        Ends of the error band of the response: the equation's error and that of the finite
-        elements together (see `band`). None outside the range, and if an error
-        of 100 % leaves an end open.
-    fe_error : float or None
-        Largest estimate of the relative error of the finite elements; None if there is none.
-    band : str
-        Origin of the band.
-    symbol : str
-        Symbol of the response.
-    """
-
-    value: float
-    unit: str
-    support: str
-    inside: bool
-    remarks: tuple[str, ...]
-    error: float | None
-    equation: str
-    lower: float | None = None
-    upper: float | None = None
-    fe_error: float | None = None
-    band: str = ""
-    symbol: str = ""
-
-    def __repr__(self) -> str:
-        """Summarize the lookup in a line; equation and remarks would fill screens."""
-        if self.lower is not None and self.upper is not None:
-            band = f", between {self.lower:.4g} and {self.upper:.4g}"
-        else:
-            band = "" if self.inside else ", outside the range of the fit"
-        support = f", {self.support}" if self.support else ""
-        return f"Lookup({self.symbol or 'value'} = {self.value:.6g} {self.unit}{support}{band})"
-
-
-@summarized("symbol", "value", "unit", "support", "lower", "upper", "inside", "remarks")
-@dataclass(frozen=True, eq=False)
-class Lookups:
+@result("symbol", "value", "unit", "support", "lower", "upper", "inside", "remarks")
+class Lookups(Result):
     """Values of one response for many throws, with their bands; like `Lookup` for one.
 
     Parameters
     ----------
     value : ndarray
-        The response, in `unit`; never clipped.
+        Never clipped.
     lower, upper : ndarray
         Ends of the band of each value. Infinite outside the study, and if an error
         of 100 % leaves an end open.
@@ -108,14 +45,14 @@ class Lookups:
         As in `Lookup`; origin of the band.
     """
 
-    value: NDArray[np.float64]
-    lower: NDArray[np.float64]
-    upper: NDArray[np.float64]
-    inside: NDArray[np.bool_]
-    remarks: tuple[str, ...]
+    value: Annotated[FloatArray, Quantity(".unit")]
+    lower: Annotated[FloatArray, Quantity(".unit")]
+    upper: Annotated[FloatArray, Quantity(".unit")]
+    inside: Part[NDArray[np.bool_]]
     unit: str
-    support: str
     symbol: str
+    support: str
+    remarks: tuple[str, ...]
     band: str
 
     def to_pandas(self) -> Any:
@@ -138,118 +75,132 @@ class Lookups:
         return table({**numbers, "inside": (self.inside.ravel(), "")})
 
 
-def make_lookup(
-    response: ResponseModel, band: ErrorBand, answer: ResponseValues, remarks: Sequence[str] = ()
-) -> Lookup:
-    """Make the lookup of one value, with remarks that are on every lookup."""
-    value, inside = float(answer.values), not answer.outside
-    lower, upper = band.around(value) if inside else (None, None)
-    return Lookup(
-        value=value,
-        unit=response.unit,
-        support=response.support,
-        inside=inside,
-        remarks=(*(finding.remark for finding in answer.outside), *remarks),
-        error=response.largest_heldout_error,
-        equation=response.equation,
-        lower=lower,
-        upper=upper,
-        fe_error=response.largest_fe_error,
-        band=band.text if inside else NO_BAND,
-        symbol=response.symbol,
-    )
+@result("value", "unit", "support", "lower", "upper", "inside", "remarks")
+class Lookup(Result):
+    """One value from a compliance model, with all information on it.
+
+    Parameters
+    ----------
+    value : float
+        Never clipped.
+    lower, upper : float or None
+        Ends of the error band of the response: the equation's error and that of the finite
+        elements together (see `band`). None outside the range, and if an error
+        of 100 % leaves an end open.
+    unit : str
+        SI unit of these.
+    support : str
+        Support of the throw, such as "pinned".
+    inside : bool
+        Whether everything is within the range of the fit and the study's constraints.
+    remarks : tuple of str
+        One sentence for each dimension or ratio outside its range and each constraint of the study that
+        is violated, and further remarks.
+    error : float or None
+        Largest relative error of the equation at held-out designs; None if there were none. The error
+        used for the band is in `band`.
+    fe_error : float or None
+        Largest estimate of the relative error of the finite elements; None if there is none.
+    band : str
+        Origin of the band.
+    equation : str
+        The equation in natural units.
+    """
+
+    value: Annotated[float, Quantity(".unit")]
+    lower: Annotated[float | None, Quantity(".unit")]
+    upper: Annotated[float | None, Quantity(".unit")]
+    unit: str
+    symbol: str
+    support: str
+    inside: bool
+    remarks: tuple[str, ...]
+    error: Annotated[float | None, Quantity("1", key="largest_held_out_error")]
+    fe_error: Annotated[float | None, Quantity("1", key="largest_fe_error_estimate")]
+    band: str
+    equation: str
+
+    def __repr__(self) -> str:
+        """Summarize the lookup in a line; equation and remarks would fill screens."""
+        if self.lower is not None and self.upper is not None:
+            band = f", between {self.lower:.4g} and {self.upper:.4g}"
+        else:
+            band = "" if self.inside else ", outside the range of the fit"
+        support = f", {self.support}" if self.support else ""
+        return f"Lookup({self.symbol or 'value'} = {self.value:.6g} {self.unit}{support}{band})"
+
+    @classmethod
+    def of(cls, looked_up: dict[str, Any], responses: Sequence[ResponseModel]) -> "Lookup":
+        """Make the lookup of one throw from the fields of `Lookups`, by the responses used."""
+        lower, upper = looked_up["lower"], looked_up["upper"]
+        changed = {
+            "value": float(looked_up["value"]),
+            "lower": float(lower) if math.isfinite(lower) else None,
+            "upper": float(upper) if math.isfinite(upper) else None,
+            "inside": bool(looked_up["inside"]),
+            "band": looked_up["band"] if looked_up["inside"] else NO_BAND,
+            "error": _largest([response.largest_heldout_error for response in responses]),
+            "fe_error": _largest([response.largest_fe_error for response in responses]),
+            "equation": "; ".join([response.equation for response in responses]),
+        }
+        return cls(**looked_up | changed)
 
 
-def make_lookups(
-    response: ResponseModel, band: ErrorBand, answer: ResponseValues, remarks: Sequence[str] = ()
-) -> Lookups:
-    """Make the lookups of an array of values, as `make_lookup` for one."""
-    values, inside = np.asarray(answer.values), np.asarray(answer.inside)
-    lower, upper = band.around_all(values)
-    if not np.all(inside):
-        lower, upper = np.where(inside, lower, -np.inf), np.where(inside, upper, np.inf)
-    return Lookups(
-        value=values,
-        lower=lower,
-        upper=upper,
-        inside=inside,
-        remarks=(*(finding.remark for finding in answer.outside), *remarks),
-        unit=response.unit,
-        support=response.support,
-        symbol=response.symbol,
-        band=band.text,
-    )
+def _largest(errors: Sequence[float | None]) -> float | None:
+    known = [error for error in errors if error is not None]
+    return max(known) if len(known) == len(errors) else None
 
 
-def make_lookups_between_neighbors(
-    angle: Any, parts: Sequence[Lookups], symbol: str, remarks: Sequence[str] = ()
-) -> Lookups:
-    """Make the lookups of throws between neighbors, as `make_lookup_between_neighbors` for one."""
-    value = np.asarray(between_values(angle, [part.value for part in parts]))
-    inside = np.logical_and.reduce([part.inside for part in parts])
-    ends = [(part.lower, part.upper) for part in parts]
+def look_up(
+    response: ResponseModel, band: ErrorBand, answer: ResponseValues, remarks: Sequence[str]
+) -> dict[str, Any]:
+    """Return the fields of `Lookups`, floats or arrays; `remarks` are on every lookup."""
+    lower, upper = band.around(answer.values, answer.inside)
+    return {
+        "value": answer.values,
+        "lower": lower,
+        "upper": upper,
+        "inside": answer.inside,
+        "remarks": (*[finding.remark for finding in answer.outside], *remarks),
+        "unit": response.unit,
+        "support": response.support,
+        "symbol": response.symbol,
+        "band": band.text,
+    }
+
+
+def look_up_between_neighbors(
+    angle: Any, parts: Sequence[dict[str, Any]], symbol: str, shown: str, remarks: Sequence[str]
+) -> dict[str, Any]:
+    """Look throws between neighbors up: their bands are those of the three numbers together.
+
+    Angles between neighboring cranks are 0 to 180 [deg]; the parts are the values in line, at 180
+    deg, and rho; `shown` names the angle, "" for several.
+    """
+    value = between_values(angle, [part["value"] for part in parts])
+    inside = np.logical_and.reduce([part["inside"] for part in parts])
+    ends = [(part["lower"], part["upper"]) for part in parts]
     # The law has no value where rho is none or, with an error of 100 %, may be 0.
-    known = inside & np.isfinite(ends).all(axis=(0, 1)) & (parts[-1].lower > 0.0)
+    known = inside & np.isfinite(ends).all(axis=(0, 1)) & (ends[-1][0] > 0.0)
     lower, upper = between_ends(
         angle, [(np.where(known, low, 1.0), np.where(known, high, 1.0)) for low, high in ends]
     )
-    lower, upper = np.where(known, lower, -np.inf), np.where(known, upper, np.inf)
-    return Lookups(
-        value=value,
-        lower=lower,
-        upper=upper,
-        inside=np.broadcast_to(inside, value.shape),
-        remarks=tuple(dict.fromkeys([r for part in parts for r in part.remarks] + [*remarks])),
-        unit=parts[0].unit,
-        support="between neighbors",
-        symbol=f"{symbol}(gamma)",
-        band=_law_band(parts),
-    )
-
-
-def make_lookup_between_neighbors(
-    angle: float, parts: Sequence[Lookup], symbol: str, remarks: Sequence[str] = ()
-) -> Lookup:
-    """Make the lookup of a throw between neighbors: its band is that of the three numbers together.
-
-    The angle between neighboring cranks is 0 to 180 [deg]; the parts are the values in line, at 180
-    deg, and rho.
-    """
-    *_, ratio = ends = [(part.lower, part.upper) for part in parts]
-    inside = all(part.inside for part in parts)
-    # The law has no value where rho, with an error of 100 %, may be 0.
-    closed = all(None not in pair for pair in ends) and ratio[0] != 0.0
-    lower, upper = between_ends(angle, ends) if closed else (None, None)
-    return Lookup(
-        value=float(between_values(angle, [part.value for part in parts])),
-        unit=parts[0].unit,
-        support=f"between neighbors at {angle:g} deg",
-        inside=inside,
-        remarks=tuple(dict.fromkeys([r for part in parts for r in part.remarks] + [*remarks])),
-        error=_largest(part.error for part in parts),
-        equation="; ".join(part.equation for part in parts),
-        lower=lower,
-        upper=upper,
-        fe_error=_largest(part.fe_error for part in parts),
-        band=_law_band(parts) if inside else NO_BAND,
-        symbol=f"{symbol}({angle:g} deg)",
-    )
-
-
-def _law_band(parts: Sequence[Lookup | Lookups]) -> str:
-    bands = "; ".join(f"{part.symbol}: {part.band}" for part in parts)
-    return f"angle law at the ends of the bands of its three numbers: {bands}"
-
-
-def _largest(errors: Iterable[float | None]) -> float | None:
-    known = list(errors)
-    return None if None in known else max(error for error in known if error is not None)
+    bands = "; ".join(f"{part['symbol']}: {part['band']}" for part in parts)
+    return {
+        "value": value,
+        "lower": np.where(known, lower, -np.inf),
+        "upper": np.where(known, upper, np.inf),
+        "inside": np.broadcast_to(inside, np.shape(value)),
+        "remarks": tuple(dict.fromkeys([*(r for p in parts for r in p["remarks"]), *remarks])),
+        "unit": parts[0]["unit"],
+        "support": f"between neighbors at {shown}" if shown else "between neighbors",
+        "symbol": f"{symbol}({shown or 'gamma'})",
+        "band": f"angle law at the ends of the bands of its three numbers: {bands}",
+    }
 
 
 Array = NDArray[np.float64]
 
-# Beginnings of names of what a throw has that its first pin's reactions do not tell of.
-_OTHER_PARTS = ("further_pins.", "oil_holes.")
 _WEBS = ("left_web.thickness", "right_web.thickness")
 
 
@@ -300,59 +251,6 @@ class ReactionLookup(Reactions):
         ends = (self.left.force, self.left.moment, self.right.force, self.right.moment)
         columns = np.concatenate(ends, axis=-1).reshape(-1, 12).T
         return table(dict(zip(END_LOADS, zip(columns, LOAD_UNITS * 2, strict=True), strict=True)))
-
-
-def look_reactions_up(
-    model: "ModelContent",
-    lookups: "Callable[..., Lookups]",
-    pin_force: ArrayLike,
-    support: "Support",
-    strict: bool,
-    dimensions: Mapping[str, ArrayLike | str],
-) -> ReactionLookup:
-    """Find reactions for `ComplianceModel.reactions`, with a function that looks its responses up."""
-    force = checked_force(pin_force)
-    kind, gamma = checked_support(support)
-    _check_throws(model, kind)
-    missing = [name for name in NEEDED[kind] if name not in model.responses]
-    if missing:
-        raise InputError(
-            f"support: given {support_words(kind, gamma)}, but the model has no {missing[0]}; reactions "
-            f"there need {', '.join(NEEDED[kind])}: run and fit its study again, because this release has "
-            "studies keep them."
-        )
-    looked_up = {name: lookups(name, strict=strict, **dimensions) for name in NEEDED[kind]}
-    inside = np.logical_and.reduce([answer.inside for answer in looked_up.values()])
-    _check_shapes(force, inside)
-    lengths = throw_lengths(model.family, dimensions)
-    values: dict[str, Any] = {name: answer.value for name, answer in looked_up.items()}
-
-    # One number for both ends, if they are alike.
-    twins = {} if angle_law_remarks(model.family, model.throw) else RIGHT_MOMENTS
-    values |= {right: values[left] for left, right in twins.items() if left in values}
-
-    def loads(name: str = "", ends: Any = None) -> Array:
-        changed = {} if not name else {name: ends, twins.get(name, name): ends}
-        return end_reactions(values | changed, lengths, force, gamma)
-
-    middle = loads()
-    band = np.zeros_like(middle)
-    for name, answer in looked_up.items():
-        if name in twins.values():
-            continue
-        open_ended = ~(np.isfinite(answer.lower) & np.isfinite(answer.upper))
-        ends = (np.where(open_ended, answer.value, end) for end in (answer.lower, answer.upper))
-        band += np.maximum(*(np.abs(loads(name, end) - middle) for end in ends))
-        band[np.broadcast_to(open_ended, band.shape[:-1])] = np.inf
-    return ReactionLookup(
-        *both_ends(middle),
-        band=Reactions(*both_ends(band)),
-        support=support_words(kind, gamma),
-        inside=np.broadcast_to(inside, middle.shape[:-1]),
-        remarks=tuple(
-            dict.fromkeys(remark for answer in looked_up.values() for remark in answer.remarks)
-        ),
-    )
 
 
 def throw_lengths(family: Family, query: Mapping[str, ArrayLike | str]) -> ThrowLengths:
@@ -421,32 +319,3 @@ def checked_support(support: object) -> tuple[str, float | None]:
 def support_words(kind: str, gamma: float | None) -> str:
     """Describe the support of a throw."""
     return kind if gamma is None else f"between neighbors at {gamma:g} deg"
-
-
-def _check_throws(model: "ModelContent", kind: str) -> None:
-    """Refuse throws whose reactions do not follow from the model's numbers."""
-    family, throw = model.family, model.throw
-    names = [*family.factors, *family.relations, *family.fixed, *family.labels]
-    part = next((name for name in names if name.startswith(_OTHER_PARTS)), None)
-    if part is not None or (throw is not None and CrankThrow(**throw).symmetry == "full"):
-        raise InputError(
-            f"reactions: given a model of throws with {part or 'parts beside the crank plane'}; allowed are "
-            "throws of one pin that are symmetric about the crank plane, because for others a force in "
-            "that plane does not leave the ends in it: use analyze_throw."
-        )
-    if kind == "neighbors" and angle_law_remarks(family, throw):
-        raise InputError(
-            "support: given Neighbors to a model of throws that are not alike from both ends; allowed are "
-            '"pinned" and "guided", because only equal webs have reactions in closed form between '
-            "neighbors: use analyze_throw."
-        )
-
-
-def _check_shapes(force: Array, inside: NDArray[np.bool_]) -> None:
-    try:
-        np.broadcast_shapes(force.shape[:-1], inside.shape)
-    except ValueError:
-        raise InputError(
-            f"pin_force: given an array of shape {force.shape} for dimensions of shape {inside.shape}; "
-            "allowed are three numbers, or rows of them that can be broadcast with the dimensions."
-        ) from None

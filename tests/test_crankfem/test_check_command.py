@@ -17,7 +17,7 @@ from crankbase.errors import InputError
 from crankfem.analyses.file_check import check_file
 from crankfem.analyses.shaft.chains import shaft_surroundings
 from crankfem.analyses.strength.cycle_loads import supported_throws
-from crankfem.analyses.strength.element_factors import shrink_fit, throw_webs
+from crankfem.analyses.strength.engine_strength import shrink_fit, throw_webs
 from crankfem.analyses.vibration import run as vibration_run
 from crankfem.analyses.vibration.engine_excitation import (
     engine_harmonics,

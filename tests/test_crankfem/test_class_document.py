@@ -22,7 +22,7 @@ from crankfem.analyses.submission.firing_cases import (
     heat_factors,
     heat_of,
 )
-from crankfem.analyses.submission.mode_tables import holzer_table
+from crankfem.analyses.submission.tables import holzer_table
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.reading.data_files import input_path

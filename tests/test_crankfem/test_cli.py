@@ -20,6 +20,7 @@ from crankfem.cli.console import RunProgress
 from crankfem.files.engine.engine_file import SECTIONS
 from crankfem.files.reading.data_files import shipped_names
 from crankfem.jobs.exit_codes import MEANINGS
+from dynamics.assessment import wording
 from fem.superelement import shaft_unknowns, solve_shaft
 
 ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
@@ -120,17 +121,17 @@ def test_an_output_that_nobody_reads_ends_quietly(spawn):
     assert answer.err == ""
 
 
-VERDICTS = {
+ENDS = {
     "acceptable": (0, ""),
     "not acceptable": (4, "Limits are exceeded: The verdict.\n"),
-    "undecided": (5, "Undecided: give this.\n"),
+    "undecided": (5, f"{wording.VERDICTS['undecided']}: give this.\n"),
 }
 
 
-@pytest.mark.parametrize("status", VERDICTS)
+@pytest.mark.parametrize("status", ENDS)
 @pytest.mark.parametrize("option", ["--json", "--quiet"])
 def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
-    code, sentence = VERDICTS[status]
+    code, sentence = ENDS[status]
     decision = {"status": status, "sentence": "give this"}
     judged = {"sentence": "The verdict.", "decision": decision}
     monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: None)

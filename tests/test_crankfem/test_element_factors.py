@@ -10,8 +10,12 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.strength import engine_strength
 from crankfem.analyses.strength.cycle_loads import shaft_loads
-from crankfem.analyses.strength.element_factors import element_factors, throw_webs
-from crankfem.analyses.strength.engine_strength import factor_table, strength_record
+from crankfem.analyses.strength.engine_strength import (
+    element_factors,
+    factor_table,
+    strength_record,
+    throw_webs,
+)
 from crankfem.files.engine.mechanism_file import mechanism_of
 from dynamics.strength.concentration import ElementFactors, unsafe_formulas
 from fem import fillet_stress

@@ -14,16 +14,19 @@ from dynamics.cycle import even_angles
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.rods import ConnectingRod
 from dynamics.hinge.crosshead import KINEMATICS, CrossheadEngine, reduced_crank
-from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.profile import (
     GasSpring,
+    best_pressure,
     check_roller,
+    flywheel_for,
+    hinge_moment,
     hinge_profile,
     outer_parallel,
     polar_curvature,
+    simulate_hinge,
     smallest_hollow,
+    steady_hinge_turn,
 )
-from dynamics.hinge.simulation import best_pressure, flywheel_for, simulate_hinge, steady_hinge_turn
 
 ROD = ConnectingRod(1.55, 150.0, 0.8, 50.0)
 ENGINE = CrossheadEngine(0.3, 0.5, 80.0, 0.2, 30.0, ROD, 150.0, 200.0, 110.0)

@@ -35,9 +35,7 @@ from dynamics.gas.gas_cycle import GasCycleResult
 from dynamics.gas.pressure import gas_pressure
 from dynamics.harmonics import TorqueTable, harmonics
 from dynamics.hinge.crosshead import CrossheadEngine
-from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.profile import GasSpring, hinge_profile
-from dynamics.hinge.simulation import SteadyHingeTurn
+from dynamics.hinge.profile import GasSpring, SteadyHingeTurn, hinge_moment, hinge_profile
 from dynamics.plots.campbell import LABEL_ROOM, campbell_frame
 from dynamics.plots.harmonics import KIND_COLORS
 from dynamics.plots.load_diagrams import LABEL_HALF, label_spots, square_round
@@ -49,8 +47,8 @@ from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import peak_cause
 from dynamics.response.resonance import campbell_diagram, resonances
 from dynamics.torque import Star, engine_torque, pin_force_harmonics
-from dynamics.transient.applied_forces import SpeedCurve
-from dynamics.transient.run import SteadyMotion, TransientMotion
+from dynamics.transient.motions import SteadyMotion, TransientMotion
+from dynamics.transient.propagator import SpeedCurve
 from dynamics.transient.turning_run import TurningCycle, TurningRun
 from dynamics.turning.free_turning import FreeTurning, WorkShare
 from dynamics.turning.speed_over_angle import SpeedOverAngle

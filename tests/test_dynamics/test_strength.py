@@ -25,7 +25,11 @@ from dynamics.strength.concentration import (
     RANGES,
     ConcentrationFactors,
     CrankWeb,
+    SupportedThrow,
+    alternating,
     coefficient_differences,
+    hole_stress,
+    web_stresses,
 )
 from dynamics.strength.fatigue import (
     PlaceStrength,
@@ -42,7 +46,6 @@ from dynamics.strength.fatigue import (
     hole_equivalent,
     strength_near_end,
 )
-from dynamics.strength.nominal import SupportedThrow, alternating, hole_stress, web_stresses
 from dynamics.strength.shrink_fit import ShrinkFit
 
 USUAL = {

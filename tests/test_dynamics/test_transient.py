@@ -19,12 +19,14 @@ from dynamics.gas.pressure import gas_pressure
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import chain_system
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.transient.applied_forces import LoadStep, SpeedCurve
-from dynamics.transient.motions import envelope_over
-from dynamics.transient.propagator import viscous_system
-from dynamics.transient.run import steady_motion, transient_motion
-from dynamics.transient.turning_chain import throw_inertia_curves, turning_chain
-from dynamics.transient.turning_run import steady_cycle, turn_under_gas
+from dynamics.transient.motions import envelope_over, steady_motion, transient_motion
+from dynamics.transient.propagator import LoadStep, SpeedCurve, viscous_system
+from dynamics.transient.turning_run import (
+    steady_cycle,
+    throw_inertia_curves,
+    turn_under_gas,
+    turning_chain,
+)
 from dynamics.turning.free_turning import turn_freely
 
 EXACT = 1e-9

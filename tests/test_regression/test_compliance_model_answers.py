@@ -19,13 +19,11 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
-from regression.fits.forms import FittedForm
-from regression.fits.terms import polynomial_terms
+from regression.fits.forms import FittedForm, polynomial_terms
 from regression.models.angle import between, fold_angle
 from regression.models.compliance_model import ComplianceModel
-from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.response_model import ResponseModel
-from regression.models.response_query import PIECE, compile_equation
+from regression.models.response_query import PIECE, OutsideRangeWarning, compile_equation
 
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098)}
 GRID = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in BOX.values()))))
@@ -388,8 +386,8 @@ def test_compiled_equations_are_the_fitted_ones(columns, degree, logarithmic, se
     compiled = compile_equation(fitted)
     coded = rng.uniform(-1.0, 1.0, (50, columns))
     x = np.where(logged, np.exp(-1.0 + 0.2 * coded), 0.3 + 0.2 * coded)
-    arrays = compiled.array(list(x.T))
-    scalars = np.array([compiled.scalar(row) for row in x.tolist()])
+    arrays = compiled(list(x.T), np)
+    scalars = np.array([compiled(row, math) for row in x.tolist()])
     size = np.maximum(np.abs(arrays), 1.0 if not logarithmic else 0.0)
     assert np.max(np.abs(arrays - scalars) / size) <= 1e-14
     # The exponent of the plain evaluation is of the size 20 to 40: 40 * 2^-53 and a few of its sums.

@@ -14,7 +14,7 @@ import math
 
 import pytest
 
-from crankfem.analyses.strength.element_factors import element_factors, throw_webs
+from crankfem.analyses.strength.engine_strength import element_factors, throw_webs
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.strength.concentration import SYMBOLS
 from fem import fillet_peaks, fillet_stress

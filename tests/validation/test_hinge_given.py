@@ -16,10 +16,10 @@ from scipy.optimize import minimize_scalar
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.hinge.hinge_run import hinge_columns, hinge_record, run_hinge
+from crankfem.analyses.hinge.hinge_run import hinge_columns, run_hinge
 from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
-from dynamics.hinge.moment import hinge_moment
+from dynamics.hinge.profile import hinge_moment
 
 pytestmark = pytest.mark.slow
 
@@ -151,9 +151,8 @@ def test_the_surface_lies_at_the_rollers_radius_from_their_path(rolled, figure):
         slopes.append(np.angle((after - before) / path))
     figure("distance from the path", distances, 0.060, 1e-9, "m", "absolute")
     figure("angle between surface and path", slopes, 0.0, 1e-4, "rad", "absolute")
-    record = hinge_record(rolled)["profile"]
-    assert record["roller_radius"] == 0.060
-    assert record["surface"]["largest_radius"] == close(np.abs(surface).max())
+    assert rolled.rolled.roller_radius == 0.060
+    assert rolled.rolled.surface.largest_radius == close(np.abs(surface).max())
     assert np.all(np.abs(surface) > columns["radius_m"])
 
 
@@ -161,7 +160,7 @@ def test_without_a_radius_the_path_is_the_surface():
     run = run_hinge(replace(load_hinge(), comparison=None), speed=SPEED)
     assert run.surface is None
     assert "guide_x_m" not in hinge_columns(run)
-    assert hinge_record(run)["profile"]["surface"] is None
+    assert run.to_record()["profile"]["surface"] is None
 
 
 def test_what_the_moment_lacks_is_told_as_mean_and_as_largest(figure):

@@ -19,9 +19,8 @@ from comparing import close
 from dynamics.chains.chain import Chain
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.transient.applied_forces import SpeedCurve
-from dynamics.transient.propagator import viscous_system
-from dynamics.transient.run import steady_motion, transient_motion
+from dynamics.transient.motions import steady_motion, transient_motion
+from dynamics.transient.propagator import SpeedCurve, viscous_system
 
 INERTIA = [0.0170, 0.0090, 0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487, 2.0750]
 STIFFNESS = np.array([1.106, 1.631, 1.253, 1.253, 1.678, 1.253, 1.253, 1.976]) * 1e6

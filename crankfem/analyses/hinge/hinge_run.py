@@ -1,26 +1,43 @@
-"""Calculation of an elastic hinge: guides, speed fluctuation, other operating points."""
+"""The elastic hinge of a file: guides, speed fluctuation, other operating points, tables and diagrams."""
 
 import math
-from dataclasses import dataclass
+import re
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
 from crankbase.array_checks import ComplexArray, FloatArray
 from crankbase.choices import check_choice
-from crankbase.diagrams import figure, make_folder, new_axes
+from crankbase.diagrams import (
+    BLUE,
+    COLORS,
+    GRAY,
+    GREEN,
+    ORANGE,
+    figure,
+    legend_inside,
+    make_folder,
+    new_axes,
+    write_title,
+)
 from crankbase.errors import InputError
 from crankbase.frames import table
-from crankbase.quantity import RPM
-from crankbase.summaries import summarized
-from crankfem.analyses.record import Record, assumed_values, attributes
+from crankbase.quantity import RPM, format_quantity
+from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, Speed, result
+from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
+from crankfem.analyses.record import Record, assumed_values
 from crankfem.files.hinge_file import HingeFile
 from dynamics.hinge.crosshead import KINEMATICS, Kinematics
-from dynamics.hinge.moment import HingeMoment
-from dynamics.hinge.profile import GasSpring, HingeProfile
-from dynamics.hinge.simulation import (
+from dynamics.hinge.profile import (
     BestPressure,
+    ComparedGuides,
+    GasSpring,
+    HingeMoment,
+    HingeProfile,
+    Length,
+    ProfileCheck,
     SteadyHingeTurn,
     best_pressure,
     flywheel_for,
@@ -35,10 +52,11 @@ if TYPE_CHECKING:
 
 Shown = Literal["moment", "gas force", "speed", "guides"]
 SHOWN: tuple[Shown, ...] = ("moment", "gas force", "speed", "guides")
+DASHES = ("-", "--", ":", "-.")
 
 
-@dataclass(frozen=True, eq=False)
-class OtherSpeed:
+@result("speed", "best.pressure", "flywheel", "flywheel_with_hinge")
+class OtherSpeed(Result):
     """Another operating point with the same guides.
 
     Parameters
@@ -47,18 +65,77 @@ class OtherSpeed:
         Of that running point.
     flywheel, flywheel_with_hinge : float
         Inertia that reaches the compared fluctuation without the hinge, and with it at its best
-        pressure [kg m^2].
+        pressure.
     """
 
-    point: HingeMoment
-    best: BestPressure
-    flywheel: float
-    flywheel_with_hinge: float
+    point: Annotated[HingeMoment, Quantity(key="hinge_moment")]
+    best: Flat[BestPressure]
+    flywheel: Annotated[float, Quantity("kg m^2", key="flywheel_without_hinge")]
+    flywheel_with_hinge: Annotated[float, Quantity("kg m^2")]
+
+    @property
+    def speed(self) -> Speed:
+        """Of the crank."""
+        return self.point.speed
 
 
-@summarized("file.name", "moment.load [N m]", "moment.moment [N m]", "flywheel [kg m^2]", "others")
-@dataclass(frozen=True, eq=False)
-class HingeRun:
+@result("smallest_radius", "largest_radius")
+class GuideSurface(Result):
+    """Least and largest distance of the guides' surface from the axis."""
+
+    smallest_radius: Length
+    largest_radius: Length
+
+
+@result("roller_radius", "surface")
+class RolledGuides(Result):
+    """Guides with rollers; the surface is None where `HingeRun.surface` is."""
+
+    guides: Flat[HingeProfile]
+    roller_radius: Length
+    surface: GuideSurface | None
+
+
+@result("turn.mean_speed", "turn.fluctuation", "reason")
+class TurnWithoutHinge(Result):
+    """A revolution without the hinge, and why the crank does not come round at the mean speed if so."""
+
+    turn: Flat[SpeedOverAngle]
+    reason: str | None
+
+    @property
+    def comes_round_at_mean_speed(self) -> Part[bool]:
+        """Whether the crank does."""
+        return self.reason is None
+
+
+@result(
+    "with_hinge.fluctuation", "without.turn.fluctuation", "flywheel.flywheel", "remaining_share"
+)
+class FreeTurns(Result):
+    """Revolutions under the constant load.
+
+    Parameters
+    ----------
+    with_hinge, without : SpeedOverAngle, TurnWithoutHinge
+        Integrated from the top dead center: with the hinge at the mean speed, without it from the
+        same speed at the top.
+    flywheel : SteadyHingeTurn
+        Without the hinge, with the inertia that reaches the compared fluctuation.
+    """
+
+    with_hinge: SpeedOverAngle
+    without: TurnWithoutHinge
+    flywheel: SteadyHingeTurn
+
+    @property
+    def remaining_share(self) -> Number:
+        """Fluctuation with the hinge relative to that without it."""
+        return self.with_hinge.fluctuation / self.without.turn.fluctuation
+
+
+@result("engine", "moment.load", "moment.moment [N m]", "turning.flywheel.flywheel", "others")
+class HingeRun(Result):
     """All results for a hinge file.
 
     Parameters
@@ -67,32 +144,55 @@ class HingeRun:
         For which the guides are designed, with the requested kinematics.
     point : HingeMoment
         The same operating point with exact kinematics, for the free rotation of the crank.
-    with_hinge, without : SpeedOverAngle
-        A revolution integrated from the top dead center: with the hinge at the mean speed, without it
-        from the same speed at the top.
-    refused : str or None
-        Why the crank does not rotate at the mean speed without the hinge, if it does not.
-    flywheel : float
-        Inertia that reaches the compared fluctuation without the hinge [kg m^2].
-    compared : list of (GasSpring, float, HingeProfile or str)
-        Other springs: initial radius, and guides or the reason why there are none.
+    compared : tuple of ComparedGuides
+        Those of other springs.
     deviations : dict
         Largest difference of M_h from that of exact kinematics, relative to the largest M_h, for each of the
         other kinematics.
     """
 
-    file: HingeFile
-    moment: HingeMoment
-    point: HingeMoment
-    profile: HingeProfile
-    with_hinge: SpeedOverAngle
-    without: SpeedOverAngle
-    refused: str | None
-    flywheel: float
-    flywheel_turn: SteadyHingeTurn
-    others: tuple[OtherSpeed, ...]
-    compared: list[tuple[GasSpring, float, HingeProfile | str]]
-    deviations: dict[Kinematics, float]
+    file: Internal[HingeFile]
+    point: Internal[HingeMoment]
+    profile: Internal[HingeProfile]
+    moment: Annotated[HingeMoment, Quantity(key="hinge_moment")]
+    turning: FreeTurns
+    others: Annotated[tuple[OtherSpeed, ...], Quantity(key="other_speeds")]
+    compared: tuple[ComparedGuides, ...]
+    deviations: Annotated[dict[Kinematics, float], Quantity("1", key="kinematics_deviation")]
+
+    @property
+    def engine(self) -> Part[str]:
+        """Its name."""
+        return self.file.name
+
+    @property
+    def speed(self) -> Speed:
+        """For which the guides are designed."""
+        return self.point.speed
+
+    @property
+    def kinematics(self) -> Part[Kinematics]:
+        """For which the guides are designed."""
+        return self.moment.kinematics
+
+    @property
+    def spring(self) -> Part[GasSpring]:
+        """Of the guides."""
+        return self.profile.spring
+
+    @property
+    def rolled(self) -> Annotated[RolledGuides, Quantity(key="profile")]:
+        """The guides with their surface."""
+        surface = None
+        if self.surface is not None:
+            distance = np.abs(self.surface)
+            surface = GuideSurface(float(distance.min()), float(distance.max()))
+        return RolledGuides(self.profile, self.profile.roller_radius, surface)
+
+    @property
+    def assumed(self) -> Part[list[Record]]:
+        """Values of the file that nobody gave."""
+        return assumed_values(self.file.records)
 
     @property
     def surface(self) -> ComplexArray | None:
@@ -120,8 +220,6 @@ class HingeRun:
         InputError
             If `show` is unknown.
         """
-        from crankfem.analyses.hinge import plots
-
         check_choice("show", show, SHOWN, "these are diagrams of a hinge")
         if show == "guides":
             return self.plot_guides(axes) if self.compared else self.profile.plot(axes)
@@ -135,26 +233,17 @@ class HingeRun:
                 )
                 for other in self.others
             ]
-            plots.draw_moments(axes, points, [None, *given])
+            draw_moments(axes, points, [None, *given])
         elif show == "gas force":
-            plots.draw_gas_force(axes, points)
+            draw_gas_force(axes, points)
         else:
-            plots.draw_speeds(
-                axes,
-                self.without,
-                self.flywheel_turn,
-                self.with_hinge,
-                flywheel=self.flywheel,
-                from_speed=self.point.speed,
-            )
+            draw_speeds(axes, self.turning, from_speed=self.point.speed)
         return axes
 
     @property
     def spring_sizes(self) -> list[tuple[float, float]]:
         """Height of the spring and initial radius of the compared guides, the largest first [m]."""
-        return sorted(
-            {(spring.height, radius) for spring, radius, _ in self.compared}, reverse=True
-        )
+        return sorted({(each.height, each.start_radius) for each in self.compared}, reverse=True)
 
     def plot_guides(self, axes: "Axes | None" = None, size: int = 0) -> "Axes":
         """Draw the rollers' path for all compared springs of one of the `spring_sizes`.
@@ -164,13 +253,9 @@ class HingeRun:
         size : int, optional
             Number of the size, the largest by default.
         """
-        from crankfem.analyses.hinge.plots import draw_guides
-
         height, start = self.spring_sizes[size]
         compared = [
-            (spring.pressure, guides)
-            for spring, radius, guides in self.compared
-            if (spring.height, radius) == (height, start)
+            each for each in self.compared if (each.height, each.start_radius) == (height, start)
         ]
         axes = new_axes(axes)
         draw_guides(axes, height, start, compared)
@@ -184,13 +269,202 @@ class HingeRun:
         others = self.others
         return table(
             {
-                "speed": ([other.point.speed for other in others], "rad/s"),
+                "speed": ([other.speed for other in others], "rad/s"),
                 "best_pressure": ([other.best.pressure for other in others], "Pa"),
                 "fluctuation": ([other.best.fluctuation for other in others], "1"),
                 "flywheel": ([other.flywheel for other in others], "kg m^2"),
                 "flywheel_with_hinge": ([other.flywheel_with_hinge for other in others], "kg m^2"),
             }
         )
+
+    def tables(self, units: OutputUnits = SI) -> Iterator[Table | str]:
+        """Return what the console prints: tables and sentences."""
+        yield from self._moment_tables(units)
+        yield from self._guide_tables(units)
+        yield from self._turning_tables(units)
+        if self.others:
+            yield from self._other_tables(units)
+        if self.compared:
+            yield from self._compared_tables(units)
+        if self.assumed:
+            fields = (re.sub(r"\[\d+\]", "", entry["field"]) for entry in self.assumed)
+            yield (
+                f"Assumed, not given ({len(self.assumed)} values): {', '.join(dict.fromkeys(fields))}; "
+                "the file and --json give the reasons."
+            )
+
+    def _moment_tables(self, units: OutputUnits) -> Iterator[Table | str]:
+        moment = self.moment
+        yield Table(
+            units.text(
+                f"{self.engine} at {RPM * self.speed:.4g} 1/min: moments on the crank "
+                f"({self.kinematics} kinematics)"
+            ),
+            [
+                Column("", words=True),
+                Column("", "kN m"),
+                Column("at", "deg", decimals=1, missing=""),
+            ],
+            [
+                ["load M_r", moment.load, None],
+                ["largest M_h", moment.largest, math.radians(moment.largest_at_deg)],
+                ["least M_h", moment.least, math.radians(moment.least_at_deg)],
+            ],
+        )
+        low, high = moment.reduced_inertia
+        yield units.text(
+            f"Reduced inertia {low:.4g} to {high:.4g} kg m^2; the hinge stores and returns "
+            f"{moment.energy_swing / 1e3:.4g} kJ per revolution; integral of M_h over a revolution "
+            f"{abs(moment.closing_error):.1e} of that of its absolute value."
+        )
+        deviations = (f"{name} {100.0 * share:.2g} %" for name, share in self.deviations.items())
+        yield (
+            "Largest difference of M_h to exact kinematics, by the largest M_h: "
+            f"{', '.join(deviations)}."
+        )
+
+    def _guide_tables(self, units: OutputUnits) -> Iterator[Table | str]:
+        spring, profile, surface = self.spring, self.profile, self.rolled.surface
+        length, pressure = units.of("mm"), units.of("MPa")
+        values = [
+            ("radius, smallest", profile.smallest_radius, length),
+            ("radius, largest", profile.largest_radius, length),
+        ]
+        if surface is not None:
+            values += [
+                ("surface of the rollers' guides, smallest", surface.smallest_radius, length),
+                ("surface of the rollers' guides, largest", surface.largest_radius, length),
+            ]
+        values += [
+            ("compression z, largest", profile.largest_compression, length),
+            ("gas pressure, largest", profile.largest_pressure, pressure),
+            ("force on a roller, largest", profile.largest_normal_force, units.of("kN")),
+            (
+                "off the spring's axis",
+                math.radians(profile.largest_force_angle_deg),
+                units.of("deg"),
+            ),
+        ]
+        yield Table(
+            f"Guides for a gas spring of {pressure.with_name(spring.pressure)}, "
+            f"{length.with_name(spring.height)} high, n = {spring.exponent:g}",
+            [Column("", words=True), Column("value"), Column("unit", words=True)],
+            [[name, unit.number(value), unit.name] for name, value, unit in values],
+        )
+
+        def unit(check: ProfileCheck) -> OutputUnit:
+            return pressure if check.unit == "Pa" else length
+
+        checks = profile.checks
+        yield Table.of_columns(
+            "Feasibility",
+            (
+                Column("check", words=True),
+                [f"{check.name} [{unit(check).name}]" for check in checks],
+            ),
+            (
+                Column("found"),
+                [
+                    None if math.isinf(check.value) else unit(check).number(check.value)
+                    for check in checks
+                ],
+            ),
+            (Column("limit"), [f"> {unit(check).number(check.limit)}" for check in checks]),
+            (
+                Column("met", words=True),
+                ["yes" if check.met else f"no: {check.reason}" for check in checks],
+            ),
+        )
+        for remark in profile.remarks:
+            yield units.text(f"Note: {remark}")
+
+    def _turning_tables(self, units: OutputUnits) -> Iterator[Table | str]:
+        turning = self.turning
+        without, wheel = turning.without.turn, turning.flywheel
+        yield Table(
+            "Crank turning freely under the constant load",
+            [
+                Column("", words=True),
+                Column("mean", "1/min", decimals=2),
+                Column("fluctuation (max - min)/mean", digits=3),
+            ],
+            [
+                [name, turn.mean_speed, turn.fluctuation]
+                for name, turn in (
+                    ("with the hinge", turning.with_hinge),
+                    ("without, from the same speed at the top", without),
+                    (f"without, flywheel of {_inertia(wheel.flywheel, units)}", wheel),
+                )
+            ],
+        )
+        yield f"The hinge leaves {turning.remaining_share:.2g} of the fluctuation."
+        if turning.without.reason is not None:
+            yield units.text(f"Note: without hinge and flywheel, {turning.without.reason}")
+
+    def _other_tables(self, units: OutputUnits) -> Iterator[Table | str]:
+        others = self.others
+        yield Table.of_columns(
+            "The same guides at other running points: start pressure with the smallest fluctuation",
+            (Column("", "1/min"), [other.speed for other in others]),
+            (Column("M_r", "kN m"), [other.point.load for other in others]),
+            (Column("p_0", "MPa"), [other.best.pressure for other in others]),
+            (Column("ratio", decimals=3), [other.best.ratio for other in others]),
+            (Column("fluctuation", digits=3), [other.best.fluctuation for other in others]),
+            (
+                Column("M_h lacks", "%", 3, joint=", at most "),
+                [(other.best.moment_residual, other.best.largest_residual) for other in others],
+            ),
+        )
+        yield (
+            "M_h lacks: difference from the moment for constant speed, relative to it; first by root mean "
+            "squares, then by largest values."
+        )
+        wanted = self.turning.flywheel.fluctuation
+        for other in others:
+            unchanged = other.best.unchanged
+            fate = (
+                "the crank does not complete a revolution"
+                if unchanged is None
+                else f"the fluctuation is {unchanged:.3g}"
+            )
+            yield (
+                f"At {units.of('1/min').with_name(other.speed)} with the pressure unchanged {fate}; a "
+                f"fluctuation of {wanted:.3g} takes a flywheel of "
+                f"{_inertia(other.flywheel_with_hinge, units)} with the best pressure, "
+                f"{_inertia(other.flywheel, units)} without the hinge."
+            )
+
+    def _compared_tables(self, units: OutputUnits) -> Iterator[Table | str]:
+        each = [(spring, spring.guides) for spring in self.compared]
+        yield Table.of_columns(
+            "Guides by size and pressure: radii, largest pressure, steepest force on a roller",
+            (Column("H", "mm"), [spring.height for spring, _ in each]),
+            (Column("rho_0", "mm"), [spring.start_radius for spring, _ in each]),
+            (Column("p_0", "MPa"), [spring.pressure for spring, _ in each]),
+            (
+                Column("rho", "mm", joint=" to "),
+                [
+                    (guides.smallest_radius, guides.largest_radius) if guides else "not feasible"
+                    for _, guides in each
+                ],
+            ),
+            (
+                Column("p", "MPa", missing=""),
+                [guides and guides.largest_pressure for _, guides in each],
+            ),
+            (
+                Column("off axis", "deg", decimals=1, missing=""),
+                [guides and math.radians(guides.largest_force_angle_deg) for _, guides in each],
+            ),
+        )
+        for spring in self.compared:
+            if spring.refused is not None:
+                yield units.text(f"Note: {spring.refused}")
+
+
+def _inertia(value: float, units: OutputUnits) -> str:
+    unit = units.of("kg m^2")
+    return f"{value / unit.size:,.0f} {unit.name}"
 
 
 def run_hinge(
@@ -216,34 +490,35 @@ def run_hinge(
         file.point_at("--speed", speed)
     profile = file.profile(moment)
     without = simulate_hinge(point, start_speed=point.speed)
-    flywheel = flywheel_for(point, file.operation.flywheel_fluctuation)
+    wanted, reason = file.operation.flywheel_fluctuation, None
+    try:
+        steady_hinge_turn(point)
+    except InputError as error:
+        reason = str(error)
+    flywheel = steady_hinge_turn(point, flywheel=flywheel_for(point, wanted))
     others = [
         other
         for other in (file.speeds if speed is None else (speed,))
         if not math.isclose(other, file.design_speed, rel_tol=1e-6) or speed is not None
     ]
+    largest = float(np.max(np.abs(point.moment)))
     return HingeRun(
         file=file,
-        moment=moment,
         point=point,
         profile=profile,
-        with_hinge=simulate_hinge(point, profile),
-        without=without,
-        refused=_refusal(point),
-        flywheel=flywheel,
-        flywheel_turn=steady_hinge_turn(point, flywheel=flywheel),
+        moment=moment,
+        turning=FreeTurns(
+            simulate_hinge(point, profile), TurnWithoutHinge(without, reason), flywheel
+        ),
         others=tuple(_other(file, profile, other) for other in others),
         compared=file.compared(moment),
-        deviations=_deviations(file, point),
+        deviations={
+            name: float(np.max(np.abs(file.moment(kinematics=name).moment - point.moment)))
+            / largest
+            for name in KINEMATICS
+            if name != "exact"
+        },
     )
-
-
-def _refusal(point: HingeMoment) -> str | None:
-    try:
-        steady_hinge_turn(point)
-    except InputError as error:
-        return str(error)
-    return None
 
 
 def _other(file: HingeFile, profile: HingeProfile, speed: float) -> OtherSpeed:
@@ -257,119 +532,106 @@ def _other(file: HingeFile, profile: HingeProfile, speed: float) -> OtherSpeed:
     )
 
 
-def _deviations(file: HingeFile, point: HingeMoment) -> dict[Kinematics, float]:
-    largest = float(np.max(np.abs(point.moment)))
-    return {
-        name: float(np.max(np.abs(file.moment(kinematics=name).moment - point.moment))) / largest
-        for name in KINEMATICS
-        if name != "exact"
-    }
+def draw_gas_force(axes: "Axes", points: Sequence[HingeMoment]) -> None:
+    """Draw the gas force on the piston at operating points."""
+    _draw_points(axes, [(point, point.gas) for point in points])
+    write_title(axes, "Gas force on the piston")
+    axes.set_ylabel("force [kN]")
+    _turn_axis(axes)
+    legend_inside(axes)
 
 
-def hinge_record(run: HingeRun) -> Record:
-    """Return the results as plain numbers in SI units, angles in degrees, speeds in 1/min."""
-    spring = run.profile.spring
-    return {
-        "engine": run.file.name,
-        "speed_rpm": run.point.speed * RPM,
-        "kinematics": run.moment.kinematics,
-        "hinge_moment": _moment_record(run.moment),
-        "kinematics_deviation": {str(name): share for name, share in run.deviations.items()},
-        "spring": {
-            **attributes(spring, "piston_area", "height", "pressure", "exponent"),
-            "ambient_pressure": spring.ambient,
-        },
-        "profile": profile_record(run.profile)
-        | {"roller_radius": run.profile.roller_radius, "surface": _surface_record(run.surface)},
-        "turning": {
-            "with_hinge": _turning_record(run.with_hinge),
-            "without": _turning_record(run.without)
-            | {"comes_round_at_mean_speed": run.refused is None, "reason": run.refused},
-            "flywheel": {
-                "inertia": run.flywheel,
-                "mean_speed_rpm": run.flywheel_turn.mean_speed * RPM,
-                "fluctuation": run.flywheel_turn.fluctuation,
-            },
-            "remaining_share": run.with_hinge.fluctuation / run.without.fluctuation,
-        },
-        "other_speeds": [_other_record(other) for other in run.others],
-        "compared": [
-            {**attributes(other, "height", "pressure"), "start_radius": radius}
-            | ({"refused": made} if isinstance(made, str) else profile_record(made))
-            for other, radius, made in run.compared
-        ],
-        "assumed": assumed_values(run.file.records),
-    }
+def draw_moments(
+    axes: "Axes", points: Sequence[HingeMoment], given: Sequence[tuple[FloatArray, float] | None]
+) -> None:
+    """Draw the hinge moment for constant speed at operating points, and that of the guides.
+
+    Parameters
+    ----------
+    given : sequence
+        For each point the moment of the guides [N m] at a pressure [Pa]; None where the guides are designed
+        for the moment.
+    """
+    _draw_points(axes, [(point, point.moment) for point in points])
+    for place, (point, guides) in enumerate(zip(points, given, strict=True)):
+        if guides is not None:
+            moment, pressure = guides
+            axes.plot(
+                point.angles_deg,
+                moment / 1e3,
+                "--",
+                color=COLORS[place % len(COLORS)],
+                linewidth=1.2,
+                label=f"given at {pressure / 1e6:.3g} MPa",
+            )
+    write_title(axes, "Hinge moment for constant speed")
+    axes.set_ylabel("$M_h$ [kN m]")
+    axes.axhline(0.0, color=GRAY, linewidth=0.8)
+    _turn_axis(axes)
+    legend_inside(axes)
 
 
-def profile_record(profile: HingeProfile) -> Record:
-    """Return the properties of guides."""
-    return {
-        "smallest_radius": float(profile.radius.min()),
-        "largest_radius": float(profile.radius.max()),
-        "largest_compression": float(profile.compression.max()),
-        "least_compression": float(profile.compression.min()),
-        "largest_pressure": float(profile.pressure.max()),
-        "lowest_pressure": float(profile.pressure.min()),
-        "largest_spring_force": float(profile.spring_force.max()),
-        "largest_normal_force": float(profile.normal_force.max()),
-        "largest_force_angle_deg": float(np.abs(profile.force_angle_deg).max()),
-        "checks": [
-            {**attributes(check, "name", "met", "value", "limit", "unit"), "meaning": check.reason}
-            for check in profile.checks
-        ],
-        "remarks": list(profile.remarks),
-    }
+def _draw_points(axes: "Axes", curves: Sequence[tuple[HingeMoment, FloatArray]]) -> None:
+    """Draw values in thousands over a revolution for each operating point, labeled with its speed."""
+    for place, (point, values) in enumerate(curves):
+        label = format_quantity(point.speed, "rad/s", 5)
+        color = COLORS[place % len(COLORS)]
+        axes.plot(point.angles_deg, values / 1e3, color=color, label=label)
 
 
-def _surface_record(surface: ComplexArray | None) -> Record | None:
-    """Least and largest distance of the guides' surface from the axis."""
-    if surface is None:
-        return None
-    distance = np.abs(surface)
-    return {"smallest_radius": float(distance.min()), "largest_radius": float(distance.max())}
+def draw_guides(
+    axes: "Axes", height: float, start: float, compared: Sequence[ComparedGuides]
+) -> None:
+    """Draw the rollers' path for springs of one height from one initial radius [m], by pressure [Pa]."""
+    circle = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361)) * start
+    axes.plot(circle.real, circle.imag, color=GRAY, linewidth=0.8, label="start radius")
+    for place, spring in enumerate(compared):
+        label, guides = f"{spring.pressure / 1e6:g} MPa", spring.guides
+        color, dash = COLORS[place % len(COLORS)], DASHES[place % len(DASHES)]
+        if guides is None:
+            axes.plot([], [], dash, color=color, label=f"{label}: not feasible")
+            continue
+        curve = guides.radius * np.exp(1j * np.radians(guides.angles_deg))
+        closed = np.append(curve, curve[0])
+        axes.plot(closed.real, closed.imag, dash, color=color, label=label)
+    axes.plot([0.0], [0.0], "+", color=GRAY)
+    axes.set_aspect("equal")
+    write_title(axes, f"H = {height:g} m, $\\rho_0$ = {start:g} m", mathematics=True)
+    axes.set_xlabel("$\\rho\\,\\cos\\,\\varphi$ [m]")
+    axes.set_ylabel("$\\rho\\,\\sin\\,\\varphi$ [m]")
+    axes.set_ylim(-1.15 * start, 1.6 * start)
+    axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center")
 
 
-def _moment_record(moment: HingeMoment) -> Record:
-    degrees = moment.angles_deg
-    highest, lowest = int(np.argmax(moment.moment)), int(np.argmin(moment.moment))
-    return {
-        "load": moment.load,
-        "largest": float(moment.moment[highest]),
-        "largest_at_deg": float(degrees[highest]),
-        "least": float(moment.moment[lowest]),
-        "least_at_deg": float(degrees[lowest]),
-        "closing_error": moment.closing_error,
-        "energy_swing": float(np.ptp(moment.stored_energy)),
-        "largest_gas_force": float(moment.gas.max()),
-        "reduced_inertia": [
-            float(moment.reduced.inertia.min()),
-            float(moment.reduced.inertia.max()),
-        ],
-    }
+def draw_speeds(axes: "Axes", turning: FreeTurns, *, from_speed: float) -> None:
+    """Draw the speed over a revolution with the hinge, with a flywheel, and without either.
+
+    Parameters
+    ----------
+    from_speed : float
+        At the top dead center [rad/s].
+    """
+    without, wheel, hinge = turning.without.turn, turning.flywheel, turning.with_hinge
+    with_wheel = f"flywheel of {wheel.flywheel:,.0f} kg m$^2$"
+    for angles_deg, speed, color, dash, label in (
+        (without.angle_deg, without.speed, ORANGE, "-", "without hinge and flywheel"),
+        (wheel.angles_deg, wheel.speed, GREEN, "--", with_wheel),
+        (hinge.angle_deg, hinge.speed, BLUE, "-", "hinge"),
+    ):
+        axes.plot(angles_deg, speed * RPM, dash, color=color, label=label)
+    axes.set_ylim(0.0, 1.3 * without.highest_speed * RPM)
+    axes.set_ylabel("crank speed [1/min]")
+    write_title(
+        axes, f"Speed over a turn from {format_quantity(from_speed, 'rad/s', 5)} at the top"
+    )
+    _turn_axis(axes)
+    axes.legend(frameon=False, fontsize=9, loc="upper right")
 
 
-def _turning_record(turn: SpeedOverAngle) -> Record:
-    return {
-        "fluctuation": turn.fluctuation,
-        "mean_speed_rpm": turn.mean_speed * RPM,
-        "lowest_speed_rpm": float(turn.speed.min()) * RPM,
-        "highest_speed_rpm": float(turn.speed.max()) * RPM,
-    }
-
-
-def _other_record(other: OtherSpeed) -> Record:
-    best = other.best
-    return {
-        "speed_rpm": other.point.speed * RPM,
-        "hinge_moment": _moment_record(other.point),
-        **attributes(best, "fitted_ratio", "fluctuation", "moment_residual", "largest_residual"),
-        "best_pressure": best.pressure,
-        "best_ratio": best.ratio,
-        "fluctuation_unchanged": best.unchanged,
-        "flywheel_without_hinge": other.flywheel,
-        "flywheel_with_hinge": other.flywheel_with_hinge,
-    }
+def _turn_axis(axes: "Axes") -> None:
+    axes.set_xlim(0.0, 360.0)
+    axes.set_xticks(np.arange(0.0, 361.0, 60.0))
+    axes.set_xlabel("crank angle from the top [deg]")
 
 
 def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
@@ -391,8 +653,8 @@ def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
         "spring_force_N": profile.spring_force,
         "normal_force_N": profile.normal_force,
         **guides,
-        "speed_with_hinge_rad_per_s": _at(run.with_hinge, np.radians(moment.angles_deg)),
-        "speed_without_rad_per_s": _at(run.without, np.radians(moment.angles_deg)),
+        "speed_with_hinge_rad_per_s": _at(run.turning.with_hinge, np.radians(moment.angles_deg)),
+        "speed_without_rad_per_s": _at(run.turning.without.turn, np.radians(moment.angles_deg)),
     }
 
 

@@ -4,17 +4,15 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
-from crankbase.table import SI, Column, OutputUnits, Table, format_names, table_unit
+from crankbase.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
 from crankfem.analyses.mechanism.rod_models import ROUND_OFF, ModelDifference, compare_rod_models
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
-from crankfem.files.engine.usual_sizes import EnginePower, indicated_power
 from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import (
     LoadDiagram,
@@ -24,107 +22,7 @@ from dynamics.engine.forces import (
     piston_acceleration,
 )
 from dynamics.engine.layout import EngineLayout, firing_intervals
-from dynamics.harmonics import Harmonics, TorqueTable
-from dynamics.torque import Star, leading_stars, same_stars, star_diagram
-
-COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
-# How far the samples are from the sum up to an order, and how a table calls it.
-RESIDUALS = {"residual_rms": "residual rms", "residual_largest": "largest residual"}
-
-
-def harmonics_record(harmonics: Harmonics) -> Record:
-    """Mean and harmonics M_k sin(k w t + a_k)."""
-    names = ("strokes", "samples", "mean", "highest_order", *COLUMNS[:-1])
-    return {**attributes(harmonics, *names), "phase_deg": np.rad2deg(harmonics.phase).tolist()}
-
-
-def residual_record(harmonics: Harmonics, table: TorqueTable) -> Record:
-    """Difference of a table's samples from mean and harmonics up to each order, in its unit."""
-    each = harmonics.each_at(crank_angle_deg=table.crank_angle_deg)
-    residual = table.torque - harmonics.mean - np.cumsum(each, axis=0)
-    return {
-        "residual_rms": np.sqrt(np.mean(residual**2, axis=1)).tolist(),
-        "residual_largest": np.max(np.abs(residual), axis=1).tolist(),
-    }
-
-
-def stars_record(stars: Sequence[Star]) -> Record:
-    """The star of each order, the leading ones, and those of equal shape."""
-    return {
-        "stars": [
-            {
-                **attributes(star, "order", "kind", "resultant", "share"),
-                "directions_deg": np.rad2deg(np.radians(star.directions_deg)).tolist(),
-            }
-            for star in stars
-        ],
-        "leading_orders": [star.order for star in leading_stars(stars)],
-        "same_stars": [[star.order for star in group] for group in same_stars(stars)],
-    }
-
-
-def seen_stars(harmonics: Harmonics, firing_angles_deg: ArrayLike) -> tuple[Star, ...]:
-    """Return the star of each order except the one for which an even number of samples has one phase only."""
-    blind = harmonics.highest_order if harmonics.samples % 2 == 0 else math.inf
-    return star_diagram(
-        orders=harmonics.orders[harmonics.orders < blind * (1.0 - 1e-9)],
-        firing_angles_deg=firing_angles_deg,
-        strokes=harmonics.strokes,
-    )
-
-
-def fired_record(
-    harmonics: Harmonics, stars: Sequence[Star], firing_angles_deg: Sequence[float]
-) -> Record:
-    """Stars of cylinders with these harmonics each, phases from their firing tops, and their torque."""
-    count = len(stars)
-    sums = np.array([0.0 if star.kind == "balanced" else star.resultant for star in stars])
-    directions = np.array([math.radians(star.resultant_direction_deg) for star in stars])
-    amplitude = sums * harmonics.amplitude[:count]
-    phase = np.where(amplitude > 0.0, (harmonics.phase[:count] - directions) % (2.0 * np.pi), 0.0)
-    left_out = [
-        f"order {order:g} is left out, because {harmonics.samples} samples resolve only one phase of it"
-        for order in harmonics.orders[count:].tolist()
-    ]
-    return {
-        "firing_angles_deg": list(firing_angles_deg),
-        **stars_record(stars),
-        "torque": {
-            "mean": len(firing_angles_deg) * harmonics.mean,
-            "orders": harmonics.orders[:count].tolist(),
-            "cosine": (amplitude * np.sin(phase)).tolist(),
-            "sine": (amplitude * np.cos(phase)).tolist(),
-            "amplitude": amplitude.tolist(),
-            "phase_deg": np.rad2deg(phase).tolist(),
-        },
-        "remarks": left_out,
-    }
-
-
-def harmonics_table(record: Record, title: str = "Harmonics", units: OutputUnits = SI) -> Table:
-    """Return orders, coefficients, amplitudes [N m] and phases of a `harmonics_record`."""
-    shown = table_unit(record["amplitude"], "N m", units)
-    orders, *coefficients, phases = (record[name] for name in COLUMNS)
-    residuals = [name for name in RESIDUALS if name in record]
-    return Table(
-        title,
-        [
-            Column("order", digits=None),
-            *(shown.column(symbol) for symbol in ("A_k", "B_k", "M_k")),
-            Column("a_k", "deg", decimals=2),
-            *(shown.column(RESIDUALS[name]) for name in residuals),
-        ],
-        list(
-            zip(
-                orders,
-                *coefficients,
-                map(math.radians, phases),
-                *(record[name] for name in residuals),
-                strict=True,
-            )
-        ),
-    )
-
+from dynamics.excitation.pressure_map import indicated_power
 
 HIGHEST_ORDER = 8
 # Orders that tables of balance go by; what they leave is told by its largest value.
@@ -312,7 +210,7 @@ def mechanism_record(run: MechanismRun) -> Record:
         "angle_step_deg": float(forces.shaft_angles_deg[1] - forces.shaft_angles_deg[0]),
         "power": run.torque.power,
         "mean_indicated_pressure": _mean_indicated_pressure(run),
-        "rated": None if mechanism.power is None else power_record(mechanism.power),
+        "rated": mechanism.power,
         "torque": {"mean": run.torque.mean, **_extremes(torque, forces.shaft_angles_deg)},
         "energy_error": run.torque.energy_error,
         "cylinders": [
@@ -360,20 +258,6 @@ def mechanism_intervals(run: MechanismRun) -> list[float]:
     layout = run.layout
     fired = [np.radians(layout.firing_deg[int(number) - 1]) for number in layout.firing_order]
     return [round(math.degrees(step), 6) for step in firing_intervals(fired, layout.strokes)]
-
-
-def power_record(power: EnginePower) -> Record:
-    """Return power at rated speed and full load, and whether the rated power is consistent, in SI units."""
-    names = (
-        *("mean_indicated_pressure", "mean_effective_pressure", "mechanical_efficiency"),
-        *("consistent", "sentence"),
-    )
-    return {
-        "speed_rpm": power.speed * RPM,
-        "indicated_power": power.indicated,
-        "rated_power": power.rated,
-        **attributes(power, *names),
-    }
 
 
 def _mean_indicated_pressure(run: MechanismRun) -> float:

@@ -1,20 +1,29 @@
 """An engine as two masses on one shaft: resonant orders and their excitation."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
+from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
-from crankfem.analyses.mechanism.mechanism_records import fired_record, seen_stars
-from crankfem.analyses.record import Record, attributes
+from crankbase.results import Flat, Number, Quantity, Result, Speed, result
+from crankbase.table import SI, Column, OutputUnits, Table, table_unit
+from crankfem.analyses.mechanism.torque_harmonics import summed_cylinders
 from crankfem.files.engine.file_kinds import torque_table_file
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.engine_sections import Engine, TwoMassInput, VibrationSettings
 from dynamics.critical import TwoMassCheck, critical_speeds, engine_orders, two_mass_check
 from dynamics.harmonics import Harmonics, read_torque_table
+
+NewtonMeter = Annotated[float, Quantity("N m")]
+NewtonMeters = Annotated[FloatArray, Quantity("N m")]
+# Of the largest exciting torque; below are cylinders that cancel each other.
+LEAST_SHARE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,88 +93,140 @@ def read_two_masses(content: TomlFile) -> TwoMassFile:
     )
 
 
-def two_mass_record(check: TwoMassCheck) -> Record:
-    """The two-mass check."""
-    return {
-        **attributes(check, "stiffness", "angular_frequency", "vibrations_per_minute", "order"),
-        **attributes(check, "resonant_speed_rpm", "statement"),
-        "frequency": check.angular_frequency / (2.0 * math.pi),
-    }
+@result("order", "speed", "amplitude")
+class ExcitedResonance(Result):
+    """A running speed at which an order meets the natural frequency, and M_k of one throw if known."""
+
+    order: Number
+    speed: Speed
+    amplitude: NewtonMeter | None
 
 
-def two_mass_run_record(file: TwoMassFile, order: float | None = None) -> Record:
-    """Return the check, the resonances at running speeds and the torque in the shaft, in SI units.
+@result("speed", "orders", "torque")
+class ShaftTorque(Result):
+    """Torque in the shaft at one speed by the cylinders' harmonics, without damping; inf at resonance."""
+
+    speed: Speed
+    orders: Annotated[FloatArray, Quantity("1")]
+    exciting: NewtonMeters
+    magnification: Annotated[FloatArray, Quantity("1")]
+    torque: NewtonMeters
+
+    def table(self, units: OutputUnits) -> Table:
+        """Return the orders that do not cancel."""
+        shown = table_unit(self.exciting, "N m", units)
+        unit, decimals = shown.column("").unit, shown.decimals
+        values = zip(self.orders, self.exciting, self.magnification, self.torque, strict=True)
+        return Table(
+            units.text(
+                f"Torque in the shaft at {self.speed * RPM:.4g} 1/min, without damping, by the table's "
+                "orders that do not cancel"
+            ),
+            [
+                Column("order", digits=None),
+                shown.column("M_k of all cylinders"),
+                Column("magnification", missing="unbounded"),
+                Column("in the shaft", unit, missing="unbounded", decimals=decimals),
+            ],
+            [
+                [value if math.isfinite(value) else None for value in row]
+                for row in values
+                if row[1] > LEAST_SHARE * np.max(self.exciting)
+            ],
+        )
+
+
+@result("file", "check", "resonances")
+class TwoMassRun(Result):
+    """Check of two masses, resonances at running speeds and torque in the shaft.
 
     Parameters
     ----------
-    order : float, optional
-        Replaces the file's.
-
-    Returns
-    -------
-    dict
-        "resonances" and "running_rpm" are null without a section [engine], "shaft_torque" also without a
-        torque table.
+    running : tuple of two floats or None
+        Lowest and highest speed; like the resonances None without a section [engine].
+    shaft_torque : ShaftTorque or None
+        None also without a torque table.
     """
-    check, engine = file.check(order), file.engine
-    record = {"file": file.path.name} | two_mass_record(check)
-    return record | {
-        "running_rpm": None
-        if engine is None
-        else [engine.lowest_speed * RPM, engine.highest_speed * RPM],
-        "highest_order": None if engine is None else _highest_order(file, check),
-        "resonances": None if engine is None else _resonances(file, check, engine),
-        "shaft_torque": None
-        if engine is None or file.harmonics is None
-        else _shaft_torque(file, check, engine, file.harmonics),
-    }
+
+    file: str
+    check: Flat[TwoMassCheck]
+    running: Annotated[tuple[float, float] | None, Quantity("rad/s", exported="1/min")]
+    highest_order: Number | None
+    resonances: tuple[ExcitedResonance, ...] | None
+    shaft_torque: ShaftTorque | None
+
+    def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
+        """Return tables and sentences."""
+        check, speed, within = self.check, self.check.resonant_speed_rpm, ""
+        yield units.text(
+            f"Two masses on one shaft of {check.stiffness / 1e3:.4g} kN m/rad: natural frequency "
+            f"{check.frequency:.2f} Hz, {check.angular_frequency:.5g} rad/s, "
+            f"{check.vibrations_per_minute:.5g} vibrations per minute."
+        )
+        if self.running is not None:
+            low, high = (end * RPM for end in self.running)
+            where = "inside" if low <= speed <= high else "outside"
+            within = f", {where} the running range of {low:.4g} to {high:.4g} 1/min"
+        yield units.text(f"Order {check.order:g} resonates at {speed:.1f} 1/min{within}.")
+        yield units.text(check.statement)
+        if self.resonances:
+            yield Table(
+                f"Resonances in the running range, orders up to {self.highest_order:g}",
+                [
+                    Column("order", digits=None),
+                    Column("speed", "1/min", decimals=1),
+                    Column("M_k of one throw", "N m", missing="not resolved"),
+                ],
+                [[row.order, row.speed, row.amplitude] for row in self.resonances],
+            )
+        if self.shaft_torque is not None:
+            yield self.shaft_torque.table(units)
 
 
-def _highest_order(file: TwoMassFile, check: TwoMassCheck) -> float:
-    return max(check.order, file.highest_order or 0.0)
-
-
-def _resonances(file: TwoMassFile, check: TwoMassCheck, engine: Engine) -> list[Record]:
-    """Speeds in the running range at which orders meet the natural frequency, by falling order."""
-    highest = _highest_order(file, check)
-    running = (engine.lowest_speed, engine.highest_speed)
-    resonances = critical_speeds([check.frequency], engine_orders(engine.strokes, highest), running)
-    table = file.harmonics
-    return [
-        {
-            "order": resonance.order,
-            "speed_rpm": resonance.speed_rpm,
-            "amplitude": float(table.amplitude[table.index_of(resonance.order)])
-            if table is not None and table.resolves(resonance.order)
-            else None,
-        }
-        for resonance in resonances
-    ]
+def run_two_masses(file: TwoMassFile, order: float | None = None) -> TwoMassRun:
+    """Check two masses, for the file's order by default."""
+    check, engine, table = file.check(order), file.engine, file.harmonics
+    if engine is None:
+        return TwoMassRun(file.path.name, check, None, None, None, None)
+    highest, running = (
+        max(check.order, file.highest_order or 0.0),
+        (engine.lowest_speed, engine.highest_speed),
+    )
+    return TwoMassRun(
+        file.path.name,
+        check,
+        running,
+        highest,
+        tuple(
+            ExcitedResonance(
+                meeting.order,
+                meeting.speed,
+                float(table.amplitude[table.index_of(meeting.order)])
+                if table is not None and table.resolves(meeting.order)
+                else None,
+            )
+            for meeting in critical_speeds(
+                [check.frequency], engine_orders(engine.strokes, highest), running
+            )
+        ),
+        None if table is None else _shaft_torque(file.given, check, engine, table),
+    )
 
 
 def _shaft_torque(
-    file: TwoMassFile, check: TwoMassCheck, engine: Engine, harmonics: Harmonics
-) -> Record:
-    """Torque in the shaft by the cylinders' harmonics at rated speed, without damping.
+    given: TwoMassInput, check: TwoMassCheck, engine: Engine, harmonics: Harmonics
+) -> ShaftTorque:
+    """Find the torque in the shaft at rated speed.
 
     The torque M_k on the engine's inertia J_np causes J_MAX / (J_MAX + J_np) of it in the shaft while the
     order is far below resonance, and 1 / (1 - (k w / w_c1)^2) times as much near it.
     """
-    firing = np.degrees(engine.firing_angles).tolist()
-    stars = seen_stars(harmonics, firing)
-    torque = fired_record(harmonics, stars, firing)["torque"]
-    given = file.given
+    torque = summed_cylinders(harmonics, np.degrees(engine.firing_angles).tolist()).torque
     passed = given.flywheel_inertia / (given.flywheel_inertia + given.engine_inertia)
-    orders, amplitude = (np.array(torque[name]) for name in ("orders", "amplitude"))
-    nearness = 1.0 - (orders * engine.rated_speed / check.angular_frequency) ** 2
-    magnified = [1.0 / near if near != 0.0 else None for near in nearness.tolist()]
-    return {
-        "speed_rpm": engine.rated_speed * RPM,
-        "orders": orders.tolist(),
-        "exciting": amplitude.tolist(),
-        "magnification": magnified,
-        "torque": [
-            None if by is None else passed * abs(by) * own
-            for by, own in zip(magnified, amplitude.tolist(), strict=True)
-        ],
-    }
+    nearness = 1.0 - (torque.orders * engine.rated_speed / check.angular_frequency) ** 2
+    with np.errstate(divide="ignore"):
+        magnification = np.where(nearness == 0.0, np.inf, 1.0 / nearness)
+        inside = np.where(
+            nearness == 0.0, np.inf, passed * np.abs(magnification) * torque.amplitude
+        )
+    return ShaftTorque(engine.rated_speed, torque.orders, torque.amplitude, magnification, inside)

@@ -33,7 +33,7 @@ from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.indices import within
 from dynamics.response.order_excitation import at_angles
 from dynamics.response.series import OrderSeries, common_order, synthesis
-from dynamics.strength.nominal import SupportedThrow
+from dynamics.strength.concentration import SupportedThrow
 from dynamics.torque import DEFAULT_SAMPLES, samples_and_gas
 from fem.superelement import (
     RZ,

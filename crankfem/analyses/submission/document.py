@@ -13,7 +13,7 @@ from crankbase.quantity import RPM, format_quantity
 from crankbase.table import Column, Table
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.shaft.chains import MOTION
-from crankfem.analyses.submission import machine_tables, mode_tables
+from crankfem.analyses.submission import tables
 from crankfem.analyses.submission.firing_cases import (
     CUT_OUT,
     HIGHEST_SHARE,
@@ -23,9 +23,11 @@ from crankfem.analyses.submission.firing_cases import (
     FiringCases,
     damper_places,
     firing_cases,
+    limit_of,
 )
-from crankfem.analyses.submission.mode_tables import mode_stars, permitted_curves, shown_modes
+from crankfem.analyses.submission.tables import mode_stars, shown_modes
 from crankfem.analyses.titles import short_name
+from crankfem.analyses.vibration.misfiring import permitted_at
 from crankfem.analyses.vibration.modes import mode_label
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
@@ -90,16 +92,18 @@ def draw_vectors(path: Path, run: EngineVibration, mode: int) -> None:
 
 def draw_stress(path: Path, run: EngineVibration, cases: FiringCases, place: int) -> None:
     """Draw the stress of one location over the speed: main orders, all orders, cylinders failing, limits."""
-    series = cases.normal[STRESS]
-    name, forced = series.names[place], run.forced_torsional
-    display = quantity_display("stress", "SI")
+    series, forced = cases.normal[STRESS], run.forced_torsional
+    limit = limit_of(cases.limits, STRESS, series.names[place])
+    limits = {} if limit is None else {"continuous limit": permitted_at(limit, cases.speeds)}
+    if limit is not None and limit.passing is not None:
+        limits["limit for passing"] = limit.passing.at(cases.speeds)
     barred = [] if run.assessment is None else run.assessment.verdict.ranges_to_bar
     with figure(path, height=3.7) as axes:
         series.plot(
             axes,
             place,
             quantity="stress",
-            limits=permitted_curves(cases, name),
+            limits=limits,
             barred=barred,
             main_orders=MAIN_ORDERS,
             running=None if forced is None else forced.running_range,
@@ -117,7 +121,7 @@ def draw_stress(path: Path, run: EngineVibration, cases: FiringCases, place: int
             )
             top = max(top, 1.05 * float(np.max(values[np.isfinite(values)], initial=0.0)))
         axes.set_ylim(0.0, top)
-        axes.set_ylabel(display.label)
+        axes.set_ylabel(quantity_display("stress", "SI").label)
         legend_below(axes, 3)
 
 
@@ -205,18 +209,73 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
     cases = firing_cases(run)
     assert run.assessment is not None
     verdict = run.assessment.verdict
+    rigid, load = run.torsional.chosen.modes.rigid, run.load
+
+    def campbell(path: Path) -> None:
+        with figure(path, height=3.8) as axes:
+            run.plot(axes)
+            write_title(axes, "")
+
     return (
         _findings(run, cases, verdict),
-        _plant(run),
+        DocumentPart(
+            "plant",
+            "System data and plant",
+            (f"Source of the torsional chain: {run.torsional.chosen.remark.rstrip('.')}.",),
+            (
+                DocumentTable("engine", tables.engine_data_table(run)),
+                DocumentTable("masses", tables.chain_mass_table(run.torsional_chain)),
+                DocumentTable("shafts", tables.chain_shaft_table(run)),
+            ),
+        ),
         _modes(run),
-        _vectors(run),
-        _excitation(run),
-        _criticals(run),
+        DocumentPart(
+            "vectors",
+            "Phase vectors and vector sums",
+            (
+                "Diagrams: phase vectors of the cylinders, with lengths from the mode shape. Orders with "
+                "equal diagrams share one; the dark arrow is the sum of a minor order.",
+            ),
+            (
+                DocumentTable("vector_sums", tables.vector_table(run)),
+                *(
+                    DocumentPicture(
+                        f"vectors_{mode - rigid + 1}",
+                        f"Mode {mode - rigid + 1}: cylinders by order.",
+                        partial(draw_vectors, run=run, mode=mode),
+                        half=star_rows(run, mode)[1] <= STARS_IN_HALF,
+                    )
+                    for mode in shown_modes(run)
+                ),
+            ),
+        ),
+        DocumentPart(
+            "excitation",
+            "Harmonics of the tangential force",
+            () if load is None else (f"{_upper(load.sentence).rstrip('.')}.",),
+            (DocumentTable("tangential_harmonics", tables.harmonics_table(run)),),
+        ),
+        DocumentPart(
+            "criticals",
+            "Critical speeds",
+            tables.major_sentences(run),
+            (
+                DocumentTable("critical_speeds", tables.critical_table(run)),
+                DocumentPicture(
+                    "campbell",
+                    "Campbell diagram: running range shaded, damped frequencies; dots mark resonances, "
+                    "larger for larger amplitudes.",
+                    campbell,
+                ),
+            ),
+        ),
         _normal(run, cases),
         _failing(run, cases),
         _barred(run, verdict),
         _dampers(run, cases),
-        _limits(cases),
+        DocumentPart(
+            "limits", "Limits", (), (DocumentTable("limits", tables.limit_source_table(cases)),)
+        ),
         _assumptions(run, cases),
     )
 
@@ -226,12 +285,21 @@ def _findings(run: EngineVibration, cases: FiringCases, verdict: Verdict) -> Doc
     decision = run.assessment.decision
     open_ = (undecided_sentence(decision.sentence),) if decision.status == "undecided" else ()
     sentences = [verdict.sentence, *open_]
-    sentences += [_failing_sentence(cases, way) for way in cases.failing]
-    sentences.append(mode_tables.major_sentences(run)[0])
+    for way in cases.failing:
+        places = cases.normal[STRESS].names
+        name = max(places, key=lambda place: cases.worst(way, STRESS, place).severity)
+        worst = cases.worst(way, STRESS, name)
+        sentences.append(
+            f"With {way}, the stress limits are {'kept' if worst.used <= 1.0 else 'exceeded'}. The worst "
+            f"case is {name} with cylinder {cases.worst_cylinder(way, STRESS, name)} failing: "
+            f"{worst.value / 1e6:.4g} MPa at {format_quantity(worst.speed, 'rad/s', 4)}, "
+            f"{100.0 * worst.used:.3g} % of the permitted stress."
+        )
+    sentences.append(tables.major_sentences(run)[0])
     for what, table in (
-        (GEAR_HAMMER, machine_tables.gear_table(run, cases)),
-        ("Permitted angle of the generator", machine_tables.generator_table(run, cases)),
-        ("Permitted values of dampers and couplings", machine_tables.damper_table(run, cases)),
+        (GEAR_HAMMER, tables.gear_table(run, cases)),
+        ("Permitted angle of the generator", tables.generator_table(run, cases)),
+        ("Permitted values of dampers and couplings", tables.damper_table(run, cases)),
     ):
         sentences += () if table is None else _kept_or_exceeded(what, table)
     return DocumentPart("findings", "Findings", tuple(sentences))
@@ -257,44 +325,15 @@ def _kept_or_exceeded(what: str, table: Table) -> tuple[str, ...]:
     return (f"{what}: {kept}.",) if judged else ()
 
 
-def _failing_sentence(cases: FiringCases, way: str) -> str:
-    """Name the location with the largest use of its limit with a cylinder failing."""
-    numbers = {name: cases.worst_cylinder(way, STRESS, name) for name in cases.normal[STRESS].names}
-    reached = {
-        name: cases.failing[way][number].kept[STRESS, name] for name, number in numbers.items()
-    }
-    name = max(reached, key=lambda place: reached[place].severity)
-    worst = reached[name]
-    at = format_quantity(worst.speed, "rad/s", 4)
-    within = "kept" if worst.used <= 1.0 else "exceeded"
-    return (
-        f"With {way}, the stress limits are {within}. The worst case is {name} with cylinder "
-        f"{numbers[name]} failing: {worst.value / 1e6:.4g} MPa at {at}, {100.0 * worst.used:.3g} % of the "
-        "permitted stress."
-    )
-
-
-def _plant(run: EngineVibration) -> DocumentPart:
-    return DocumentPart(
-        "plant",
-        "System data and plant",
-        (f"Source of the torsional chain: {run.torsional.chosen.remark.rstrip('.')}.",),
-        (
-            DocumentTable("engine", machine_tables.engine_data_table(run)),
-            DocumentTable("masses", machine_tables.chain_mass_table(run.torsional_chain)),
-            DocumentTable("shafts", machine_tables.chain_shaft_table(run)),
-        ),
-    )
-
-
 def _modes(run: EngineVibration) -> DocumentPart:
     result = run.torsional.chosen
-    shown = mode_tables.shown_modes(run)
+    shown = tables.shown_modes(run)
+    chain, modes = result.chain.chain, result.modes
     items: list[DocumentTable | DocumentPicture] = [
-        DocumentTable("frequencies", mode_tables.mode_list_table(run))
+        DocumentTable("frequencies", tables.mode_list_table(run))
     ]
     for first in range(0, len(shown), SHAPES):
-        numbers = [mode - result.modes.rigid + 1 for mode in shown[first : first + SHAPES]]
+        numbers = [mode - modes.rigid + 1 for mode in shown[first : first + SHAPES]]
         items.append(
             DocumentPicture(
                 f"modes_{numbers[0]}",
@@ -304,17 +343,13 @@ def _modes(run: EngineVibration) -> DocumentPart:
             )
         )
     for mode in shown:
-        number = mode - result.modes.rigid + 1
-        holzer = mode_tables.holzer_table(result.chain.chain, result.modes, mode)
+        number, holzer = mode - modes.rigid + 1, tables.holzer_table(chain, modes, mode)
+        masses, shafts = (
+            table(chain, holzer, number) for table in (tables.mass_table, tables.shaft_table)
+        )
         items += [
-            DocumentTable(
-                f"holzer_masses_{number}",
-                mode_tables.mass_table(result.chain.chain, holzer, number),
-            ),
-            DocumentTable(
-                f"holzer_shafts_{number}",
-                mode_tables.shaft_table(result.chain.chain, holzer, number),
-            ),
+            DocumentTable(f"holzer_masses_{number}", masses),
+            DocumentTable(f"holzer_shafts_{number}", shafts),
         ]
     return DocumentPart(
         "holzer",
@@ -322,62 +357,9 @@ def _modes(run: EngineVibration) -> DocumentPart:
         (
             "Holzer tables are given for the modes excited by orders up to "
             f"{run.engine_file.vibration.highest_order:g} below {100.0 * HIGHEST_SHARE:g} % of the rated "
-            f"speed, {mode_tables.LEAST_MODES} at least and {mode_tables.MOST_MODES} at most.",
+            f"speed, {tables.LEAST_MODES} at least and {tables.MOST_MODES} at most.",
         ),
         tuple(items),
-    )
-
-
-def _vectors(run: EngineVibration) -> DocumentPart:
-    rigid = run.torsional.chosen.modes.rigid
-    drawn = [
-        DocumentPicture(
-            f"vectors_{mode - rigid + 1}",
-            f"Mode {mode - rigid + 1}: cylinders by order.",
-            partial(draw_vectors, run=run, mode=mode),
-            half=star_rows(run, mode)[1] <= STARS_IN_HALF,
-        )
-        for mode in mode_tables.shown_modes(run)
-    ]
-    return DocumentPart(
-        "vectors",
-        "Phase vectors and vector sums",
-        (
-            "Diagrams: phase vectors of the cylinders, with lengths from the mode shape. Orders with equal "
-            "diagrams share one; the dark arrow is the sum of a minor order.",
-        ),
-        (DocumentTable("vector_sums", mode_tables.vector_table(run)), *drawn),
-    )
-
-
-def _excitation(run: EngineVibration) -> DocumentPart:
-    return DocumentPart(
-        "excitation",
-        "Harmonics of the tangential force",
-        () if run.load is None else (f"{_upper(run.load.sentence).rstrip('.')}.",),
-        (DocumentTable("tangential_harmonics", machine_tables.harmonics_table(run)),),
-    )
-
-
-def _criticals(run: EngineVibration) -> DocumentPart:
-    def campbell(path: Path) -> None:
-        with figure(path, height=3.8) as axes:
-            run.plot(axes)
-            write_title(axes, "")
-
-    return DocumentPart(
-        "criticals",
-        "Critical speeds",
-        mode_tables.major_sentences(run),
-        (
-            DocumentTable("critical_speeds", mode_tables.critical_table(run)),
-            DocumentPicture(
-                "campbell",
-                "Campbell diagram: running range shaded, damped frequencies; dots mark resonances, larger "
-                "for larger amplitudes.",
-                campbell,
-            ),
-        ),
     )
 
 
@@ -388,9 +370,9 @@ def _normal(run: EngineVibration, cases: FiringCases) -> DocumentPart:
             f"No. {number}, {name}.",
             partial(draw_stress, run=run, cases=cases, place=number - 1),
         )
-        for name, number in mode_tables.place_numbers(cases).items()
+        for name, number in tables.place_numbers(cases).items()
     ]
-    orders = mode_tables.order_tables(cases)
+    orders = tables.order_tables(cases)
     return DocumentPart(
         "stresses",
         "Torsional stresses in normal firing",
@@ -400,13 +382,13 @@ def _normal(run: EngineVibration, cases: FiringCases) -> DocumentPart:
             "gray. With a cylinder failing: the worst of all cylinders.",
         ),
         (
-            DocumentTable("stress_normal", mode_tables.normal_table(cases)),
-            DocumentTable("stress_permitted", mode_tables.permitted_table(run, cases)),
+            DocumentTable("stress_normal", tables.normal_table(cases)),
+            DocumentTable("stress_permitted", tables.permitted_table(run, cases)),
             *(
                 DocumentTable(f"stress_by_order{'' if len(orders) == 1 else f'_{place}'}", table)
                 for place, table in enumerate(orders, start=1)
             ),
-            DocumentTable("torques", mode_tables.torque_table(cases)),
+            DocumentTable("torques", tables.torque_table(cases)),
             *drawn,
         ),
     )
@@ -417,8 +399,8 @@ def _failing(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     for way in cases.failing:
         name = way.split()[-1] if "cut" not in way else "cut_out"
         items += [
-            DocumentTable(f"stress_{name}", mode_tables.failing_table(cases, way)),
-            DocumentTable(f"stress_{name}_each", mode_tables.each_table(cases, way)),
+            DocumentTable(f"stress_{name}", tables.failing_table(cases, way)),
+            DocumentTable(f"stress_{name}_each", tables.each_table(cases, way)),
         ]
     assert run.misfiring is not None or run.misfiring_note
     sentence = () if run.misfiring is None else (run.misfiring.sentence,)
@@ -429,35 +411,37 @@ def _failing(run: EngineVibration, cases: FiringCases) -> DocumentPart:
 
 
 def _barred(run: EngineVibration, verdict: Verdict) -> DocumentPart:
-    rule = (run.engine_file.limits or LimitsInput()).barred_rule(run.engine_file.engine.rated_speed)
-    peaks = sorted({peak for barred in verdict.barred for peak in barred.peaks})
-    ends = Table(
-        "Ends by the rule for each peak in these ranges",
-        [
-            Column(name, "1/min", decimals=2)
-            for name in ("peak n", "16 n/(18 - r)", "(18 - r) n/16")
-        ],
-        [[peak, *rule.bounds(peak)] for peak in peaks],
-        note="r is n divided by the rated speed (IACS M68). A range extends to where limits are kept, if "
-        "that is wider.",
-    )
     if not (verdict.barred or verdict.started_through):
         return DocumentPart("barred", "Barred speed ranges", ("No speed range has to be barred.",))
-    tables = [DocumentTable("barred_ranges", mode_tables.barred_table(verdict))]
+    listed = [DocumentTable("barred_ranges", tables.barred_table(verdict))]
+    peaks = sorted({peak for barred in verdict.barred for peak in barred.peaks})
     if peaks:
-        tables.append(DocumentTable("barred_by_rule", ends))
+        rule = (run.engine_file.limits or LimitsInput()).barred_rule(
+            run.engine_file.engine.rated_speed
+        )
+        ends = Table(
+            "Ends by the rule for each peak in these ranges",
+            [
+                Column(name, "1/min", decimals=2)
+                for name in ("peak n", "16 n/(18 - r)", "(18 - r) n/16")
+            ],
+            [[peak, *rule.bounds(peak)] for peak in peaks],
+            note="r is n divided by the rated speed (IACS M68). A range extends to where limits are kept, "
+            "if that is wider.",
+        )
+        listed.append(DocumentTable("barred_by_rule", ends))
     sentence = (
         "Barred ranges are to be passed quickly; the table of normal firing gives the stresses while "
         "passing."
     )
-    return DocumentPart("barred", "Barred speed ranges", (sentence,), tuple(tables))
+    return DocumentPart("barred", "Barred speed ranges", (sentence,), tuple(listed))
 
 
 def _dampers(run: EngineVibration, cases: FiringCases) -> DocumentPart:
-    tables = {
-        "dampers": machine_tables.damper_table(run, cases),
-        "gears": machine_tables.gear_table(run, cases),
-        "generator": machine_tables.generator_table(run, cases),
+    made = {
+        "dampers": tables.damper_table(run, cases),
+        "gears": tables.gear_table(run, cases),
+        "generator": tables.generator_table(run, cases),
     }
     missing = {
         "dampers": "Dampers and couplings: the torsional chain has none that dissipate vibration energy.",
@@ -470,14 +454,8 @@ def _dampers(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     return DocumentPart(
         "dampers",
         "Dampers, couplings, gears, generator",
-        tuple(words for name, words in missing.items() if tables[name] is None),
-        tuple(DocumentTable(name, table) for name, table in tables.items() if table is not None),
-    )
-
-
-def _limits(cases: FiringCases) -> DocumentPart:
-    return DocumentPart(
-        "limits", "Limits", (), (DocumentTable("limits", mode_tables.limit_source_table(cases)),)
+        tuple(words for name, words in missing.items() if made[name] is None),
+        tuple(DocumentTable(name, table) for name, table in made.items() if table is not None),
     )
 
 

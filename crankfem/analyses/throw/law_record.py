@@ -162,6 +162,7 @@ def law_lookups(
             inside=True,
             remarks=(),
             error=None,
+            fe_error=None,
             equation="networks of the law",
             band="95 of 100 throws with rigid end sections lie in it",
             symbol=name.replace("_", " "),

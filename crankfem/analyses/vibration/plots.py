@@ -17,8 +17,7 @@ from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.plots.campbell import Meeting, draw_campbell
 from dynamics.plots.curves import draw_named_curves, draw_speed
 from dynamics.plots.mode_shapes import shaft_shape
-from dynamics.transient.motions import Moving
-from dynamics.transient.run import TransientMotion
+from dynamics.transient.motions import Moving, TransientMotion
 from dynamics.transient.turning_run import TurningRun
 
 MODES_SHOWN = 5

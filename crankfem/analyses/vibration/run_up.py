@@ -13,9 +13,8 @@ from crankbase.quantity import parse_quantity
 from crankbase.summaries import summarized
 from crankfem.analyses.shaft.chains import magnifier_damping
 from crankfem.analyses.vibration.run import EngineVibration
-from dynamics.transient.applied_forces import SpeedCurve
-from dynamics.transient.motions import Envelope, axis_names
-from dynamics.transient.run import TransientMotion, transient_motion
+from dynamics.transient.motions import Envelope, TransientMotion, axis_names, transient_motion
+from dynamics.transient.propagator import SpeedCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

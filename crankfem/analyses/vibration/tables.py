@@ -1,8 +1,9 @@
 """The tables of an engine's vibration, from its plain records: the command line and the report show them."""
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from dataclasses import replace
+from operator import itemgetter
 from typing import Any
 
 from crankbase.quantity import RPM, UNBOUNDED
@@ -25,90 +26,59 @@ SPEED = Column("speed", "1/min", decimals=1)
 FREQUENCY = Column("frequency", "Hz", decimals=2)
 
 
+def _speed(name: str = "speed_rpm") -> Callable[[Record], float | None]:
+    """Return what reads a speed [rad/s] of a record; None where there is none."""
+    return lambda record: None if record.get(name) is None else record[name] / RPM
+
+
 def load_table(record: Record) -> Table:
     """Return the load at some speeds, from the `load_record`."""
     rows = record["speeds"]
     boosted = bool(rows) and "intake_pressure" in rows[0]
-    return Table(
+    return Table.of_records(
         "Load of the engine",
-        [
-            SPEED,
-            Column("indicated power", "kW"),
-            Column("mean indicated pressure", "MPa"),
-            Column("peak pressure", "MPa"),
-            *([Column("intake pressure", "MPa")] if boosted else []),
-        ],
-        [
-            [
-                row["speed_rpm"] / RPM,
-                row["indicated_power"],
-                row["mean_indicated_pressure"],
-                row["peak_pressure"],
-                *([row["intake_pressure"]] if boosted else []),
-            ]
-            for row in rows
-        ],
+        rows,
+        (SPEED, _speed()),
+        (Column("indicated power", "kW"), "indicated_power"),
+        (Column("mean indicated pressure", "MPa"), "mean_indicated_pressure"),
+        (Column("peak pressure", "MPa"), "peak_pressure"),
+        *([(Column("intake pressure", "MPa"), "intake_pressure")] if boosted else []),
         note="Peak and intake pressure are absolute.",
     )
 
 
 def critical_table(record: Record) -> Table:
     """Return the critical speeds of one kind; those at which the cylinders act in phase are marked."""
-    return Table(
+    return Table.of_records(
         f"{record['kind'].capitalize()} critical speeds in the running range, without damping",
-        [
-            SPEED,
-            Column("order", digits=None),
-            Column("mode"),
-            FREQUENCY,
-            Column("phase sum", decimals=3),
-        ],
-        [
-            [
-                critical["speed_rpm"] / RPM,
-                critical["order"],
-                critical["mode"],
-                critical["frequency"],
-                critical["phase_sum"],
-            ]
-            for critical in record["criticals"]
-        ],
-        marks=[
+        record["criticals"],
+        (SPEED, _speed()),
+        (Column("order", digits=None), "order"),
+        (Column("mode"), "mode"),
+        (FREQUENCY, "frequency"),
+        (Column("phase sum", decimals=3), "phase_sum"),
+        mark=lambda critical: (
             ("chosen" if critical["phase_sum"] >= TOGETHER else "")
-            + ("" if critical.get("in_running_range", True) else " above")
-            for critical in record["criticals"]
-        ],
+            + ("" if critical["in_running_range"] else " above")
+        ),
     )
 
 
 def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
     """Return the first frequencies of one kind with every source, which `said` puts into words."""
     unit = "m/N" if record["kind"] == "axial" else "rad/(N m)"
-    first = next((source.get("first_mode", 1) for source in record["sources"]), 1)
+    first = next((source["first_mode"] for source in record["sources"]), 1)
     # Modes of a coupling or a damper, below the crankshaft's own, hardly depend on its compliances.
     own = f" of the crankshaft, from mode {first} on," if first > 1 else ""
-    return Table(
+    return Table.of_records(
         f"First {record['kind']} frequencies{own} by source of the compliances",
-        [
-            Column("source", words=True),
-            Column("mean compliance", f"1e-9 {unit}"),
-            Column("frequencies", "Hz", decimals=1),
-            Column("ratio to chosen", decimals=3),
-            Column("how it was used", words=True),
-        ],
-        [
-            [
-                said(source["source"]),
-                source["mean_compliance"],
-                source.get("crankshaft_frequencies", source["first_frequencies"]),
-                source["beside_chosen"],
-                source["remark"],
-            ]
-            for source in record["sources"]
-        ],
-        marks=[
-            "chosen" if source["source"] == record["source"] else "" for source in record["sources"]
-        ],
+        record["sources"],
+        (Column("source", words=True), lambda source: said(source["source"])),
+        (Column("mean compliance", f"1e-9 {unit}"), "mean_compliance"),
+        (Column("frequencies", "Hz", decimals=1), "crankshaft_frequencies"),
+        (Column("ratio to chosen", decimals=3), "beside_chosen"),
+        (Column("how it was used", words=True), "remark"),
+        mark=lambda source: "chosen" if source["source"] == record["source"] else "",
     )
 
 
@@ -138,49 +108,41 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
     # Running speeds come first; what lies above them fills what is left.
     kept = sorted(
         (resonance for resonance in resonances if is_listed(resonance)),
-        key=lambda resonance: (not resonance.get("in_running_range", True), -resonance["severity"]),
+        key=lambda resonance: (not resonance["in_running_range"], -resonance["severity"]),
     )
-    worst = sorted(kept[:ROWS_SHOWN], key=lambda peak: peak["speed_rpm"] or float("inf"))
-    motion = MOTION[kind].printed
-    speed = replace(SPEED, missing="no peak")
-    return Table(
-        f"{kind.capitalize()} resonances {_assessed_range(record, units)}"
+    worst = sorted(kept[:ROWS_SHOWN], key=lambda peak: peak["speed_rpm"] or math.inf)
+    running, judged = record["running_rpm"], record["judged_rpm"]
+    where = "in the running range"
+    if judged[1] > running[1]:
+        where = units.text(
+            f"at the speeds judged: the running range to {running[1]:.4g} 1/min, and above it to "
+            f"{judged[1]:.4g} 1/min, as far as a limit applies"
+        )
+    return Table.of_records(
+        f"{kind.capitalize()} resonances {where}"
         + (f", the {ROWS_SHOWN} most severe of {len(kept)}" if len(kept) > ROWS_SHOWN else ""),
-        [
-            speed,
-            Column("order", digits=None),
-            Column("mode", words=True),
-            Column("peak at", words=True, missing="-"),
-            Column("peak", missing="-"),
-            Column(record["free_end"]["node"], motion),
-            Column("damping", "%", decimals=2),
+        worst,
+        (replace(SPEED, missing="no peak"), _speed()),
+        (Column("order", digits=None), "order"),
+        (Column("mode", words=True), peak_modes),
+        (Column("peak at", words=True, missing="-"), peak_place),
+        (Column("peak", missing="-"), lambda peak: peak_size(peak, kind, units)),
+        (
+            Column(record["free_end"]["node"], MOTION[kind].printed),
+            lambda peak: UNBOUNDED if peak["unbounded"] else peak["amplitude"],
+        ),
+        (Column("damping", "%", decimals=2), "damping_ratio"),
+        (
             Column("kind", words=True),
-        ],
-        [
-            [
-                _from_rpm(peak["speed_rpm"]),
-                peak["order"],
-                peak_modes(peak),
-                peak_place(peak),
-                peak_size(peak, kind, units),
-                UNBOUNDED if peak["unbounded"] else peak["amplitude"],
-                peak.get("damping_ratio"),
-                peak["kind"] + ("" if peak.get("in_running_range", True) else ", above"),
-            ]
-            for peak in worst
-        ],
+            lambda peak: peak["kind"] + ("" if peak["in_running_range"] else ", above"),
+        ),
         note=left_out(resonances, worst),
     )
 
 
 def is_listed(peak: Record) -> bool:
     """Return whether a table lists a peak of a `forced_record`, or tells of it in `left_out`."""
-    if peak["speed_rpm"] is None:
-        return True
-    # Results of older runs hold the free end's resonances alone.
-    return bool(peak.get("in_band", True)) and (
-        "place" not in peak or peak["severity"] >= LEAST_PEAK
-    )
+    return peak["speed_rpm"] is None or (peak["in_band"] and peak["severity"] >= LEAST_PEAK)
 
 
 def peak_modes(peak: Record) -> str:
@@ -199,15 +161,15 @@ def peak_place(peak: Record) -> str | None:
 
 
 def peak_size(peak: Record, kind: str, units: OutputUnits, digits: int = 4) -> str | None:
-    """Write the amplitude of a peak at its place, of results of older runs at the free end."""
-    if peak.get("speed_rpm") is None:
+    """Write the amplitude of a peak at its place."""
+    if peak["speed_rpm"] is None:
         return None
     if peak["unbounded"]:
         return UNBOUNDED
     motion = MOTION[kind]
-    if peak.get("unit", motion.si) == motion.si:
+    if peak["unit"] == motion.si:
         own = units.of(motion.printed)
-        return f"{own.number(peak.get('value', peak['amplitude']), digits)} {own.name}"
+        return f"{own.number(peak['value'], digits)} {own.name}"
     return units.quantity(peak["value"], peak["unit"], digits)
 
 
@@ -215,7 +177,7 @@ def left_out(found: list[Record], shown: list[Record]) -> str:
     """Say which peaks of one kind a table leaves out, and why; empty without any."""
     peaks = [one for one in found if one["speed_rpm"] is not None and one not in shown]
     beyond = [peak for peak in peaks if is_listed(peak)]
-    forced = [peak for peak in peaks if not peak.get("in_band", True)]
+    forced = [peak for peak in peaks if not peak["in_band"]]
     small = [peak for peak in peaks if peak not in beyond and peak not in forced]
     texts = []
     if beyond:
@@ -241,50 +203,46 @@ def _counted(peaks: list[Record], name: str) -> str:
     return f"{len(peaks)} {name}{'s' if len(peaks) > 1 else ''}"
 
 
-def _from_rpm(speed: float | None) -> float | None:
-    return None if speed is None else speed / RPM
-
-
 def element_table(record: Record) -> Table:
     """Return the largest loads, and stresses if there are, of the elements of a `forced_record`.
 
     Running speeds come first; larger or smaller values below and above them have their own columns.
     """
+    loads, load = record["loads"], LOAD[record["kind"]]
+    stresses = {stress["element"]: stress for stress in record["stress"] or ()}
 
-    def peak(element: Record | None, part: str) -> float | str | None:
-        found = None if element is None else element.get(part, element)
-        return "" if found is None else found["peak"]
+    def peak(part: str, of_load: bool = True) -> Callable[[Record], Cell]:
+        def cell(load: Record) -> Cell:
+            element = load if of_load else stresses.get(load["element"])
+            largest = None if element is None else element[part]
+            return "" if largest is None else largest["peak"]
 
-    stresses = {element["element"]: element for element in record["stress"] or ()}
-    load = LOAD[record["kind"]]
-    beside = [
-        part
-        for part in ("below", "above")
-        if any(load.get(part) is not None for load in record["loads"])
-    ]
-    where = {"below": "below running speeds", "above": "above them, as far as judged"}
-    return Table(
+        return cell
+
+    return Table.of_records(
         f"{record['kind'].capitalize()} vibration of the elements, largest at running speeds "
         "(all orders over the cycle; plain sum of amplitudes)",
-        [
-            Column("element", words=True),
-            Column("load", load, missing=UNBOUNDED),
-            Column("at", "1/min", decimals=0),
+        loads,
+        (Column("element", words=True), "element"),
+        (Column("load", load, missing=UNBOUNDED), peak("running")),
+        (Column("at", "1/min", decimals=0), lambda load: load["running"]["speed_rpm"] / RPM),
+        (
             Column("plain sum", load, missing=UNBOUNDED),
-            *([Column("stress", "MPa", missing=UNBOUNDED)] if stresses else []),
-            *(Column(where[part], load, missing=UNBOUNDED) for part in beside),
-        ],
-        [
-            [
-                load["element"],
-                peak(load, "running"),
-                load.get("running", load)["speed_rpm"] / RPM,
-                load.get("running", load)["plain_sum_peak"],
-                *([peak(stresses.get(load["element"]), "running")] if stresses else []),
-                *(peak(load, part) for part in beside),
-            ]
-            for load in record["loads"]
-        ],
+            lambda load: load["running"]["plain_sum_peak"],
+        ),
+        *(
+            [(Column("stress", "MPa", missing=UNBOUNDED), peak("running", of_load=False))]
+            if stresses
+            else []
+        ),
+        *(
+            (Column(where, load, missing=UNBOUNDED), peak(part))
+            for part, where in (
+                ("below", "below running speeds"),
+                ("above", "above them, as far as judged"),
+            )
+            if any(load[part] is not None for load in loads)
+        ),
     )
 
 
@@ -294,44 +252,48 @@ def limit_table(
     """Return the use of limits, each location at its worst speed: all of them, or one by its name."""
     checks = [check for check in record["checks"] if limit in (None, check["limit"])]
 
-    def quantity(value: float | None, unit: str) -> str:
-        return UNBOUNDED if value is None else units.quantity(value, unit, digits)
+    def quantity(name: str) -> Callable[[Record], Cell]:
+        def cell(check: Record) -> str:
+            value = (check["running"] or check)[name]
+            return UNBOUNDED if value is None else units.quantity(value, check["unit"], digits)
 
-    # What was judged above the running range stands beside it.
-    beside = any(check.get("above") is not None for check in checks)
-    table = Table(
-        f"{'Limits' if limit is None else limit.capitalize()}, at the running speeds where most is used",
-        [
-            Column("limit", words=True),
-            Column("where", words=True),
-            Column("at", "1/min", decimals=1),
-            Column("reached"),
-            Column("permitted"),
-            Column("used", "%", 3, missing=UNBOUNDED),
+        return cell
+
+    above: tuple[tuple[Column, Callable[[Record], Cell]], ...] = (
+        (
             Column("above at", "1/min", decimals=1, missing="-"),
+            lambda check: check["above"] and check["above"]["speed_rpm"] / RPM,
+        ),
+        (
             Column("used above", "%", 3, missing="-"),
-        ],
-        [
-            [
-                check["limit"].removesuffix(f" of {check['place']}"),
-                check["place"],
-                running["speed_rpm"] / RPM,
-                quantity(running["value"], check["unit"]),
-                quantity(running["permitted"], check["unit"]),
-                running["used"],
-                None if above is None else above["speed_rpm"] / RPM,
-                None if above is None else UNBOUNDED if above["used"] is None else above["used"],
-            ]
-            for check in checks
-            for running, above in ((check.get("running") or check, check.get("above")),)
-        ],
-        marks=["" if check["passed"] else "over" for check in checks],
+            lambda check: (
+                check["above"]
+                and (UNBOUNDED if check["above"]["used"] is None else check["above"]["used"])
+            ),
+        ),
     )
-    shown = ["where", "at", "reached", "permitted", "used"]
-    return table.select(
-        *([] if limit is not None else ["limit"]),
-        *shown,
-        *(["above at", "used above"] if beside else []),
+    name = (
+        Column("limit", words=True),
+        lambda check: check["limit"].removesuffix(f" of {check['place']}"),
+    )
+    return Table.of_records(
+        f"{'Limits' if limit is None else limit.capitalize()}, at the running speeds where most is used",
+        checks,
+        *([name] if limit is None else []),
+        (Column("where", words=True), "place"),
+        (
+            Column("at", "1/min", decimals=1),
+            lambda check: (check["running"] or check)["speed_rpm"] / RPM,
+        ),
+        (Column("reached"), quantity("value")),
+        (Column("permitted"), quantity("permitted")),
+        (
+            Column("used", "%", 3, missing=UNBOUNDED),
+            lambda check: (check["running"] or check)["used"],
+        ),
+        # What was judged above the running range stands beside it.
+        *(above if any(check["above"] is not None for check in checks) else ()),
+        mark=lambda check: "" if check["passed"] else "over",
     )
 
 
@@ -339,89 +301,69 @@ def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return normal firing and the worst misfiring, row below row, from a `misfiring_record`."""
     motions = {own.si: own.printed for own in MOTION.values()}
 
-    def written(value: float | None, unit: str) -> str | None:
-        if value is None:
-            return None
-        if unit in motions:
-            return units.of(motions[unit]).with_name(value, 3)
-        return units.quantity(value, unit, 3)
+    def name(row: Record) -> str:
+        quantity: str = row["quantity"]
+        return quantity if quantity.endswith(LONE_PLACE) else limit_at(quantity, row["place"])
 
-    def row(one: Record, firing: str, found: Record) -> list[Any]:
-        reached, permitted = (written(found[name], one["unit"]) for name in ("value", "permitted"))
-        at = found["speed_rpm"] / RPM
-        alone = one["quantity"].endswith(LONE_PLACE)
-        return [
-            one["quantity"] if alone else limit_at(one["quantity"], found["place"]),
-            *(firing, at, reached or UNBOUNDED, permitted, found["used"]),
-        ]
+    def written(part: str) -> Callable[[Record], str | None]:
+        def cell(row: Record) -> str | None:
+            value, unit = row[part], row["unit"]
+            if value is None:
+                return None
+            if unit in motions:
+                return units.of(motions[unit]).with_name(value, 3)
+            return units.quantity(value, unit, 3)
 
-    def rows(one: Record) -> list[list[Any]]:
-        cylinders = ", ".join(str(number) for number in one["cylinders"])
-        return [
-            row(one, "all cylinders", one["normal"]),
-            row(one, f"all but {cylinders}", one["misfiring"]),
-        ]
+        return cell
 
-    return Table(
+    def over(row: Record) -> bool:
+        return row["permitted"] is not None and (row["used"] is None or row["used"] > 1.0)
+
+    return Table.of_records(
         "All cylinders firing and the worst case of misfiring: at running speeds the largest use of each "
         "limit, without a limit the largest amplitude",
         [
-            Column("quantity", words=True),
-            Column("firing", words=True),
-            Column("at", "1/min", decimals=0),
-            Column("reached"),
-            Column("permitted", missing="-"),
-            Column("used", "%", 3, missing="-"),
-        ],
-        [each for check in record["checks"] for each in rows(check)],
-        marks=[
-            "over" if _exceeded(check[firing]) else ""
+            {**check, **check[case], "firing": firing}
             for check in record["checks"]
-            for firing in ("normal", "misfiring")
+            for case, firing in (
+                ("normal", "all cylinders"),
+                ("misfiring", f"all but {', '.join(map(str, check['cylinders']))}"),
+            )
         ],
+        (Column("quantity", words=True), name),
+        (Column("firing", words=True), "firing"),
+        (Column("at", "1/min", decimals=0), _speed()),
+        (Column("reached", missing=UNBOUNDED), written("value")),
+        (Column("permitted", missing="-"), written("permitted")),
+        (Column("used", "%", 3, missing="-"), "used"),
+        mark=lambda row: "over" if over(row) else "",
     )
-
-
-def _exceeded(reached: Record) -> bool:
-    """Whether more is reached than permitted, where anything is."""
-    return reached["permitted"] is not None and (reached["used"] is None or reached["used"] > 1.0)
 
 
 def margin_table(record: Record, kind: str) -> Table:
     """Return the critical speeds of one kind with their uncertainty."""
     critical = record["critical"]
-    return Table(
+    return Table.of_records(
         f"{kind.capitalize()} critical speeds with uncertainty ranges, and margins to running speeds"
         + (f", the first {ROWS_SHOWN} of {len(critical)}" if len(critical) > ROWS_SHOWN else ""),
-        [
-            Column("mode"),
-            Column("order", digits=None),
-            SPEED,
-            *(Column(name, "1/min", decimals=1, bare=True) for name in ("lowest", "highest")),
-            Column("margin", "%", decimals=1),
-        ],
-        [
-            [
-                one["mode"],
-                one["order"],
-                *(one[name] / RPM for name in ("speed_rpm", "low_rpm", "high_rpm")),
-                one["margin"] or None,
-            ]
-            for one in critical[:ROWS_SHOWN]
-        ],
+        critical[:ROWS_SHOWN],
+        (Column("mode"), "mode"),
+        (Column("order", digits=None), "order"),
+        (SPEED, _speed()),
+        (Column("lowest", "1/min", decimals=1, bare=True), _speed("low_rpm")),
+        (Column("highest", "1/min", decimals=1, bare=True), _speed("high_rpm")),
+        (Column("margin", "%", decimals=1), lambda margin: margin["margin"] or None),
     )
 
 
 def whole_table(record: Record) -> Table:
     """Return the modes of a `whole_record`."""
-    return Table(
+    return Table.of_records(
         "Modes of the whole crankshaft in its bearings",
-        [
-            Column("mode", words=True),
-            Column("frequency", "Hz", decimals=2),
-            Column("motion", words=True),
-        ],
-        [[mode["name"], mode["frequency"], mode["label"]] for mode in record["modes"]],
+        record["modes"],
+        (Column("mode", words=True), "name"),
+        (FREQUENCY, "frequency"),
+        (Column("motion", words=True), "label"),
     )
 
 
@@ -437,30 +379,20 @@ def whole_critical_table(record: Record, kind: str) -> Table:
     )
     shown = sorted(largest[:ROWS_SHOWN], key=lambda one: one["speed_rpm"])
     left = criticals["left_out"] + len(largest) - len(shown)
-    return Table(
+    return Table.of_records(
         f"Critical speeds of the whole crankshaft: {kind} "
         f"{'motion' if kind == 'axial' else 'torque'} by one order",
-        [
-            SPEED,
-            Column("order", digits=None),
-            Column("at", words=True),
-            Column("amplitude", "um" if kind == "axial" else "kN m", 3, missing=UNBOUNDED),
-            Column("mode", missing="none"),
-            Column("damping", "%", decimals=2, missing="-"),
+        shown,
+        (SPEED, _speed()),
+        (Column("order", digits=None), "order"),
+        (Column("at", words=True), "place"),
+        (Column("amplitude", "um" if kind == "axial" else "kN m", 3, missing=UNBOUNDED), "value"),
+        (Column("mode", missing="none"), lambda peak: peak["mode"] or None),
+        (Column("damping", "%", decimals=2, missing="-"), "damping_ratio"),
+        (
             Column("range", words=True),
-        ],
-        [
-            [
-                one["speed_rpm"] / RPM,
-                one["order"],
-                one["place"],
-                one["value"],
-                one["mode"] or None,
-                one["damping_ratio"],
-                "running" if one["in_running_range"] else "above",
-            ]
-            for one in shown
-        ],
+            lambda peak: "running" if peak["in_running_range"] else "above",
+        ),
         note=f"{left} smaller {'one is' if left == 1 else 'ones are'} left out."
         if left
         else "None is left out.",
@@ -471,39 +403,21 @@ def run_up_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return the largest torques of a `run_up_record`."""
     speed = units.of("1/min")
     cut = "" if record["complete"] else ", interrupted"
-    return Table(
+    return Table.of_records(
         f"Run-up from {speed.fixed(record['from_rpm'] / RPM, 0)} to "
         f"{speed.fixed(record['to_rpm'] / RPM, 0)} {speed.name} in {record['duration']:g} s{cut}: "
         "amplitude of the torque in the springs",
-        [
-            Column("element", words=True),
-            Column("largest", "kN m"),
-            Column("at", "1/min", decimals=0),
-            Column("at constant speeds", "kN m", missing=UNBOUNDED),
-        ],
-        [
-            [element["element"], element["largest"], element["at_rpm"] / RPM, element["steady"]]
-            for element in record["elements"]
-        ],
-    )
-
-
-def _assessed_range(record: Record, units: OutputUnits) -> str:
-    """State over which speeds resonances are listed."""
-    running, judged = record.get("running_rpm"), record.get("judged_rpm")
-    # Results of older runs know no speeds above the running range.
-    if running is None or judged is None or judged[1] <= running[1]:
-        return "in the running range"
-    return units.text(
-        f"at the speeds judged: the running range to {running[1]:.4g} 1/min, and above it to "
-        f"{judged[1]:.4g} 1/min, as far as a limit applies"
+        record["elements"],
+        (Column("element", words=True), "element"),
+        (Column("largest", "kN m"), "largest"),
+        (Column("at", "1/min", decimals=0), _speed("at_rpm")),
+        (Column("at constant speeds", "kN m", missing=UNBOUNDED), "steady"),
     )
 
 
 KINDS = ("axial", "torsional")
 # Of what there is none, or none is known, such as amplitudes beyond the speeds judged.
 ABSENT = "-"
-BESIDE = ("lowest", "highest", "undamped", "ring locked")
 
 
 def speed_table(
@@ -533,49 +447,96 @@ def speed_table(
         Speeds at which the cylinders act in phase are marked.
     """
     running = (vibration["assessment"] or {}).get("running_rpm")
-    shown = {kind: _shown(_speeds(vibration, kind), most) for kind in KINDS}
-    rows = [_row(one, units, major, running) for kind in KINDS for one in shown[kind]]
-    notes = [
-        f"{kind.capitalize()}: {text}"
-        for kind in KINDS
-        if vibration["forced"] is not None
-        and (
-            text := left_out(
-                vibration["forced"][kind]["resonances"],
-                [one["resonance"] for one in shown[kind] if "resonance" in one],
-            )
+    shown = {
+        kind: sorted(
+            sorted(_speeds(vibration, kind), key=lambda speed: -_strength(speed))[:most],
+            key=lambda speed: (_speed_rpm(speed) or math.inf, _known(speed)["order"]),
         )
-    ]
-    columns = [
-        Column("vibration", words=True),
-        SPEED,
-        *(_absent(Column(name, "1/min", decimals=1, bare=True)) for name in BESIDE),
-        Column("order", digits=None),
-        Column("mode", words=True),
-        _absent(FREQUENCY),
-        _absent(Column("phase sum", decimals=2)),
-        _absent(Column("peak at", words=True)),
-        _absent(Column("amplitude")),
-        _absent(Column("damping", "%", decimals=2)),
-        Column("margin", "%", decimals=1, missing="inside"),
-        Column("kind", words=True, missing=""),
-    ]
-    # A column that would say "none" of every speed says nothing.
-    columns = [column for column in columns if any(row[column.name] is not None for row in rows)]
-    return Table(
+        for kind in KINDS
+    }
+
+    def part(name: str, read: Callable[[Record], Any]) -> Callable[[Record], Any]:
+        """Read something of a part of a critical speed, if it has that part."""
+        return lambda speed: read(speed[name]) if name in speed else None
+
+    def place(speed: Record) -> Cell:
+        rpm = _speed_rpm(speed)
+        return "no peak" if rpm is None else rpm / RPM
+
+    def outside(speed: Record) -> bool:
+        rpm, known = _speed_rpm(speed), _known(speed)
+        if running is not None and rpm is not None and "resonance" not in speed:
+            return not running[0] <= rpm <= running[1]
+        return not known.get("in_running_range", True) or bool(
+            speed.get("margin", {}).get("margin")
+        )
+
+    def margin(speed: Record) -> Cell:
+        if "margin" in speed:
+            # Of a speed outside whose uncertainty range reaches to running speeds nothing is left.
+            left: float = speed["margin"]["margin"]
+            return left if outside(speed) else None
+        return ABSENT if "resonance" in speed else None
+
+    def kind_of(speed: Record) -> str | None:
+        named = speed.get("resonance", {}).get("kind", "")
+        if not named and major is not None:
+            named = "major" if _known(speed)["order"] in major else "minor"
+        return ", ".join(filter(None, (named, "outside" if outside(speed) else ""))) or None
+
+    def size(speed: Record) -> str | None:
+        peak = speed.get("resonance")
+        return peak and peak_size(peak, speed["kind of motion"], units, 3)
+
+    def beside(name: str, part_name: str, key: str) -> tuple[Column, Callable[[Record], Cell]]:
+        column = Column(name, "1/min", decimals=1, bare=True, missing=ABSENT)
+        return column, part(part_name, _speed(key))
+
+    phase_sum = part("critical", itemgetter("phase_sum"))
+    table = Table.of_records(
         "Critical speeds",
-        columns,
-        [[row[column.name] for column in columns] for row in rows],
-        note=" ".join(notes),
-        marks=[
-            "chosen" if isinstance(row["phase sum"], float) and row["phase sum"] >= TOGETHER else ""
-            for row in rows
-        ],
+        [speed for kind in KINDS for speed in shown[kind]],
+        (Column("vibration", words=True), "kind of motion"),
+        (SPEED, place),
+        beside("lowest", "margin", "low_rpm"),
+        beside("highest", "margin", "high_rpm"),
+        beside("undamped", "resonance", "undamped_rpm"),
+        beside("ring locked", "resonance", "locked_rpm"),
+        (Column("order", digits=None), lambda speed: _known(speed)["order"]),
+        (Column("mode", words=True), lambda speed: peak_modes(_known(speed))),
+        (
+            replace(FREQUENCY, missing=ABSENT),
+            lambda speed: (
+                None if "resonance" in speed else speed.get("critical", {}).get("frequency")
+            ),
+        ),
+        (Column("phase sum", decimals=2, missing=ABSENT), phase_sum),
+        (Column("peak at", words=True, missing=ABSENT), part("resonance", peak_place)),
+        (Column("amplitude", missing=ABSENT), size),
+        (
+            Column("damping", "%", decimals=2, missing=ABSENT),
+            part("resonance", itemgetter("damping_ratio")),
+        ),
+        (Column("margin", "%", decimals=1, missing="inside"), margin),
+        (Column("kind", words=True, missing=""), kind_of),
+        note=" ".join(
+            f"{kind.capitalize()}: {text}"
+            for kind in KINDS
+            if vibration["forced"] is not None
+            and (
+                text := left_out(
+                    vibration["forced"][kind]["resonances"],
+                    [speed["resonance"] for speed in shown[kind] if "resonance" in speed],
+                )
+            )
+        ),
+        mark=lambda speed: "chosen" if (phase_sum(speed) or 0.0) >= TOGETHER else "",
     )
-
-
-def _absent(column: Column) -> Column:
-    return replace(column, missing=ABSENT)
+    # A column that would say "none" of every speed says nothing.
+    columns = zip(table.columns, zip(*table.rows, strict=True), strict=False)
+    return table.select(
+        *(column.name for column, cells in columns if any(cell is not None for cell in cells))
+    )
 
 
 def _speeds(vibration: Record, kind: str) -> list[Record]:
@@ -636,11 +597,6 @@ def _strength(record: Record) -> float:
     return severity + float(record.get("critical", {}).get("phase_sum", 0.0)) * 1e-9
 
 
-def _shown(records: list[Record], most: int) -> list[Record]:
-    worst = sorted(records, key=lambda record: -_strength(record))[:most]
-    return sorted(worst, key=lambda one: (_speed_rpm(one) or float("inf"), _known(one)["order"]))
-
-
 def _known(record: Record) -> Record:
     """The main quantity of a critical speed: its peak, or its undamped speed, or its margin."""
     return next(record[part] for part in ("resonance", "critical", "margin") if part in record)
@@ -653,66 +609,28 @@ def _speed_rpm(record: Record) -> float | None:
     return None
 
 
-def _row(
-    record: Record,
-    units: OutputUnits,
-    major: Collection[float] | None,
-    running: Sequence[float] | None,
-) -> dict[str, Cell]:
-    kind = record["kind of motion"]
-    critical, peak, margin = (record.get(part, {}) for part in ("critical", "resonance", "margin"))
-    speed = _speed_rpm(record)
-    known = _known(record)
-    outside = not known.get("in_running_range", True) or bool(margin.get("margin"))
-    if running is not None and speed is not None and not peak:
-        outside = not running[0] <= speed <= running[1]
-    named = peak.get("kind", "")
-    if not named and major is not None:
-        named = "major" if known["order"] in major else "minor"
-    return {
-        "vibration": kind,
-        "speed": "no peak" if speed is None else speed / RPM,
-        "lowest": _from_rpm(margin.get("low_rpm")),
-        "highest": _from_rpm(margin.get("high_rpm")),
-        "undamped": _from_rpm(peak.get("undamped_rpm")),
-        "ring locked": _from_rpm(peak.get("locked_rpm")),
-        "order": known["order"],
-        "mode": peak_modes(known),
-        "frequency": None if peak else critical.get("frequency"),
-        "phase sum": critical.get("phase_sum"),
-        "peak at": peak_place(peak),
-        "amplitude": peak_size(peak, kind, units, 3) if peak else None,
-        "damping": peak.get("damping_ratio"),
-        # Of a speed outside whose uncertainty range reaches to running speeds nothing is left.
-        "margin": (margin["margin"] if outside else None) if margin else ABSENT if peak else None,
-        "kind": f"{named}{', ' if named else ''}outside" if outside else named or None,
-    }
-
-
 def mode_table(record: Record) -> Table:
     """Return the natural modes of one kind, from its `vibration_record`."""
     names = record["nodes"]
     # Points have the numbers of their names: throws and main bearings count from 1.
     first = 0 if names[0].startswith(FREE_END) else 1
-    return Table(
+
+    def name(mode: Record) -> str:
+        beside = "" if mode["of_crankshaft"] else " (coupling, damper or line)"
+        return "rigid body" if mode["rigid"] else f"{mode['number']}{beside}"
+
+    def still_at(mode: Record) -> str | None:
+        if mode["rigid"]:
+            return "moves as one"
+        return _still_at(mode["node_positions"], record, first)
+
+    return Table.of_records(
         f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
-        [
-            Column("mode", words=True),
-            FREQUENCY,
-            Column("[1/min]", decimals=0),
-            Column("nodes at", words=True),
-        ],
-        [
-            [
-                "rigid body" if mode["rigid"] else f"{mode['number']}{_beside_crankshaft(mode)}",
-                mode["frequency"],
-                60.0 * mode["frequency"],
-                "moves as one"
-                if mode["rigid"]
-                else _still_at(mode["node_positions"], record, first),
-            ]
-            for mode in record["modes"]
-        ],
+        record["modes"],
+        (Column("mode", words=True), name),
+        (FREQUENCY, "frequency"),
+        (Column("[1/min]", decimals=0), lambda mode: 60.0 * mode["frequency"]),
+        (Column("nodes at", words=True), still_at),
         note=f"Node positions count the chain's points: {_points(names, first)}.",
     )
 
@@ -745,8 +663,7 @@ def _points(names: list[str], first: int) -> str:
 def _still_at(positions: list[float], record: Record, first: int) -> str | None:
     """State the positions of a mode's nodes: by the numbers of the points, or on their branch."""
     names = record["nodes"]
-    # Results of older runs say nothing of branches.
-    pairs = record.get("connections") or [(node, node + 1) for node in range(len(names) - 1)]
+    pairs = record["connections"]
     positions_of_nodes = []
     for position in positions:
         element = min(int(position), len(pairs) - 1)
@@ -755,7 +672,3 @@ def _still_at(positions: list[float], record: Record, first: int) -> str | None:
         branch = f"{share:.2f} of the way from {names[left]} to {names[right]}"
         positions_of_nodes.append(row if right == left + 1 else branch)
     return ", ".join(positions_of_nodes) or None
-
-
-def _beside_crankshaft(mode: Record) -> str:
-    return "" if mode.get("of_crankshaft", True) else " (coupling, damper or line)"

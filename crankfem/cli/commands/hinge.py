@@ -52,17 +52,16 @@ def hinge(
     """Calculate the guides of an elastic hinge for constant crank speed, and the speed left uneven."""
     from crankbase.choices import check_choice
     from crankbase.quantity import parse_quantity
+    from crankbase.results import units as result_units
     from crankfem.analyses.hinge.hinge_run import (
         FILES,
         GUIDES,
         SURFACE,
         hinge_columns,
-        hinge_record,
         plot_hinge,
         run_hinge,
     )
-    from crankfem.cli.console import write_columns
-    from crankfem.cli.tables.hinge_tables import print_hinge
+    from crankfem.cli.console import print_parts, write_columns
     from crankfem.files.hinge_file import load_hinge
     from crankfem.jobs.outputs import check_outputs
     from dynamics.hinge.crosshead import KINEMATICS
@@ -82,14 +81,14 @@ def hinge(
     ]
     folder = check_outputs(csv, pictures, loaded.path, *loaded.tables, names=names)
     run = run_hinge(loaded, cast(Any, kinematics), other)
-    record = hinge_record(run)
     if csv is not None:
         write_columns(csv, hinge_columns(run))
     made = [] if folder is None else plot_hinge(folder, run)
     if out.json:
-        print_json(record | {"pictures": [str(path) for path in made]})
+        pictures_made = [str(path) for path in made]
+        print_json(run.to_record() | {"pictures": pictures_made, "units": result_units(run)})
         return
-    print_hinge(record, out.units)
+    print_parts(run.tables(out.units), out.units)
     if csv is not None:
         console.output.print(f"Over a revolution: {csv}", soft_wrap=True)
     if made:

@@ -72,7 +72,7 @@ def lookup(
 
         angle = parse_gamma(gamma, out.quiet)
     force = None if pin_force is None else parse_pin_force(pin_force)
-    refused: dict[str, str] = {}
+    refused: dict[str, InputError] = {}
     if str(model) == LAW:
         from crankfem.cli.arguments import law_throw, throw_text
 
@@ -94,14 +94,17 @@ def lookup(
 
             asked |= loaded.dimensions_of(select_throw(throw, quiet=out.quiet)[0])
         asked |= model_dimensions(loaded, dimensions or [])
-        answers, refused = _lookups(loaded, asked, angle, strict)
+        if angle is not None:
+            _check_angle(loaded, angle)
+        answers, refused = loaded.look_all_up(gamma_deg=angle, strict=strict, **asked)
+        if strict and refused:
+            raise next(iter(refused.values()))
         used = dimensions_text(loaded, asked)
         react = partial(loaded.reactions, strict=strict, **asked)
     reactions = None if force is None else reaction_results(react, force, angle)
     if out.json:
-        records = {name: _record(answer) for name, answer in answers.items()}
-        records |= {name: {"refused": reason} for name, reason in refused.items()}
-        print_json(records if reactions is None else records | {"reactions": reactions})
+        told = answers | {name: {"refused": str(reason)} for name, reason in refused.items()}
+        print_json(told if reactions is None else told | {"reactions": reactions})
         return
     if throw is not None:
         print_line(out.units.text(f"Throw of {throw}{_overridden(dimensions)}: {', '.join(used)}."))
@@ -124,50 +127,18 @@ def _overridden(dimensions: list[str] | None) -> str:
     return f" with {', '.join(names)} as given" if names else ""
 
 
-def _lookups(
-    model: "ComplianceModel", asked: dict[str, Any], gamma: float | None, strict: bool
-) -> tuple[dict[str, "Lookup"], dict[str, str]]:
-    """Look all responses up; report those that fail, as long as any succeeds."""
+def _check_angle(model: "ComplianceModel", gamma_deg: float) -> None:
+    """Refuse an angle on which nothing in the model depends."""
     from regression.response_kinds import ANGLE_LAWS
 
-    answers: dict[str, Lookup] = {}
-    refused: dict[str, str] = {}
-    angles = [name for name in model.responses if gamma is not None and name in ANGLE_LAWS]
-    if gamma is not None and not angles:
+    dependent = [name for name in model.responses if name in ANGLE_LAWS]
+    if not dependent:
         raise InputError(
-            f"--gamma: given {gamma:g}; allowed only with a model of {' or '.join(ANGLE_LAWS)}, because "
+            f"--gamma: given {gamma_deg:g}; allowed only with a model of {' or '.join(ANGLE_LAWS)}, because "
             "nothing else depends on the angle."
         )
-    for name in angles:
-        try:
-            model.angle_law(name)
-        except InputError as error:
-            refused[name] = str(error)
-    if angles and len(refused) == len(angles):
-        raise InputError(refused[angles[0]])
-    for name in [name for name in model.responses if name not in refused]:
-        angle = gamma if name in angles else None
-        try:
-            answers[name] = model.lookup(name, gamma_deg=angle, strict=strict, **asked)
-        except InputError as error:
-            if strict:
-                raise
-            refused[name] = str(error)
-    if not answers:
-        raise InputError(next(iter(refused.values())))
-    return answers, refused
-
-
-def _record(answer: "Lookup") -> dict[str, Any]:
-    from crankfem.analyses.record import attributes
-
-    return {
-        **attributes(answer, "value", "lower", "upper", "unit", "symbol", "support", "inside"),
-        "remarks": list(answer.remarks),
-        "largest_held_out_error": answer.error,
-        "largest_fe_error_estimate": answer.fe_error,
-        **attributes(answer, "band", "equation"),
-    }
+    if not any(model.responses.keys() >= set(ANGLE_LAWS[name]) for name in dependent):
+        model.angle_law(dependent[0])  # states what is missing
 
 
 def _print_lookups(
@@ -216,7 +187,7 @@ def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "Output
 def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
     """State the errors included in the bands, and those unknown."""
     from regression.fits.selection import COVERAGE
-    from regression.models.extrapolation import FEWEST, equation_error, percent
+    from regression.models.response_query import FEWEST, equation_error, percent
 
     used = {name: model.responses[name] for name in names}
 

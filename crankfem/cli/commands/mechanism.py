@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -11,11 +11,11 @@ from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import EngineArgument, Output, SpeedOption, with_output
-from crankfem.cli.console import print_json
+from crankfem.cli.console import print_json, print_parts
 from dynamics.engine import ROD_MODELS, RodModelName
 
 if TYPE_CHECKING:
-    from crankbase.table import OutputUnits
+    from crankfem.analyses.mechanism.torque_harmonics import EngineHarmonics, TableHarmonics
     from dynamics.harmonics import Harmonics
 
 
@@ -136,7 +136,7 @@ def _rod_models(names: list[str] | None) -> list[RodModelName]:
     return cast(list[RodModelName], models)
 
 
-USUAL_ORDERS, USUAL_ENGINE_ORDERS = 9.0, 12.0
+USUAL_ENGINE_ORDERS = 12.0
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,8 @@ def harmonics(
     out: Output,
 ) -> None:
     """Split torque into harmonics M_k sin(k w t + a_k), for a table or an engine with its stars."""
-    from crankfem.cli.tables.mechanism_tables import write_table
+    from crankfem.analyses.mechanism.torque_harmonics import COLUMNS
+    from crankfem.cli.console import write_rows
 
     if orders is not None and not orders > 0.0:
         raise InputError(
@@ -208,17 +209,15 @@ def harmonics(
         )
     firing = (firing_order, firing_angles)
     asked = _Request(strokes, orders, cylinder, speed, firing, csv, pictures)
-    record = (
-        _engine_harmonics(source, asked)
-        if _names_engine(source)
-        else _torque_table_harmonics(source, asked)
-    )
+    split = _engine_harmonics if _names_engine(source) else _torque_table_harmonics
+    spectra = split(source, asked)
     if csv is not None:
-        write_table(csv, record)
+        heading, rows = spectra.rows()
+        write_rows(csv, ["of", "unit", *COLUMNS], rows, heading)
     if out.json:
-        print_json(record, "torque")
+        print_json(spectra)
         return
-    _print(record, out.units)
+    print_parts(spectra.parts(out.units), out.units)
     for path, kind in ((csv, "Table"), (pictures, "Pictures")):
         if path is not None:
             console.output.print(f"{kind}: {path}", soft_wrap=True)
@@ -234,14 +233,9 @@ def _names_engine(source: str) -> bool:
     return not path.is_file() or (path.name in shipped_names("engine") and path.parent == Path())
 
 
-def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
-    from crankfem.analyses.mechanism.mechanism_records import (
-        fired_record,
-        harmonics_record,
-        residual_record,
-        seen_stars,
-    )
+def _torque_table_harmonics(source: str, asked: _Request) -> "TableHarmonics":
     from crankfem.analyses.mechanism.plots import picture_torque_table, table_files
+    from crankfem.analyses.mechanism.torque_harmonics import table_harmonics
     from crankfem.cli.arguments import firing_angles_deg
     from crankfem.files.reading.data_files import torque_path
     from crankfem.jobs.outputs import check_outputs
@@ -259,24 +253,20 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     path = torque_path(source)
     table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
     firing = firing_angles_deg(*asked.firing, strokes=table.strokes)
-    harmonics = table.harmonics()
-    _check_resolved(asked.orders, harmonics)
-    highest = min(asked.orders or USUAL_ORDERS, harmonics.highest_order)
-    shown = harmonics.up_to(highest)
-    stars = seen_stars(shown, firing) if firing else ()
+    _check_resolved(asked.orders, table.harmonics())
+    spectra, drawn = table_harmonics(path.name, table, asked.orders, firing)
+    stars = spectra.cylinders.stars if spectra.cylinders is not None else ()
     folder = check_outputs(asked.csv, asked.pictures, path, names=table_files(stars))
     if folder is not None:
-        picture_torque_table(folder, table, shown, stars)
-    listed = harmonics if asked.orders is None else shown
-    record = {"table": path.name} | harmonics_record(listed) | residual_record(listed, table)
-    return record | ({"cylinders": fired_record(shown, stars, firing)} if firing else {})
+        picture_torque_table(folder, table, drawn, stars)
+    return spectra
 
 
-def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
+def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
     from crankfem.analyses import titles
     from crankfem.analyses.mechanism.plots import FILES, picture_torque
+    from crankfem.analyses.mechanism.torque_harmonics import engine_harmonics
     from crankfem.cli.arguments import parse_speed
-    from crankfem.cli.tables.mechanism_tables import engine_record, pin_force_record
     from crankfem.files.engine.mechanism_file import (
         full_load_only,
         load_mechanism,
@@ -314,13 +304,14 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     torque = engine_torque(engine, speed, pressure, throws=mechanism.throws)
     _check_resolved(asked.orders, torque.harmonics())
     highest = USUAL_ENGINE_ORDERS if asked.orders is None else asked.orders
-    record = engine_record(mechanism, torque, highest)
-    if cylinder is not None:
-        forces = pin_force_harmonics(engine, speed, pressure, highest_order=highest)
-        record["cylinder"] = pin_force_record(forces[cylinder - 1])
+    forces = (
+        None
+        if cylinder is None
+        else pin_force_harmonics(engine, speed, pressure, highest_order=highest)[cylinder - 1]
+    )
     if folder is not None:
         picture_torque(folder, torque, highest, title=titles.at_speed(mechanism.name, speed))
-    return record
+    return engine_harmonics(mechanism, torque, highest, forces)
 
 
 def _check_resolved(orders: float | None, harmonics: "Harmonics") -> None:
@@ -336,21 +327,6 @@ def _check_resolved(orders: float | None, harmonics: "Harmonics") -> None:
             f"--orders: given {orders:g}; allowed is {harmonics.highest_order:g} or less, because "
             f"{harmonics.samples} samples over one cycle resolve no higher order."
         )
-
-
-def _print(record: dict[str, Any], units: "OutputUnits") -> None:
-    from crankfem.cli.tables.mechanism_tables import (
-        print_engine,
-        print_pin_forces,
-        print_table_harmonics,
-    )
-
-    if "throws" not in record:
-        print_table_harmonics(record, USUAL_ORDERS, units)
-        return
-    print_engine(record, units)
-    if "cylinder" in record:
-        print_pin_forces(record["cylinder"], units)
 
 
 MOST_ORDER = 48.0
@@ -373,8 +349,7 @@ def two_mass(
     out: Output,
 ) -> None:
     """Check a crankshaft as two masses on one shaft: frequency, resonant orders, excitation."""
-    from crankfem.analyses.mechanism.two_masses import read_two_masses, two_mass_run_record
-    from crankfem.cli.tables.mechanism_tables import print_two_masses
+    from crankfem.analyses.mechanism.two_masses import read_two_masses, run_two_masses
     from crankfem.files.engine.file_kinds import any_sections
 
     if order is not None and not 0.0 < order <= MOST_ORDER:
@@ -385,8 +360,8 @@ def two_mass(
     content = any_sections(engine)
     if content is None:
         raise InputError(f"{engine}: is no TOML file; allowed is an engine file.")
-    record = two_mass_run_record(read_two_masses(content), order)
+    run = run_two_masses(read_two_masses(content), order)
     if out.json:
-        print_json(record, "two_mass")
+        print_json(run)
     else:
-        print_two_masses(record, out.units)
+        print_parts(run.parts(out.units), out.units)

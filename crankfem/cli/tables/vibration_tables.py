@@ -9,6 +9,7 @@ import numpy as np
 from crankbase.quantity import RPM, UNBOUNDED
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
+from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.tables import (
     barred_within_error,
@@ -31,6 +32,7 @@ from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.chain.chain_file import ChainFile
 from crankfem.report.conclusions import conclusions, reached_and_permitted, verdict_line
 from crankfem.report.summary import engine_facts, worst_of_each
+from dynamics.assessment.wording import VERDICTS
 
 NOT_FORCED = (
     "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."
@@ -45,10 +47,9 @@ CHAINS_ALONE = (
 def print_run(record: Record, units: OutputUnits = SI) -> None:
     """Print an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
     forced = record["forced"]
-    if "firing" in record:
-        print_line(units.text(record["firing"]))
-        print_notes([f"{remark}." for remark in record["firing_remarks"]], units)
-    if record.get("load") is not None:
+    print_line(units.text(record["firing"]))
+    print_notes([f"{remark}." for remark in record["firing_remarks"]], units)
+    if record["load"] is not None:
         print_load(record["load"], units)
     for kind in ("axial", "torsional"):
         chain = record[kind]
@@ -60,14 +61,14 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_notes([f"Not used: {remark}." for remark in chain["unusable"]], units)
         if forced is not None:
             _print_forced(forced[kind], units)
-        if kind == "axial" and record.get("axial_force") is not None:
+        if kind == "axial" and record["axial_force"] is not None:
             for line in record["axial_force"]["sentences"]:
                 print_line(units.text(line))
     if record["whole"] is not None:
         _print_whole(record["whole"], units)
-    for line in (record.get("bearings") or {"sentences": ()})["sentences"]:
+    for line in (record["bearings"] or {"sentences": ()})["sentences"]:
         print_line(units.text(line))
-    count = len(record.get("assumed", ()))
+    count = len(record["assumed"])
     if count:
         counted = "1 value is" if count == 1 else f"{count} values are"
         print_line(f"{counted} assumed, not given; crankfem check lists them with their reasons.")
@@ -75,15 +76,15 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_line(NOT_FORCED)
     else:
         print_assessment(record["assessment"], units)
-        misfiring = record.get("misfiring")
+        misfiring = record["misfiring"]
         if misfiring is not None:
             print_table(misfiring_table(misfiring, units), units)
         print_notes(
-            filter(None, misfiring["remarks"] if misfiring else [record.get("misfiring_note")]),
+            filter(None, misfiring["remarks"] if misfiring else [record["misfiring_note"]]),
             units,
         )
         if record["whole"] is None:
-            reason = record.get("not_comparable")
+            reason = record["not_comparable"]
             print_notes([f"{CHAINS_USED}; {reason or CHAINS_ALONE}"], units)
         print_judgment(record["assessment"], units)
         if misfiring is not None:
@@ -115,7 +116,7 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
     length = units.of("um")
     print_table(whole_table(record), units)
     print_notes(record["remarks"], units)
-    for kind in record.get("criticals", ()):
+    for kind in record["criticals"]:
         print_table(whole_critical_table(record, kind), units)
     for kind, chain in record["chains"].items():
         motion = units.of(MOTION[kind].printed)
@@ -130,9 +131,9 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
         else:
             reasons = " ".join(chain["reasons"])
             print_line(units.text(f"Lumped model inadequate ({kind} chain): {reasons}"))
-    for difference in record.get("differences", ()):
+    for difference in record["differences"]:
         print_line(f"{difference['sentence'][0].upper()}{difference['sentence'][1:]}.")
-    if record.get("flywheel_tilt") is not None:
+    if record["flywheel_tilt"] is not None:
         print_line(units.text(record["flywheel_tilt"]["sentence"]))
     split = record["axial_split"]
     if split is not None:
@@ -181,9 +182,10 @@ def print_judgment(record: Record, units: OutputUnits = SI) -> None:
         # The verdict has the reasons of those that cannot be accepted.
         text = passed["sentence"] if passed["allowed"] else passed["shown"]
         print_line(units.text(f"Range {text}. Its ends: {passed['ends']}."))
-    decision = record.get("decision", {"status": "", "sentence": ""})
+    decision = record["decision"]
     if decision["status"] == "undecided":
-        print_line(units.text(f"Verdict: undecided, {decision['sentence']}."))
+        undecided = VERDICTS["undecided"].lower()
+        print_line(units.text(f"Verdict: {undecided}, {decision['sentence']}."))
         print_line(units.text(f"With the values used: {record['sentence']}"))
     else:
         print_line(units.text(f"Verdict: {record['sentence']}"))
@@ -198,7 +200,7 @@ def print_judgment(record: Record, units: OutputUnits = SI) -> None:
 def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
     for spread in record["spreads"]:
         print_line(f"{kind.capitalize()}: {spread['name']} {factor_range(spread)} the value used")
-    if record.get("barred"):
+    if record["barred"]:
         print_line(units.text(f"{kind.capitalize()}: {barred_within_error(record['barred'])}."))
     print_table(margin_table(record, kind), units)
     drawn, motion = record["amplitudes"], units.of(MOTION[kind].printed)
@@ -283,33 +285,20 @@ def _largest(shares: dict[str, float]) -> str:
 SPEEDS_SHOWN = 2
 
 
-def print_conclusions(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
-    """Print the verdict of a run, its basis and its consequences.
-
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json.
-    """
-    print_verdict(results, units)
+def print_conclusions(results: RunResults, units: OutputUnits = SI) -> None:
+    """Print the verdict of a run, its basis and its consequences."""
+    print_verdict(results.vibration, results.strength, units)
     for line in conclusions(results):
         print_line(units.text(f"- {line}"))
 
 
-def print_engine(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
+def print_engine(results: RunResults, units: OutputUnits = SI) -> None:
     """Print what the engine is, in one line."""
-    print_line(units.text(f"{results['engine']['name']}: {'; '.join(engine_facts(results))}."))
+    print_line(units.text(f"{results.engine['name']}: {'; '.join(engine_facts(results))}."))
 
 
-def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
-    """Print limits, each at its worst location, and the worst critical speeds.
-
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json.
-    """
-    vibration = results["vibration"]
+def print_worst(vibration: dict[str, Any], units: OutputUnits = SI) -> None:
+    """Print limits, each at its worst location, and the worst critical speeds."""
     if vibration["assessment"] is not None:
         print_table(_limits(vibration["assessment"]["checks"], units), units, plain=True)
     speeds = speed_table(vibration, units, SPEEDS_SHOWN)
@@ -322,9 +311,11 @@ def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
         print_table(replace(columns, note=""), units, plain=True)
 
 
-def print_verdict(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
+def print_verdict(
+    vibration: Mapping[str, Any], strength: Mapping[str, Any] | None, units: OutputUnits = SI
+) -> None:
     """Print the verdict of a run in one line."""
-    print_line(units.text(verdict_line(results)))
+    print_line(units.text(verdict_line(vibration, strength)))
 
 
 def _limits(checks: list[dict[str, Any]], units: OutputUnits) -> Table:
