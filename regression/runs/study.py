@@ -135,7 +135,7 @@ def _as_listed(
     return (
         design.role,
         design.key,
-        {f.name: f.labels[round(v)] if f.labels else v for f, v in values},
+        {factor.name: factor.setting(value) for factor, value in values},
     )
 
 
