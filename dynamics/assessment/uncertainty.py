@@ -1,7 +1,7 @@
 """Uncertain values of a chain, and the bounds and samples of its frequencies and amplitudes."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -18,7 +18,7 @@ from crankbase.choices import (
 from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Number, Result, result
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
 
@@ -50,9 +50,8 @@ ALL_DAMPING = "all damping"
 DAMPINGS = ("damping", "loss_factor", "ground_damping", "dashpots")
 
 
-@summarized("name", "kind", "low", "high", "places")
-@dataclass(frozen=True)
-class Spread:
+@result("name", "kind", "low", "high", "places")
+class Spread(Result):
     """A range of factors on one kind of value, everywhere or at some elements or nodes together.
 
     Parameters
@@ -75,9 +74,9 @@ class Spread:
     """
 
     kind: Kind
-    low: float
-    high: float
-    places: tuple[int | str, ...] | None = None
+    low: Number
+    high: Number
+    places: Internal[tuple[int | str, ...] | None] = None
     name: str = ""
 
     def __post_init__(self) -> None:
@@ -185,8 +184,7 @@ DEFAULT_SAMPLES, DEFAULT_SEED = 200, 0
 MOST_CALCULATED = 100_000
 
 
-@summarized("values", "nominal", "spreads")
-@dataclass(frozen=True, eq=False)
+@result("values", "nominal", "spreads")
 class Samples:
     """Results of many possible systems.
 

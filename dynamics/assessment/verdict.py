@@ -1,7 +1,7 @@
 """The verdict: vibration over the speed against limits, the measures required, and what decides it."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Literal
 
@@ -22,7 +22,7 @@ from crankbase.diagrams import (
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.quantity import RPM, format_quantity
-from crankbase.summaries import summarized
+from crankbase.results import InItsUnit, Result, result
 from dynamics.assessment.barred_ranges import (
     BarredRange,
     BarredRangeRule,
@@ -55,10 +55,9 @@ WORST_DRAWN, SAME = 5, 1e-9  # speeds this near, as a share, are one
 Status = Literal["fine", "barred range needed", "not acceptable"]
 
 
-@summarized(
+@result(
     "limit.name", "worst_value", "permitted", "worst_speed [rad/s]", "used", "passed", "remarks"
 )
-@dataclass(frozen=True, eq=False)
 class LimitCheck:
     """One curve compared with one limit.
 
@@ -205,8 +204,7 @@ class LimitCheck:
         }
 
 
-@summarized("status", "checks", "barred", "running_range [rad/s]")
-@dataclass(frozen=True, eq=False)
+@result("status", "checks", "barred", "running_range [rad/s]")
 class Verdict:
     """Result of comparing an engine's vibration with its limits.
 
@@ -413,9 +411,8 @@ def _check(
 Acceptance = Literal["acceptable", "not acceptable", "undecided"]
 
 
-@summarized("field", "value", "unit", "status", "taken")
-@dataclass(frozen=True)
-class Trial:
+@result("field", "value", "unit", "status", "taken")
+class Trial(Result):
     """The verdict with one possible value of an assumption.
 
     Parameters
@@ -424,11 +421,6 @@ class Trial:
         Field of the value, such as "limits.tensile_strength".
     name : str
         Name of the value, such as "tensile strength".
-    value : float
-        [unit]
-    unit : str
-        SI unit.
-    status : {"fine", "barred range needed", "not acceptable"}
     taken : bool
         Whether this is the value used in the calculation.
     why : str
@@ -437,7 +429,7 @@ class Trial:
 
     field: str
     name: str
-    value: float
+    value: InItsUnit
     unit: str
     status: Status
     taken: bool = False
@@ -453,20 +445,9 @@ class Trial:
         """The value with its unit."""
         return format_quantity(self.value, self.unit, 4)
 
-    def row(self) -> Row:
-        """Return the columns of a table of trials, each value with its unit; see `table_of`."""
-        return {
-            "field": (self.field, ""),
-            "value": (self.value, "SI, see the column unit"),
-            "unit": (self.unit, ""),
-            "status": (self.status, ""),
-            "taken": (self.taken, ""),
-        }
 
-
-@summarized("status", "sentence", "trials")
-@dataclass(frozen=True)
-class Decision:
+@result("status", "sentence", "trials")
+class Decision(Result):
     """What can be concluded despite the assumptions.
 
     Parameters

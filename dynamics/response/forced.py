@@ -1,18 +1,18 @@
 """Forced vibration of a chain, or of any linear system, by orders over a range of speeds."""
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Unpack
+from typing import Unpack, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.memory import check_memory
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.chains.chain import Chain
 from dynamics.plots.curves import (
     Quantity,
@@ -30,8 +30,7 @@ from dynamics.response.series import DrawnBeside, OrderSeries, Synthesis
 COPIES = 3.0
 
 
-@summarized("orders", "speeds [rad/s]", "amplitude", "names", "method")
-@dataclass(frozen=True, eq=False)
+@result("orders", "speeds [rad/s]", "amplitude", "names", "method")
 class ForcedResponse:
     """Steady vibration by orders: the motion at the shaft angle phi is Re sum_k X_k exp(i k phi).
 
@@ -219,6 +218,7 @@ def forced_response(
     forces = forces if plain else forces @ system.expand
     speeds = np.tile(excitation.speeds, shape[0])
     frequencies = excitation.angular_frequencies.reshape(-1)
+    check_choice("method", method, get_args(Method), "these are the ways to solve the equations")
     answer = harmonic_response(system, frequencies, forces, method, speeds)
     motion = answer.motion if plain else answer.motion @ system.expand.T
     return ForcedResponse(

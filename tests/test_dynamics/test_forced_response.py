@@ -262,9 +262,8 @@ def test_damping_at_a_node_of_the_mode_leaves_it_unbounded():
 
 
 def test_an_unknown_method_is_refused():
-    system = chain_system(Chain([1.0, 1.0], [2e4]))
     with pytest.raises(InputError, match="method: given 'guess'"):
-        harmonic_response(system, np.array([1.0]), np.ones((1, 2), complex), "guess")
+        forced_response(TWO, excitation(), method="guess")
 
 
 ONE = Chain([1.0], [], ground=[1e4])  # 100 rad/s
@@ -407,10 +406,10 @@ def test_against_dense_samples():
 
 def test_bound_of_the_samples_alone():
     """The worst case of the bound: a single wave whose peaks lie between the samples."""
-    size = 32
+    size = 16
     worst = np.cos(2.0 * np.pi * np.arange(size) / size - np.pi / size)
     assert 1.0 - worst.max() == close(PEAK_ERROR_BOUND, rel=1e-12)
-    assert PEAK_ERROR_BOUND < 0.005
+    assert PEAK_ERROR_BOUND < 0.02
 
 
 def test_plain_sum_is_reached_where_peaks_meet_and_rest_is_rest():
