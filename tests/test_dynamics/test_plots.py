@@ -1023,7 +1023,7 @@ LEFT_OUT = {
         ViscousSystem""",
     "a few numbers": """
         AbsorberOptimum BestPressure ConcentrationFactors CriticalPlane ElementFactors FlywheelTilt
-        FrequencyDifference MovingMasses RodModel TwoMassCheck""",
+        EnginePower FrequencyDifference MovingMasses RodModel TwoMassCheck""",
     "does not know the angles it belongs to; HingeMoment tabulates its reduced crank": """
         CylinderMotion PointMotion TurnMotion ReducedCrank""",
     "depends on speed and load; CylinderForces at speeds draws it": "CylinderHarmonics",
