@@ -50,7 +50,7 @@ def plain(content: Mapping[str, Any]) -> Record:
 
     Examples
     --------
-    >>> plain({"orders": np.array([0.5, 1.0]), "peak": np.inf})
+    >>> plain({"orders": (0.5, 1.0), "peak": float("inf")})
     {'orders': [0.5, 1.0], 'peak': None}
     """
     return {name: _plain(value) for name, value in content.items()}

@@ -88,7 +88,9 @@ def compared(content, printed):
         told.setdefault(value, {})[unit] = ".".join(path)
     # A number of many digits is that of the document, not another of the same size.
     found = [
-        (value, si) for value, si in printed if si and value in told and len(f"{value!r}") > 10
+        (value, si)
+        for value, si in printed
+        if si and value in told and len(f"{float(value)!r}") > 10
     ]
     for value, si in found:
         assert si in told[value], f"{value} is printed in {si}, but {told[value]}"
