@@ -19,7 +19,7 @@ from crankfem.analyses.mechanism.balance_records import (
 )
 from crankfem.analyses.mechanism.rod_models import bearing_table
 from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
-from crankfem.analyses.strength.cycle_fatigue import fatigue_table
+from crankfem.analyses.strength.cycle_fatigue import EngineFatigue, fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import (
@@ -84,7 +84,7 @@ TABLES = (
     reached_and_permitted,
 )
 # What is read back as results.
-TYPED: dict[str, type[Result]] = {"harmonics": Harmonics}
+TYPED: dict[str, type[Result]] = {"harmonics": Harmonics, "fatigue": EngineFatigue}
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
 
 
@@ -124,6 +124,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         the same.
     """
     results = {"throws": None, **results}  # named throws alone have their own
+    first = summary(results)
     for name, kind in TYPED.items():
         if results[name] is not None:
             results[name] = kind.from_record(results[name])
@@ -134,7 +135,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         .get_template(TEMPLATE)
         .render(
             r=results,
-            first=summary(results),
+            first=first,
             schematic=engine_schematic(results),
             compliances=compliance_tables(results),
             further=further_compliances(results),

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -741,19 +741,12 @@ def _throw_record(throw: ThrowStrength) -> Record:
         "alternating_torque": plain({"torque": torque.value})["torque"],
         "torque_speed_rpm": torque.speed * RPM,
         "misfiring": list(torque.cylinders),
-        "places": [
-            plain(asdict(place) | attributes(place, "acceptability", "passed"))
-            for place in throw.places
-        ],
+        "places": [place.to_record() for place in throw.places],
         "webs": {
             name: _factors(throw.factors.get(name), throw.elements.get(name))
             for name in dict.fromkeys([*throw.factors, *throw.elements])
         },
-        "shrink_fit": None
-        if fit is None
-        else asdict(fit)
-        | attributes(fit, "largest_bore", "least_shrinkage", "most_shrinkage")
-        | attributes(fit, "passed", "refusals", "remarks"),
+        "shrink_fit": None if fit is None else fit.to_record(),
     }
 
 
