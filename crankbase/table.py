@@ -6,7 +6,7 @@ its own format and in the chosen units.
 
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, Self, TypeAlias
@@ -400,15 +400,13 @@ class Table:
         Parameters
         ----------
         *columns : tuple of (Column, str or callable)
-            Each with the key of its cells in the records, or a function that makes a cell of a record.
+            Each with the key (of results the field) of its cells in the records, or a function that
+            makes a cell of a record.
         mark : callable, optional
             Gives the mark of a record's row.
         """
         records = list(records)
-        rows = [
-            [record[cell] if isinstance(cell, str) else cell(record) for _, cell in columns]
-            for record in records
-        ]
+        rows = [[_cell(record, cell) for _, cell in columns] for record in records]
         marks = [mark(record) for record in records] if mark else ()
         return cls(title, [column for column, _ in columns], rows, note, marks)
 
@@ -449,6 +447,13 @@ class Table:
             columns=[self.columns[place] for place in places],
             rows=[[row[place] for place in places] for row in self.rows],
         )
+
+
+def _cell(record: Any, cell: str | Callable[[Any], Cell]) -> Cell:
+    if not isinstance(cell, str):
+        return cell(record)
+    content: Cell = record[cell] if isinstance(record, Mapping) else getattr(record, cell)
+    return content
 
 
 def merged_rows(rows: list[list[str]]) -> list[list[str]]:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 import crankfem as cf
 from crankbase.errors import MissingLibraryError
+from crankfem.analyses.run_results import RunResults
 from fem import fillet_stress
 from fem.analysis import analyze_throw
 from fem.modes import dynamic_superelement
@@ -89,3 +90,8 @@ def stored_results():
     assessment = results["vibration"]["assessment"]
     assessment["worst"] = assessment["checks"][0]
     return results
+
+
+def typed(content):
+    """Return the results that a file of this content holds."""
+    return RunResults.from_json(json.dumps(content))

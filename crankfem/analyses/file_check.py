@@ -10,7 +10,7 @@ import numpy as np
 from crankbase.model import field_extra
 from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.record import Record, attributes, input_records
+from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.shaft.sources import chosen_regressions, refused, usable_model
 from crankfem.analyses.study.nominal_throw import outside_study
 from crankfem.analyses.study.response_fits import check_study_can_be_fitted
@@ -163,7 +163,7 @@ def check_record(checked: CheckedFile) -> Record:
         **attributes(checked, "kind", "sections", "commands", "remarks", "warnings"),
         "arrangement": checked.engine,
         **_throw_record(checked.throw, checked.material),
-        "inputs": input_records(checked.inputs),
+        "inputs": checked.inputs,
     } | ({"throws": throws} if throws else {})
 
 

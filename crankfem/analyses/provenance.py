@@ -9,9 +9,10 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Annotated
 
 from crankbase.input_file import LARGEST_TABLE_FILE, InputFile
-from crankfem.analyses.record import Record
+from crankbase.results import Quantity, Result, result
 from crankfem.files.reading.data_files import data_folder
 
 # Packages whose versions a result may depend on.
@@ -32,19 +33,33 @@ PACKAGES = (
 LONGEST_QUOTED = 200_000
 
 
-def provenance_record() -> Record:
-    """Provenance of the numbers: program, libraries and time."""
-    return {
-        "program": "crankfem",
-        "version": program_version(),
-        "created": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
-        "units": "SI: m, N, Pa, kg, s, rad; Hz for frequencies, 1/min where a name ends in _rpm, deg where "
+@result("version", "created")
+class Provenance(Result):
+    """Provenance of numbers: program, libraries by their versions, machine and time."""
+
+    program: str
+    version: str
+    created: str
+    units: str
+    python: str
+    platform: str
+    processors: int
+    packages: dict[str, str | None]
+
+
+def provenance() -> Provenance:
+    """Return the provenance of what is calculated now."""
+    return Provenance(
+        "crankfem",
+        program_version(),
+        datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
+        "SI: m, N, Pa, kg, s, rad; Hz for frequencies, 1/min where a name ends in _rpm, deg where "
         "it ends in _deg; the unit of each number is given under units",
-        "python": f"{platform.python_implementation()} {platform.python_version()}",
-        "platform": platform.platform(),
-        "processors": os.cpu_count() or 1,
-        "packages": {name: _installed(name) for name in PACKAGES},
-    }
+        f"{platform.python_implementation()} {platform.python_version()}",
+        platform.platform(),
+        os.cpu_count() or 1,
+        {name: _installed(name) for name in PACKAGES},
+    )
 
 
 def program_version() -> str:
@@ -60,47 +75,35 @@ def program_version() -> str:
         return f"{found}, development checkout"
 
 
-def repeat_record(
-    files: Sequence[Record], seconds: Mapping[str, float], model: str | None = None
-) -> Record:
-    """Return the data needed to repeat a run.
+@result("name", "sha256")
+class UsedFile(Result):
+    """A file that a run has read: its name relative to the engine file, its text unless very long."""
 
-    Parameters
-    ----------
-    files : sequence of dict
-        The files that were read, the engine file first; see `file_records`.
-    seconds : mapping
-        Step of the run to the time it took [s].
-    model : str, optional
-        Saved compliance model given by an option.
-
-    Returns
-    -------
-    dict
-        "command", "files", "seconds".
-    """
-    return {
-        "command": run_command(files[0]["name"])
-        + ("" if model is None else f" --model {shlex.quote(model)}"),
-        "files": list(files),
-        "seconds": dict(seconds),
-    }
+    name: str
+    sha256: str
+    text: str | None
 
 
-def file_records(files: Sequence[InputFile]) -> list[Record]:
-    """Read the files of a run in their present state.
+@result("command")
+class Repetition(Result):
+    """What repeats a run: its command and its files, the engine file first."""
 
-    Parameters
-    ----------
-    files : sequence of InputFile
-        Those that were read, the engine file first.
+    command: str
+    files: tuple[UsedFile, ...]
+    seconds: Annotated[dict[str, float], Quantity("s", "of each step")]
 
-    Returns
-    -------
-    list of dict
-        "name", relative to the engine file; "sha256"; "text", None if it is very long.
-    """
-    return [_file_record(file, _relative_name(files[0].path, file.path)) for file in files]
+
+def repetition(
+    files: Sequence[UsedFile], seconds: Mapping[str, float], model: str | None = None
+) -> Repetition:
+    """Return what repeats a run, with the saved compliance model that an option gives."""
+    option = "" if model is None else f" --model {shlex.quote(model)}"
+    return Repetition(run_command(files[0].name) + option, tuple(files), dict(seconds))
+
+
+def used_files(files: Sequence[InputFile]) -> tuple[UsedFile, ...]:
+    """Read the files of a run, the engine file first, in their present state."""
+    return tuple(_used_file(file, _relative_name(files[0].path, file.path)) for file in files)
 
 
 def run_command(name: str) -> str:
@@ -123,14 +126,11 @@ def _relative_name(engine_file: Path, path: Path) -> str:
     return path.as_posix()
 
 
-def _file_record(file: InputFile, name: str) -> Record:
+def _used_file(file: InputFile, name: str) -> UsedFile:
     content = file.content(LARGEST_TABLE_FILE, "an input file")
     text = content.decode("utf-8", errors="replace")
-    return {
-        "name": name,
-        "sha256": hashlib.sha256(content).hexdigest(),
-        "text": text if len(text) <= LONGEST_QUOTED else None,
-    }
+    quoted = text if len(text) <= LONGEST_QUOTED else None
+    return UsedFile(name, hashlib.sha256(content).hexdigest(), quoted)
 
 
 def _installed(name: str) -> str | None:

@@ -1,12 +1,11 @@
 """Common parts of all records for JSON and tables."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict
 from functools import cache
 from typing import Any
 
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.results import Result
+from crankbase.results import Result, contents
 from crankbase.results import plain as _plain
 from crankbase.results import units as result_units
 from crankfem.files.reading.toml_file import InputRecord
@@ -31,11 +30,6 @@ def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
         for record in records
         if record.assumed
     ]
-
-
-def input_records(records: Iterable[InputRecord]) -> list[Record]:
-    """Every input with its source."""
-    return [asdict(record) for record in records]
 
 
 def attributes(source: object, *names: str) -> Record:
@@ -181,7 +175,7 @@ _GROUPS = {
 }
 
 
-def with_units(content: Record, within: str = "") -> Record:
+def with_units(content: Record | Result, within: str = "") -> Record:
     """Return a record with the units of its numbers under "units"; unchanged if it has no numbers.
 
     Parameters
@@ -189,25 +183,27 @@ def with_units(content: Record, within: str = "") -> Record:
     within : str, optional
         Name under which such content appears in other records, "torque" or "axial".
     """
-    if "units" in content:
+    if isinstance(content, dict) and "units" in content:
         return content
     exact: dict[str, str] = {}
-    plain_part = _without_results(content, "", exact)
-    known = units_of(plain_part, within) | exact
-    return plain(content) | {"units": known} if known else plain(content)
+    known = units_of(_undeclared(content, "", exact), within) | exact
+    whole: Record = _plain(content)
+    return whole | {"units": known} if known else whole
 
 
-def _without_results(content: Any, path: str, known: dict[str, str]) -> Any:
-    """Return content without its results, whose units are added to the known ones by their path."""
+def _undeclared(content: Any, path: str, known: dict[str, str]) -> Any:
+    """Return content without what results declare, whose units are added by their path."""
     if isinstance(content, Result):
         known |= result_units(content, path)
-        return None
-    if isinstance(content, Mapping):
-        return {
-            name: _without_results(part, f"{path}{name}.", known) for name, part in content.items()
+        content = {
+            quantity.key_of(name): getattr(content, name)
+            for name, (quantity, _) in contents(type(content)).items()
+            if not (quantity.unit or quantity.flat)
         }
+    if isinstance(content, Mapping):
+        return {name: _undeclared(part, f"{path}{name}.", known) for name, part in content.items()}
     if isinstance(content, list | tuple):
-        return [_without_results(part, path, known) for part in content]
+        return [_undeclared(part, path, known) for part in content]
     return content
 
 

@@ -15,6 +15,7 @@ from dynamics.chains.editing import with_gear as with_gear
 from dynamics.chains.editing import with_ground as with_ground
 from dynamics.chains.editing import with_inertia as with_inertia
 from dynamics.chains.editing import with_names as with_names
+from dynamics.chains.editing import with_varying as with_varying
 from dynamics.chains.engine_chains import EngineChain as EngineChain
 from dynamics.chains.engine_chains import throw_inertia as throw_inertia
 from dynamics.chains.engine_chains import throw_inertias as throw_inertias
@@ -27,6 +28,7 @@ from dynamics.chains.shaft_line import ShaftLine as ShaftLine
 from dynamics.chains.shaft_line import ShaftMaterial as ShaftMaterial
 from dynamics.chains.shaft_line import shaft_cylinder as shaft_cylinder
 from dynamics.chains.shaft_line import shaft_flange as shaft_flange
+from dynamics.chains.varying import Variation as Variation
 from dynamics.critical import CriticalSpeed as CriticalSpeed
 from dynamics.critical import TwoMassCheck as TwoMassCheck
 from dynamics.critical import critical_speeds as critical_speeds

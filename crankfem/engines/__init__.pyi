@@ -7,4 +7,4 @@ from crankfem.analyses.vibration.engine_excitation import EngineLoad as EngineLo
 from crankfem.analyses.vibration.forced import ForcedVibration as ForcedVibration
 from crankfem.analyses.vibration.modes import Vibration as Vibration
 from crankfem.files.engine.mechanism_file import mechanism_of as mechanism_of
-from crankfem.files.engine.usual_sizes import EnginePower as EnginePower
+from dynamics.excitation.pressure_map import EnginePower as EnginePower

@@ -17,7 +17,7 @@ from crankbase.outputs import (
 )
 from crankbase.table import Table
 from crankfem.analyses.file_check import refuse_what_cannot_run
-from crankfem.analyses.provenance import provenance_record
+from crankfem.analyses.provenance import provenance
 from crankfem.analyses.submission.document import DocumentPart, check_submission, class_document
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
@@ -78,7 +78,7 @@ def write_class_document(
                 drawn[picture.name] = folder / DIAGRAMS / f"{picture.name}.svg"
                 picture.draw(drawn[picture.name])
         reporter.step("Writing the document")
-        created = moment(provenance_record()["created"])
+        created = moment(provenance().created)
         page = write_text(
             folder / PAGE, render_class_document(run, parts, drawn, created), "report"
         )

@@ -3,15 +3,14 @@
 In this order: read, compute, record all numbers, draw, and write the report from the records alone.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from crankbase.outputs import protected, recording_run_files
 from crankbase.summaries import summarized
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-from crankfem.analyses.provenance import repeat_record
-from crankfem.analyses.record import with_units
+from crankfem.analyses.provenance import repetition
+from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
 from crankfem.analyses.strength.cycle_fatigue import fatigue_or_reason
 from crankfem.analyses.strength.engine_strength import engine_strength
@@ -62,13 +61,13 @@ class RunResult:
         Holds report, results, model, study store and pictures.
     report : Path
         The HTML report.
-    results : dict
+    results : RunResults
         The content of results.json.
     """
 
     folder: Path
     report: Path
-    results: dict[str, Any]
+    results: RunResults
 
 
 def run_engine(
@@ -134,8 +133,7 @@ def _run(inputs: RunInputs, folder: Path, workers: int, reporter: TimedProgress)
     """Compute, and fill the folder."""
     with Renderings() as renderings:
         computed = _compute(inputs, folder / STORE, workers, reporter, renderings)
-        repeat = repeat_record(inputs.files, reporter.seconds, inputs.option)
-        results = with_units(run_results(computed) | {"repeat": repeat})
+        results = run_results(computed, repetition(inputs.files, reporter.seconds, inputs.option))
         replace_last_run(folder, results)
         if computed.study is not None:
             computed.study.model.save(folder / MODEL)
@@ -143,12 +141,13 @@ def _run(inputs: RunInputs, folder: Path, workers: int, reporter: TimedProgress)
         reporter.step("Drawing pictures")
         drawn = draw_run(folder, computed, results, renderings, reporter.note)
         reporter.stop()
-    results |= {
-        "pictures": drawn.static,
-        "interactive": drawn.interactive,
-        "picture_note": " ".join(drawn.notes) or None,
-        "repeat": repeat_record(inputs.files, reporter.seconds, inputs.option),
-    }
+    results = replace(
+        results,
+        pictures=drawn.static,
+        interactive=drawn.interactive,
+        picture_note=" ".join(drawn.notes) or None,
+        repeat=repetition(inputs.files, reporter.seconds, inputs.option),
+    )
     reporter.step("Writing the report")
     write_results(folder, results)
     report = write_report(results, folder / PICTURES, folder / REPORT)

@@ -5,8 +5,7 @@ from pathlib import Path
 
 from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
-from crankfem.analyses.provenance import file_records
-from crankfem.analyses.record import Record
+from crankfem.analyses.provenance import UsedFile, used_files
 from crankfem.analyses.shaft.sources import saved_model, with_model
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
@@ -35,8 +34,8 @@ class RunInputs:
         The table that the file names.
     paths : tuple of Path
         Of all files that were read.
-    files : list of dict
-        All files that were read, as `file_records` makes them, before anything was computed: what is
+    files : tuple of UsedFile
+        All files that were read, before anything was computed: what is
         changed on disk while a run computes is not what it was made from.
     model : ComplianceModel or None
         The saved one that the file or an option names.
@@ -48,7 +47,7 @@ class RunInputs:
     mechanism: MechanismFile
     torque: TorqueTable | None
     paths: tuple[Path, ...]
-    files: list[Record]
+    files: tuple[UsedFile, ...]
     model: ComplianceModel | None = None
     option: str | None = None
 
@@ -87,7 +86,7 @@ def read_inputs(engine: str | Path | TomlFile, model: Path | None = None) -> Run
     if table is not None:
         torque = read_torque_table(table, strokes=engine_file.engine.strokes)
     read = engine_inputs(engine_file)
-    files = file_records(read)
+    files = used_files(read)
     return RunInputs(
         engine_file,
         mechanism,
@@ -95,7 +94,7 @@ def read_inputs(engine: str | Path | TomlFile, model: Path | None = None) -> Run
         tuple(file.path for file in read),
         files,
         saved_model(engine_file),
-        None if model is None else files[-1]["name"],
+        None if model is None else files[-1].name,
     )
 
 

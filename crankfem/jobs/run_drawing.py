@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol, Self
+from typing import Protocol, Self
 
 from crankbase.errors import MissingLibraryError, RenderError
 from crankbase.outputs import copy_file
 from crankbase.processes import scratch_folder
+from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.throw.pictures.drawing import write_drawing
 from crankfem.analyses.throw.pictures.stress_picture import write_vtu
 from crankfem.jobs.exit_codes import TRACEBACK, describe_error
@@ -183,7 +184,7 @@ PICTURED = "axial_compliance"
 def draw_run(
     folder: Path,
     computed: RunComputation,
-    results: Mapping[str, Any],
+    results: RunResults,
     renderings: Renderings,
     note: Callable[[str], None],
 ) -> Pictures:
@@ -193,8 +194,6 @@ def draw_run(
     ----------
     folder : Path
         Of the run.
-    results : mapping
-        All numbers of the run, as results.json holds them.
     renderings : Renderings
         What is rendered in the background.
     note : callable

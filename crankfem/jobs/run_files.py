@@ -8,10 +8,10 @@ the folder, see `crankbase.outputs`; nothing else is replaced or removed.
 
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 from crankbase.errors import InputError
 from crankbase.outputs import (
@@ -24,6 +24,8 @@ from crankbase.outputs import (
     write_text,
 )
 from crankbase.results import json_text
+from crankfem.analyses.record import with_units
+from crankfem.analyses.run_results import RunResults
 from crankfem.report.figures import PLOTS
 from regression.records import Outcome
 from regression.runs.store import Claims
@@ -104,21 +106,21 @@ def the_only_run(folder: Path) -> Iterator[None]:
         yield
 
 
-def write_results(folder: Path, results: Mapping[str, Any]) -> Path:
+def write_results(folder: Path, results: RunResults) -> Path:
     """Write results.json in one step; errors as of `crankbase.outputs.write_text`."""
     with recording_run_files():
         return write_text(folder / RESULTS, results_text(results), "results")
 
 
-def replace_last_run(folder: Path, results: Mapping[str, Any]) -> None:
+def replace_last_run(folder: Path, results: RunResults) -> None:
     """Remove the files of the last run from a folder, and write the results of a new one.
 
     Where the results cannot be written, for want of space or rights, the last run stays as it is.
 
     Parameters
     ----------
-    results : mapping
-        All numbers of the new run; its pictures are not named yet.
+    results : RunResults
+        Its pictures are not named yet.
 
     Raises
     ------
@@ -135,9 +137,9 @@ def replace_last_run(folder: Path, results: Mapping[str, Any]) -> None:
                 path.unlink(missing_ok=True)
 
 
-def results_text(results: Mapping[str, Any]) -> str:
+def results_text(results: RunResults) -> str:
     """Return the text of results.json."""
-    return json_text(results, indent=1)
+    return json_text(with_units(results), indent=1)
 
 
 class Progress(Protocol):

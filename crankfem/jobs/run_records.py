@@ -1,23 +1,24 @@
 """All numbers of a run as plain JSON content: what results.json holds."""
 
 import math
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.checks import run_checks, throw_checks
 from crankfem.analyses.mechanism.balance_records import mechanism_balance_record
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
-from crankfem.analyses.provenance import provenance_record
-from crankfem.analyses.record import Record, attributes, input_records
+from crankfem.analyses.provenance import Repetition, provenance
+from crankfem.analyses.record import Record, attributes
+from crankfem.analyses.run_results import RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.whole_records import shaft_balance_record, shaft_record
+from crankfem.analyses.strength.cycle_fatigue import fatigue_record
 from crankfem.analyses.strength.engine_strength import strength_record
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
@@ -31,69 +32,55 @@ from dynamics.gas.pressure import ATMOSPHERE
 from fem.analysis import ThrowAnalysis
 from fem.symmetry import pin_surfaces
 from regression.formulas.axial_formulas import axial_formulas
+from regression.models.compliance_model import ComplianceModel
 
 # Without a gas pressure in the engine file, reactions are given for this radial force.
 UNIT_RADIAL_FORCE = 1e5
 ANGLES_SHOWN_DEG = np.arange(0.0, 181.0, 5.0)
-# What results say until the pictures are there.
-NOT_DRAWN_YET = "The run ended before its pictures were drawn."
 
 
-def run_results(computed: RunComputation) -> dict[str, Any]:
-    """Return the content of results.json, but for its pictures and how to repeat the run.
-
-    Returns
-    -------
-    dict
-        In SI units; "pictures" and "interactive" are empty.
-    """
-    engine_file, analysis = computed.engine_file, computed.throw.analysis
-    first = _throw_records(computed, next(iter(computed.throws)))
-    fe = first["formulas"]["fe"]
-    results: dict[str, Any] = {
-        "about": provenance_record(),
-        "engine": _engine_record(engine_file),
-        "inputs": input_records(input_values(engine_file)),
-        "input_warnings": list(computed.inputs.mechanism.warnings),
-        "sources": engine_file.sources,
-        "throw": first["throw"],
-        "formulas": first["formulas"],
-        "angle_law": _angle_record(engine_file, analysis) | {"law": fe["angle_law"]},
-        "balance": shaft_balance_record(engine_file),
-        "fillets": first["fillets"],
-        "fillet_note": first["fillet_note"],
-        "mechanism": _mechanism_record(computed.mechanism),
-        "study": None,
-        "harmonics": None
+def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
+    """Return the results of a run, without pictures."""
+    engine_file, study = computed.engine_file, computed.study
+    throws = _throw_records(computed)
+    first = next(iter(throws.values()))
+    results = RunResults(
+        about=provenance(),
+        engine=_engine_record(engine_file),
+        inputs=input_values(engine_file),
+        input_warnings=tuple(computed.inputs.mechanism.warnings),
+        sources=engine_file.sources,
+        **{name: part for name, part in first.items() if name != "cranks"},
+        angle_law=_angle_record(engine_file, computed.throw.analysis)
+        | {"law": first["formulas"]["fe"]["angle_law"]},
+        balance=shaft_balance_record(engine_file),
+        mechanism=_mechanism_record(computed.mechanism),
+        study=None if study is None else study_record(study.table, study.fits, study.model),
+        harmonics=None
         if computed.torque is None or computed.harmonics is None
         else TableHarmonics(computed.harmonics, source=computed.torque.source),
-        "two_mass": None
+        two_mass=None
         if engine_file.two_mass is None
         else checked(engine_file.two_mass, computed.harmonics),
-        "pictures": {},
-        "interactive": {},
-        "picture_note": NOT_DRAWN_YET,
-        "shaft": shaft_record(computed.vibration.shaft, computed.crank_analyses),
-        "vibration": run_record(computed.vibration),
-        "strength": None if computed.strength is None else strength_record(computed.strength),
-        "fatigue": computed.fatigue,
-        "fatigue_note": computed.fatigue_note,
-    }
-    if engine_file.throws_by_name:
-        results["throws"] = _named_records(computed, first)
-    if computed.study is not None:
-        study = computed.study
-        results["study"] = study_record(study.table, study.fits, study.model)
-    if computed.model is not None:
-        _add_regression(results, computed)
-    results["checks"] = run_checks(results, engine_file.throw.length, _pin_middle(analysis))
-    for name, records in list(results.get("throws", {}).items())[1:]:
-        throw, middle = engine_file.named_throws[name], _pin_middle(computed.throws[name].analysis)
-        results["checks"] += [
-            check | {"name": f"{check['name']}, throw {name}"}
-            for check in throw_checks(records["throw"], throw.length, middle)
+        shaft=shaft_record(computed.vibration.shaft, computed.crank_analyses),
+        vibration=run_record(computed.vibration),
+        strength=None if computed.strength is None else strength_record(computed.strength),
+        fatigue=None if computed.fatigue is None else fatigue_record(computed.fatigue),
+        fatigue_note=computed.fatigue_note,
+        throws=throws if engine_file.throws_by_name else None,
+        repeat=repeat,
+    )
+    checks = [*run_checks(results, engine_file.throw.length, _pin_middle(computed.throw.analysis))]
+    for name, records in list(throws.items())[1:]:
+        checks += [
+            replace(check, name=f"{check.name}, throw {name}")
+            for check in throw_checks(
+                records["throw"],
+                engine_file.named_throws[name].length,
+                _pin_middle(computed.throws[name].analysis),
+            )
         ]
-    return results
+    return replace(results, checks=tuple(checks))
 
 
 def _pin_middle(analysis: ThrowAnalysis) -> list[float]:
@@ -102,46 +89,38 @@ def _pin_middle(analysis: ThrowAnalysis) -> list[float]:
     return middle
 
 
-def _throw_records(computed: RunComputation, name: str) -> Record:
-    """Records of each distinct throw."""
-    computed_throw, engine_file = computed.throws[name], computed.engine_file
-    throw = throw_record(computed_throw.analysis, _radial_force(computed.inputs))
-    formulas = formula_records(engine_file.named_throws[name], engine_file.material)
-    return {
-        "throw": throw | {"reciprocity": reciprocity_record(computed_throw.analysis)},
-        "formulas": formulas | {"fe": fe_record(computed_throw.analysis, 180.0)},
-        "fillets": None
-        if computed_throw.stresses is None
-        else stress_record(computed_throw.stresses),
-        "fillet_note": computed_throw.fillet_note,
-    }
-
-
-def _named_records(computed: RunComputation, first: Record) -> dict[str, Record]:
-    """The distinct throws by name: their cranks, counted from 1, and their records."""
-    names = computed.engine_file.throw_names
-    return {
-        name: {
+def _throw_records(computed: RunComputation) -> dict[str, Record]:
+    """Cranks, counted from 1, and records of each distinct throw."""
+    engine_file, records = computed.engine_file, {}
+    for name, throw in computed.throws.items():
+        formulas = formula_records(engine_file.named_throws[name], engine_file.material)
+        records[name] = {
             "cranks": [
-                place for place, throw_name in enumerate(names, start=1) if throw_name == name
-            ]
+                place
+                for place, throw_name in enumerate(engine_file.throw_names, start=1)
+                if throw_name == name
+            ],
+            "throw": throw_record(throw.analysis, _radial_force(computed.inputs))
+            | {"reciprocity": reciprocity_record(throw.analysis)},
+            "formulas": formulas | {"fe": fe_record(throw.analysis, 180.0)},
+            "fillets": None if throw.stresses is None else stress_record(throw.stresses),
+            "fillet_note": throw.fillet_note,
         }
-        | (first if number == 0 else _throw_records(computed, name))
-        for number, name in enumerate(computed.throws)
-    }
+    if computed.model is not None:
+        _add_regression(records, computed, computed.model)
+    return records
 
 
-def _add_regression(results: dict[str, Any], computed: RunComputation) -> None:
+def _add_regression(
+    records: dict[str, Record], computed: RunComputation, model: ComplianceModel
+) -> None:
     """Add the values of the equations for the engine's throws to the formulas, or why there are none."""
-    engine_file, model = computed.engine_file, computed.model
-    assert model is not None
-    path = computed.inputs.saved_path
+    engine_file, path = computed.engine_file, computed.inputs.saved_path
     source = "the study" if path is None else f"the saved model {path.name}"
     instead = computed.study is None and engine_file.study is not None
     remarks = (
         ["The section [study] was not run: the model is used in its place."] if instead else []
     )
-    records = {next(iter(computed.throws)): results, **results.get("throws", {})}
     for name, records_of_throw in records.items():
         values, formulas = {}, records_of_throw["formulas"]
         for kind, response in RESPONSES.items():

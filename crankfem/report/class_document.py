@@ -29,10 +29,8 @@ def render_class_document(
     """
     file, chain = run.engine_file, run.torsional_chain
     engine = file.engine
-    described = {
-        "engine": {"crank_angles": engine.crank_angles, "firing_order": engine.firing_order},
-        "vibration": {"torsional": {"nodes": list(chain.names), "inertia": chain.inertia.tolist()}},
-    }
+    cranks = {"crank_angles": engine.crank_angles, "firing_order": engine.firing_order}
+    points = {"nodes": list(chain.names), "inertia": chain.inertia.tolist()}
     return (
         page_environment()
         .get_template(TEMPLATE)
@@ -41,7 +39,7 @@ def render_class_document(
             file=file.path.name,
             parts=parts,
             pictures={name: _embedded(path) for name, path in pictures.items()},
-            schematic=engine_schematic(described),
+            schematic=engine_schematic(cranks, points),
             sources=file.sources,
             created=created,
             version=program_version(),

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from crankbase.quantity import UNBOUNDED, format_usage, quantities_apart, significant
+from crankfem.analyses.run_results import Check, RunResults
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.report.text_filters import (
     check_limit_text,
@@ -23,16 +24,10 @@ LEAST_SHARE = 0.1
 DIGITS = 3
 
 
-def headline(results: Record) -> str:
-    """Return the verdict of a run in a few words.
-
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json.
-    """
-    words = _of_vibration(results["vibration"])
-    if too_weak(results) and verdict_status(results["vibration"]) != "not acceptable":
+def headline(vibration: Record, strength: Record | None = None) -> str:
+    """Return the verdict of a run in a few words."""
+    words = _of_vibration(vibration)
+    if too_weak(strength) and verdict_status(vibration) != "not acceptable":
         return f"{words}; the crankshaft is not strong enough by UR M53"
     return words
 
@@ -45,9 +40,9 @@ def verdict_status(vibration: Record) -> str:
     return "undecided" if undecided(assessment) else str(assessment["status"])
 
 
-def too_weak(results: Record) -> bool:
+def too_weak(strength: Record | None) -> bool:
     """Whether the crankshaft's strength was judged, and is less than required."""
-    return (results.get("strength") or {}).get("passed") is False
+    return strength is not None and strength["passed"] is False
 
 
 def _of_vibration(vibration: Record) -> str:
@@ -81,37 +76,27 @@ def undecided(assessment: Record) -> bool:
     return bool(assessment["decision"]["status"] == "undecided")
 
 
-def verdict_line(results: Record) -> str:
-    """Return the verdict of a run in one line: the headline, and the limit that is used most.
-
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json.
-    """
-    assessment = results["vibration"]["assessment"]
+def verdict_line(vibration: Record, strength: Record | None = None) -> str:
+    """Return the verdict of a run in one line: the headline, and the limit that is used most."""
+    assessment = vibration["assessment"]
     if assessment is None:
         return f"Verdict: {VERDICTS['not judged']}."
     worst = assessment["worst"]
     used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
-    status, of = verdict_status(results["vibration"]), ""
-    if misfiring_decides(results["vibration"]):
+    status, of = verdict_status(vibration), ""
+    if misfiring_decides(vibration):
         of = ". With all cylinders firing"
-    elif too_weak(results) and status != "not acceptable":
+    elif too_weak(strength) and status != "not acceptable":
         of = ". Vibration"
     elif status == "undecided":
         of = ". With the values used"
-    return f"Verdict: {headline(results)}{of}: {worst['limit']} {used}."
+    return f"Verdict: {headline(vibration, strength)}{of}: {worst['limit']} {used}."
 
 
-def conclusions(results: Record) -> list[str]:
+def conclusions(results: RunResults) -> list[str]:
     """Return what follows from the results of a run, in at most eight statements.
 
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json. Every number of a statement is one of these, or follows from them as the
-        statement says.
+    Every number of a statement is one of the results, or follows from them as the statement says.
 
     Returns
     -------
@@ -121,7 +106,7 @@ def conclusions(results: Record) -> list[str]:
         misfiring does, what decides by assumption and should be given (before the limits if the verdict
         is undecided), what the models leave open, and whether the crankshaft is strong enough.
     """
-    assessment = results["vibration"]["assessment"]
+    assessment = results.vibration["assessment"]
     if assessment is None:
         return [*_warned(results), *_without_forces(results)]
     cause = assessment["worst"]["cause"]
@@ -131,15 +116,13 @@ def conclusions(results: Record) -> list[str]:
         *_warned(results),
         assumed if open_ else "",
         _reached(assessment),
-        _by_whole(results["vibration"]),
+        _by_whole(results.vibration),
         " ".join(filter(None, ("" if cause is None else _cause(assessment), _advice(results)))),
         " ".join(_ranges(assessment)),
-        _misfiring(results["vibration"]),
+        _misfiring(results.vibration),
         "" if open_ else assumed,
-        _other_models(results["vibration"]),
-        " ".join(
-            own["sentence"] for own in (results.get("strength"), results.get("fatigue")) if own
-        ),
+        _other_models(results.vibration),
+        " ".join(own["sentence"] for own in (results.strength, results.fatigue) if own),
     ]
     return [one for one in found if one]
 
@@ -203,9 +186,9 @@ def _ranges(assessment: Record) -> list[str]:
     ]
 
 
-def _assumed(results: Record) -> str:
+def _assumed(results: RunResults) -> str:
     """State what decides by assumption, which limits are assumed, what is not judged, and the load."""
-    vibration, inputs = results["vibration"], results["inputs"]
+    vibration, inputs = results.vibration, results.inputs
     assessment = vibration["assessment"]
     limits = assessment["limits"]
     decision = assessment["decision"]["sentence"]
@@ -225,7 +208,7 @@ def _assumed(results: Record) -> str:
     load = vibration["load"]
     if load is not None and load["rated"] is not None and not load["rated"]["consistent"]:
         found.append(sentence(load["rated"]["sentence"]))
-    count = sum(bool(one["assumed"]) for one in inputs)
+    count = sum(record.assumed for record in inputs)
     if count:
         found.append(f"{count} of {len(inputs)} inputs are assumed.")
     return " ".join(found)
@@ -235,12 +218,12 @@ def _axial_judged(assessment: Record) -> bool:
     return any(one["name"].startswith("axial") for one in assessment["limits"])
 
 
-def _axial_amplitude(results: Record) -> str:
+def _axial_amplitude(results: RunResults) -> str:
     """Tell the largest axial amplitude of the free end at running speeds, where it was calculated."""
-    found = (results["vibration"]["forced"] or {}).get("axial")
+    found = (results.vibration["forced"] or {}).get("axial")
     if found is None:
         return ""
-    low, high = (results["engine"][f"{end}_speed_rpm"] for end in ("lowest", "highest"))
+    low, high = (results.engine[f"{end}_speed_rpm"] for end in ("lowest", "highest"))
     reached = [
         (math.inf if value is None else value, rpm)
         for value, rpm in zip(found["free_end"]["synthesis"], found["speeds_rpm"], strict=True)
@@ -261,32 +244,26 @@ def _misfiring(vibration: Record) -> str:
     return with_three_digits(sentence(said)) if said else ""
 
 
-def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
-    """Name the self-checks that fail, and whether the calculation itself holds; nothing if all hold.
-
-    Parameters
-    ----------
-    checks : sequence of dict
-        Of results.json.
-    """
-    judged = [one for one in checks if one["met"] is not None]
-    failed = [one for one in judged if not one["met"]]
+def failed_checks(checks: Sequence[Check]) -> str:
+    """Name the self-checks that fail, and whether the calculation itself holds; nothing if all hold."""
+    judged = [check for check in checks if check.met is not None]
+    failed = [check for check in judged if not check.met]
     if not failed:
         return ""
     # What has no allowed figure compares two models: frequencies, shares and amplitudes decide together.
     one_fails = len(failed) == 1
     told = f"{len(failed)} of {len(judged)} checks {'fails' if one_fails else 'fail'}:"
-    if all(one["allowed"] is None for one in failed):
+    if all(check.allowed is None for check in failed):
         what = "it compares a chain" if one_fails else "they compare the chains"
         return f"{told} {what} with the whole crankshaft; the calculation passes all others."
     named = [
-        f"{one['name'][0].lower()}{one['name'][1:]}"
+        f"{check.name[0].lower()}{check.name[1:]}"
         + (
             ""
-            if one["allowed"] is None
-            else f", {check_value_text(one)} (allowed: {check_limit_text(one)})"
+            if check.allowed is None
+            else f", {check_value_text(check)} (allowed: {check_limit_text(check)})"
         )
-        for one in failed
+        for check in failed
     ]
     return f"{told} {'; '.join(named)}."
 
@@ -331,13 +308,13 @@ def _other_models(vibration: Record) -> str:
     )  # the range of the bearings stands in both
 
 
-def _advice(results: Record) -> str:
+def _advice(results: RunResults) -> str:
     """Return whether more damping can help at the worst place, where a limit is exceeded.
 
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
     that alone exceeds the limit, no damping keeps it.
     """
-    worst = results["vibration"]["assessment"]["worst"]
+    worst = results.vibration["assessment"]["worst"]
     cause = worst["cause"]
     if worst["passed"] or cause is None or worst["value"] is None or not cause["orders"]:
         return ""
@@ -362,9 +339,9 @@ def _advice(results: Record) -> str:
     )
 
 
-def _undamped(modes: Sequence[tuple[str, int]], results: Record) -> str:
+def _undamped(modes: Sequence[tuple[str, int]], results: RunResults) -> str:
     """Remark that there is no torsional damper, where a torsional mode is at resonance."""
-    fields = [one["field"].partition(".")[0] for one in results["inputs"]]
+    fields = [record.field.partition(".")[0] for record in results.inputs]
     if "torsional_damper" in fields or "shaft_line" in fields:
         return ""
     return (
@@ -372,9 +349,9 @@ def _undamped(modes: Sequence[tuple[str, int]], results: Record) -> str:
     )
 
 
-def _warned(results: Record) -> list[str]:
+def _warned(results: RunResults) -> list[str]:
     """Name the input that looks wrong."""
-    warnings = results["input_warnings"]
+    warnings = results.input_warnings
     fields = dict.fromkeys(warning.partition(":")[0] for warning in warnings)
     if not fields:
         return []
@@ -382,11 +359,11 @@ def _warned(results: Record) -> list[str]:
     return [f"Check the input: {noun} about {', '.join(fields)} (report: Inputs and assumptions)."]
 
 
-def _without_forces(results: Record) -> list[str]:
-    engine, vibration = results["engine"], results["vibration"]
+def _without_forces(results: RunResults) -> list[str]:
+    engine, vibration = results.engine, results.vibration
     count = sum(len(vibration[kind]["criticals"]) for kind in ("axial", "torsional"))
-    inputs = results["inputs"]
-    assumed = sum(bool(one["assumed"]) for one in inputs)
+    inputs = results.inputs
+    assumed = sum(record.assumed for record in inputs)
     one = count == 1
     return [
         "Amplitudes and stresses are not calculated, so nothing can be compared with limits.",

@@ -14,21 +14,21 @@ PISTON, APART = 24.0, 11.0
 LINE, FILL, ACCENT = "#1d2733", "#e9f1f8", "#1f5f99"
 
 
-def engine_schematic(results: Record) -> Markup:
+def engine_schematic(engine: Record, chain: Record) -> Markup:
     """Draw the engine as its torsional chain has it, from the free end, and the star of its cranks.
 
     Parameters
     ----------
-    results : mapping
-        Content of results.json: cranks by their angles, and the points of the torsional chain with their
-        inertias.
+    engine : mapping
+        Its cranks by their angles.
+    chain : mapping
+        The points of its torsional chain with their inertias.
 
     Returns
     -------
     Markup
         An SVG element.
     """
-    engine, chain = results["engine"], results["vibration"]["torsional"]
     angles = engine["crank_angles"]
     names, places, rings = _places(chain["nodes"])
     width = STEP * (max(places) + 1.5)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from crankbase.outputs import is_regular_file
 from crankfem.analyses.mechanism.plots import plot_torque
+from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.study.fit_plots import plot_effects, plot_parity, plot_response
 from crankfem.analyses.study.response_fits import ResponseFits
 from crankfem.analyses.throw.formula_records import run_formulas_over_angle
@@ -51,13 +52,15 @@ class Figure:
     plot: Markup | None = None
 
 
-def load_figures(results: Mapping[str, Any], folder: Path) -> tuple[dict[str, Figure], list[str]]:
-    """Read all figures that results name.
+def load_figures(
+    pictures: Mapping[str, str], plots: Mapping[str, str], folder: Path
+) -> tuple[dict[str, Figure], list[str]]:
+    """Read figures.
 
     Parameters
     ----------
-    results : mapping
-        Content of results.json: "pictures" and, in newer ones, "interactive".
+    pictures, plots : mapping
+        Name of each static and each interactive figure to its file.
     folder : Path
         Where the files are, inside that of the run; nothing from elsewhere is read.
 
@@ -68,7 +71,6 @@ def load_figures(results: Mapping[str, Any], folder: Path) -> tuple[dict[str, Fi
     unread : list of str
         Names of the files that are missing, are no pictures, or lie elsewhere.
     """
-    pictures, plots = results["pictures"], results.get("interactive", {})
     figures, unread = {}, []
     for name in (*pictures, *(name for name in plots if name not in pictures)):
         drawn = Figure()
@@ -148,14 +150,14 @@ STUDY: Plots[tuple[StudyTable, ResponseFits]] = Plots(
 )
 
 
-ANGLES: Plots[Mapping[str, Any]] = Plots(
+ANGLES: Plots[RunResults] = Plots(
     (
         plot_of_curves(
             "formulas",
             "Axial compliance over the angle between neighboring cranks",
             "Axial compliance over the angle between neighboring cranks: finite elements in a helix of equal "
             "throws, and the formulas. Formulas without an angle are level lines.",
-            run_formulas_over_angle,
+            lambda results: run_formulas_over_angle(results.angle_law, results.throw),
             lambda _: "Axial compliance, finite elements and formulas",
         ),
     )

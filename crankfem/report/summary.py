@@ -5,6 +5,7 @@ from typing import Any
 
 from crankbase.quantity import compact, format_number, nano, significant
 from crankfem.analyses.record import Record
+from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.throw.throw_record import error_words
 from crankfem.analyses.vibration.tables import factor_range
 from crankfem.report.conclusions import (
@@ -21,13 +22,8 @@ from dynamics.engine.layout import repeating_intervals
 KINDS = ("axial", "torsional")
 
 
-def summary(results: Mapping[str, Any]) -> Record:
+def summary(results: RunResults) -> Record:
     """Return what the first screen of a report says.
-
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json.
 
     Returns
     -------
@@ -36,20 +32,20 @@ def summary(results: Mapping[str, Any]) -> Record:
         (the conclusions), "failed_checks" (a sentence), "limits", "figures", "uncertain" (a sentence by
         kind).
     """
-    vibration = results["vibration"]
+    vibration = results.vibration
     assessment = vibration["assessment"]
     known = {"fine": "fine", "not acceptable": "bad"}
     status = "open" if assessment is None else known.get(assessment["status"], "barred")
     if assessment is not None and (undecided(assessment) or misfiring_decides(vibration)):
         status = "barred"
-    if too_weak(results):
+    if too_weak(results.strength):
         status = "bad"
     return {
         "facts": engine_facts(results),
         "status": status,
-        "headline": headline(results),
+        "headline": headline(results.vibration, results.strength),
         "sentences": conclusions(results),
-        "failed_checks": failed_checks(results["checks"]),
+        "failed_checks": failed_checks(results.checks),
         "limits": [] if assessment is None else worst_of_each(assessment["checks"]),
         "figures": [_compliance(results), *(_frequency(vibration, kind) for kind in KINDS)],
         "uncertain": {}
@@ -58,27 +54,21 @@ def summary(results: Mapping[str, Any]) -> Record:
     }
 
 
-def engine_facts(results: Mapping[str, Any]) -> list[str]:
-    """Say what the engine is, a phrase each: its layout, size, speeds, pressure and firing order.
-
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json.
-    """
-    engine, mechanism = results["engine"], results["mechanism"]
+def engine_facts(results: RunResults) -> list[str]:
+    """Say what the engine is, a phrase each: its layout, size, speeds, pressure and firing order."""
+    engine, mechanism = results.engine, results.mechanism
     count = engine["cylinders"]
     arranged = "in V" if engine["v_engine"] else "in line"
     lowest, highest, rated = (
         format_number(engine[f"{which}_speed_rpm"], 4) for which in ("lowest", "highest", "rated")
     )
-    mean = f"mean piston speed {significant(engine['mean_piston_speed'], 3)} m/s"
+    piston = significant(engine["mean_piston_speed"], 3)
     facts = [
         f"{count} cylinder{'' if count == 1 else 's'} {arranged}, {engine['strokes']}-stroke",
         f"bore {quantity(engine['bore'], 'm', 6)}, stroke {quantity(engine['stroke'], 'm', 6)}",
-        f"{lowest} to {highest} 1/min, rated speed {rated} 1/min ({mean})",
+        f"{lowest} to {highest} 1/min, rated speed {rated} 1/min (mean piston speed {piston} m/s)",
     ]
-    if mechanism is not None and "mean_indicated_pressure" in mechanism:
+    if mechanism is not None:
         facts.append(
             f"indicated power {quantity(mechanism['power'], 'W', 3)}, mean indicated pressure "
             f"{quantity(mechanism['mean_indicated_pressure'], 'Pa', 3)}"
@@ -187,8 +177,8 @@ def _use(check: Mapping[str, Any]) -> float:
     return float("inf") if check["used"] is None else float(check["used"])
 
 
-def _compliance(results: Mapping[str, Any]) -> Record:
-    throw, named = results["throw"], results.get("throws")
+def _compliance(results: RunResults) -> Record:
+    throw, named = results.throw, results.throws
     which = f"throw {next(iter(named))}" if named else "a throw"
     exact = " of the exact solution, as 95 of 100 test throws"
     return {
@@ -198,7 +188,7 @@ def _compliance(results: Mapping[str, Any]) -> Record:
         "unit": "m/N",
         "details": [
             "ends pinned, finite elements",
-            f"{error_words(throw)}{exact if throw.get('axial_correction') else ''}",
+            f"{error_words(throw)}{exact if throw['axial_correction'] else ''}",
         ],
     }
 

@@ -19,8 +19,8 @@ from crankbase.quantity import (
     tiny,
 )
 from crankbase.table import Table
-from crankfem.analyses.provenance import run_command
 from crankfem.analyses.record import Record
+from crankfem.analyses.run_results import Check
 from crankfem.analyses.shaft.chains import MOTION
 
 # What the sources of compliances are called in results.json, and in words.
@@ -122,17 +122,16 @@ def duration(seconds: float) -> str:
     return f"{whole // 3600} h {whole % 3600 // 60} min"
 
 
-def check_value_text(check: Record) -> str:
+def check_value_text(check: Check) -> str:
     """Write the value of a self-check."""
-    return _figure(check["figure"], check["shown_unit"])
+    return _figure(check.figure, check.shown_unit)
 
 
-def check_limit_text(check: Record) -> str:
+def check_limit_text(check: Check) -> str:
     """Write the limit of a self-check."""
-    allowed = check["allowed"]
-    if allowed is None:
-        return "not bounded" if check["met"] is None else "by its criteria"
-    return f"at most {_figure(allowed, check['shown_unit'])}"
+    if check.allowed is None:
+        return "not bounded" if check.met is None else "by its criteria"
+    return f"at most {_figure(check.allowed, check.shown_unit)}"
 
 
 def _figure(value: float | None, unit: str) -> str:
@@ -237,7 +236,6 @@ FILTERS = {
     "bar": capped_share,
     "used": format_usage,
     "head": head,
-    "run_command": run_command,
     "tied": keep_units_together,
     "range": range_sentence,
     "three": with_three_digits,

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from crankbase.outputs import recording_run_files, write_text
-from crankbase.results import Result
 from crankfem.analyses.mechanism.balance_records import (
     balance_contents,
     balance_table,
@@ -19,7 +18,8 @@ from crankfem.analyses.mechanism.balance_records import (
 )
 from crankfem.analyses.mechanism.rod_models import bearing_table
 from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
-from crankfem.analyses.strength.cycle_fatigue import EngineFatigue, fatigue_table
+from crankfem.analyses.run_results import RunResults
+from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import (
@@ -46,7 +46,6 @@ from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.figures import PLOTS, load_figures
 from crankfem.report.summary import summary
 from crankfem.report.text_filters import FILTERS, source_label
-from dynamics.harmonics import Harmonics
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -83,12 +82,10 @@ TABLES = (
     mirrored,
     reached_and_permitted,
 )
-# What is read back as results.
-TYPED: dict[str, type[Result]] = {"harmonics": Harmonics, "fatigue": EngineFatigue}
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
 
 
-def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path:
+def write_report(results: RunResults, pictures: Path, path: Path) -> Path:
     """Write the report of a run in one step; see `render_report`.
 
     Returns
@@ -105,13 +102,11 @@ def write_report_text(path: Path, text: str) -> Path:
         return write_text(path, text, "report")
 
 
-def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str | None]:
+def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]:
     """Make the text of a run's report.
 
     Parameters
     ----------
-    results : mapping
-        Content of results.json.
     pictures : Path
         Folder of the pictures and plots that the results name.
 
@@ -123,24 +118,19 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         A sentence that names the pictures that cannot be read; the page does without them, and says
         the same.
     """
-    results = {"throws": None, **results}  # named throws alone have their own
-    first = summary(results)
-    for name, kind in TYPED.items():
-        if results[name] is not None:
-            results[name] = kind.from_record(results[name])
-    figures, unread = load_figures(results, pictures)
+    figures, unread = load_figures(results.pictures, results.interactive, pictures)
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
         page_environment()
         .get_template(TEMPLATE)
         .render(
             r=results,
-            first=first,
-            schematic=engine_schematic(results),
-            compliances=compliance_tables(results),
-            further=further_compliances(results),
+            first=summary(results),
+            schematic=engine_schematic(results.engine, results.vibration["torsional"]),
+            compliances=compliance_tables(results.throw, results.formulas, results.vibration),
+            further=further_compliances(results.throws),
             figures=figures,
-            picture_notes=[text for text in (results["picture_note"], note) if text],
+            picture_notes=[text for text in (results.picture_note, note) if text],
             style=Markup(template_text(STYLE)),
             scripts=plotting() if any(drawn.plot is not None for drawn in figures.values()) else (),
         )
@@ -208,9 +198,7 @@ def render_throw_report(results: Mapping[str, Any], folder: Path) -> str:
     str
         A page of HTML.
     """
-    figures, _ = load_figures(
-        {"pictures": {"drawing": THROW_DRAWING}, "interactive": {"throw_view": THROW_VIEW}}, folder
-    )
+    figures, _ = load_figures({"drawing": THROW_DRAWING}, {"throw_view": THROW_VIEW}, folder)
     shown = any(drawn.plot is not None for drawn in figures.values())
     return (
         page_environment()

@@ -136,7 +136,7 @@ def run_job(
 
 
 def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldProgress) -> None:
-    from crankfem.analyses.provenance import provenance_record
+    from crankfem.analyses.provenance import provenance
     from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.formula_records import formula_records
     from crankfem.analyses.throw.pictures.drawing import write_drawing
@@ -153,7 +153,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
     reporter.step("Meshing and solving")
     analysis = analyze_throw(throw, material, asked.accuracy, mesher=mesh_here)
     record: dict[str, Any] = {
-        "about": provenance_record(),
+        "about": provenance(),
         "throw": throw_record(
             analysis,
             UNIT_FORCE,

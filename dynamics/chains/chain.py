@@ -28,6 +28,7 @@ from dynamics.chains.chain_modes import (
     scaled,
     with_accurate_tails,
 )
+from dynamics.chains.varying import Varying, VaryingSpring
 from dynamics.indices import node_index, values_at_nodes
 
 Pairs = tuple[tuple[int, int], ...]
@@ -219,6 +220,8 @@ class Chain:
         Viscous couplings without a spring, as between hub and ring of a viscous damper.
     gears : sequence of Gear, optional
         Rigid speed ratios between nodes.
+    varying : sequence of Varying, optional
+        Springs that vary with frequency or speed; modes are those with the constant stiffness.
     names : sequence of n str, optional
         Names of the nodes; "node 0" and so on by default.
 
@@ -246,6 +249,7 @@ class Chain:
     distributed_inertia: FloatArray
     dashpots: tuple[Dashpot, ...]
     gears: tuple[Gear, ...]
+    varying: tuple[Varying, ...]
     names: tuple[str, ...]
 
     def __init__(
@@ -261,6 +265,7 @@ class Chain:
         distributed_inertia: ArrayLike = 0.0,
         dashpots: Sequence[Dashpot] = (),
         gears: Sequence[Gear] = (),
+        varying: Sequence[Varying] = (),
         names: Sequence[str] | None = None,
     ) -> None:
         unit = "N m/rad (torsional) or N/m (axial)"
@@ -298,10 +303,13 @@ class Chain:
             "distributed_inertia": spread,
             "dashpots": tuple(dashpots),
             "gears": tuple(gears),
+            "varying": tuple(varying),
             "names": _checked_names(names, count),
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
+        for spring in self.varying:
+            node_index("varying", spring.place, count if spring.to_ground else len(pairs))
         parts, _ = speed_ratios(self.connections, self.gears, count)
         check_connected(parts, self.dashpots)
         if not np.all(inertias):
@@ -356,6 +364,14 @@ class Chain:
         """Return the matrix (d, n) from displacements of the nodes to elongations of the dashpots."""
         pairs = [(dashpot.left, dashpot.right) for dashpot in self.dashpots]
         return _differences(pairs, self.inertia.size)
+
+    def varying_springs(self, motions: FloatArray) -> tuple[VaryingSpring, ...]:
+        """Return the springs that vary, in unknowns that give the nodes these motions (n, q)."""
+        nodes, elements = np.eye(self.inertia.size), self.elongations()
+        return tuple(
+            VaryingSpring((nodes if s.to_ground else elements)[s.place] @ motions, s.law)
+            for s in self.varying
+        )
 
     def mass_matrix(self) -> FloatArray:
         """Return the inertia matrix M of the nodes, shape (n, n) [kg m^2 or kg]."""

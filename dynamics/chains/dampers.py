@@ -9,7 +9,8 @@ from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
-from dynamics.chains.editing import add_node, find_node, with_ground, with_inertia
+from dynamics.chains.editing import add_node, find_node, with_ground, with_inertia, with_varying
+from dynamics.chains.varying import Variation, VaryingPart
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,8 @@ class TorsionalRing:
         [N m s/rad]
     loss_factor : float
         Imaginary part of the stiffness relative to the real one.
+    variation : Variation, optional
+        How the connection varies with frequency or speed.
 
     Raises
     ------
@@ -40,6 +43,7 @@ class TorsionalRing:
     stiffness: float = 0.0
     damping: float = 0.0
     loss_factor: float = 0.0
+    variation: Variation | None = None
 
     def __post_init__(self) -> None:
         positive_number("ring inertia", self.inertia, "kg m^2", "a body has inertia")
@@ -52,9 +56,16 @@ class TorsionalRing:
                 "ring would not be joined to the shaft."
             )
 
+    @property
+    def law(self) -> VaryingPart | None:
+        """How the connection varies; None if it does not."""
+        if self.variation is None:
+            return None
+        return self.variation.of(self.stiffness, self.loss_factor, self.damping)
+
     def attached(self, chain: Chain, node: str | int, name: str) -> Chain:
         """Return the chain with this body on a node, as its last node, of the given name."""
-        return add_node(
+        wider = add_node(
             chain,
             name,
             self.inertia,
@@ -63,6 +74,8 @@ class TorsionalRing:
             damping=self.damping,
             loss_factor=self.loss_factor,
         )
+        law = self.law
+        return wider if law is None else with_varying(wider, len(wider.stiffness) - 1, law)
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 from crankbase.array_checks import FloatArray, nonnegative_number
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain, Dashpot, Gear
+from dynamics.chains.varying import StiffnessLaw, Varying
 from dynamics.indices import node_index
 
 AT_NODES = ("inertia", "ground", "ground_damping")
@@ -141,6 +142,15 @@ def join_chains(
         replace(link, driver=places[link.driver], driven=places[link.driven])
         for link in other.gears
     ]
+    values["varying"] += [
+        replace(
+            spring,
+            place=places[spring.place]
+            if spring.to_ground
+            else len(chain.connections) + spring.place,
+        )
+        for spring in other.varying
+    ]
     values["names"] += names
     if not merged:
         _link(values, left, places[right], (stiffness, damping, loss_factor, 0.0), ratio)
@@ -206,6 +216,17 @@ def with_ground(
     return replace(chain, ground=ground, ground_damping=ground_damping)
 
 
+def with_varying(chain: Chain, place: int, law: StiffnessLaw, *, to_ground: bool = False) -> Chain:
+    """Return the chain with an element, or the spring of a node `to_ground`, that varies by a law.
+
+    Raises
+    ------
+    InputError
+        If there is no such element or node.
+    """
+    return replace(chain, varying=(*chain.varying, Varying(place, law, to_ground)))
+
+
 def with_damper(chain: Chain, node: str | int, damper: Attachable) -> Chain:
     """Return the chain with a damper on one of its nodes."""
     return damper.attached(chain, node)
@@ -231,7 +252,7 @@ def _values_of(chain: Chain) -> dict[str, Any]:
     values: dict[str, Any] = {
         field: getattr(chain, field).tolist() for field in (*AT_NODES, *OF_ELEMENTS)
     }
-    for field in ("connections", "dashpots", "gears", "names"):
+    for field in ("connections", "dashpots", "gears", "varying", "names"):
         values[field] = list(getattr(chain, field))
     return values
 

@@ -14,6 +14,7 @@ from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.editing import with_ground
+from dynamics.chains.varying import Variation, Varying
 
 # Shares of the dry propeller that designers often take before they know better; assumed here, no
 # published table stands behind them. D. M. MacPherson, V. R. Puleo, M. B. Packard, Estimation of
@@ -38,6 +39,8 @@ class DrivenMachine:
         Hysteretic damping of the coupling: its stiffness is k (1 + i loss factor).
     damping : float, optional
         Absolute damping of the machine, torque per speed of vibration [N m s/rad].
+    coupling_variation : Variation, optional
+        How the coupling varies with the frequency of vibration or the speed.
     on : str, optional
         Name of the node with the coupling; the flywheel by default.
 
@@ -54,6 +57,7 @@ class DrivenMachine:
     damping: float = 0.0
     name: str = "driven machine"
     on: str = "flywheel"
+    coupling_variation: Variation | None = None
 
     def __post_init__(self) -> None:
         positive_number("driven.inertia", self.inertia, "kg m^2", "a machine has inertia")
@@ -73,7 +77,11 @@ class DrivenMachine:
     def ring(self) -> TorsionalRing:
         """The machine behind its coupling, without its absolute damping."""
         return TorsionalRing(
-            self.inertia, self.coupling_stiffness, self.coupling_damping, self.coupling_loss_factor
+            self.inertia,
+            self.coupling_stiffness,
+            self.coupling_damping,
+            self.coupling_loss_factor,
+            self.coupling_variation,
         )
 
     def attached(self, chain: Chain) -> Chain:
@@ -424,6 +432,8 @@ class Coupling:
     loss_factor : float, optional
         Hysteretic damping: the stiffness is k (1 + i loss_factor). Data sheets give the relative
         damping psi, the energy lost in a cycle over the largest stored: loss_factor = psi / (2 pi).
+    variation : Variation, optional
+        How stiffness and damping vary with the frequency of vibration or the speed.
 
     Raises
     ------
@@ -441,6 +451,7 @@ class Coupling:
     axial_damping: float = 0.0
     loss_factor: float = 0.0
     name: str = ""
+    variation: Variation | None = None
 
     def __post_init__(self) -> None:
         for field, unit in (("torsional_stiffness", "N m/rad"), ("axial_stiffness", "N/m")):
@@ -625,6 +636,7 @@ class _Row:
         self.names: list[list[str]] = [[]]
         # Of each element: stiffness, damping, loss factor, inertia spread along it.
         self.elements: list[tuple[float, float, float, float]] = []
+        self.varying: list[Varying] = []
 
     def add_shaft(self, part: ShaftCone, kind: Motion, loss: float, *, lumped: bool) -> None:
         spread = part.polar_inertia if kind == "torsional" else part.mass
@@ -637,6 +649,9 @@ class _Row:
         self.inertia[-1] += piece.left_inertia if torsional else piece.left_mass
         right = piece.right_inertia if torsional else piece.right_mass
         damping = piece.torsional_damping if torsional else piece.axial_damping
+        if piece.variation is not None:
+            law = piece.variation.of(piece.stiffness(kind), piece.loss_factor, damping)
+            self.varying.append(Varying(len(self.elements), law))
         self._element(piece.stiffness(kind), damping, piece.loss_factor, 0.0, right)
 
     def add_body(self, piece: RigidBody | Propeller, kind: Motion) -> None:
@@ -654,6 +669,7 @@ class _Row:
             loss_factor=loss_factor,
             ground_damping=self.ground_damping,
             distributed_inertia=spread,
+            varying=self.varying,
             names=[
                 ", ".join(bodies) if bodies else f"{name} {number}"
                 for number, bodies in enumerate(self.names)

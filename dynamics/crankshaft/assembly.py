@@ -18,6 +18,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import Kind
+from dynamics.chains.varying import Variation, VaryingSpring
 from dynamics.crankshaft.surroundings import RX, RY, RZ, UX, UY, UZ, ShaftSurroundings, ShaftThrow
 
 # Of a node's motion about or along the shaft, behind its name, as those of the sections.
@@ -259,7 +260,9 @@ class AssembledShaft:
     damped_springs : (b,) array of bool
         Which of these have damping of their own.
     dashpots : (d, u) array
-        Directions in which dashpots act.
+        Directions in which dashpots, and springs that vary, act.
+    varying : tuple of VaryingSpring
+        Springs that vary with frequency or speed, in the u unknowns.
     positions : (n + 1,) array
         Positions of the sections along the shaft, from main bearing 1 [m].
     pin_throws : (p,) array of int
@@ -288,6 +291,7 @@ class AssembledShaft:
     spring_kinds: NDArray[np.int64]
     damped_springs: NDArray[np.bool_]
     dashpots: FloatArray = field(repr=False)
+    varying: tuple[VaryingSpring, ...] = field(repr=False)
     positions: FloatArray
     pin_throws: tuple[int, ...]
     names: tuple[str, ...]
@@ -393,21 +397,29 @@ def assemble_crankshaft(
             beyond_first[unknowns] += body.mass_matrix(outward)[RZ]
 
     unit = np.eye(size)
-    held, dashpots = [], []
+    held, dashpots, varying = [], [], []
 
-    def join(row: FloatArray, spring: float, dashpot: float, loss_factor: float = 0.0) -> None:
+    def join(
+        row: FloatArray,
+        spring: float,
+        dashpot: float,
+        loss_factor: float = 0.0,
+        variation: Variation | None = None,
+    ) -> None:
         both = np.outer(row, row)
         stiffness[:] += spring * both
         damping[:] += dashpot * both
         loss[:] += loss_factor * spring * both
-        if dashpot or loss_factor:
+        if variation is not None:
+            varying.append(VaryingSpring(row, variation.of(spring, loss_factor, dashpot)))
+        if dashpot or loss_factor or variation is not None:
             dashpots.append(row)
 
-    for place, spring, dashpot in _supports(around, count):
+    for place, spring, dashpot, variation in _supports(around, count):
         if np.isinf(spring):
             held.append(place)
         else:
-            join(unit[place], spring, dashpot)
+            join(unit[place], spring, dashpot, variation=variation)
     added_mass = np.zeros((2, size, size))
     added_springs = [np.zeros((0, size))]
     spring_kinds, damped_springs = [1] * len(rings), []
@@ -415,7 +427,7 @@ def assemble_crankshaft(
         added_mass[1, row, row] += ring.inertia
         beyond_first[row] += ring.inertia if section == 0 else 0.0
         twist = unit[row] - unit[6 * section + RZ]
-        join(twist, ring.stiffness, ring.damping, ring.loss_factor)
+        join(twist, ring.stiffness, ring.damping, ring.loss_factor, ring.variation)
         added_springs.append(math.sqrt(ring.stiffness) * twist[np.newaxis])
         damped_springs.append(ring.damping > 0.0 or ring.loss_factor > 0.0)
     for line in lines:
@@ -426,6 +438,9 @@ def assemble_crankshaft(
         loss += moved.T @ chain.loss_matrix() @ moved
         added_springs.append(chain.spring_rows() @ moved)
         damped_springs += chain.damped_springs.tolist()
+        more = chain.varying_springs(moved)
+        varying += more
+        dashpots += [spring.row for spring in more]
         spring_kinds += [int(line.kind == "torsional")] * len(added_springs[-1])
     mass += added_mass.sum(axis=0)
     added = np.vstack((unit[first_ring:first_line], *(line.motions[1:] for line in lines)))
@@ -457,6 +472,7 @@ def assemble_crankshaft(
         spring_kinds=np.array(spring_kinds, dtype=np.int64),
         damped_springs=np.array(damped_springs, dtype=bool),
         dashpots=np.array(dashpots).reshape(-1, size)[:, kept],
+        varying=tuple(replace(spring, row=spring.row[kept]) for spring in varying),
         positions=starts,
         pin_throws=tuple(pin_throws),
         names=(
@@ -479,13 +495,18 @@ def _pin_moments(
     return np.asarray((before[:, :, np.newaxis] * levers).reshape(count, -1))
 
 
-def _supports(around: ShaftSurroundings, count: int) -> list[tuple[int, float, float]]:
-    """Return the unknowns that bearings and axial supports act on, their stiffness and damping."""
+def _supports(
+    around: ShaftSurroundings, count: int
+) -> list[tuple[int, float, float, Variation | None]]:
+    """Return the unknowns that bearings and axial supports act on, stiffness, damping, variation."""
     springs = []
     if around.bearings is not None:
+        variation = around.bearings.variation
         each = zip(*(values.tolist() for values in around.bearings.at(count)), strict=True)
         for section, (stiffness, damping) in enumerate(each):
-            springs += [(6 * section + motion, stiffness, damping) for motion in (UX, UY)]
+            springs += [
+                (6 * section + motion, stiffness, damping, variation) for motion in (UX, UY)
+            ]
     for support in around.axial_supports:
         section = whole_within(
             "axial support section",
@@ -494,7 +515,7 @@ def _supports(around: ShaftSurroundings, count: int) -> list[tuple[int, float, f
             count - 1,
             f"the shaft has {count} sections",
         )
-        springs.append((6 * section + UZ, support.stiffness, support.damping))
+        springs.append((6 * section + UZ, support.stiffness, support.damping, support.variation))
     return springs
 
 

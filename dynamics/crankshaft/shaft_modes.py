@@ -1,6 +1,6 @@
 """The linear system of a whole crankshaft and its modes, by axial, torsional and bending shares."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -308,6 +308,7 @@ def crankshaft_system(
             expand=shaft.expand @ basis,
             natural=natural,
             shapes=unit,
+            varying=tuple(replace(spring, row=spring.row @ basis) for spring in shaft.varying),
         ),
         kept=cut - rigid,
         corrections=corrections.shape[1],

@@ -20,6 +20,7 @@ from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.engine_chains import Kind
+from dynamics.chains.varying import Variation
 
 # Motions of a section: displacements, then rotations.
 UX, UY, UZ, RX, RY, RZ = range(6)
@@ -202,10 +203,13 @@ class MainBearings:
         Of each section, or of all [N/m]: ``math.inf`` for rigid, 0 for none.
     damping : float or sequence of float
         [N s/m]
+    variation : Variation, optional
+        How both vary with the frequency of vibration or the speed, as oil films do.
     """
 
     stiffness: float | Sequence[float]
     damping: float | Sequence[float] = 0.0
+    variation: Variation | None = None
 
     def at(self, sections: int) -> tuple[FloatArray, FloatArray]:
         """Return stiffness and damping of each section.
@@ -234,11 +238,14 @@ class AxialSupport:
         [N/m]; ``math.inf`` for a rigid support.
     damping : float
         [N s/m]
+    variation : Variation, optional
+        How both vary with the frequency of vibration or the speed.
     """
 
     section: int
     stiffness: float = 0.0
     damping: float = 0.0
+    variation: Variation | None = None
 
     def __post_init__(self) -> None:
         whole_number("axial support section", self.section, 0, "sections are counted from 0")

@@ -1,9 +1,10 @@
 """The gas pressure of each cylinder over speed and load: diagrams, interpolated by harmonics."""
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Literal, cast, get_args
+from typing import Annotated, Any, Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,14 +22,35 @@ from crankbase.choices import check_choice
 from crankbase.diagrams import legend_below, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes
-from crankbase.quantity import RPM
+from crankbase.quantity import RPM, format_quantity
+from crankbase.results import Number, Part, Quantity, Result, Speed, result
 from crankbase.summaries import summarized
 from dynamics.critical import engine_orders
 from dynamics.cycle import cycle_radians, even_angles, order_numbers, order_step
-from dynamics.engine.forces import Pressure, checked_cylinder, pressure_of_each
+from dynamics.engine.forces import (
+    Pressure,
+    checked_cylinder,
+    piston_ends,
+    piston_position,
+    pressure_of_each,
+)
 from dynamics.engine.layout import EngineLayout
-from dynamics.gas.gas_cycle import GasCycle, Solved, gas_cycle
-from dynamics.gas.pressure import GasPressure, Position, gas_pressure
+from dynamics.gas.gas_cycle import (
+    LEAST_EXHAUST,
+    GasCycle,
+    GasCycleResult,
+    Solved,
+    gas_cycle,
+    name_fields,
+)
+from dynamics.gas.pressure import (
+    ATMOSPHERE,
+    GasPressure,
+    Position,
+    gas_pressure,
+    indicated_work,
+    periodic_slope,
+)
 from dynamics.plots.curves import FROM_FIRING, MEGA, draw_over_angle
 from dynamics.response.order_excitation import checked_orders, checked_speeds
 
@@ -679,3 +701,295 @@ def _mixed_weights(
 ) -> FloatArray:
     left = (1.0 - share) * fired.weights(speeds, load)
     return np.hstack([left, share * cold.weights(speeds, load)])
+
+
+# Speeds of calculated diagrams lie this share apart at most; splines pass between them without a bend, for a
+# bend of the excitation would look like a resonance.
+SPACING = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class LoadCurve:
+    """Results of the cycle at each speed, relative to full load at rated speed.
+
+    Parameters
+    ----------
+    speeds : ndarray of shape (S,)
+        Ascending [rad/s].
+    mean_pressure : ndarray of shape (S,)
+        Indicated mean effective pressure divided by that of full load.
+    intake_pressure, exhaust_pressure : ndarray of shape (S,)
+        Absolute, of the receivers [Pa].
+    peak_pressure : ndarray of shape (S,) or None
+        Absolute [Pa]; None if it follows from the combustion at full load.
+    """
+
+    speeds: FloatArray
+    mean_pressure: FloatArray
+    intake_pressure: FloatArray
+    exhaust_pressure: FloatArray
+    peak_pressure: FloatArray | None
+
+
+@dataclass(frozen=True, eq=False)
+class LoadPoints:
+    """Load at several speeds; a series that is not known is None.
+
+    Parameters
+    ----------
+    speeds : ndarray of shape (n,)
+        Ascending [rad/s].
+    mean_pressure, peak_pressure, intake_pressure : ndarray of shape (n,)
+        Indicated mean effective pressure; absolute pressures [Pa].
+    """
+
+    speeds: FloatArray
+    mean_pressure: FloatArray
+    peak_pressure: FloatArray | None
+    intake_pressure: FloatArray | None
+
+
+def load_curve(
+    points: LoadPoints | None,
+    full: GasCycleResult,
+    rated_speed: float,
+    speeds: FloatArray,
+    friction_pressure: float = 0.0,
+) -> LoadCurve:
+    """Return the results of the cycle at speeds.
+
+    Parameters
+    ----------
+    points : LoadPoints or None
+        None for the law of a propeller.
+    full : GasCycleResult
+        Cycle of the first cylinder at full load and rated speed.
+    rated_speed : float
+        [rad/s]
+    speeds : (S,) array
+        Ascending, within the points if there are any [rad/s].
+    friction_pressure : float, optional
+        Mean pressure that friction takes at any speed [Pa]: the propeller takes the rest.
+
+    Notes
+    -----
+    The mean effective pressure of a propeller is proportional to the square of the speed, its power to
+    the cube; both continue above rated speed. The boost is proportional to the power, because the exhaust
+    drives the turbocharger. Curves between points are smooth and pass no point above or below its
+    neighbors.
+    """
+    if points is None:
+        friction = friction_pressure / full.mean_effective_pressure
+        share = friction + (1.0 - friction) * (speeds / rated_speed) ** 2
+    else:
+        _check_within(speeds, points.speeds)
+        share = _between(speeds, points, points.mean_pressure) / full.mean_effective_pressure
+    boost, peak = share * speeds / rated_speed, None
+    taken_in = _boosted(full.cycle.intake_pressure, ATMOSPHERE, boost)
+    if points is not None and points.peak_pressure is not None:
+        peak = _between(speeds, points, points.peak_pressure)
+    if points is not None and points.intake_pressure is not None:
+        taken_in = _between(speeds, points, points.intake_pressure)
+        at_full = max(full.cycle.intake_pressure - ATMOSPHERE, 0.0)
+        boost = np.maximum(taken_in - ATMOSPHERE, 0.0) / at_full if at_full else boost
+    exhaust = _boosted(full.cycle.exhaust_pressure, LEAST_EXHAUST, boost)
+    return LoadCurve(speeds, share, taken_in, exhaust, peak)
+
+
+def pressures_along(
+    curve: LoadCurve,
+    full_load: Sequence[GasCycleResult],
+    layout: EngineLayout,
+    *,
+    motored: bool = False,
+) -> tuple[PressureMap, ...]:
+    """Return the pressure in each cylinder over the speeds of a curve, equal cylinders with one map.
+
+    Parameters
+    ----------
+    full_load : sequence of n GasCycleResult
+        Cycle in each cylinder at full load.
+    motored : bool, optional
+        Without combustion, at the same boost.
+    """
+    made: dict[int, PressureMap] = {}
+    maps = []
+    for number, full in enumerate(full_load, start=1):
+        if id(full) not in made:
+            made[id(full)] = _map_along(curve, full, layout, number, motored)
+        maps.append(made[id(full)])
+    return tuple(maps)
+
+
+def _map_along(
+    curve: LoadCurve, full: GasCycleResult, layout: EngineLayout, number: int, motored: bool
+) -> PressureMap:
+    # What was assumed is told of full load.
+    cycle = replace(full.cycle, assumed=())
+    area, column = layout.cylinders[number - 1].area, np.s_[:, np.newaxis]
+    try:
+        return pressure_map_from_cycles(
+            cycle,
+            piston_position(layout, number),
+            area,
+            curve.speeds,
+            [1.0],
+            heat=0.0 if motored else None,
+            mean_effective_pressure=(
+                None if motored else (curve.mean_pressure * full.mean_effective_pressure)[column]
+            ),
+            peak_pressure=(
+                None if motored or curve.peak_pressure is None else curve.peak_pressure[column]
+            ),
+            intake_pressure=curve.intake_pressure[column],
+            exhaust_pressure=curve.exhaust_pressure[column],
+            method="cubic",
+        )
+    except InputError as error:
+        raise InputError(f"load: {name_fields(error)}") from None
+
+
+def _boosted(at_full: float, ambient: float, boost: FloatArray) -> FloatArray:
+    """Return a pressure whose part above ambient is multiplied by the boost [Pa]."""
+    if at_full <= ambient:
+        return np.full(boost.shape, at_full)
+    return np.asarray(ambient + (at_full - ambient) * boost)
+
+
+def _between(speeds: FloatArray, points: LoadPoints, values: FloatArray) -> FloatArray:
+    """Interpolate smoothly, without overshoot."""
+    from scipy.interpolate import PchipInterpolator  # here: loading it takes a quarter second
+
+    known = points.speeds
+    inside = np.clip(speeds, known[0], known[-1])  # by round-off only
+    return np.asarray(PchipInterpolator(known, values)(inside), dtype=np.float64)
+
+
+def _check_within(speeds: FloatArray, known: FloatArray) -> None:
+    outside = (speeds < known[0] * (1.0 - SAME)) | (speeds > known[-1] * (1.0 + SAME))
+    if np.any(outside):
+        outer, low, high = (
+            format_quantity(float(speed), "rad/s", 5)
+            for speed in (speeds[outside][0], known[0], known[-1])
+        )
+        raise InputError(
+            f"load.points: given none for {outer}; allowed are speeds from {low} to {high}, because nothing "
+            "is extrapolated beyond the points."
+        )
+
+
+def load_speeds(
+    points: LoadPoints | None, speed_range: tuple[float, float], rated: float
+) -> FloatArray:
+    """Return speeds close enough for splines between their diagrams [rad/s].
+
+    Parameters
+    ----------
+    points : LoadPoints or None
+        They determine the range; without them the rated speed is among the speeds.
+    """
+    further = [rated] if points is None else points.speeds.tolist()
+    low, high = speed_range if points is None else (further[0], further[-1])
+    count = 1 + math.ceil(math.log(high / low) / math.log1p(SPACING))
+    return sorted_unique([*np.geomspace(low, high, max(count, 2)).tolist(), *further])
+
+
+# Rated power beside the indicated one: 0.75 in small old engines, 0.97 in slow-running crosshead ones.
+LOWEST_EFFICIENCY, HIGHEST_EFFICIENCY = 0.75, 0.97
+
+
+@result(
+    "indicated",
+    "mean_indicated_pressure",
+    "rated",
+    "mean_effective_pressure",
+    "mechanical_efficiency",
+)
+class EnginePower(Result):
+    """Power of an engine at rated speed."""
+
+    speed: Speed
+    indicated: Annotated[float, Quantity("W", "of the gas on all pistons", key="indicated_power")]
+    mean_indicated_pressure: Annotated[float, Quantity("Pa", "mean of all cylinders")]
+    rated: Annotated[float | None, Quantity("W", "at the flywheel, if given", key="rated_power")]
+
+    @property
+    def mechanical_efficiency(self) -> Number | None:
+        """Rated over indicated power; None without a rated power, or if the gas does no work."""
+        if self.rated is None or self.indicated <= 0.0:
+            return None
+        return self.rated / self.indicated
+
+    @property
+    def mean_effective_pressure(self) -> Annotated[float, Quantity("Pa")] | None:
+        """Mean effective pressure of the rated power; None if the file does not give it."""
+        efficiency = self.mechanical_efficiency
+        return None if efficiency is None else efficiency * self.mean_indicated_pressure
+
+    @property
+    def friction_pressure(self) -> float:
+        """Friction mean pressure [Pa]; zero if the rated power is unknown or inconsistent."""
+        if self.mean_effective_pressure is None or not self.consistent:
+            return 0.0
+        return self.mean_indicated_pressure - self.mean_effective_pressure
+
+    @property
+    def consistent(self) -> Part[bool]:
+        """Whether the mechanical efficiency is plausible; True if it is unknown."""
+        if self.rated is None:
+            return True
+        efficiency = self.mechanical_efficiency
+        return efficiency is not None and LOWEST_EFFICIENCY <= efficiency <= HIGHEST_EFFICIENCY
+
+    @property
+    def sentence(self) -> Part[str]:
+        """Indicated power and its ratio to the rated power."""
+        speed = format_quantity(self.speed, "rad/s", 5)
+        indicated = (
+            f"indicated power {_kilowatts(self.indicated)} at {speed}, mean indicated pressure "
+            f"{format_quantity(self.mean_indicated_pressure, 'Pa', 4)}"
+        )
+        if self.rated is None:
+            return (
+                f"{indicated}; engine.rated_power is not given, so the gas pressure is not checked"
+            )
+        if self.mechanical_efficiency is None or self.mean_effective_pressure is None:
+            return (
+                f"The file is inconsistent: rated power {_kilowatts(self.rated)}, but {indicated}; correct "
+                "the section [gas], because no engine drives with gas that does no work"
+            )
+        effective = (
+            f"rated power {_kilowatts(self.rated)} (mean effective pressure "
+            f"{format_quantity(self.mean_effective_pressure, 'Pa', 4)})"
+        )
+        share = f"{self.mechanical_efficiency:.3g}"
+        if self.consistent:
+            return f"{indicated}; {effective} is {share} of it, the mechanical efficiency"
+        return (
+            f"The file is inconsistent: {effective} is {share} of the {indicated}; usual mechanical "
+            f"efficiencies are {LOWEST_EFFICIENCY:g} to {HIGHEST_EFFICIENCY:g}, so correct "
+            "engine.rated_power or the section [gas]"
+        )
+
+
+def indicated_power(
+    layout: EngineLayout, pressures: Sequence[GasPressure], speed: float
+) -> tuple[float, float]:
+    """Return indicated power [W] and mean indicated pressure [Pa] of all cylinders at a speed [rad/s]."""
+    work = swept = 0.0
+    for number, (cylinder, pressure) in enumerate(
+        zip(layout.cylinders, pressures, strict=True), start=1
+    ):
+        low, high = piston_ends(layout, number)
+        swept += cylinder.area * (high - low)
+        slope = periodic_slope(
+            piston_position(layout, number)(np.radians(pressure.angles_deg)),
+            cycle_radians(pressure.strokes),
+        )
+        work += indicated_work(pressure.pressure, -cylinder.area * slope, layout.strokes)
+    cycles = speed / (math.pi * layout.strokes)
+    return work * cycles, work / swept
+
+
+def _kilowatts(power: float) -> str:
+    return f"{power / 1e3:.4g} kW"

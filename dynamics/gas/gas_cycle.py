@@ -298,6 +298,11 @@ def name_of_field(name: str) -> str:
     return name.removesuffix("_deg")
 
 
+def name_fields(error: InputError) -> str:
+    """Return the text of an error of the cycle model with the names that the fields of files have."""
+    return str(error).replace("_deg", "")
+
+
 def assumption_remarks(cycle: GasCycle) -> tuple[str, ...]:
     """Return one sentence for each assumed parameter: its value and why."""
     names = [field.name for field in fields(cycle) if field.name in cycle.assumed]

@@ -168,6 +168,14 @@ class ComplexModes:
         return table(columns)
 
 
+def modes_at(response: ForcedResponse, w: float, speed: float) -> ComplexModes:
+    """Return the damped modes with springs that vary as they are at a frequency and speed [rad/s]."""
+    system = response.system.at(w, speed)
+    return complex_modes(
+        system if response.chain is None else DampedChain(response.chain, system, ())
+    )
+
+
 def complex_modes(
     chain_or_system: Chain | LinearSystem | DampedChain | ForcedResponse,
 ) -> ComplexModes:

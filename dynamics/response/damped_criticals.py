@@ -1,7 +1,7 @@
 """Critical speeds with damping: where an order alone makes a quantity largest, and the mode responsible."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -13,10 +13,10 @@ from crankbase.frames import Row
 from crankbase.quantity import RPM
 from crankbase.summaries import summarized
 from dynamics.indices import within
-from dynamics.response.complex_modes import ComplexModes, complex_modes
+from dynamics.response.complex_modes import ComplexModes, complex_modes, modes_at
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import harmonic_response
-from dynamics.response.loads import LinearQuantities, load_rows, motion_rows
+from dynamics.response.loads import LinearQuantities, load_quantities, motion_rows
 from dynamics.response.order_excitation import OverSpeed
 from dynamics.response.resonance import LEAST_RATIO, refined_speeds
 
@@ -32,6 +32,8 @@ LARGE = 0.25
 SEVERAL = 0.25
 # Peaks below this share of the largest one of their place are not worth a row of a table.
 LEAST_PEAK = 0.05
+# Where springs vary, each order is calculated at so many times the response's speeds.
+VARYING = 8
 # Steps of the golden section: a bracket becomes a millionth of what it was.
 SECTION, STEPS = 0.5 * (np.sqrt(5.0) - 1.0), 29
 
@@ -295,15 +297,18 @@ def _quantities(
     if node is not None:
         rows, names = motion_rows(response, [node])
         return LinearQuantities(names, rows, np.zeros(1, dtype=bool))
-    if elements is not None or response.chain is not None:
-        rows, names = load_rows(response, elements)
-    else:
-        rows, names = np.empty((0, len(response.system.mass))), ()
-    loads = len(rows)
-    if elements is None:
-        moved, nodes = motion_rows(response)
-        rows, names = np.concatenate((rows, moved)), (*names, *nodes)
-    return LinearQuantities(names, rows, np.arange(len(rows)) < loads)
+    moved, nodes = motion_rows(response)
+    if elements is None and response.chain is None:
+        return LinearQuantities(nodes, moved, np.zeros(len(nodes), dtype=bool))
+    loads = load_quantities(response, elements)
+    if elements is not None:
+        return loads
+    return replace(
+        loads,
+        names=(*loads.names, *nodes),
+        rows=np.concatenate((loads.rows, moved)),
+        loads=np.arange(len(loads.names) + len(nodes)) < len(loads.names),
+    )
 
 
 class _Maxima(NamedTuple):
@@ -364,7 +369,10 @@ class _Vibration:
         """Return motions (m, q), where unbounded (m,), and forces on the loaded nodes (m, n)."""
         forces = self.forces.at(orders, speeds)
         answer = harmonic_response(
-            self.response.system, self.response.orders[orders] * speeds, forces @ self.expand
+            self.response.system,
+            self.response.orders[orders] * speeds,
+            forces @ self.expand,
+            speeds=speeds,
         )
         return answer.motion, answer.unbounded, forces
 
@@ -377,6 +385,8 @@ class _Vibration:
         order, known = float(self.response.orders[place]), self.response.speeds
         ends = (float(known[0]), float(known[-1]))
         about = refined_speeds(self.modes.frequencies, self.modes.damping_ratios, [order], ends)
+        if self.response.system.varying:  # peaks are elsewhere than at the constant stiffness
+            about = np.append(about, np.linspace(*ends, VARYING * known.size))
         added = np.setdiff1d(about, known)
         motion, unbounded = self.response.unknowns[place], self.response.unbounded[place]
         forces = self.forces.at(np.array(place), known)
@@ -386,7 +396,9 @@ class _Vibration:
             unbounded = np.concatenate((unbounded, endless))
         ascending = np.argsort(np.concatenate((known, added)))
         grid = np.concatenate((known, added))[ascending]
-        values = np.abs(self.quantities.at(order * grid, motion[ascending], forces[ascending]))
+        values = np.abs(
+            self.quantities.at(order * grid, grid, motion[ascending], forces[ascending])
+        )
         values[unbounded[ascending]] = np.inf
         middle = values[1:-1]
         tops, places = np.nonzero((middle > values[:-2]) & (middle >= values[2:]))
@@ -423,14 +435,13 @@ class _Vibration:
         """Return what makes maxima at speeds."""
         motion, unbounded, forces = self.answer(orders, speeds)
         w = self.response.orders[orders] * speeds
-        rows = self.quantities.rows_at(places, w)
-        value = self.quantities.each(places, w, motion, forces)
+        rows = self.quantities.rows_at(places, w, speeds)
+        value = self.quantities.each(places, w, speeds, motion, forces)
         forces = forces @ self.expand
         size = np.where(value == 0.0, 1.0, np.abs(value))[:, np.newaxis]
         phase = np.conj(value[:, np.newaxis] / size)
-        parts, bends = (
-            (self.modes.contributions(w, forces, rows, power) * phase).real for power in (1, 3)
-        )
+        *powers, reached = self._contributions(w, speeds, forces, rows)
+        parts, bends = ((power * phase).real for power in powers)
         shares = parts / size
         # Where nothing bounds the amplitude, the mode at its own frequency makes it.
         apart = np.abs(np.append(self.modes.eigenvalues.imag, np.inf) - w[:, np.newaxis])
@@ -438,7 +449,6 @@ class _Vibration:
         shares, bends = (
             np.where(unbounded[:, np.newaxis], alone, part) for part in (shares, bends)
         )
-        reached = self.modes.magnifiers(w) >= BAND * self.modes.largest_magnifiers
         in_band = np.column_stack((reached, np.zeros(w.size, dtype=bool)))
         in_band |= unbounded[:, np.newaxis] & (alone > 0.0)
         mode = np.argmax(bends, axis=1)
@@ -453,6 +463,37 @@ class _Vibration:
             of_mode,
             in_band & (bends >= SEVERAL * np.max(bends, axis=1, keepdims=True)) & (bends > 0.0),
         )
+
+    def _contributions(
+        self, w: FloatArray, speeds: FloatArray, forces: ComplexArray, rows: FloatArray
+    ) -> tuple[ComplexArray, ComplexArray, NDArray[np.bool_]]:
+        """Return `ComplexModes.contributions` of power 1 and 3, and which modes are in their band.
+
+        What varies is taken as it is there, its modes by the numbers of those of the constant stiffness.
+        """
+
+        def of(modes: ComplexModes, some: slice) -> list[NDArray[Any]]:
+            given = w[some], forces[some], rows[some]
+            reached = modes.magnifiers(w[some]) >= BAND * modes.largest_magnifiers
+            return [*(modes.contributions(*given, power) for power in (1, 3)), reached]
+
+        if not self.response.system.varying:
+            first, third, reached = of(self.modes, slice(None))
+            return first, third, reached
+        count = self.modes.numbers.size
+        parts, bends = np.zeros((2, w.size, count + 1), dtype=np.complex128)
+        in_band = np.zeros((w.size, count), dtype=bool)
+        for row in range(w.size):
+            modes = modes_at(self.response, float(w[row]), float(speeds[row]))
+            columns = [
+                int(np.argmax(match)) if np.any(match := self.modes.numbers == number) else count
+                for number in modes.numbers
+            ]
+            first, third, reached = of(modes, slice(row, row + 1))
+            np.add.at(parts[row], [*columns, count], first[0])
+            np.add.at(bends[row], [*columns, count], third[0])
+            in_band[row] = np.bincount(columns, reached[0], count + 1)[:count] > 0.0
+        return parts, bends, in_band
 
     def peaks(
         self,
@@ -502,12 +543,14 @@ class _Vibration:
             )
             makers = (there_too, there.makers[row], made.mode[group][made.of_mode[group]])
             each = np.concatenate([numbers[some] for some in makers]).tolist()
+            order, speed = float(self.response.orders[chosen.orders[row]]), float(speeds[row])
+            varies = self.response.system.varying
             peaks.append(
                 _critical(
-                    self.modes,
-                    float(self.response.orders[chosen.orders[row]]),
+                    modes_at(self.response, order * speed, speed) if varies else self.modes,
+                    order,
                     int(numbers[mode]),
-                    speed=float(speeds[row]),
+                    speed=speed,
                     amplitude=float(there.value[row]),
                     first_amplitude=float(there.first[row]),
                     place=names[places[row]],
@@ -531,7 +574,8 @@ class _Vibration:
     ) -> FloatArray:
         motion, unbounded, forces = self.answer(orders, speeds)
         w = self.response.orders[orders] * speeds
-        return np.where(unbounded, np.inf, np.abs(self.quantities.each(places, w, motion, forces)))
+        values = self.quantities.each(places, w, speeds, motion, forces)
+        return np.where(unbounded, np.inf, np.abs(values))
 
 
 class _Made(NamedTuple):

@@ -217,7 +217,9 @@ def forced_response(
     plain = np.array_equal(system.expand, np.eye(nodes))
     forces = excitation.forces.reshape(-1, nodes)
     forces = forces if plain else forces @ system.expand
-    answer = harmonic_response(system, excitation.angular_frequencies.reshape(-1), forces, method)
+    speeds = np.tile(excitation.speeds, shape[0])
+    frequencies = excitation.angular_frequencies.reshape(-1)
+    answer = harmonic_response(system, frequencies, forces, method, speeds)
     motion = answer.motion if plain else answer.motion @ system.expand.T
     return ForcedResponse(
         orders=excitation.orders,

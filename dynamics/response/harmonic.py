@@ -55,6 +55,7 @@ def harmonic_response(
     angular_frequencies: FloatArray,
     forces: ComplexArray,
     method: Method = "modal",
+    speeds: FloatArray | None = None,
 ) -> HarmonicResponse:
     """Find the steady motion under harmonic forces, each at its own frequency.
 
@@ -68,7 +69,9 @@ def harmonic_response(
         On the unknowns [N m or N].
     method : {"modal", "direct"}
         By damped modes, with a check of residuals and the other method as fallback; or by solving with
-        the complex dynamic stiffness at every frequency.
+        the complex dynamic stiffness at every frequency, as always where springs vary.
+    speeds : ndarray of shape (m,), optional
+        Speed of the shaft at each [rad/s], for springs that vary over it; by default at rest.
 
     Notes
     -----
@@ -82,6 +85,10 @@ def harmonic_response(
     check_choice("method", method, get_args(Method), "these are the ways to solve the equations")
     frequencies, modal = angular_frequencies, damped_modes(system)
     singular, unbounded = modal.undamped_resonance(frequencies, forces)
+    if speeds is None:
+        speeds = np.zeros(frequencies.size)
+    if system.varying:  # these are the modes of the constant stiffness
+        method, singular, unbounded = "direct", *np.zeros((2, frequencies.size), dtype=bool)
     if np.any(unbounded):
         forces = np.where(unbounded[:, np.newaxis], 0.0, forces)
     motion = np.zeros(forces.shape, dtype=np.complex128)
@@ -95,7 +102,9 @@ def harmonic_response(
     sample = np.concatenate((sample, modal.near_resonance(frequencies)))
 
     def largest_residual(products: bool = False) -> float:
-        left = _residuals(system, frequencies[sample], forces[sample], motion[sample], products)
+        moved = motion[sample]
+        left = forces[sample] - system.varying_forces(frequencies[sample], speeds[sample], moved)
+        left = _residuals(system, frequencies[sample], left, moved, products)
         return float(np.max(left, initial=0.0))
 
     if method != "direct":
@@ -103,7 +112,7 @@ def harmonic_response(
     places = np.flatnonzero(rest)
     for start in range(0, places.size, BATCH):
         some = places[start : start + BATCH]
-        stiffness = dynamic_stiffness(system, frequencies[some])
+        stiffness = dynamic_stiffness(system, frequencies[some], speeds[some])
         motion[some] = np.linalg.solve(stiffness, forces[some, :, np.newaxis])[..., 0]
     if places.size and not (residual := largest_residual(products=True)) <= LARGEST_RESIDUAL:
         raise SolveError(
@@ -113,12 +122,18 @@ def harmonic_response(
     return HarmonicResponse(motion, unbounded, places.size)
 
 
-def dynamic_stiffness(system: LinearSystem, angular_frequencies: FloatArray) -> ComplexArray:
-    """Return K + i H - w^2 M + i w C at each frequency, shape (m, q, q)."""
+def dynamic_stiffness(
+    system: LinearSystem, angular_frequencies: FloatArray, speeds: FloatArray
+) -> ComplexArray:
+    """Return K + i H - w^2 M + i w C at each frequency and speed (m,) [rad/s], shape (m, q, q)."""
     w = angular_frequencies[:, np.newaxis, np.newaxis]
-    return np.asarray(
+    matrices: ComplexArray = np.asarray(
         system.stiffness + 1j * (system.loss + w * system.damping) - w**2 * system.mass
     )
+    for spring in system.varying:
+        added = spring.added(angular_frequencies, speeds)[:, np.newaxis, np.newaxis]
+        matrices = matrices + added * np.outer(spring.row, spring.row)
+    return matrices
 
 
 def _residuals(

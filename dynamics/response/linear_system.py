@@ -7,13 +7,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh, qr
 
-from crankbase.array_checks import FloatArray, nonnegative_vector, one_for_each, positive_number
+from crankbase.array_checks import (
+    ComplexArray,
+    FloatArray,
+    nonnegative_vector,
+    one_for_each,
+    positive_number,
+)
 from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.quantity import compact
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
+from dynamics.chains.varying import VaryingSpring
 from dynamics.indices import node_index, values_at_nodes
 
 # Magnifier (amplitude at resonance over the static one) of engine and shaft without a damper, as
@@ -43,6 +50,8 @@ class LinearSystem:
         Undamped angular frequencies [rad/s], ascending; exactly zero for rigid-body motions.
     shapes : ndarray of shape (q, q)
         The undamped modes, as columns, of unit modal mass.
+    varying : tuple of VaryingSpring
+        Springs that vary with frequency or speed; the matrices have their constant stiffness.
     """
 
     mass: FloatArray
@@ -53,6 +62,35 @@ class LinearSystem:
     expand: FloatArray
     natural: FloatArray
     shapes: FloatArray
+    varying: tuple[VaryingSpring, ...] = ()
+
+    def varying_forces(
+        self, w: FloatArray, speeds: FloatArray, motion: ComplexArray
+    ) -> ComplexArray:
+        """Return the forces (m, q) of what varies at motions (m, q), frequencies and speeds (m,) [rad/s]."""
+        forces = np.zeros_like(motion)
+        for spring in self.varying:
+            forces += np.outer(spring.added(w, speeds) * (motion @ spring.row), spring.row)
+        return forces
+
+    def at(self, w: float, speed: float) -> "LinearSystem":
+        """Return the system with what varies as it is at one frequency and speed [rad/s] in its matrices."""
+        springs = []
+        stiffness, loss = self.stiffness.copy(), self.loss.copy()
+        for spring in self.varying:
+            added = complex(spring.added(np.array([w]), np.array([speed]))[0])
+            stiffness += added.real * np.outer(spring.row, spring.row)
+            loss += added.imag * np.outer(spring.row, spring.row)
+            springs.append(replace(spring, constant=spring.constant + added))
+        natural, shapes = natural_modes(self.mass, stiffness, self.rigid)
+        return replace(
+            self,
+            stiffness=stiffness,
+            loss=loss,
+            natural=natural,
+            shapes=shapes,
+            varying=tuple(springs),
+        )
 
     @property
     def elastic_frequencies(self) -> FloatArray:
@@ -155,6 +193,7 @@ def chain_system(chain: Chain) -> LinearSystem:
         expand=expand,
         natural=np.concatenate((np.zeros(rigid.shape[1]), frequencies)),
         shapes=np.column_stack((_orthonormal(mass, unknowns), elastic)),
+        varying=chain.varying_springs(expand),
     )
 
 
@@ -316,6 +355,12 @@ def damped(
             "damped is not undamped."
         )
     notes = [f"damping of the chain itself: {_own_damping(chain)}"] if of_chain else []
+    if chain.varying:
+        at = [(chain.names if s.to_ground else chain.elements)[s.place] for s in chain.varying]
+        notes.append(
+            f"stiffness that varies with frequency or speed: {', '.join(at)}; forced vibration and "
+            "critical speeds have it, natural frequencies are those of the constant one"
+        )
     between = of_elements("relative", relative, chain)
     at_nodes = values_at_nodes(
         "absolute", absolute, chain.inertia.size, UNIT, "damping takes energy away"

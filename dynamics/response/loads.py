@@ -14,6 +14,7 @@ from crankbase.errors import InputError, SolveError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
+from dynamics.chains.varying import Varying, VaryingSpring
 from dynamics.indices import index_of_name
 from dynamics.plots.curves import (
     KILO,
@@ -110,12 +111,20 @@ def element_loads(response: ForcedResponse) -> ElementLoads:
         return OrderSeries(response.orders, response.speeds, values, response.unbounded, names)
 
     complex_stiffness = chain.stiffness * (1.0 + 1j * chain.loss_factor) + 1j * w * chain.damping
+    elastic = chain.stiffness * twist
+    ground = (chain.ground + 1j * w * chain.ground_damping) * response.motion
+    elements = complex_stiffness * twist
+    for spring, added in varying_stiffness(response):
+        at = spring.place
+        if spring.to_ground:
+            ground[:, :, at] += added * response.motion[:, :, at]
+        else:
+            elements[:, :, at] += added * twist[:, :, at]
+            elastic[:, :, at] += added.real * twist[:, :, at]
     return ElementLoads(
-        elements=series(complex_stiffness * twist, chain.elements),
-        elastic=series(chain.stiffness * twist, chain.elements),
-        ground=series(
-            (chain.ground + 1j * w * chain.ground_damping) * response.motion, chain.names
-        ),
+        elements=series(elements, chain.elements),
+        elastic=series(elastic, chain.elements),
+        ground=series(ground, chain.names),
         dashpots=series(1j * w * sizes * relative, dashpot_names(chain)),
     )
 
@@ -123,7 +132,22 @@ def element_loads(response: ForcedResponse) -> ElementLoads:
 def elastic_loads(response: ForcedResponse) -> ComplexArray:
     """Return the strain-related part of each element's load, (K, S, e): `ElementLoads.elastic` alone."""
     chain = chain_of(response)
-    return np.asarray(response.motion @ (chain.elongations().T * chain.stiffness))
+    loads = np.asarray(response.motion @ (chain.elongations().T * chain.stiffness))
+    for spring, added in varying_stiffness(response):
+        if not spring.to_ground:
+            twist = response.motion @ chain.elongations()[spring.place]
+            loads[:, :, spring.place] += added.real * twist
+    return loads
+
+
+def varying_stiffness(response: ForcedResponse) -> list[tuple[Varying, ComplexArray]]:
+    """Return the springs of a chain that vary, and their stiffness beyond the constant one, (K, S)."""
+    w = response.angular_frequencies
+    speeds = np.tile(response.speeds, response.orders.size)
+    return [
+        (spring, spring.law.added(w.reshape(-1), speeds).reshape(w.shape))
+        for spring in chain_of(response).varying
+    ]
 
 
 def section_modulus(
@@ -242,6 +266,8 @@ class LinearQuantities:
     inertia : ndarray of shape (p, q), optional
     direct : ndarray of shape (p, n), optional
         Per force on the nodes.
+    varying : tuple of int and VaryingSpring
+        Loads of springs that vary: that number of `rows` is for the constant stiffness alone.
     """
 
     names: tuple[str, ...]
@@ -249,24 +275,39 @@ class LinearQuantities:
     loads: NDArray[np.bool_]
     inertia: FloatArray | None = None
     direct: FloatArray | None = None
+    varying: tuple[tuple[int, VaryingSpring], ...] = ()
 
-    def at(self, w: FloatArray, motion: ComplexArray, forces: ComplexArray) -> ComplexArray:
-        """Return all values (..., p) at frequencies (...) [rad/s]."""
+    def at(
+        self, w: FloatArray, speeds: FloatArray, motion: ComplexArray, forces: ComplexArray
+    ) -> ComplexArray:
+        """Return all values (..., p) at frequencies (...) and speeds, which broadcast to them [rad/s]."""
         values = motion @ self.rows.T
+        for place, spring in self.varying:
+            flat = w.reshape(-1), np.broadcast_to(speeds, w.shape).reshape(-1)
+            stiffness = spring.added(*flat).real.reshape(w.shape)
+            values[..., place] += stiffness * (motion @ spring.row)
         if self.inertia is not None:
             values = values + w[..., np.newaxis] ** 2 * (motion @ self.inertia.T)
         return values if self.direct is None else values + forces @ self.direct.T
 
-    def rows_at(self, places: NDArray[np.intp], w: FloatArray) -> FloatArray:
-        """Return rows + w^2 inertia of one quantity at each frequency, (m, q)."""
+    def rows_at(self, places: NDArray[np.intp], w: FloatArray, speeds: FloatArray) -> FloatArray:
+        """Return rows + w^2 inertia of one quantity at each frequency and speed, (m, q)."""
         rows = self.rows[places]
+        for place, spring in self.varying:
+            stiffness = spring.added(w, speeds).real * (places == place)
+            rows = rows + np.outer(stiffness, spring.row)
         return rows if self.inertia is None else rows + w[:, np.newaxis] ** 2 * self.inertia[places]
 
     def each(
-        self, places: NDArray[np.intp], w: FloatArray, motion: ComplexArray, forces: ComplexArray
+        self,
+        places: NDArray[np.intp],
+        w: FloatArray,
+        speeds: FloatArray,
+        motion: ComplexArray,
+        forces: ComplexArray,
     ) -> ComplexArray:
-        """Return the value of one quantity at each frequency, (m,)."""
-        values = np.sum(motion * self.rows_at(places, w), axis=1)
+        """Return the value of one quantity at each frequency and speed, (m,)."""
+        values = np.sum(motion * self.rows_at(places, w, speeds), axis=1)
         return np.asarray(
             values if self.direct is None else values + np.sum(forces * self.direct[places], axis=1)
         )
@@ -278,16 +319,15 @@ class LinearQuantities:
     def series(self, response: ForcedResponse) -> OrderSeries:
         """Return them by order and speed, 0 where the response is unbounded."""
         forces = response.excitation.forces
-        values = self.at(response.angular_frequencies, response.unknowns, forces)
+        values = self.at(response.angular_frequencies, response.speeds, response.unknowns, forces)
         values = np.where(response.unbounded[:, :, np.newaxis], 0.0, values)
         return OrderSeries(response.orders, response.speeds, values, response.unbounded, self.names)
 
 
-Rows = tuple[FloatArray, tuple[str, ...]]
-
-
-def load_rows(response: ForcedResponse, elements: Sequence[int | str] | None = None) -> Rows:
-    """Return the loads k d of elements, (p, q), and their names; of all elements by default."""
+def load_quantities(
+    response: ForcedResponse, elements: Sequence[int | str] | None = None
+) -> LinearQuantities:
+    """Return the loads k d of elements; of all elements by default."""
     chain = chain_of(response)
     why = "a load is that of an element"
     chosen = range(len(chain.elements)) if elements is None else elements
@@ -295,10 +335,22 @@ def load_rows(response: ForcedResponse, elements: Sequence[int | str] | None = N
         index_of_name("elements", element, chain.elements, "elements", why) for element in chosen
     ]
     rows = chain.stiffness[:, np.newaxis] * chain.elongations() @ response.system.expand
-    return rows[places], tuple(chain.elements[place] for place in places)
+    springs = zip(chain.varying, chain.varying_springs(response.system.expand), strict=True)
+    return LinearQuantities(
+        names=tuple(chain.elements[place] for place in places),
+        rows=rows[places],
+        loads=np.ones(len(places), dtype=bool),
+        varying=tuple(
+            (places.index(varying.place), spring)
+            for varying, spring in springs
+            if not varying.to_ground and varying.place in places
+        ),
+    )
 
 
-def motion_rows(response: ForcedResponse, nodes: Sequence[int | str] | None = None) -> Rows:
+def motion_rows(
+    response: ForcedResponse, nodes: Sequence[int | str] | None = None
+) -> tuple[FloatArray, tuple[str, ...]]:
     """Return the motions of nodes relative to those of the rigid body, (p, q), and their names."""
     why = "an amplitude is that of a node"
     chosen = range(len(response.names)) if nodes is None else nodes
@@ -310,12 +362,13 @@ def motion_rows(response: ForcedResponse, nodes: Sequence[int | str] | None = No
     return rows, tuple(response.names[place] for place in places)
 
 
-def named_row(response: ForcedResponse, name: str) -> FloatArray:
-    """Return the load or the motion of the element or node of a name, (q,)."""
+def named_quantity(response: ForcedResponse, name: str) -> LinearQuantities:
+    """Return the load or the motion of the element or node of a name."""
     if response.chain is not None and name in response.chain.elements:
-        return np.asarray(load_rows(response, [name])[0][0])
+        return load_quantities(response, [name])
     if name in response.names:
-        return np.asarray(motion_rows(response, [name])[0][0])
+        rows, names = motion_rows(response, [name])
+        return LinearQuantities(names, rows, np.zeros(1, dtype=bool))
     raise InputError(
         f"place: given {name!r}; allowed are elements and nodes of the response, because modes tell how "
         "these move."
@@ -464,6 +517,12 @@ def power_balance(response: ForcedResponse) -> PowerBalance:
         sizes = np.array([dashpot.damping for dashpot in chain.dashpots])
         dashpots = square * sizes * np.abs(motion @ chain.dashpot_elongations().T) ** 2
         ground = square * chain.ground_damping * np.abs(motion) ** 2
+        for spring, added in varying_stiffness(response):
+            at, half = spring.place, 0.5 * w * added.imag
+            if spring.to_ground:
+                ground[:, :, at] += half * np.abs(motion[:, :, at]) ** 2
+            else:
+                elements[:, :, at] += half * twist[:, :, at]
         names = (chain.elements, dashpot_names(chain))
         expand = chain.expansion()
         # Exactly zero where nothing was added: the system was made by the same products.
@@ -471,6 +530,10 @@ def power_balance(response: ForcedResponse) -> PowerBalance:
         loss = loss - expand.T @ chain.loss_matrix() @ expand
     rest = square[:, :, 0] * _quadratic(damping, response.unknowns)
     rest = rest + 0.5 * w * _quadratic(loss, response.unknowns)
+    if chain is None:
+        speeds, moved = np.tile(response.speeds, len(w)), response.unknowns
+        varying = system.varying_forces(w.reshape(-1), speeds, moved.reshape(w.size, -1))
+        rest = rest + 0.5 * w * np.sum(np.conj(moved) * varying.reshape(moved.shape), axis=2).imag
 
     def endless(values: FloatArray) -> FloatArray:
         return with_unbounded(values, response.unbounded)

@@ -9,9 +9,9 @@ from crankbase.frames import Row, table_of
 from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
 from dynamics.indices import index_of_name
-from dynamics.response.complex_modes import ComplexModes, complex_modes
+from dynamics.response.complex_modes import ComplexModes, complex_modes, modes_at
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.loads import named_row
+from dynamics.response.loads import named_quantity
 from dynamics.response.order_excitation import OrderExcitation, checked_speed_index
 from dynamics.response.series import OrderSeries, extreme_angles
 
@@ -289,7 +289,7 @@ def peak_cause(
     """
     number = index_of_name("place", place, series.names, "the series", "a peak is that of a place")
     index = checked_speed_index(speed_index, series.speeds)
-    row = named_row(response, series.names[number])
+    quantity = named_quantity(response, series.names[number])
     modes = complex_modes(response) if modes is None else modes
     speed = float(series.speeds[index])
     phasors = series.values[:, index, number]
@@ -298,8 +298,14 @@ def peak_cause(
     turned = np.exp(1j * highest * series.orders) - np.exp(1j * lowest * series.orders)
     contributions = 0.5 * (phasors * turned).real
     w = series.orders * speed
+    speeds = np.full(w.size, speed)
     forces = response.excitation.forces[:, index] @ response.system.expand
-    rows = np.broadcast_to(row, forces.shape)
+    if response.system.varying:
+        # Modes are those at the main order; how springs differ at others acts as forces.
+        main = int(np.argmax(contributions))
+        modes = modes_at(response, float(w[main]), speed)
+        forces = forces - modes.system.varying_forces(w, speeds, response.unknowns[:, index])
+    rows = quantity.rows_at(np.zeros(w.size, dtype=np.intp), w, speeds)
     made = modes.contributions(w, forces, rows)
     whole = np.sum(made, axis=1, keepdims=True)
     size = np.where(whole == 0.0, 1.0, np.abs(whole))

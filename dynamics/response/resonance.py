@@ -161,7 +161,7 @@ def resonances(
     unknown_forces = forces @ system.expand
     rigid = system.rigid.shape[1]
     natural = system.natural[rigid + modes]
-    answer = harmonic_response(system, natural, unknown_forces)
+    answer = harmonic_response(system, natural, unknown_forces, speeds=speeds)
     amplitudes = np.abs(answer.motion @ system.expand[place])
     # One mode by itself.
     shapes = (system.expand @ system.shapes[:, rigid:])[:, modes].T

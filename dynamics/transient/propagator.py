@@ -218,7 +218,7 @@ def viscous_system(
     ------
     InputError
         If a number is out of range, the way is unknown, both magnifier and modal damping are given,
-        or a loss frequency is given that is not used.
+        or a loss frequency is given that is not used, or springs vary with frequency or speed.
 
     Notes
     -----
@@ -228,6 +228,12 @@ def viscous_system(
     x_r' H x_r / (w_r^2 x_r' M x_r).
     """
     chain, system = chain_and_system(chain_or_system)
+    if system.varying:
+        raise InputError(
+            "chain: given springs that vary with frequency or speed; allowed are constant ones for motion "
+            "over time, because one motion has many frequencies: replace(chain, varying=()) keeps the "
+            "constant stiffness."
+        )
     why = "these are the ways to put viscous damping in the place of loss factors"
     check_choice("loss_as", loss_as, get_args(LossAs), why)
     frequency = None

@@ -167,7 +167,9 @@ def read(file: Path) -> dict[str, Any]:
             content = json.loads(text)
             declared = content.pop("units", None) if isinstance(content, dict) else None
             values = dict(leaves(content))
-            if isinstance(declared, dict):  # the unit that each number has, however it is told
+            if (
+                isinstance(declared, dict) and "format" not in content
+            ):  # models tell those of inputs
                 numbers = numbers_with_units(content | {"units": declared})
                 values |= {f"unit of {'.'.join(path)}": unit for path, _, unit in numbers}
             return values

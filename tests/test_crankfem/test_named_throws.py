@@ -32,6 +32,7 @@ from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.reading.toml_file import read_toml
 from crankfem.report.writing import render_report
 from fem.analysis import analyze_throw
+from stand_ins import stored_results, typed
 
 UNEQUAL = Path(__file__).parents[1] / "data" / "unequal-three.toml"
 SHAFT = 'throws = ["heavy", "plain", "plain"]'
@@ -450,9 +451,8 @@ def test_a_throw_that_cannot_be_told_is_refused(call, arguments, message):
 
 
 def test_a_report_shows_each_throw(tmp_path):
-    path = Path(__file__).with_name("report_results.json")
-    results = json.loads(path.read_text(encoding="utf-8"))
-    plain, _ = render_report(results, tmp_path)
+    results = stored_results()
+    plain, _ = render_report(typed(results), tmp_path)
     own = {name: results[name] for name in ("throw", "formulas", "fillets", "fillet_note")}
     lighter = own | {"throw": own["throw"] | {"mass": 123.456}, "fillets": None}
     count = len(results["shaft"]["axial"])
@@ -460,7 +460,7 @@ def test_a_report_shows_each_throw(tmp_path):
         "heavy": {"cranks": [1]} | own,
         "plain": {"cranks": list(range(2, count + 1))} | lighter | {"fillet_note": "it is sharp."},
     }
-    named, _ = render_report(results | {"throws": throws}, tmp_path)
+    named, _ = render_report(typed(results | {"throws": throws}), tmp_path)
     for text in ("Throw plain, cranks 2, 3", "123 kg", "Axial compliance of throw heavy,"):
         assert text in named
         assert text not in plain

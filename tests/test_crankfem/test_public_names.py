@@ -172,7 +172,15 @@ MOST = 400
 # What a field may hold of which the usual text of a dataclass stays short.
 SHORT = re.compile(r"(?:str|int|float|complex|bool|None|Literal|[|'\[\], ]|'[a-z -]+')+")
 # Inputs that hold other inputs, and few of them.
-NESTED = {"CrossheadEngine", "EngineMagnifier", "Limit", "MainBearings", "ShaftCone"}
+NESTED = {
+    "AxialSupport",
+    "Coupling",
+    "CrossheadEngine",
+    "DrivenMachine",
+    "EngineMagnifier",
+    "Limit",
+}
+NESTED |= {"MainBearings", "ShaftCone", "TorsionalRing"}
 
 
 @given(st.lists(st.text(max_size=90), max_size=60), st.from_regex(r"\A[A-Z][a-z]{0,30}\Z"))

@@ -2,7 +2,6 @@
 
 import json
 import shlex
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,8 +18,8 @@ from crankfem.cli.tables.vibration_tables import chain_record, print_run
 from crankfem.files.chain.chain_file import load_chain
 from fem.responses import RESPONSES
 from json_units import numbers_with_units
+from stand_ins import stored_results
 
-STORED = Path(__file__).with_name("report_results.json")
 # Lines whose JSON is looked at, with how many numbers of it are known to be printed with a unit.
 QUICK = {
     "check 6chn25-34": 0,
@@ -151,7 +150,7 @@ def test_every_command_is_looked_at():
 
 
 def test_all_numbers_of_stored_results_have_units():
-    stored = json.loads(STORED.read_text(encoding="utf-8"))
+    stored = stored_results()
     assert len(numbers_with_units(with_units(stored))) > 1000
 
 

@@ -16,8 +16,8 @@ import pytest
 
 from comparing import close
 from crankbase.input_file import InputFile
-from crankfem.analyses.checks import run_checks, unbalanced_share
-from crankfem.analyses.provenance import file_records, provenance_record, repeat_record, run_command
+from crankfem.analyses.provenance import provenance, repetition, run_command, used_files
+from crankfem.analyses.run_results import run_checks, unbalanced_share
 from crankfem.analyses.throw.throw_record import (
     compliance_tables,
     pin_force_words,
@@ -32,7 +32,7 @@ from crankfem.report.text_filters import check_value_text
 from crankfem.report.writing import render_report, script, write_report
 from fem.solver import asymmetry, rigid_body_residual
 from regression.models.compliance_model import ComplianceModel
-from stand_ins import stored_results
+from stand_ins import stored_results, typed
 
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 SQUARE = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 75 150"><rect width="9" height="9"/></svg>'
@@ -86,7 +86,7 @@ def results(stored):
 @pytest.fixture
 def page(tmp_path):
     def render(results):
-        path = write_report(results, tmp_path, tmp_path / "report.html")
+        path = write_report(typed(results), tmp_path, tmp_path / "report.html")
         return Page(path.read_text(encoding="utf-8"))
 
     return render
@@ -202,29 +202,29 @@ def test_without_any_critical_speed_that_is_said(results, page):
 )
 def test_the_verdict_has_its_color_and_headline(results, status, said, shown):
     results["vibration"]["assessment"] |= {"status": status, "headline": said}
-    found = summary(results)
+    found = summary(typed(results))
     # Only the crankshaft's stress has a limit: what is fine is so without axial vibration.
     left = "; axial vibration is not judged" if status == "fine" else ""
     assert (found["status"], found["headline"]) == (shown, said + left)
     results["vibration"]["assessment"]["limits"][0]["name"] = "axial amplitude"
-    assert summary(results)["headline"] == said
+    assert summary(typed(results))["headline"] == said
 
 
 def test_unbounded_vibration_is_called_so(results):
-    found = summary(with_unbounded_vibration(results))
+    found = summary(typed(with_unbounded_vibration(results)))
     assert "unbounded at 498 1/min, permitted is 21.2 MPa" in found["sentences"][0]
 
 
 def test_each_limit_stands_once_at_its_worst_place(results):
     checks = results["vibration"]["assessment"]["checks"]
     checks.append(checks[0] | {"limit": "axial force", "used": 0.5, "passed": True})
-    shown = summary(results)["limits"]
+    shown = summary(typed(results))["limits"]
     assert [own["limit"] for own in shown] == ["torsional stress of crankshaft", "axial force"]
     assert shown[0]["used"] == max(check["used"] for check in checks)
 
 
 def test_compliances_of_all_sources_stand_side_by_side(results):
-    found = compliance_tables(results)
+    found = compliance_tables(results["throw"], results["formulas"], results["vibration"])
     axial, torsional = (found["tables"][kind]["rows"] for kind in ("axial", "torsional"))
     assert [row["name"] for row in axial[:3]] == [
         "finite elements",
@@ -264,7 +264,7 @@ def test_a_plot_goes_with_its_picture(results, page, tmp_path):
     (tmp_path / "a.svg").write_text(SQUARE, encoding="utf-8")
     (tmp_path / "a.json").write_text('{"data":[{"name":"</script><b>"}]}', encoding="utf-8")
     results |= {"pictures": {"drawing": "a.svg"}, "interactive": {"drawing": "a.json"}}
-    figures, unread = load_figures(results, tmp_path)
+    figures, unread = load_figures(results["pictures"], results["interactive"], tmp_path)
     own = figures["drawing"]
     assert unread == []
     assert (own.width, own.height) == (100, 200)
@@ -281,13 +281,14 @@ def test_a_plot_goes_with_its_picture(results, page, tmp_path):
 
 
 def test_a_report_without_plots_carries_no_library(results, tmp_path):
-    path = write_report(results, tmp_path, tmp_path / "report.html")
+    path = write_report(typed(results), tmp_path, tmp_path / "report.html")
     assert path.stat().st_size < 200_000
 
 
 def test_the_same_results_make_the_same_report(results, tmp_path):
     one, two = (
-        write_report(results, tmp_path, tmp_path / f"{name}.html").read_bytes() for name in "ab"
+        write_report(typed(results), tmp_path, tmp_path / f"{name}.html").read_bytes()
+        for name in "ab"
     )
     assert one == two
 
@@ -302,7 +303,7 @@ def test_pictures_that_cannot_be_read_are_left_out_and_named(results, tmp_path):
         "stress_torsion": "cut.png",
     }
     results["interactive"] = {"drawing": "cut.json"}
-    text, note = render_report(results, tmp_path)
+    text, note = render_report(typed(results), tmp_path)
     assert note == "Left out, because they cannot be read: cut.json, gone.png, cut.png."
     found = Page(text)
     assert note in found.section("throw")
@@ -321,17 +322,17 @@ def test_scripts_hold_nothing_that_a_page_cannot():
 
 
 def test_what_a_run_was_made_with(tmp_path):
-    about = provenance_record()
-    assert re.match(r"\d+\.\d+", about["version"])
-    assert about["packages"]["numpy"] is not None
+    about = provenance()
+    assert re.match(r"\d+\.\d+", about.version)
+    assert about.packages["numpy"] is not None
     file = tmp_path / "my engine.toml"
     file.write_bytes(b"abc")
-    record = repeat_record(file_records([InputFile(file)]), {"a": 1.0})
-    assert record["command"] == "crankfem run 'my engine.toml'"
-    ((own),) = record["files"]
+    record = repetition(used_files([InputFile(file)]), {"a": 1.0})
+    assert record.command == "crankfem run 'my engine.toml'"
+    ((own),) = record.files
     # The example of FIPS 180-2.
-    assert own["sha256"] == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
-    assert own["text"] == "abc"
+    assert own.sha256 == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+    assert own.text == "abc"
 
 
 def test_further_files_are_named_as_the_engine_file_names_them(tmp_path):
@@ -341,12 +342,12 @@ def test_further_files_are_named_as_the_engine_file_names_them(tmp_path):
         (tmp_path / name).write_text(name, encoding="utf-8")
     shipped = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
     engine, table = (tmp_path / name for name in names)
-    found = file_records([InputFile(file) for file in (engine, table, shipped)])
-    assert [own["name"] for own in found] == [*names, shipped.name]
-    assert found[1]["text"] == names[1]
+    found = used_files([InputFile(file) for file in (engine, table, shipped)])
+    assert [own.name for own in found] == [*names, shipped.name]
+    assert found[1].text == names[1]
     # A run takes the texts before it computes anything: what is written later is not in them.
     engine.write_text("later", encoding="utf-8")
-    assert repeat_record(found, {})["files"][0]["text"] == names[0]
+    assert repetition(found, {}).files[0].text == names[0]
 
 
 @pytest.mark.parametrize(
@@ -610,7 +611,7 @@ def changed(results):
 @cache
 def sections(worse):
     results = stored_results()
-    text, _ = render_report(changed(results) if worse else results, Path("nowhere"))
+    text, _ = render_report(typed(changed(results) if worse else results), Path("nowhere"))
     return Page(text)
 
 
@@ -703,7 +704,8 @@ def checks_stored():
 
 
 def checks_of(results):
-    return {own["name"]: own for own in run_checks(results, LENGTH, (0.0, RADIUS, LENGTH / 2.0))}
+    checks = run_checks(typed(results), LENGTH, (0.0, RADIUS, LENGTH / 2.0))
+    return {check.name: check for check in checks}
 
 
 def test_a_beam_moves_freely_as_one_body():
@@ -766,7 +768,11 @@ def change(results, path, value):
             -0.01,
             "Equilibrium of the reactions",
         ),
-        (("formulas", "fe", "axial"), 1.28939e-9, "Opposite neighbors compared with pinned ends"),
+        (
+            ("formulas", "fe", "axial_rigid_sections"),
+            1.28939e-9,
+            "Opposite neighbors compared with pinned ends",
+        ),
         (("fillets", "accuracy_met"), False, "Error of the fillet stresses"),
         (("mechanism", "energy_error"), -1e-9, "Energy of the crank mechanism"),
         (
@@ -786,9 +792,9 @@ def test_a_check_that_fails_says_so(checks_stored, path, value, name):
     # The stored chains do not suffice; here only what is changed fails.
     for chain in results["vibration"]["whole"]["chains"].values():
         chain["suffices"] = True
-    assert all(own["met"] is not False for own in checks_of(results).values())
+    assert all(own.met is not False for own in checks_of(results).values())
     change(results, path, value)
-    assert [own for own, check in checks_of(results).items() if check["met"] is False] == [name]
+    assert [own for own, check in checks_of(results).items() if check.met is False] == [name]
 
 
 @pytest.mark.parametrize(("unbounded", "error"), [([True, False], 0.25), ([True, True], None)])
@@ -808,5 +814,5 @@ def test_where_vibration_is_unbounded_at_all_speeds_its_power_is_not_judged(chec
     results = copy.deepcopy(checks_stored)
     results["vibration"]["forced"]["axial"]["power"]["error"] = None
     found = checks_of(results)["Power of the axial vibration"]
-    assert (found["figure"], found["met"]) == (None, None)
+    assert (found.figure, found.met) == (None, None)
     assert check_value_text(found) == "none"

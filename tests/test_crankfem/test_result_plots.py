@@ -70,7 +70,6 @@ DEPICTED_ELSEWHERE = {
     "Neighbors": "two angles, an input",
     "OutsideRangeWarning": "a warning",
     "EngineLoad": "some speeds, in the tables of the command and the report",
-    "EnginePower": "a few numbers",
     "Reached": "a part of FiringCheck",
     "RunResult": "its diagrams are the files of its folder; plot_run_formulas takes its results",
     "ShaftEnds": "a part of a crankshaft, which draws it",

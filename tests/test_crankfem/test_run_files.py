@@ -38,9 +38,8 @@ from crankfem.jobs.run_files import (
 from crankfem.report.interactive.plot import Plot, Plots
 from crankfem.report.writing import write_report_text
 from regression.models.compliance_model import ComplianceModel
-from stand_ins import put_everywhere
+from stand_ins import put_everywhere, stored_results
 
-STORED = Path(__file__).with_name("report_results.json")
 LEFT = {
     REPORT: "report",
     MODEL: "model",
@@ -160,15 +159,15 @@ def test_texts_of_inputs_are_those_that_were_read(tmp_path, quick_four):
     inputs = read_inputs(tmp_path / "four.toml")
     (tmp_path / "four.toml").unlink()
     engine, table = inputs.files
-    assert (engine["name"], engine["text"]) == ("four.toml", quick_four)
-    assert engine["sha256"] == hashlib.sha256(quick_four.encode()).hexdigest()
-    assert table["name"] == "yamz5340_torque_one_throw.csv"
+    assert (engine.name, engine.text) == ("four.toml", quick_four)
+    assert engine.sha256 == hashlib.sha256(quick_four.encode()).hexdigest()
+    assert table.name == "yamz5340_torque_one_throw.csv"
 
 
 @pytest.fixture
 def reported(tmp_path):
     """The folder of a run whose report can be written."""
-    shutil.copyfile(STORED, tmp_path / RESULTS)
+    put_results(tmp_path, stored_results())
     (tmp_path / "pictures").mkdir()
     return tmp_path
 

@@ -15,6 +15,7 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
+from dynamics.chains.varying import Variation
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
     ModeMatch,
@@ -229,6 +230,42 @@ def test_static_answers_are_exact_however_many_modes_are_left_out(highest):
     whole = shaft.expand @ exact
     # Rounding of the least squares solution, whose matrix has a condition of 1e7.
     assert answer == close(whole, abs=1e-7 * np.abs(whole).max())
+
+
+def test_bearings_over_the_speed_and_a_coupling_over_the_frequency():
+    """The motion is that of the matrices made anew at each speed, with bearings and coupling as there."""
+    over_speed = Variation(speed=(0.0, 200.0), stiffness=(1.0, 3.0), damping=(1.0, 0.5))
+    over_hz = Variation(frequency=(0.0, 50.0), stiffness=(1.0, 1.5), loss_factor=(0.1, 0.2))
+    angles, orders, speeds = [0.0, 180.0], np.array([1.0, 2.0]), np.array([60.0, 150.0])
+
+    def system(speed, w, vary):
+        share = np.interp(speed, over_speed.speed, over_speed.stiffness)
+        oil = np.interp(speed, over_speed.speed, over_speed.damping)
+        at = np.interp(w / (2.0 * math.pi), over_hz.frequency, over_hz.stiffness)
+        loss = np.interp(w / (2.0 * math.pi), over_hz.frequency, over_hz.loss_factor)
+        around = ShaftSurroundings(
+            bearings=MainBearings(2e8, 1e4, over_speed)
+            if vary
+            else MainBearings(2e8 * share, 1e4 * oil),
+            machine=TorsionalRing(30.0, 4e6, 0.0, 0.1, over_hz)
+            if vary
+            else TorsionalRing(30.0, 4e6 * at, 0.0, loss),
+            axial_supports=[AxialSupport(0, 1e9, 1e4)],
+        )
+        return crankshaft_system(shaft_of(angles, around)).system
+
+    varying = system(0.0, 0.0, True)
+    forces = np.zeros((2, 2, len(varying.expand)), complex)
+    forces[:, :, varying.expand.shape[0] // 2 :] = 1.0 + 0.5j
+    answer = forced_response(varying, OrderExcitation(orders, speeds, forces))
+    for k, order in enumerate(orders):
+        for s, speed in enumerate(speeds):
+            w = order * speed
+            fixed = system(speed, w, False)
+            matrix = fixed.stiffness + 1j * (fixed.loss + w * fixed.damping) - w**2 * fixed.mass
+            motion = fixed.expand @ np.linalg.solve(matrix, forces[k, s] @ fixed.expand)
+            assert answer.motion[k, s] == close(motion, abs=1e-9 * np.max(np.abs(motion)))
+    checked_power_balance(answer)
 
 
 def test_masses_at_pins_add_what_rods_add(surrounded):

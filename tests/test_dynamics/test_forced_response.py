@@ -15,8 +15,12 @@ from dynamics.assessment.limits import AmplitudeCurve, given_limit, worst_use
 from dynamics.assessment.response_curves import largest_amplitude, speeds_above
 from dynamics.assessment.verdict import judge
 from dynamics.chains.chain import Chain, Dashpot, Gear
+from dynamics.chains.editing import join_chains
+from dynamics.chains.shaft_line import Coupling, RigidBody, ShaftLine
+from dynamics.chains.varying import Variation, Varying
 from dynamics.harmonics import harmonics
 from dynamics.plots.curves import quantity_display
+from dynamics.response.damped_criticals import damped_criticals
 from dynamics.response.forced import forced_response
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import EngineMagnifier, chain_system, damped
@@ -27,6 +31,7 @@ from dynamics.response.loads import (
     section_modulus,
 )
 from dynamics.response.order_excitation import OrderExcitation, at_angles, phasors_of
+from dynamics.response.peak_cause import peak_cause
 from dynamics.response.resonance import refined_speeds, resonances
 from dynamics.response.series import (
     PEAK_ERROR_BOUND,
@@ -606,3 +611,65 @@ def test_diagrams_take_their_height_and_orders_from_running_speeds(series):
     (main,) = (one.name for one in curves.series if one.role == "order" and one.main)
     sizes = np.abs(values[:, 30:120, 0]).max(axis=1)
     assert main == f"order {series.orders[np.argmax(sizes)]:g}"
+
+
+OVER_HZ = Variation(
+    frequency=(0.0, 20.0, 60.0), stiffness=(1.0, 1.2, 1.6), loss_factor=(0.1, 0.15, 0.12)
+)
+OVER_SPEED = Variation(
+    speed=(0.0, 100.0, 300.0), stiffness=(1.0, 2.0, 4.0), damping=(1.0, 0.7, 0.4)
+)
+
+
+def test_a_coupling_over_the_frequency_and_a_bearing_over_the_speed():
+    """Every motion is that of the matrices made anew at its frequency and speed."""
+    coupling = Coupling(5e4, loss_factor=0.1, variation=OVER_HZ)
+    line = ShaftLine([RigidBody(0.5, 1.0, "b"), coupling, RigidBody(1.5, 1.0, "c")]).chain()
+    bearing = Varying(1, OVER_SPEED.of(2e4, damping=12.0), to_ground=True)
+    line = replace(
+        line, ground=[0.0, 2e4], ground_damping=[0.0, 12.0], varying=(*line.varying, bearing)
+    )
+    chain = join_chains(Chain([0.9, 1.5], [2e5], loss_factor=0.02, names=["a", "b"]), "b", line)
+    orders, speeds = np.array([0.5, 1.0, 2.0]), np.linspace(50.0, 300.0, 101)
+    forces = np.full((3, 101, 3), 30.0 + 20.0j) * [1.0, 2.0, 0.0]
+    answer = forced_response(chain, OrderExcitation(orders, speeds, forces))
+
+    def motion(order, speed, force):
+        w = order * speed
+        hz = np.interp(w / (2.0 * np.pi), OVER_HZ.frequency, OVER_HZ.stiffness)
+        loss = np.interp(w / (2.0 * np.pi), OVER_HZ.frequency, OVER_HZ.loss_factor)
+        first, second = 2e5 * (1.0 + 0.02j), 5e4 * hz * (1.0 + 1j * loss)
+        film = 2e4 * np.interp(speed, OVER_SPEED.speed, OVER_SPEED.stiffness)
+        film = film + 12j * w * np.interp(speed, OVER_SPEED.speed, OVER_SPEED.damping)
+        stiffness = np.array(
+            [[first, -first, 0.0], [-first, first + second, -second], [0.0, -second, second + film]]
+        )
+        x = np.linalg.solve(stiffness - w**2 * np.diag([0.9, 2.0, 1.5]), force)
+        return x, second * (x[2] - x[1])
+
+    made = [[motion(order, speed, forces[0, 0]) for speed in speeds] for order in orders]
+    assert answer.motion == close(np.array([[x for x, _ in row] for row in made]), 1e-9)
+    torque = np.array([[torque for _, torque in row] for row in made])
+    assert element_loads(answer).elements.values[:, :, 1] == close(torque, 1e-9)
+    assert power_balance(answer).error < 1e-9
+    peaks = {c.order: c for c in damped_criticals(answer, elements=[1]) if c.in_band}
+    finer = np.linspace(speeds[0], speeds[-1], 5001)
+    top = finer[np.argmax([abs(motion(1.0, speed, forces[0, 0])[1]) for speed in finer])]
+    assert peaks[1.0].speed == close(top, 2e-3)
+    assert peaks[1.0].undamped_speed == close(top, 0.02)
+    cause = peak_cause(answer, element_loads(answer).elastic, 1, int(np.argmin(abs(speeds - top))))
+    assert sum(part.contribution for part in cause.parts) == close(cause.amplitude)
+
+
+@pytest.mark.parametrize(
+    ("given_values", "field"),
+    [
+        ({"frequency": (0.0, 1.0), "speed": (0.0, 1.0)}, "variation.frequency"),
+        ({}, "variation.frequency"),
+        ({"speed": (1.0, 1.0)}, "variation.speed"),
+        ({"frequency": (0.0, 1.0), "damping": (1.0,)}, "variation.damping"),
+    ],
+)
+def test_a_variation_has_a_value_at_each_of_ascending_points(given_values, field):
+    with pytest.raises(InputError, match=field):
+        Variation(stiffness=(1.0, 1.2), **given_values)

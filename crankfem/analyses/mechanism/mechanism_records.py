@@ -13,7 +13,6 @@ from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
 from crankfem.analyses.mechanism.rod_models import ROUND_OFF, ModelDifference, compare_rod_models
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
-from crankfem.files.engine.usual_sizes import EnginePower, indicated_power
 from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import (
     LoadDiagram,
@@ -23,6 +22,7 @@ from dynamics.engine.forces import (
     piston_acceleration,
 )
 from dynamics.engine.layout import EngineLayout, firing_intervals
+from dynamics.excitation.pressure_map import indicated_power
 
 HIGHEST_ORDER = 8
 # Orders that tables of balance go by; what they leave is told by its largest value.
@@ -210,7 +210,7 @@ def mechanism_record(run: MechanismRun) -> Record:
         "angle_step_deg": float(forces.shaft_angles_deg[1] - forces.shaft_angles_deg[0]),
         "power": run.torque.power,
         "mean_indicated_pressure": _mean_indicated_pressure(run),
-        "rated": None if mechanism.power is None else power_record(mechanism.power),
+        "rated": mechanism.power,
         "torque": {"mean": run.torque.mean, **_extremes(torque, forces.shaft_angles_deg)},
         "energy_error": run.torque.energy_error,
         "cylinders": [
@@ -258,20 +258,6 @@ def mechanism_intervals(run: MechanismRun) -> list[float]:
     layout = run.layout
     fired = [np.radians(layout.firing_deg[int(number) - 1]) for number in layout.firing_order]
     return [round(math.degrees(step), 6) for step in firing_intervals(fired, layout.strokes)]
-
-
-def power_record(power: EnginePower) -> Record:
-    """Return power at rated speed and full load, and whether the rated power is consistent, in SI units."""
-    names = (
-        *("mean_indicated_pressure", "mean_effective_pressure", "mechanical_efficiency"),
-        *("consistent", "sentence"),
-    )
-    return {
-        "speed_rpm": power.speed * RPM,
-        "indicated_power": power.indicated,
-        "rated_power": power.rated,
-        **attributes(power, *names),
-    }
 
 
 def _mean_indicated_pressure(run: MechanismRun) -> float:

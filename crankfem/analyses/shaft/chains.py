@@ -21,7 +21,6 @@ from dynamics.chains.engine_chains import (
     throw_inertias,
     torsional_chain,
 )
-from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.crankshaft.surroundings import AxialSupport, EndBody, MainBearings, ShaftSurroundings
 from dynamics.response.linear_system import (
     DEFAULT_MAGNIFIER,
@@ -173,7 +172,7 @@ def engine_torsional_chain(
         inertias,
         engine_file.flywheel.inertia,
         0.0 if free_end is None else free_end.inertia,
-        _driven_machine(engine_file),
+        None if engine_file.driven is None else engine_file.driven.machine(),
         loss_factor=loss,
         throw_damping=absolute * on_each,
         cylinders=on_each.tolist(),
@@ -303,7 +302,7 @@ def shaft_surroundings(
     rods = engine_throw_inertias(engine_file, solids) - solids
     at_each = np.repeat(rods / per_throw, per_throw) / engine_file.throw.crank_radius**2
     thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
-    torsional, machine = engine_file.torsional_damper, _driven_machine(engine_file)
+    torsional, driven = engine_file.torsional_damper, engine_file.driven
     supports = [AxialSupport(thrust.section_index, thrust.stiffness)]
     if damper is not None:
         supports.append(AxialSupport(0, damper.stiffness, damper.damping))
@@ -316,7 +315,7 @@ def shaft_surroundings(
         flywheel=flywheel,
         free_end=free_end,
         ring=None if torsional is None else torsional.damper().ring,
-        machine=None if machine is None else machine.ring,
+        machine=None if driven is None else driven.machine().ring,
         pin_masses=tuple(at_each.tolist()),
         torsional_line=engine_file.shaft_lines.get("torsional"),
         axial_line=engine_file.shaft_lines.get("axial"),
@@ -326,8 +325,8 @@ def shaft_surroundings(
 
 def _bearings(engine_file: EngineFile, throws: int) -> tuple[MainBearings, Remarks]:
     held, bearings = bearing_stiffness(engine_file), engine_file.bearings
-    damping = 0.0 if bearings is None else bearings.damping
-    return MainBearings([held.nominal] * (throws + 1), [damping] * (throws + 1)), (
+    damping, variation = (0.0, None) if bearings is None else (bearings.damping, bearings.variation)
+    return MainBearings([held.nominal] * (throws + 1), [damping] * (throws + 1), variation), (
         (
             f"main bearings are assumed to have a {held.describe()}, 1e10 N/m per m of journal diameter, "
             "and no damping; give the section [bearings]",
@@ -393,12 +392,3 @@ def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
         polar += free_end.inertia
         diametral += 0.5 * free_end.inertia if across is None else across
     return EndBody(mass, polar, diametral, overhang=0.5 * length), remarks
-
-
-def _driven_machine(engine_file: EngineFile) -> DrivenMachine | None:
-    driven = engine_file.driven
-    if driven is None:
-        return None
-    return DrivenMachine(
-        driven.inertia, driven.coupling_stiffness, coupling_loss_factor=driven.coupling_loss_factor
-    )

@@ -35,7 +35,7 @@ from dynamics.chains.chain import Chain
 from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import at_most, within
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.loads import alternating_stress, section_modulus
+from dynamics.response.loads import alternating_stress, section_modulus, varying_stiffness
 from dynamics.response.series import OrderSeries
 
 Flags = NDArray[np.bool_]
@@ -139,6 +139,8 @@ def firing_cases(run: EngineVibration) -> FiringCases:
         )
     limits = place_limits(file)
     damping = heat_factors(run.torsional_chain)
+    if run.torsional_chain.varying:
+        notes.append("heat in springs that vary is calculated with their constant stiffness")
     barred = [] if run.assessment is None else run.assessment.verdict.ranges_to_bar
     judge = _Judge(limits, damping, *_kept_and_passed(file, speeds, barred))
     failing: dict[str, dict[int, FiringCase]] = {}
@@ -241,6 +243,9 @@ def _gear_torques(response: ForcedResponse, chain: Chain) -> OrderSeries:
         - w**2 * (x @ chain.mass_matrix()[nodes].T)
     )
     names = tuple(f"{chain.names[one.driver]} / {chain.names[one.driven]}" for one in chain.gears)
+    springs = chain.varying_springs(np.eye(x.shape[2]))
+    for (_, added), spring in zip(varying_stiffness(response), springs, strict=True):
+        held += (added * (x @ spring.row))[:, :, np.newaxis] * spring.row[nodes]
     values = held - response.excitation.forces[:, :, nodes]
     return OrderSeries(response.orders, response.speeds, values, response.unbounded, names)
 

@@ -19,6 +19,7 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
+from crankbase.results import Result
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.law_record import LAW, law_record
 from fem.analysis import ThrowAnalysis, analyze_throw
@@ -362,13 +363,13 @@ def plot_formulas_over_angle(
     return _draw(axes, described, "Published formulas over the angle")
 
 
-def plot_run_formulas(results: Mapping[str, Any], axes: "Axes | None" = None) -> "Axes":
+def plot_run_formulas(results: Result | Mapping[str, Any], axes: "Axes | None" = None) -> "Axes":
     """Draw finite elements and formulas over the angle between cranks, from the results of a run.
 
     Parameters
     ----------
-    results : mapping
-        The content of a run's results.json.
+    results : RunResults or mapping
+        Of a run, or the content of its results.json.
     axes : matplotlib.axes.Axes, optional
         New ones by default.
 
@@ -377,12 +378,14 @@ def plot_run_formulas(results: Mapping[str, Any], axes: "Axes | None" = None) ->
     InputError
         If the results have no compliances over the angle.
     """
-    if not isinstance(results, Mapping) or not {"angle_law", "throw"} <= set(results):
+    content = results.to_record() if isinstance(results, Result) else results
+    if not isinstance(content, Mapping) or not {"angle_law", "throw"} <= set(content):
         raise InputError(
             "results: given some without angle_law and throw; allowed is the content of a run's "
             "results.json, because these hold what is drawn."
         )
-    return _draw(axes, run_formulas_over_angle(results), "Axial compliance over the angle")
+    described = run_formulas_over_angle(content["angle_law"], content["throw"])
+    return _draw(axes, described, "Axial compliance over the angle")
 
 
 def _draw(axes: "Axes | None", described: Curves, title: str) -> "Axes":
@@ -395,9 +398,9 @@ def _draw(axes: "Axes | None", described: Curves, title: str) -> "Axes":
     return axes
 
 
-def run_formulas_over_angle(results: Mapping[str, Any]) -> Curves:
+def run_formulas_over_angle(law: Mapping[str, Any], throw: Mapping[str, Any]) -> Curves:
     """Describe finite elements and formulas over the angle, from the results of a run."""
-    law, supports = results["angle_law"], results["throw"]["supports"]
+    supports = throw["supports"]
     # Where a formula gives no compliance above zero, there is null, which becomes nan.
     curves = {name: np.array(values, dtype=np.float64) for name, values in law["formulas"].items()}
     bounds = {name: supports[name]["axial_compliance"] for name in ("guided", "pinned")}

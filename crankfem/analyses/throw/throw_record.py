@@ -258,7 +258,11 @@ def given_dimensions(throw: Throw) -> Record:
 UNITS = {"axial": "m/N", "torsional": "rad/(N m)"}
 
 
-def compliance_tables(results: Mapping[str, Any]) -> Record:
+def compliance_tables(
+    throw: Mapping[str, Any],
+    formulas: Mapping[str, Any],
+    vibration: Mapping[str, Any] | None = None,
+) -> Record:
     """Return the content of the tables of compliances.
 
     Parameters
@@ -282,8 +286,9 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
 
     tables, ranges = {}, {}
     for kind, unit in UNITS.items():
-        fe = results["throw"]["supports"]["pinned"][f"{kind}_compliance"]
-        sources = {own["source"]: own for own in results["vibration"][kind]["sources"]}
+        fe = throw["supports"]["pinned"][f"{kind}_compliance"]
+        in_shaft = () if vibration is None else vibration[kind]["sources"]
+        sources = {own["source"]: own for own in in_shaft}
 
         def row(
             name: str,
@@ -311,7 +316,7 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
             row("finite elements", fe, "fe", []),
             row("finite elements, pinned throughout", fe, "fe pinned", []),
         ]
-        regression = results["formulas"].get("regression")
+        regression = formulas.get("regression")
         if regression is not None and regression.get(kind) is not None:
             own = regression[kind]
             rows.append(
@@ -322,14 +327,13 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
                     own["remarks"],
                 )
             )
-        law = (results["formulas"].get("law") or {}).get(f"{kind}_compliance")
+        law = (formulas.get("law") or {}).get(f"{kind}_compliance")
         if law is not None:
             width = percent(law["upper"] / law["value"] - 1.0)
             text = f"Fitted to finite elements of thousands of throws; 95 of 100 err by less than {width} %."
             rows.append(row("the law", law["value"], "law", [text]))
         own_rows = [
-            row(f["name"], f["value"], f["name"], f["remarks"], f["valid"])
-            for f in results["formulas"][kind]
+            row(f["name"], f["value"], f["name"], f["remarks"], f["valid"]) for f in formulas[kind]
         ]
         applying = [own["beside"] for own in own_rows if own["applies"]]
         ranges[kind] = (min(applying), max(applying)) if len(applying) > 1 else None
@@ -337,18 +341,11 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
     return {"tables": tables, "notes": list(numbers), "range": ranges}
 
 
-def further_compliances(results: Mapping[str, Any]) -> dict[str, Record]:
+def further_compliances(throws: Mapping[str, Any] | None) -> dict[str, Record]:
     """Return the tables of an engine's further throws by name, without frequencies."""
     return {
-        name: compliance_tables(
-            {
-                "throw": parts["throw"],
-                "formulas": parts["formulas"],
-                "throws": {name: parts},
-                "vibration": {kind: {"sources": []} for kind in UNITS},
-            }
-        )
-        for name, parts in list((results.get("throws") or {}).items())[1:]
+        name: compliance_tables(parts["throw"], parts["formulas"])
+        for name, parts in list((throws or {}).items())[1:]
     }
 
 

@@ -33,7 +33,6 @@ from crankfem.files.engine.mechanism_file import (
     pressure_maps,
     pressures_at,
 )
-from crankfem.files.engine.usual_sizes import EnginePower, indicated_power
 from crankfem.files.sections.excitation_sections import (
     gas_map_load,
     gas_map_pressure,
@@ -54,7 +53,13 @@ from dynamics.excitation.cylinders import (
     cylinder_harmonics,
     forces_at_speeds,
 )
-from dynamics.excitation.pressure_map import PressureMap, constant_weight, load_at
+from dynamics.excitation.pressure_map import (
+    EnginePower,
+    PressureMap,
+    constant_weight,
+    indicated_power,
+    load_at,
+)
 from dynamics.excitation.propeller import propeller_excitation
 from dynamics.gas.pressure import GasPressure
 from dynamics.indices import within

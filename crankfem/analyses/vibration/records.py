@@ -8,7 +8,6 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.mechanism.mechanism_records import power_record
 from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes, plain
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
@@ -319,7 +318,7 @@ def load_record(load: EngineLoad) -> Record:
     known = {name: values.tolist() for name, values in columns.items() if values is not None}
     return {
         **attributes(load, "law", "given", "sentence"),
-        "rated": power_record(load.rated),
+        "rated": load.rated.to_record(),
         "speeds": [
             dict(zip(known, values, strict=True)) for values in zip(*known.values(), strict=True)
         ],

@@ -21,6 +21,7 @@ from dynamics.assessment.response_curves import curves_of
 from dynamics.assessment.verdict import Decision, LimitCheck, Verdict, decide
 from dynamics.assessment.wording import limit_at, use_in_words
 from dynamics.chains.engine_chains import FLYWHEEL, FREE_END, EngineChain
+from dynamics.chains.varying import VaryingSpring
 from dynamics.crankshaft.coupled_response import CoupledResponse, shaft_criticals
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.loads import ElementLoads, LinearQuantities
@@ -145,6 +146,11 @@ def whole_torques(coupled: CoupledResponse, cranks: EngineChain) -> LinearQuanti
         for spring in springs
     ]
     rows = [chain.stiffness[spring] * twist for spring, twist in zip(springs, twists, strict=True)]
+    varying = tuple(
+        (spring.place, VaryingSpring(twists[spring.place - len(bearings)], spring.law))
+        for spring in chain.varying
+        if not spring.to_ground
+    )
     more = ((0, len(springs)), (0, 0))
     assert torques.inertia is not None
     assert torques.direct is not None
@@ -154,6 +160,7 @@ def whole_torques(coupled: CoupledResponse, cranks: EngineChain) -> LinearQuanti
         loads=np.ones(len(chain.elements), dtype=bool),
         inertia=np.pad(torques.inertia[bearings], more),
         direct=np.pad(torques.direct[bearings], more),
+        varying=varying,
     )
 
 

@@ -1,8 +1,7 @@
 """The main job, its report written again, and the class document."""
 
-import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -22,6 +21,7 @@ from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
     from crankbase.table import OutputUnits
+    from crankfem.analyses.run_results import RunResults
 
 
 @with_output(files=True, units=True)
@@ -69,12 +69,12 @@ def run(
     else:
         _print(made.results, out.units, verbose=verbose)
         console.print_path(f"Report: {made.report}")
-        print_verdict(made.results, out.units)
+        print_verdict(made.results.vibration, made.results.strength, out.units)
     if strict:
-        exit_unless_acceptable(made.results["vibration"])
+        exit_unless_acceptable(made.results.vibration)
 
 
-def _print(results: dict[str, Any], units: "OutputUnits", *, verbose: bool) -> None:
+def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> None:
     from crankfem.cli.tables import study_tables, throw_tables
     from crankfem.cli.tables.vibration_tables import (
         print_conclusions,
@@ -86,18 +86,18 @@ def _print(results: dict[str, Any], units: "OutputUnits", *, verbose: bool) -> N
     print_conclusions(results, units)
     print_engine(results, units)
     if not verbose:
-        print_worst(results, units)
+        print_worst(results.vibration, units)
         return
-    named = results.get("throws")
-    for name, records in named.items() if named else [("", results)]:
-        if named:
+    first = {"throw": results.throw, "formulas": results.formulas}
+    for name, records in (results.throws or {"": first}).items():
+        if name:
             cranks = "crank" if len(records["cranks"]) == 1 else "cranks"
             console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, records['cranks']))}.")
         throw_tables.print_throw(records["throw"], units)
         throw_tables.print_one_throw(records["formulas"], 180.0, units=units)
-    if results["study"] is not None:
-        study_tables.print_main_fits(results["study"]["fits"])
-    print_run(results["vibration"], units)
+    if results.study is not None:
+        study_tables.print_main_fits(results.study["fits"])
+    print_run(results.vibration, units)
 
 
 @with_output(files=True)
@@ -110,6 +110,7 @@ def report(
     from jinja2 import TemplateError
 
     from crankbase.outputs import check_output, is_regular_file, protect, recording_run_files
+    from crankfem.analyses.run_results import RunResults
     from crankfem.jobs.run_files import PICTURES, REPORT, RESULTS
     from crankfem.report.writing import render_report, write_report_text
 
@@ -123,8 +124,7 @@ def report(
         check_output(folder / REPORT, "report")
     content = path.read_bytes()
     try:
-        results = json.loads(content.decode("utf-8"))
-        text, unread = render_report(results, folder / PICTURES)
+        text, unread = render_report(RunResults.from_json(content), folder / PICTURES)
     except (
         ValueError,
         LookupError,

@@ -135,7 +135,7 @@ def vibration(
             print_run_up(record["run_up"], out.units)
         for path in written:
             console.print_line(f"Written: {path}")
-        print_verdict({"vibration": record}, out.units)
+        print_verdict(record, None, out.units)
     if strict:
         exit_unless_acceptable(record)
 

@@ -39,8 +39,8 @@ def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
         f"{moment.with_name(torque['largest'])}); {intervals_text(record['firing_intervals_deg'], units)}."
     )
     rated = record["rated"]
-    if rated is not None and rated["rated_power"] is not None:
-        sentence = rated["sentence"]
+    if rated is not None and rated.rated is not None:
+        sentence = rated.sentence
         print_line(units.text(f"{sentence[0].upper()}{sentence[1:]}."))
     for make in (cylinder_table, crankpin_table, bearing_table, rod_model_table):
         table = make(record)

@@ -507,7 +507,7 @@ KINDS = {
 def print_check(record: Record, units: OutputUnits = SI) -> None:
     """Print how a file is understood."""
     inputs = record["inputs"]
-    assumed = sum(value["assumed"] for value in inputs)
+    assumed = sum(value.assumed for value in inputs)
     verb = "is" if assumed == 1 else "are"
     counted = f"; {assumed} of {len(inputs)} values {verb} assumed" if inputs else ""
     warnings = record["warnings"]
@@ -534,7 +534,7 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
             inputs,
             (Column("field", words=True), "field"),
             (Column("value", words=True), "given"),
-            (Column("assumed", words=True), lambda value: "yes" if value["assumed"] else ""),
+            (Column("assumed", words=True), lambda value: "yes" if value.assumed else ""),
             (Column("source", words=True), "source"),
         )
     )

@@ -9,6 +9,7 @@ import numpy as np
 from crankbase.quantity import RPM, UNBOUNDED
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
+from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.tables import (
     barred_within_error,
@@ -284,33 +285,20 @@ def _largest(shares: dict[str, float]) -> str:
 SPEEDS_SHOWN = 2
 
 
-def print_conclusions(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
-    """Print the verdict of a run, its basis and its consequences.
-
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json.
-    """
-    print_verdict(results, units)
+def print_conclusions(results: RunResults, units: OutputUnits = SI) -> None:
+    """Print the verdict of a run, its basis and its consequences."""
+    print_verdict(results.vibration, results.strength, units)
     for line in conclusions(results):
         print_line(units.text(f"- {line}"))
 
 
-def print_engine(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
+def print_engine(results: RunResults, units: OutputUnits = SI) -> None:
     """Print what the engine is, in one line."""
-    print_line(units.text(f"{results['engine']['name']}: {'; '.join(engine_facts(results))}."))
+    print_line(units.text(f"{results.engine['name']}: {'; '.join(engine_facts(results))}."))
 
 
-def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
-    """Print limits, each at its worst location, and the worst critical speeds.
-
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json.
-    """
-    vibration = results["vibration"]
+def print_worst(vibration: dict[str, Any], units: OutputUnits = SI) -> None:
+    """Print limits, each at its worst location, and the worst critical speeds."""
     if vibration["assessment"] is not None:
         print_table(_limits(vibration["assessment"]["checks"], units), units, plain=True)
     speeds = speed_table(vibration, units, SPEEDS_SHOWN)
@@ -323,9 +311,11 @@ def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
         print_table(replace(columns, note=""), units, plain=True)
 
 
-def print_verdict(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
+def print_verdict(
+    vibration: Mapping[str, Any], strength: Mapping[str, Any] | None, units: OutputUnits = SI
+) -> None:
     """Print the verdict of a run in one line."""
-    print_line(units.text(verdict_line(results)))
+    print_line(units.text(verdict_line(vibration, strength)))
 
 
 def _limits(checks: list[dict[str, Any]], units: OutputUnits) -> Table:

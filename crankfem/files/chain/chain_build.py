@@ -1,7 +1,7 @@
 """The sections of a chain file, and the chain that they make."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
 from pydantic import Field
@@ -13,6 +13,7 @@ from crankfem.files.sections.vibration_sections import AxialDamperPart, Torsiona
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.editing import with_damper
 from dynamics.chains.shaft_line import ShaftCone, shaft_cylinder, shaft_flange
+from dynamics.chains.varying import Variation, Varying
 from fem.material import Material
 
 Numbers = float | tuple[float, ...]
@@ -50,7 +51,13 @@ def _loss_factor() -> Any:
     )
 
 
-class _Shape(InputModel):
+class _Varies(InputModel):
+    """The field of nodes and elements whose spring and damper may vary."""
+
+    variation: Variation | None = part_field("how stiffness and damping vary", Variation)
+
+
+class _Shape(_Varies):
     """Fields of an element that is a piece of shaft of classical shape."""
 
     nodes: tuple[str, str] | None = _pair()
@@ -83,7 +90,7 @@ class _Shape(InputModel):
     )
 
 
-class TorsionalNode(InputModel):
+class TorsionalNode(_Varies):
     """An inertia of a torsional chain."""
 
     name: str = Field(description="of the node")
@@ -95,7 +102,7 @@ class TorsionalNode(InputModel):
     ground_damping: float = _quantity("absolute damping", TORSIONAL_UNITS, "damping")
 
 
-class AxialNode(InputModel):
+class AxialNode(_Varies):
     """A mass of an axial chain."""
 
     name: str = Field(description="of the node")
@@ -245,6 +252,7 @@ class _Row:
     damping: float
     loss_factor: float
     distributed_inertia: float
+    variation: Variation | None = None
 
 
 def chain_of(section: Section, material: Material) -> Chain:
@@ -312,6 +320,19 @@ def chain_of(section: Section, material: Material) -> Chain:
         gears=gears,
         names=order,
     )
+    laws = [
+        Varying(k, row.variation.of(row.stiffness, row.loss_factor, row.damping))
+        for k, row in enumerate(rows)
+        if row.variation is not None
+    ]
+    laws += [
+        Varying(
+            k, node.variation.of(node.ground_stiffness, 0.0, node.ground_damping), to_ground=True
+        )
+        for k, node in enumerate(values)
+        if node.variation is not None
+    ]
+    chain = replace(chain, varying=tuple(laws))
     for k, part in enumerate(dampers):
         chain = with_damper(chain, part.node, part.damper(f"chain.dampers[{k}]"))
     return chain
@@ -453,12 +474,18 @@ def _spring(section: Section, number: int, element: Element, left: str, right: s
         "a spring without stiffness cuts the chain in two",
     )
     return _Row(
-        left, right, stiffness, element.damping, element.loss_factor, element.distributed_inertia
+        left,
+        right,
+        stiffness,
+        element.damping,
+        element.loss_factor,
+        element.distributed_inertia,
+        element.variation,
     )
 
 
 def _check_shape(number: int, element: Element, shape: str) -> None:
-    for name in ("stiffness", "damping", "distributed_inertia"):
+    for name in ("stiffness", "damping", "distributed_inertia", "variation"):
         _link_error(number, element, name, "shape")
     for name in SHAPE_FIELDS:
         if name not in SHAPES[shape]:

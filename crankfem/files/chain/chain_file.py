@@ -243,8 +243,13 @@ def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
     Raises
     ------
     InputError
-        If the kind is unknown, or a name cannot be written in the text.
+        If the kind is unknown, springs vary, or a name cannot be written in the text.
     """
+    if chain.varying:
+        raise InputError(
+            "chain: given springs that vary; allowed are constant ones, because plain text has no words for "
+            "the others (a TOML file has)."
+        )
     if kind not in UNITS:
         raise InputError(
             f"kind: given {kind!r}; allowed are torsional and axial, because units follow from it."

@@ -30,23 +30,28 @@ from crankfem.files.engine.mechanism_cylinders import (
     throws_of,
 )
 from crankfem.files.engine.throw_file import ThrowFile, load_throw_file
-from crankfem.files.engine.usual_sizes import EnginePower, engine_power, engine_warnings
+from crankfem.files.engine.usual_sizes import engine_warnings
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN, read_throws, throw_names, throws_along_shaft
 from crankfem.files.sections.cylinder_pressures import (
-    LoadCurve,
     LoadSection,
     cylinder_pressures,
     full_load_cycles,
-    load_curve,
-    load_speeds,
-    pressures_along,
+    load_points,
 )
 from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
 from dynamics.engine.layout import EngineLayout, RotatingMass
-from dynamics.excitation.pressure_map import PressureMap
+from dynamics.excitation.pressure_map import (
+    EnginePower,
+    LoadCurve,
+    PressureMap,
+    indicated_power,
+    load_curve,
+    load_speeds,
+    pressures_along,
+)
 from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
 from geometry.crankshaft import ShaftEnds, throw_masses, throw_starts
@@ -241,7 +246,10 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
     """
     engine, layout, gas = file.engine, layout_of(file), file.gas
     pressure = () if gas is None else cylinder_pressures(gas, layout, file.files)
-    power = engine_power(engine, layout, pressure) if pressure else None
+    power, rated = None, engine.rated_speed
+    if pressure:
+        indicated = indicated_power(layout, pressure, rated)
+        power = EnginePower(rated, *indicated, engine.rated_power)
     sense = engine.turning_sense
     attached = [part.inertia for part in (file.flywheel, file.free_end) if part is not None]
     return MechanismFile(
@@ -250,7 +258,7 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
         layout=layout,
         pressure=pressure,
         power=power,
-        rated_speed=engine.rated_speed,
+        rated_speed=rated,
         throw=file.crank_throws[0],
         crank_throws=file.crank_throws,
         material=file.material,
@@ -389,18 +397,26 @@ def curve_at(mechanism: MechanismFile, speeds: FloatArray) -> LoadCurve:
     assert mechanism.load is not None
     friction = 0.0 if mechanism.power is None else mechanism.power.friction_pressure
     full = full_load_cycles(mechanism.gas, mechanism.layout)[0]
-    return load_curve(mechanism.load, full, mechanism.rated_speed, speeds, friction)
+    points = load_points(mechanism.load)
+    return load_curve(points, full, mechanism.rated_speed, speeds, friction)
 
 
 def pressure_maps(
     mechanism: MechanismFile, speed_range: tuple[float, float], *, motored: bool = False
 ) -> tuple[PressureMap, ...]:
     """Return the pressure in each cylinder over a range of speeds [rad/s]."""
-    assert mechanism.gas is not None
     assert mechanism.load is not None
-    speeds = load_speeds(mechanism.load, mechanism.rated_speed, speed_range)
-    curve = curve_at(mechanism, speeds)
-    return pressures_along(curve, mechanism.gas, mechanism.layout, motored=motored)
+    points = load_points(mechanism.load)
+    speeds = load_speeds(points, speed_range, mechanism.rated_speed)
+    return _maps_at(mechanism, speeds, motored=motored)
+
+
+def _maps_at(
+    mechanism: MechanismFile, speeds: FloatArray, *, motored: bool
+) -> tuple[PressureMap, ...]:
+    assert mechanism.gas is not None
+    curve, full = curve_at(mechanism, speeds), full_load_cycles(mechanism.gas, mechanism.layout)
+    return pressures_along(curve, full, mechanism.layout, motored=motored)
 
 
 def pressures_at(
@@ -417,9 +433,7 @@ def pressures_at(
     motored : bool, optional
         Without combustion, at the boost of this load.
     """
-    assert mechanism.gas is not None
-    curve = curve_at(mechanism, np.asarray(speeds, dtype=np.float64))
-    maps = pressures_along(curve, mechanism.gas, mechanism.layout, motored=motored)
+    maps = _maps_at(mechanism, np.asarray(speeds, dtype=np.float64), motored=motored)
     return tuple(zip(*(diagram_map.diagrams for diagram_map in maps), strict=True))
 
 

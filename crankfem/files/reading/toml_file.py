@@ -20,6 +20,7 @@ from crankbase.input_file import (
 )
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.quantity import SEPARATED_NUMBER, either, format_quantity, readings
+from crankbase.results import Result
 from crankfem.files.reading.data_files import InputFiles
 
 # A key of more names than tables may lie in tables; taking it apart would take long. Nothing is gone
@@ -291,7 +292,7 @@ Model = TypeVar("Model", bound=InputModel)
 
 
 @dataclass(frozen=True)
-class InputRecord:
+class InputRecord(Result):
     """One value of an input file, as given, with its source.
 
     Attributes

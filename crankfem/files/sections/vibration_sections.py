@@ -5,8 +5,10 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
-from crankbase.model import InputModel, quantity_field
+from crankbase.model import InputModel, part_field, quantity_field
 from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
+from dynamics.chains.shaft_line import DrivenMachine
+from dynamics.chains.varying import Variation
 
 
 class Damping(InputModel):
@@ -70,6 +72,16 @@ class Driven(InputModel):
     coupling_loss_factor: float = quantity_field(
         "loss factor of the coupling", "", 0.0, 2.0, default=0.0
     )
+    variation: Variation | None = part_field("how the coupling varies", Variation)
+
+    def machine(self) -> DrivenMachine:
+        """Return the machine behind its coupling."""
+        return DrivenMachine(
+            self.inertia,
+            self.coupling_stiffness,
+            coupling_loss_factor=self.coupling_loss_factor,
+            coupling_variation=self.variation,
+        )
 
 
 class Bearings(InputModel):
@@ -85,6 +97,7 @@ class Bearings(InputModel):
         "highest possible lateral stiffness", "N/m", 1e5, 1e13, default=None
     )
     damping: float = quantity_field("lateral damping", "N s/m", 0.0, 1e10, default=0.0)
+    variation: Variation | None = part_field("how stiffness and damping vary", Variation)
 
     @model_validator(mode="after")
     def _range_holds_the_stiffness(self) -> Self:

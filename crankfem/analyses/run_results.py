@@ -1,23 +1,95 @@
-"""The self-checks of a run: what was checked, the residual, and the permitted residual.
-
-Every check is a record: its name, the figure found, the unit of the figure ("1" for a share, else a
-word), the unit to show it in ("%" for a share that is more than round-off), what is allowed or None, whether
-the check holds or None, and a sentence that says what the figure means.
-"""
+"""The results of a run, as results.json holds them, and its self-checks."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import field
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankfem.analyses.record import Record
+from crankbase.results import Part, Quantity, Result, result
+from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
+from crankfem.analyses.provenance import Provenance, Repetition
+from crankfem.files.reading.toml_file import InputRecord
 from dynamics.response.loads import LARGEST_POWER_ERROR
 from dynamics.torque import LARGEST_ENERGY_ERROR
 from fem.angle_law import SYMMETRIC
 from fem.solver import LARGEST_ROUND_OFF, rigid_body_residual
 
 Array = NDArray[np.float64]
+Figure = Annotated[float | None, Quantity("1")]
+
+
+@result("figure", "allowed", "met")
+class Check(Result):
+    """A self-check of a calculation.
+
+    Parameters
+    ----------
+    unit, shown_unit : str
+        "1" for a share, else a word; "%" shows a share that is more than round-off.
+    allowed : float or None
+        None where nothing is.
+    met : bool or None
+        None where the check does not judge.
+    sentence : str
+        What the figure means.
+    """
+
+    name: str
+    figure: Figure
+    unit: str
+    shown_unit: str
+    allowed: Figure
+    met: bool | None
+    sentence: str
+
+
+Record = Part[dict[str, Any]]
+Optional = Part[dict[str, Any] | None]
+
+
+@result("pictures")
+class RunResults(Result):
+    """All numbers of a run, and the names of its pictures.
+
+    Parameters
+    ----------
+    throw, formulas, fillets : dict
+        Of the throw at the free end.
+    throws : dict or None
+        Of an engine with several throws, by their names: "cranks", counted from 1, and the same parts.
+    pictures, interactive : dict
+        Names of static pictures and of interactive plots to their files.
+    """
+
+    about: Provenance
+    engine: Record
+    inputs: tuple[InputRecord, ...]
+    input_warnings: tuple[str, ...]
+    sources: dict[str, str]
+    throw: Record
+    formulas: Record
+    angle_law: Record
+    balance: Record
+    fillets: Optional
+    fillet_note: str | None
+    mechanism: Optional
+    study: Optional
+    harmonics: TableHarmonics | None
+    two_mass: Part[Any]
+    shaft: Record
+    vibration: Record
+    strength: Optional
+    fatigue: Optional
+    fatigue_note: str | None
+    throws: Annotated[dict[str, Any] | None, Quantity(left_out=True)]
+    repeat: Repetition
+    checks: tuple[Check, ...] = ()
+    pictures: dict[str, str] = field(default_factory=dict)
+    interactive: dict[str, str] = field(default_factory=dict)
+    # What results say until the pictures are there.
+    picture_note: str | None = "The run ended before its pictures were drawn."
 
 
 def unbalanced_share(
@@ -57,8 +129,8 @@ def unbalanced_share(
 
 
 def run_checks(
-    checks: Mapping[str, Any], length: float, pin_center: Sequence[float]
-) -> list[Record]:
+    results: RunResults, length: float, pin_center: Sequence[float]
+) -> tuple[Check, ...]:
     """Return all self-checks possible with the results of a run.
 
     Parameters
@@ -70,18 +142,18 @@ def run_checks(
 
     Returns
     -------
-    list of dict
+    tuple of Check
         In the order in which a report shows them.
     """
-    return [
-        *throw_checks(checks["throw"], length, pin_center),
-        *_angle_checks(checks),
-        *_fillet_checks(checks.get("fillets")),
-        *_study_checks(checks["study"]),
-        *_mechanism_checks(checks["mechanism"]),
-        *_power_checks(checks["vibration"]["forced"]),
-        *_chain_checks(checks["vibration"]["whole"]),
-    ]
+    return (
+        *throw_checks(results.throw, length, pin_center),
+        *_angle_checks(results.formulas["fe"], results.throw),
+        *_fillet_checks(results.fillets),
+        *_study_checks(results.study),
+        *_mechanism_checks(results.mechanism),
+        *_power_checks(results.vibration["forced"]),
+        *_chain_checks(results.vibration["whole"]),
+    )
 
 
 def _check(
@@ -93,24 +165,16 @@ def _check(
     shown_unit: str | None = None,
     allowed: float | None = None,
     met: bool | None = None,
-) -> Record:
-    """Make a record; without `met`, the figure is compared with the permitted one."""
+) -> Check:
+    """Make a check; without `met`, the figure is compared with the permitted one."""
     if met is None and allowed is not None and figure is not None:
         met = abs(figure) <= allowed
-    return {
-        "name": name,
-        "figure": figure,
-        "unit": unit,
-        "shown_unit": shown_unit or unit,
-        "allowed": allowed,
-        "met": met,
-        "sentence": sentence,
-    }
+    return Check(name, figure, unit, shown_unit or unit, allowed, met, sentence)
 
 
 def throw_checks(
     throw: Mapping[str, Any], length: float, pin_center: Sequence[float]
-) -> list[Record]:
+) -> list[Check]:
     """Return the self-checks possible with the results of a throw; arguments as for `run_checks`."""
     stiffness = throw["stiffness"]
     radial = (0.0, -float(throw["radial_force"]), 0.0)
@@ -130,7 +194,7 @@ def throw_checks(
             throw["error_estimate"],
             "Error left after the correction for discretization: of 100 random throws tested, 95 had a "
             "smaller one."
-            if throw.get("axial_correction")
+            if throw["axial_correction"]
             else "Estimated from the finite-element stresses; the true compliance is larger by about this "
             "much.",
             shown_unit="%",
@@ -175,16 +239,14 @@ def throw_checks(
     ]
 
 
-def _angle_checks(found: Mapping[str, Any]) -> list[Record]:
-    fe = found["formulas"].get("fe")
-    if fe is None or fe["angle_law"] is None:
+def _angle_checks(fe: Mapping[str, Any], throw: Mapping[str, Any]) -> list[Check]:
+    if fe["angle_law"] is None:
         return []
-    pinned = found["throw"]["supports"]["pinned"]["axial_compliance"]
+    pinned = throw["supports"]["pinned"]["axial_compliance"]
     return [
         _check(
             "Opposite neighbors compared with pinned ends",
-            # Results of before sections could bend have those of rigid ones alone.
-            fe.get("axial_rigid_sections", fe["axial"]) / pinned - 1.0,
+            fe["axial_rigid_sections"] / pinned - 1.0,
             "With equal webs and rigid sections, a throw between opposite cranks tilts as freely as one "
             "with pinned ends, so both compliances must agree as far as the webs are equal.",
             # What the angle law takes for equal webs.
@@ -193,7 +255,7 @@ def _angle_checks(found: Mapping[str, Any]) -> list[Record]:
     ]
 
 
-def _fillet_checks(fillets: Mapping[str, Any] | None) -> list[Record]:
+def _fillet_checks(fillets: Mapping[str, Any] | None) -> list[Check]:
     if fillets is None:
         return []
     return [
@@ -208,7 +270,7 @@ def _fillet_checks(fillets: Mapping[str, Any] | None) -> list[Record]:
     ]
 
 
-def _study_checks(study: Mapping[str, Any] | None) -> list[Record]:
+def _study_checks(study: Mapping[str, Any] | None) -> list[Check]:
     study_checks = []
     for response, name in (("axial_compliance", "axial"), ("torsional_compliance", "torsional")):
         fits = (study or {"fits": {}})["fits"].get(response)
@@ -226,7 +288,7 @@ def _study_checks(study: Mapping[str, Any] | None) -> list[Record]:
     return study_checks
 
 
-def _mechanism_checks(mechanism: Mapping[str, Any] | None) -> list[Record]:
+def _mechanism_checks(mechanism: Mapping[str, Any] | None) -> list[Check]:
     if mechanism is None:
         return []
     return [
@@ -240,7 +302,7 @@ def _mechanism_checks(mechanism: Mapping[str, Any] | None) -> list[Record]:
     ]
 
 
-def _power_checks(forced: Mapping[str, Any] | None) -> list[Record]:
+def _power_checks(forced: Mapping[str, Any] | None) -> list[Check]:
     return [
         _check(
             f"Power of the {kind} vibration",
@@ -253,7 +315,7 @@ def _power_checks(forced: Mapping[str, Any] | None) -> list[Record]:
     ]
 
 
-def _chain_checks(whole: Mapping[str, Any] | None) -> list[Record]:
+def _chain_checks(whole: Mapping[str, Any] | None) -> list[Check]:
     chain_checks = []
     for kind, chain in (whole or {"chains": {}})["chains"].items():
         modes = chain["modes"]
