@@ -14,7 +14,7 @@ from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.strength import engine_strength
 from crankfem.analyses.strength.cycle_loads import shaft_loads
-from crankfem.analyses.strength.engine_strength import shown_factor, strength_record
+from crankfem.analyses.strength.engine_strength import shown_factor
 from crankfem.analyses.vibration.engine_limits import engine_limits
 from crankfem.files.engine.mechanism_file import mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
@@ -213,8 +213,7 @@ def test_a_semi_built_shaft_has_fits_and_no_journal_fillets(judged):
     assert fit.distance == 0.0  # pin and fit overlap in this crank: not allowed
     assert found.passed is False
     assert "Shrink fit of throw 1: pin and journal are 0 mm apart" in found.sentence
-    record = strength_record(found)
-    assert record["throws"][0]["shrink_fit"]["refusals"]
+    assert found.to_record()["throws"][0]["shrink_fit"]["refusals"]
 
 
 @pytest.mark.slow
