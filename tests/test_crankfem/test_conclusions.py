@@ -290,7 +290,7 @@ def test_a_steel_that_keeps_the_limits_of_normal_firing_is_not_said_to_keep_thos
         "sentence": "acceptable with a tensile strength of 672 MPa",
     }
     said = "With all cylinders firing, acceptable with a tensile strength of 672 MPa."
-    assert any(said in line for line in conclusions(results))
+    assert any(said in line for line in conclusions(typed(results)))
     assert headline(*verdict_parts(results)) == (
         f"{VERDICTS['undecided']}; with the values used, limits are exceeded, also while a cylinder misfires"
     )
