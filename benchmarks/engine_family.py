@@ -15,7 +15,7 @@ from crankfem.files.engine.throw_file import load_throw
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow
-from regression.fits.terms import group_named
+from regression.fits.forms import group_named
 from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan

@@ -22,8 +22,18 @@ from geometry.throw import CrankThrow
 from law_process import Process
 from law_table import throws
 from law_throws import DRAWN, FIELDS, Sample, draw
-from regression.law.networks import FILE, OUTPUTS, Networks, plain_inputs, real_inputs
-from regression.law.ratios import PLAIN, RANGES, REAL, ratios, throw_dimensions
+from regression.law.throw_law import (
+    FILE,
+    OUTPUTS,
+    PLAIN,
+    RANGES,
+    REAL,
+    Networks,
+    plain_inputs,
+    ratios,
+    real_inputs,
+    throw_dimensions,
+)
 
 Array = NDArray[np.float64]
 INPUTS = {"plain": plain_inputs, "real": real_inputs}

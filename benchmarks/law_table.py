@@ -1,7 +1,7 @@
 """Add computed throws to those of the law: ``python benchmarks/law_table.py FOLDER``.
 
 Writes data/tables/law_throws.csv.gz. Lengths are in main journal diameters, answers those of E = 1 and D = 1
-(`regression.law.networks.OUTPUTS`), nu = 0.3.
+(`regression.law.throw_law.OUTPUTS`), nu = 0.3.
 """
 
 import argparse
@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from fem.supports import STRETCH, TWIST
 from geometry.throw import CrankThrow
 from law_throws import SAMPLES
-from regression.law.networks import OUTPUTS
-from regression.law.ratios import throw_dimensions
+from regression.law.throw_law import OUTPUTS, throw_dimensions
 
 Array = NDArray[np.float64]
 TABLE = Path(__file__).parent.parent / "data" / "tables" / "law_throws.csv.gz"

@@ -17,7 +17,7 @@ from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.material import STEEL
 from geometry.throw import CrankThrow
-from regression.law.ratios import (
+from regression.law.throw_law import (
     CHAMFER_OF_RADIUS,
     FEATURES,
     FILLETS,

@@ -17,7 +17,7 @@ import numpy as np
 
 from fem.material import STEEL
 from regression.fits.fits import fit_form
-from regression.fits.terms import group_named
+from regression.fits.forms import group_named
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 

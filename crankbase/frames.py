@@ -69,7 +69,8 @@ def table_of(records: Iterable[Record]) -> "DataFrame":
     Returns
     -------
     pandas.DataFrame
-        In SI, with the units in ``frame.attrs["units"]``, by column; empty if there are no records.
+        In SI, with the units in ``frame.attrs["units"]``, by column; empty if there are no records. Where
+        they differ, a column "unit" of the records tells.
 
     Raises
     ------
@@ -86,10 +87,10 @@ def table_of(records: Iterable[Record]) -> "DataFrame":
     (2, 'rad/s')
     """
     rows = [record.row() for record in records]
-    columns = {
-        name: ([row[name][0] for row in rows], unit)
-        for name, (_, unit) in (rows[0] if rows else {}).items()
-    }
+    columns = {}
+    for name in rows[0] if rows else ():
+        cells, units = zip(*(row[name] for row in rows), strict=True)
+        columns[name] = (cells, units[0] if len(set(units)) == 1 else "SI, see the column unit")
     frame: DataFrame = table(columns)
     return frame
 

@@ -91,8 +91,11 @@ INTERNAL = Quantity("internal")
 Internal: TypeAlias = Annotated[T, INTERNAL]
 # Plain numbers and parts; quantities declare their meaning besides: Annotated[float, Quantity("N", "...")].
 Number: TypeAlias = Annotated[float, Quantity("1")]
+Hertz: TypeAlias = Annotated[float, Quantity("Hz")]
 Speed: TypeAlias = Annotated[float, Quantity("rad/s", exported="1/min")]
 Part: TypeAlias = Annotated[T, Quantity()]
+# In the unit that the value "unit" beside it names.
+InItsUnit: TypeAlias = Annotated[float, Quantity(".unit")]
 Flat: TypeAlias = Annotated[T, Quantity(flat=True)]
 
 

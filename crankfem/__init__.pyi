@@ -80,5 +80,5 @@ from regression.formulas.torsional_formulas import torsional_formulas as torsion
 from regression.law.throw_law import axial_law as axial_law
 from regression.law.throw_law import torsional_law as torsional_law
 from regression.models.compliance_model import ComplianceModel as ComplianceModel
-from regression.models.extrapolation import OutsideRangeWarning as OutsideRangeWarning
 from regression.models.lookup import Lookup as Lookup
+from regression.models.response_query import OutsideRangeWarning as OutsideRangeWarning

@@ -13,9 +13,7 @@ from crankbase.diagrams import BLUE, GRAY, figure
 from crankbase.outputs import replacing_files
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
-from regression.law.hand_formula import hand_formula
-from regression.law.ratios import PLAIN
-from regression.law.throw_law import axial_law
+from regression.law.throw_law import PLAIN, axial_law, hand_formula
 
 HERE = Path(__file__).parent
 TABLE = HERE.parent / "data" / "tables" / "law_throws.csv.gz"

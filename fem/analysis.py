@@ -26,6 +26,13 @@ from fem.correction import (
     effectivity,
     error_bars,
 )
+from fem.end_reactions import (
+    Reactions,
+    compliance_table,
+    stiffness_table,
+    supported_table,
+    throw_grid,
+)
 from fem.material import STEEL, Material
 from fem.modes import DynamicSuperelement, ThrowModes, dynamic_superelement, free_modes
 from fem.plots import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
@@ -43,24 +50,19 @@ from fem.supports import (
     TABLE_SUPPORTS,
     Neighbors,
     PinResponse,
-    Reactions,
     Support,
     SupportedThrow,
     axial_motion,
     checked_pin,
     checked_vector,
     class_axial_compliances,
-    compliance_table,
     end_load,
     end_motions,
     pin_compliance,
     pin_motion,
     pin_response,
     reactions,
-    stiffness_table,
     support_throw,
-    supported_table,
-    throw_grid,
 )
 from fem.symmetry import (
     RIGID,

@@ -30,9 +30,10 @@ from crankbase.diagrams import BLUE, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import grid, table
 from crankbase.summaries import summarized
+from fem.end_reactions import WORDS
 from fem.plots import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_axis
 from fem.superelement import Superelement
-from fem.supports import WORDS, Neighbors, Support, support_throw
+from fem.supports import Neighbors, Support, support_throw
 from fem.symmetry import MIRROR_X, MIRROR_Z
 
 if TYPE_CHECKING:

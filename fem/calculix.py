@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.outputs import write_errors, write_text
+from fem.end_reactions import MOTIONS
 from fem.material import Material
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, nodes_on
-from fem.supports import MOTIONS
 from fem.symmetry import uniform_pin_loads
 from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.solid import LEFT_END, RIGHT_END

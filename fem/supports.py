@@ -1,7 +1,7 @@
 """A throw under each named support: compliances, influence coefficient, reactions, response to a pin load."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, Literal
@@ -12,139 +12,13 @@ from scipy.linalg import block_diag, pinvh, solve_banded
 
 from crankbase.choices import is_number, whole_within
 from crankbase.errors import InputError, quoted
-from crankbase.frames import grid, table
 from crankbase.summaries import summarized
+from fem.end_reactions import LARGEST_LOAD, EndReaction, Reactions, motion_table
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, CondensedClass, Superelement, section_rotation
 from fem.symmetry import RADIAL, Distribution, NodalLoads, pin_load, pin_surfaces
 from geometry.mesh import ThrowMesh
 
 Array = NDArray[np.float64]
-
-MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
-LOADS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
-ENDS = ("left", "right")
-END_MOTIONS = tuple(f"{end} {motion}" for end in ENDS for motion in MOTIONS)
-END_LOADS = tuple(f"{end} {load}" for end in ENDS for load in LOADS)
-# Stiffness couples forces and moments with displacements and rotations.
-STIFFNESS_UNIT = "N or N m per m or rad"
-MOTION_UNITS = ("m",) * 3 + ("rad",) * 3
-LOAD_UNITS = ("N",) * 3 + ("N m",) * 3
-WORDS: Mapping[str, tuple[str, str]] = {
-    "axial_compliance": ("m/N", "axial compliance between equal neighbors"),
-    "torsional_compliance": ("rad/(N m)", "torsional compliance between equal neighbors"),
-    "influence_coefficient": ("m/N", "lengthening per unit radial force between equal neighbors"),
-}
-
-
-def compliance_table(supports: Iterable[str], **compliances: Callable[[str], float]) -> Any:
-    """Return a pandas table by support of compliances, each found by the name of a support."""
-    names = list(supports)
-    return table(
-        {"support": (names, "")}
-        | {
-            compliance: ([found(name) for name in names], WORDS[compliance][0])
-            for compliance, found in compliances.items()
-        }
-    ).set_index("support")
-
-
-def supported_table(answers: Mapping[str, Any]) -> Any:
-    """Return a pandas table of a `SupportedThrow` each by the name of its support."""
-    return compliance_table(
-        answers,
-        axial_compliance=lambda name: answers[name].axial,
-        torsional_compliance=lambda name: answers[name].torsional,
-        influence_coefficient=lambda name: answers[name].influence,
-    )
-
-
-def stiffness_table(stiffness: Array) -> Any:
-    """Return a pandas table of a stiffness (12, 12), loads in rows and end motions in columns."""
-    columns = zip(END_MOTIONS, stiffness.T, strict=True)
-    return table(
-        {"load": (list(END_LOADS), "")}
-        | {name: (column, STIFFNESS_UNIT) for name, column in columns}
-    ).set_index("load")
-
-
-def motion_table(motions: Mapping[str, Array]) -> Any:
-    """Return a pandas table of motions (6,) by the place that moves."""
-    return _by_place(motions, MOTIONS, MOTION_UNITS)
-
-
-def load_table(loads: Mapping[str, Array]) -> Any:
-    """Return a pandas table of forces and moments (6,) by the place where they act."""
-    return _by_place(loads, LOADS, LOAD_UNITS)
-
-
-def throw_grid(stiffness: Array, gamma_deg: Array, compliances: Mapping[str, Array]) -> Any:
-    """Return an xarray dataset of a stiffness (12, 12) and of compliances (n,) over angles (n,)."""
-    return grid(
-        {"stiffness": (("load", "motion"), stiffness, STIFFNESS_UNIT, "stiffness of the throw")}
-        | {name: (("gamma_deg",), values, *WORDS[name]) for name, values in compliances.items()},
-        {
-            "load": (list(END_LOADS), "N or N m", "force or moment on an end section"),
-            "motion": (list(END_MOTIONS), "m or rad", "motion of an end section"),
-            "gamma_deg": (gamma_deg, "deg", "angle between neighboring cranks"),
-        },
-    )
-
-
-def _by_place(rows: Mapping[str, Array], names: tuple[str, ...], units: tuple[str, ...]) -> Any:
-    columns = np.array(list(rows.values())).T
-    return table(
-        {"place": (list(rows), "")}
-        | {name: (column, unit) for name, column, unit in zip(names, columns, units, strict=True)}
-    ).set_index("place")
-
-
-# [N, N m] Far beyond any real load, far below what overflows.
-LARGEST_LOAD = 1e30
-
-
-@summarized("force [N]", "moment [N m]")
-@dataclass(frozen=True)
-class EndReaction:
-    """Force [N] and moment [N m] on one end section, each (3,), in the throw frame."""
-
-    force: Array
-    moment: Array
-
-
-@summarized(
-    "left force: left.force [N]",
-    "left moment: left.moment [N m]",
-    "right force: right.force [N]",
-    "right moment: right.moment [N m]",
-)
-@dataclass(frozen=True)
-class Reactions:
-    """What supports (and under `Neighbors` the adjoining throws) exert on a throw's end sections."""
-
-    left: EndReaction
-    right: EndReaction
-
-    def to_pandas(self) -> Any:
-        """Return a table of forces and moments Fx to Mz at the left and the right end.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        ends = {"left": self.left, "right": self.right}
-        return load_table(
-            {
-                name: np.concatenate([reaction.force, reaction.moment])
-                for name, reaction in ends.items()
-            }
-        )
-
 
 LONGEST_CHAIN = 64
 # Softer than this share of the stiffest is a motion of a class that was not solved.

@@ -19,8 +19,8 @@ from crankbase.summaries import summarized
 from geometry.throw import CrankThrow
 from regression.models.angle import between_values
 from regression.models.compliance_model import ComplianceModel
-from regression.models.extrapolation import edges, error_band
 from regression.models.lookup import Lookup
+from regression.models.response_query import edges, error_band
 from regression.response_kinds import ANGLE_LAWS
 from regression.throw_values import field_unit
 

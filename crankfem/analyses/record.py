@@ -78,15 +78,16 @@ _NAMES = {
     "1": "accuracy across_web added adjusted_r_squared aic "
     "allowed asymmetry axial_beside_pinned axial_correction "
     "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
-    "crankpin_beside_mean cranks cylinder cylinders designs detuning done elements elements_across_fillets "
+    "crankpin_beside_mean side_force_beside_largest "
+    "cranks cylinder cylinders designs detuning done elements elements_across_fillets "
     "evaluations exponent f_value failed fe_scatter figure fluctuation held_out kept largest_error_at_runs "
-    "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle layers left_out "
+    "largest_error_held_out largest_leverage layers left_out "
     "first_mode likeness lost modes "
     "magnifier mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements missing mode "
-    "node_positions nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points "
+    "node_positions nodes nonuniformity overlap_per_radius phase_sum pins points "
     "misfiring processors q_squared r_squared resultant rho runs same_stars samples section_error sections "
     "sense severity shape "
-    "side_force_beside_largest strokes t throw torsional_beside_pinned unknowns used written",
+    "strokes t throw torsional_beside_pinned unknowns used written",
     "m": "about axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
     "m^3": "volume",
     "rad": "crank_angles",
@@ -95,7 +96,6 @@ _NAMES = {
     "kg": "at_center at_foot at_piston_pin",
     "kg m^2": "inertia_about_shaft",
     "s": "duration",
-    "1/min": "vibrations_per_minute",
     "m/s": "mean_piston_speed",
     "rad/s": "angular_frequency speed",
     "m/N": "axial_compliance axial_rigid_sections e_0 e_180 influence influence_coefficient",
@@ -110,9 +110,8 @@ _PLACES = {
     "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction "
     "shrink_fit.safety "
     "axial_forces.difference change.major change.minor constants.* elasticity.* "
-    "errors.* first.* kinetic_shares.* model_difference.maximum "
-    "model_difference.mean modes.axial modes.bending modes.torsional quality.* "
-    "shaft_torque.magnification "
+    "errors.* first.* kinetic_shares.* "
+    "modes.axial modes.bending modes.torsional quality.* "
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
     "m": "places.depth places.point shrink_fit.largest_bore shrink_fit.distance shrink_fit.least_shrinkage "
     "shrink_fit.most_shrinkage shrink_fit.journal_bore "
@@ -121,17 +120,14 @@ _PLACES = {
     "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
     "pistons.amplitude pistons.largest pistons.left",
     "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
-    "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean "
-    "model_difference.sizes",
+    "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean",
     "N m": "throws.alternating_torque shrink_fit.torque "
     "elements.largest elements.steady "
-    "shaft_torque.exciting shaft_torque.torque torque.largest torque.residual_largest torque.residual_rms "
-    "torque.smallest two_mass.resonances.amplitude",
+    "torque.largest torque.smallest",
     "Pa": "places.added places.bending places.equivalent places.nominal_bending places.nominal_shear "
     "places.nominal_torsion places.strength places.torsion places.shear_amplitude places.normal_stress "
     "places.criterion places.limit shrink_fit.journal_yield shrink_fit.web_yield",
     "N/m": "bearings.stiffness",
-    "N m/rad": "two_mass.stiffness",
     "kg": "masses.reciprocating masses.rotating",
     "kg m": "balance.static throws.counterweights throws.rods throws.solid throws.sum unbalance.static",
     "kg m^2": "balance.dynamic unbalance.dynamic",
@@ -170,8 +166,7 @@ _GROUPS = {
     ("lowest highest", "N"): tuple(
         f"axial_force.{end}" for end in ("thrust_bearing", "held", "throws")
     ),
-    (_HARMONICS, "N"): ("gas", "inertia", "gas and inertia"),
-    (_HARMONICS, "N m"): ("torque", "harmonics"),
+    (_HARMONICS, "N m"): ("torque",),
 }
 
 

@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Annotated, Any
 
 import typer
@@ -24,106 +23,77 @@ from crankfem.cli.commands.throw import draw, export, stress, throw
 from crankfem.cli.commands.vibration import vibration
 from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, MEANINGS
 
-MAIN_JOB, THROW, COMPLIANCE = "Main job", "Throw", "Compliance"
-FORCES, VIBRATION, FILES = "Forces", "Vibration", "Files"
 # The base of typer's errors about wrong options and arguments; it has no public name.
 USAGE_ERROR: Any = typer.BadParameter.__mro__[2]
 
 
-@dataclass(frozen=True)
-class CatalogedCommand:
-    """A command in its group, with examples that work in an empty folder or on files made before."""
-
-    command: Callable[..., Any]
-    group: str
-    examples: tuple[str, ...]
-
-
-COMMANDS = (
-    CatalogedCommand(run, MAIN_JOB, ("run 6chn25-34", "run mine.toml --output results --strict")),
-    CatalogedCommand(report, MAIN_JOB, ("report mine-results",)),
-    CatalogedCommand(serve, MAIN_JOB, ("serve", "serve --models models --port 8000")),
-    CatalogedCommand(
-        new,
-        FILES,
-        (
+# Commands by group, with examples that work in an empty folder or on files made before.
+COMMANDS: dict[str, dict[Callable[..., Any], tuple[str, ...]]] = {
+    "Main job": {
+        run: ("run 6chn25-34", "run mine.toml --output results --strict"),
+        report: ("report mine-results",),
+        serve: ("serve", "serve --models models --port 8000"),
+    },
+    "Files": {
+        new: (
             "new mine.toml",
             "new mine.toml --cylinders 8",
             "new mine.toml --from vw-tdi",
             "new --list",
         ),
-    ),
-    CatalogedCommand(check, FILES, ("check mine.toml", "check 6chn25-34 --picture throw.svg")),
-    CatalogedCommand(fields, FILES, ("fields throw",)),
-    CatalogedCommand(
-        throw,
-        THROW,
-        (
+        check: ("check mine.toml", "check 6chn25-34 --picture throw.svg"),
+        fields: ("fields throw",),
+    },
+    "Throw": {
+        throw: (
             'throw 6chn25-34 --gamma "120 deg" --pin-force "100 kN"',
             "throw part.step --pin pin",
             "throw mine.toml --json",
         ),
-    ),
-    CatalogedCommand(stress, THROW, ("stress 6chn25-34 --pictures stresses",)),
-    CatalogedCommand(draw, THROW, ("draw 6chn25-34", "draw 6chn25-34 --shaft crankshaft.png")),
-    CatalogedCommand(
-        export, THROW, ("export 6chn25-34 throw.step", "export 6chn25-34 throw.inp --calculix")
-    ),
-    CatalogedCommand(
-        formulas,
-        COMPLIANCE,
-        ('formulas 6chn25-34 --gamma "120 deg"', "formulas --all", "formulas --published"),
-    ),
-    CatalogedCommand(
-        doe,
-        COMPLIANCE,
-        (
+        stress: ("stress 6chn25-34 --pictures stresses",),
+        draw: ("draw 6chn25-34", "draw 6chn25-34 --shaft crankshaft.png"),
+        export: ("export 6chn25-34 throw.step", "export 6chn25-34 throw.inp --calculix"),
+    },
+    "Compliance": {
+        formulas: (
+            'formulas 6chn25-34 --gamma "120 deg"',
+            "formulas --all",
+            "formulas --published",
+        ),
+        doe: (
             "doe 6chn25-34 --plan",
             "doe 6chn25-34 --store runs.sqlite --workers 2",
             "doe 6chn25-34 --store runs.sqlite --more 10",
             "doe 6chn25-34 --export designs --mesh step",
         ),
-    ),
-    CatalogedCommand(fit, COMPLIANCE, ("fit runs.sqlite --model model.json",)),
-    CatalogedCommand(
-        lookup,
-        COMPLIANCE,
-        (
+        fit: ("fit runs.sqlite --model model.json",),
+        lookup: (
             "lookup model.json web_width=300mm web_thickness=68mm pin_length=139mm",
             'lookup model.json --throw 6chn25-34 --gamma "120 deg"',
         ),
-    ),
-    CatalogedCommand(
-        optimum,
-        COMPLIANCE,
-        ("optimum model.json --minimize web_thickness --limit 'axial_compliance <= 1.2e-9 m/N'",),
-    ),
-    CatalogedCommand(
-        mechanism,
-        FORCES,
-        ("mechanism 8chn13-14 --pictures loads", 'mechanism 8chn13-14 --speed "1500 1/min"'),
-    ),
-    CatalogedCommand(
-        harmonics,
-        FORCES,
-        ("harmonics 8chn26-26", "harmonics yamz5340_torque_one_throw.csv --orders 4"),
-    ),
-    CatalogedCommand(hinge, FORCES, ("hinge crosshead-30-100 --pictures hinge",)),
-    CatalogedCommand(
-        vibration,
-        VIBRATION,
-        (
+        optimum: (
+            "optimum model.json --minimize web_thickness --limit 'axial_compliance <= 1.2e-9 m/N'",
+        ),
+    },
+    "Forces": {
+        mechanism: (
+            "mechanism 8chn13-14 --pictures loads",
+            'mechanism 8chn13-14 --speed "1500 1/min"',
+        ),
+        harmonics: ("harmonics 8chn26-26", "harmonics yamz5340_torque_one_throw.csv --orders 4"),
+        hinge: ("hinge crosshead-30-100 --pictures hinge",),
+    },
+    "Vibration": {
+        vibration: (
             "vibration 6chn25-34",
             'vibration 6chn25-34 --units "in, lbf, ksi"',
             "vibration mine.toml --strict --csv amplitudes",
             "vibration mwm-six",
         ),
-    ),
-    CatalogedCommand(class_, VIBRATION, ("class 5rt-flex50d --output submission",)),
-    CatalogedCommand(
-        two_mass, VIBRATION, ("two-mass yamz-5340", "two-mass yamz-5340 --order 14.5")
-    ),
-)
+        class_: ("class 5rt-flex50d --output submission",),
+        two_mass: ("two-mass yamz-5340", "two-mass yamz-5340 --order 14.5"),
+    },
+}
 
 # What typer says of a wrong option, in words for people.
 TYPERS_WORDS = {
@@ -146,10 +116,8 @@ app = typer.Typer(
 def examples_text(examples: tuple[str, ...]) -> str:
     """Write examples for the end of a help text, each on a line of its own."""
     # Brackets and the like in examples are text, not markup.
-    lines = [f"crankfem {example}".replace("[", r"\[") for example in examples]
-    if len(lines) == 1:
-        return f"Example: {lines[0]}"
-    return f"Example: {lines[0]}\n\n" + "\n\n".join(lines[1:])
+    lines = (f"crankfem {example}".replace("[", r"\[") for example in examples)
+    return "Example: " + "\n\n".join(lines)
 
 
 def _version(asked: bool) -> None:
@@ -186,13 +154,12 @@ class OptionsOnce(TyperCommand):
         return super().parse_args(ctx, args)
 
 
-for listed in COMMANDS:
-    # One command has the name of what Python keeps for itself.
-    called = listed.command.__name__.strip("_").replace("_", "-")
-    epilog = examples_text(listed.examples)
-    app.command(called, cls=OptionsOnce, epilog=epilog, rich_help_panel=listed.group)(
-        listed.command
-    )
+for group, commands in COMMANDS.items():
+    for command, examples in commands.items():
+        # One command has the name of what Python keeps for itself.
+        called = command.__name__.strip("_").replace("_", "-")
+        epilog = examples_text(examples)
+        app.command(called, cls=OptionsOnce, epilog=epilog, rich_help_panel=group)(command)
 
 
 def main() -> None:

@@ -259,7 +259,7 @@ def parse_pin_force(text: str) -> list[float]:
     >>> parse_pin_force("0, -100 kN, 0"), parse_pin_force("100 kN")
     ([0.0, -100000.0, 0.0], [0.0, -100000.0, 0.0])
     """
-    from fem.supports import LARGEST_LOAD
+    from fem.end_reactions import LARGEST_LOAD
 
     parts = text.split(",")
     if any(UNIT.search(part) for part in parts):

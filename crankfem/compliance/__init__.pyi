@@ -4,6 +4,8 @@ from fem.analysis import AxialAnalysis as AxialAnalysis
 from fem.analysis import analyze_axial as analyze_axial
 from fem.angle_law import AngleLaw as AngleLaw
 from fem.calculix import write_calculix as write_calculix
+from fem.end_reactions import EndReaction as EndReaction
+from fem.end_reactions import Reactions as Reactions
 from fem.fillet_peaks import FilletMeshing as FilletMeshing
 from fem.fillet_peaks import FilletPeak as FilletPeak
 from fem.fillet_peaks import FilletStresses as FilletStresses
@@ -14,7 +16,5 @@ from fem.modes import DynamicSuperelement as DynamicSuperelement
 from fem.modes import ThrowModes as ThrowModes
 from fem.superelement import ShaftCompliances as ShaftCompliances
 from fem.superelement import shaft_compliances as shaft_compliances
-from fem.supports import EndReaction as EndReaction
 from fem.supports import Motion as Motion
 from fem.supports import PinResponse as PinResponse
-from fem.supports import Reactions as Reactions

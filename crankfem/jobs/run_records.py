@@ -14,7 +14,7 @@ from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
 from crankfem.analyses.provenance import Repetition, provenance
-from crankfem.analyses.record import Record, attributes
+from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.run_results import RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.whole_records import shaft_balance_record, shaft_record
@@ -61,7 +61,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         if engine_file.two_mass is None
         else checked(engine_file.two_mass, computed.harmonics),
         shaft=shaft_record(computed.vibration.shaft, computed.crank_analyses),
-        vibration=run_record(computed.vibration),
+        vibration=plain(run_record(computed.vibration)),
         strength=computed.strength,
         fatigue=computed.fatigue,
         fatigue_note=computed.fatigue_note,
@@ -137,7 +137,7 @@ def _add_regression(
 def _mechanism_record(run: MechanismRun | None) -> Record | None:
     if run is None:
         return None
-    return mechanism_record(run) | {"balance": mechanism_balance_record(run)}
+    return plain(mechanism_record(run) | {"balance": mechanism_balance_record(run)})
 
 
 def _radial_force(inputs: RunInputs) -> float:

@@ -16,7 +16,7 @@ from crankfem.analyses.mechanism.balance_records import (
     moving_mass_table,
     throw_mass_table,
 )
-from crankfem.analyses.mechanism.rod_models import bearing_table
+from crankfem.analyses.mechanism.mechanism_records import bearing_table
 from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table

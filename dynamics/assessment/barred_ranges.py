@@ -11,7 +11,7 @@ from crankbase.array_checks import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.quantity import format_quantity, format_usage
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Part, Result, Speed, result
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
 from dynamics.assessment.wording import barred_sentence, shown_range, speed_text
 from dynamics.indices import at_most, within
@@ -19,15 +19,12 @@ from dynamics.indices import at_most, within
 Position = Literal["below", "running", "above"]
 
 
-@summarized("low [rad/s]", "high [rad/s]", "allowed", "position", "peaks", "limits")
-@dataclass(frozen=True)
-class BarredRange:
+@result("low", "high", "allowed", "position", "peaks", "limits")
+class BarredRange(Result):
     """A range of speeds to be passed quickly, or a proposal that cannot be accepted.
 
     Parameters
     ----------
-    low, high : float
-        [rad/s].
     peaks : tuple of float
         Speeds of the largest vibration in it, or of which it is a flank [rad/s].
     limits : tuple of str
@@ -46,28 +43,28 @@ class BarredRange:
         Whether it lies below the running speeds and was calculated at full load, so that it is not judged.
     """
 
-    low: float
-    high: float
-    peaks: tuple[float, ...]
+    low: Speed
+    high: Speed
+    peaks: Internal[tuple[float, ...]]
     limits: tuple[str, ...]
     refusals: tuple[str, ...]
     remarks: tuple[str, ...]
     position: Position = "running"
     ends: str = ""
-    full_load: bool = False
+    full_load: Internal[bool] = False
 
     @property
-    def allowed(self) -> bool:
+    def allowed(self) -> Part[bool]:
         """Whether it may be barred, or passed on starting."""
         return not self.refusals
 
     @property
-    def shown(self) -> str:
+    def shown(self) -> Part[str]:
         """Such as "700 to 800 1/min"."""
         return shown_range(self.low, self.high)
 
     @property
-    def sentence(self) -> str:
+    def sentence(self) -> Part[str]:
         """Whether it may be barred or passed, and why not; without its full stop."""
         return barred_sentence(self.low, self.high, self.position, self.refusals, self.full_load)
 

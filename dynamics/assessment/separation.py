@@ -2,13 +2,15 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.array_checks import FloatArray, nonnegative_vector, positive_vector
+from crankbase.array_checks import FloatArray, positive_vector
 from crankbase.frames import Row
 from crankbase.quantity import format_quantity
+from crankbase.results import Internal, Number, Quantity, Result, Speed, result
 from crankbase.summaries import summarized
 from dynamics.assessment.limits import checked_rated_speed, checked_running_range
 from dynamics.assessment.uncertainty import Spread, frequency_bounds
@@ -23,9 +25,8 @@ from dynamics.indices import within
 USUAL_MARGIN = 0.10
 
 
-@summarized("mode", "order", "nominal [rad/s]", "low [rad/s]", "high [rad/s]", "margin")
-@dataclass(frozen=True)
-class CriticalRange:
+@result("mode", "order", "nominal", "low", "high", "margin")
+class CriticalRange(Result):
     """Possible range of the critical speed of one mode and order, and its distance from running speeds.
 
     Parameters
@@ -44,12 +45,12 @@ class CriticalRange:
     """
 
     mode: int
-    order: float
-    nominal: float
-    low: float
-    high: float
-    margin: float
-    nominal_margin: float
+    order: Number
+    nominal: Annotated[float, Quantity("rad/s", exported="1/min", key="speed_rpm")]
+    low: Speed
+    high: Speed
+    margin: Number
+    nominal_margin: Internal[float]
 
     def kept(self, margin: float = USUAL_MARGIN) -> bool:
         """Return whether at least this margin is kept for all values within the ranges."""
@@ -70,25 +71,17 @@ class CriticalRange:
 
     def row(self) -> Row:
         """Return the columns of a table of critical speeds, each value with its unit; see `table_of`."""
-        return {
-            "mode": (self.mode, "1"),
-            "order": (self.order, "1"),
-            "nominal": (self.nominal, "rad/s"),
-            "low": (self.low, "rad/s"),
-            "high": (self.high, "rad/s"),
-            "margin": (self.margin, "1"),
-            "nominal_margin": (self.nominal_margin, "1"),
-        }
+        return super().row() | {"nominal_margin": (self.nominal_margin, "1")}
 
 
 def separation_margin(
-    low: ArrayLike, high: ArrayLike, running_range: tuple[float, float]
+    low: FloatArray, high: FloatArray, running_range: tuple[float, float]
 ) -> FloatArray:
     """Return the separation of critical speeds between two bounds from a running range.
 
     Parameters
     ----------
-    low, high : array_like of shape (m,)
+    low, high : ndarray of shape (m,)
         Least and largest possible critical speed [rad/s].
     running_range : tuple of two floats
         Lowest and highest running speed [rad/s].
@@ -100,10 +93,8 @@ def separation_margin(
         0 where they overlap. At a given speed this is also the distance between natural frequency
         and excitation as a share of the latter.
     """
-    least = nonnegative_vector("low", low, "rad/s", "it is a speed")
-    most = nonnegative_vector("high", high, "rad/s", "it is a speed")
-    first, last = checked_running_range(running_range)
-    margins = np.maximum(1.0 - most / first, least / last - 1.0)
+    first, last = running_range
+    margins = np.maximum(1.0 - high / first, low / last - 1.0)
     return np.asarray(np.maximum(margins, 0.0))
 
 
@@ -176,7 +167,7 @@ def critical_ranges(
                 least = per_hertz * float(min(low for low, _ in ends))
                 most = per_hertz * float(max(high for _, high in ends))
                 margin, nominal = separation_margin(
-                    [least, middle], [most, middle], (first, last)
+                    np.array([least, middle]), np.array([most, middle]), (first, last)
                 ).tolist()
                 if margin <= within:
                     ranges.append(

@@ -18,6 +18,7 @@ from crankbase.choices import (
 from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes
+from crankbase.results import Internal, Number, Result, result
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
@@ -50,9 +51,8 @@ ALL_DAMPING = "all damping"
 DAMPINGS = ("damping", "loss_factor", "ground_damping", "dashpots")
 
 
-@summarized("name", "kind", "low", "high", "places")
-@dataclass(frozen=True)
-class Spread:
+@result("name", "kind", "low", "high", "places")
+class Spread(Result):
     """A range of factors on one kind of value, everywhere or at some elements or nodes together.
 
     Parameters
@@ -75,9 +75,9 @@ class Spread:
     """
 
     kind: Kind
-    low: float
-    high: float
-    places: tuple[int | str, ...] | None = None
+    low: Number
+    high: Number
+    places: Internal[tuple[int | str, ...] | None] = None
     name: str = ""
 
     def __post_init__(self) -> None:

@@ -22,6 +22,7 @@ from crankbase.diagrams import (
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.quantity import RPM, format_quantity
+from crankbase.results import InItsUnit, Result, result
 from crankbase.summaries import summarized
 from dynamics.assessment.barred_ranges import (
     BarredRange,
@@ -413,9 +414,8 @@ def _check(
 Acceptance = Literal["acceptable", "not acceptable", "undecided"]
 
 
-@summarized("field", "value", "unit", "status", "taken")
-@dataclass(frozen=True)
-class Trial:
+@result("field", "value", "unit", "status", "taken")
+class Trial(Result):
     """The verdict with one possible value of an assumption.
 
     Parameters
@@ -424,11 +424,6 @@ class Trial:
         Field of the value, such as "limits.tensile_strength".
     name : str
         Name of the value, such as "tensile strength".
-    value : float
-        [unit]
-    unit : str
-        SI unit.
-    status : {"fine", "barred range needed", "not acceptable"}
     taken : bool
         Whether this is the value used in the calculation.
     why : str
@@ -437,7 +432,7 @@ class Trial:
 
     field: str
     name: str
-    value: float
+    value: InItsUnit
     unit: str
     status: Status
     taken: bool = False
@@ -453,20 +448,9 @@ class Trial:
         """The value with its unit."""
         return format_quantity(self.value, self.unit, 4)
 
-    def row(self) -> Row:
-        """Return the columns of a table of trials, each value with its unit; see `table_of`."""
-        return {
-            "field": (self.field, ""),
-            "value": (self.value, "SI, see the column unit"),
-            "unit": (self.unit, ""),
-            "status": (self.status, ""),
-            "taken": (self.taken, ""),
-        }
 
-
-@summarized("status", "sentence", "trials")
-@dataclass(frozen=True)
-class Decision:
+@result("status", "sentence", "trials")
+class Decision(Result):
     """What can be concluded despite the assumptions.
 
     Parameters

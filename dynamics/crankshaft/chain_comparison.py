@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from scipy.optimize import linear_sum_assignment
 from crankbase.array_checks import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table, table_of
+from crankbase.results import Hertz, Internal, Number, Part, Quantity, Result, result
 from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FLYWHEEL, FREE_END, EngineChain, Kind
 from dynamics.crankshaft.assembly import CLASSES, MOTION_OF, AssembledShaft, Stations
@@ -28,11 +30,8 @@ SEARCHED = 2.0
 DIVIDED = 0.25
 
 
-@summarized(
-    "kind", "chain_frequency [Hz]", "shaft_frequency [Hz]", "difference", "share", "likeness"
-)
-@dataclass(frozen=True)
-class ModeMatch:
+@result("kind", "chain_frequency", "shaft_frequency", "difference", "share", "likeness")
+class ModeMatch(Result):
     """A mode of a chain and the most similar mode of the whole shaft.
 
     Attributes
@@ -59,17 +58,17 @@ class ModeMatch:
         Of that mode's energy that is of this kind.
     """
 
-    kind: Kind
-    chain_mode: int
-    chain_frequency: float
-    shaft_mode: int | None
-    shaft_frequency: float | None
-    share: float
-    likeness: float
-    chain_rigid: int = 0
-    shaft_rigid: int = 0
-    further_frequency: float | None = None
-    further_share: float = 0.0
+    kind: Internal[Kind]
+    chain_mode: Internal[int]
+    chain_frequency: Hertz
+    shaft_mode: Internal[int | None]
+    shaft_frequency: Hertz | None
+    share: Number
+    likeness: Number
+    chain_rigid: Internal[int] = 0
+    shaft_rigid: Internal[int] = 0
+    further_frequency: Hertz | None = None
+    further_share: Number = 0.0
 
     @property
     def divided(self) -> tuple[tuple[float, float], ...]:
@@ -265,9 +264,8 @@ SHOWN = 0.05
 CAUSES = ("bearings", "mass distribution", "lateral inertia", "eccentric masses", "flywheel tilt")
 
 
-@summarized("kind", "rigid_chain [Hz]", "chain [Hz]", "shaft [Hz]", "causes")
-@dataclass(frozen=True)
-class FrequencyDifference:
+@result("kind", "rigid_chain", "chain", "shaft", "causes")
+class FrequencyDifference(Result):
     """A mode's frequency in the chain and in the whole crankshaft, and the steps from one to the other.
 
     Attributes
@@ -292,14 +290,14 @@ class FrequencyDifference:
 
     kind: str
     mode: int
-    rigid_chain: float
-    chain: float
-    shaft: float
-    causes: dict[str, float]
-    further: float | None = None
+    rigid_chain: Hertz
+    chain: Hertz
+    shaft: Hertz
+    causes: Annotated[dict[str, float], Quantity("Hz")]
+    further: Internal[float | None] = None
 
     @property
-    def sentence(self) -> str:
+    def sentence(self) -> Part[str]:
         """Such as "axial mode 1: 81.0 Hz by the whole crankshaft, 75.0 Hz by the chain (+6.0 Hz, ...)"."""
         name = f"{self.kind} mode {self.mode}"
         text = (
@@ -385,9 +383,8 @@ def frequency_difference(
     )
 
 
-@summarized("kind", "mode", "without [Hz]", "shaft [Hz]")
-@dataclass(frozen=True)
-class FlywheelTilt:
+@result("kind", "mode", "without", "shaft")
+class FlywheelTilt(Result):
     """Effect of the flywheel's diametral inertia on a mode of the whole crankshaft.
 
     Attributes
@@ -403,9 +400,9 @@ class FlywheelTilt:
 
     kind: str
     mode: int
-    without: float
-    shaft: float
-    further: float | None = None
+    without: Hertz
+    shaft: Hertz
+    further: Hertz | None = None
 
     @property
     def shown(self) -> bool:

@@ -12,7 +12,6 @@ import numpy as np
 from crankbase.array_checks import (
     FloatArray,
     finite_array,
-    finite_vector,
     nonnegative_number,
     positive_number,
     refuse_crank_radians,
@@ -98,7 +97,7 @@ def firing_angles_of_order(
         revolution, to less than one cycle more. Each cylinder fires at the first of its tops after the
         preceding cylinder has fired.
     """
-    tops = finite_vector("top_angles", list(top_angles)).tolist()
+    tops = list(top_angles)
     check_firing_order(firing_order, len(tops))
     turn, cycle = 2.0 * math.pi, math.radians(cycle_degrees(strokes))
     angles = [0.0] * len(tops)

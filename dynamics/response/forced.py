@@ -3,12 +3,13 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Unpack
+from typing import Unpack, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.memory import check_memory
@@ -219,6 +220,7 @@ def forced_response(
     forces = forces if plain else forces @ system.expand
     speeds = np.tile(excitation.speeds, shape[0])
     frequencies = excitation.angular_frequencies.reshape(-1)
+    check_choice("method", method, get_args(Method), "these are the ways to solve the equations")
     answer = harmonic_response(system, frequencies, forces, method, speeds)
     motion = answer.motion if plain else answer.motion @ system.expand.T
     return ForcedResponse(

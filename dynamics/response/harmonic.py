@@ -2,13 +2,12 @@
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.array_checks import ComplexArray, FloatArray
-from crankbase.choices import check_choice
 from crankbase.errors import SolveError
 from dynamics.response.linear_system import LinearSystem
 
@@ -82,7 +81,6 @@ def harmonic_response(
     does not occur. Eigenvalues of A with H are valid for the positive frequencies at which they are
     used. Undamped modes are solved for one by one.
     """
-    check_choice("method", method, get_args(Method), "these are the ways to solve the equations")
     frequencies, modal = angular_frequencies, damped_modes(system)
     singular, unbounded = modal.undamped_resonance(frequencies, forces)
     if speeds is None:

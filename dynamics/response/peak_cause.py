@@ -1,13 +1,13 @@
 """Cause of a peak: the contribution of each order, and whether a resonance makes that order large."""
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
-from crankbase.frames import Row, table_of
+from crankbase.frames import table_of
 from crankbase.quantity import format_quantity
-from crankbase.summaries import summarized
+from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, result
 from dynamics.indices import index_of_name
 from dynamics.response.complex_modes import ComplexModes, complex_modes, modes_at
 from dynamics.response.forced import ForcedResponse
@@ -34,9 +34,8 @@ RUN, BRIDGED = 3, 2
 State = Literal["at resonance", "near resonance", "amplified", "forced"]
 
 
-@summarized("order", "contribution", "amplitude", "state", "mode")
-@dataclass(frozen=True)
-class OrderPart:
+@result("order", "contribution", "amplitude", "state", "mode")
+class OrderPart(Result):
     """The contribution of one order to a peak of all orders together.
 
     Parameters
@@ -62,37 +61,23 @@ class OrderPart:
         Vibration of the mode, "torsional" or "axial"; may be empty.
     """
 
-    order: float
-    contribution: float
-    amplitude: float
+    order: Number
+    contribution: InItsUnit
+    amplitude: InItsUnit
     state: State
     mode: int
-    mode_share: float
-    magnifier: float
-    detuning: float
+    mode_share: Number
+    magnifier: Number
+    detuning: Number
     kind: str = ""
-
-    def row(self) -> Row:
-        """Return the columns of a table of orders, each value with its unit; see `table_of`."""
-        return {
-            "order": (self.order, "1"),
-            "contribution": (self.contribution, "SI"),
-            "amplitude": (self.amplitude, "SI"),
-            "state": (self.state, ""),
-            "kind": (self.kind, ""),
-            "mode": (self.mode, "1"),
-            "mode_share": (self.mode_share, "1"),
-            "magnifier": (self.magnifier, "1"),
-            "detuning": (self.detuning, "1"),
-        }
+    unit: Internal[str] = ""
 
 
 Orders = tuple[OrderPart, ...]
 
 
-@summarized("place", "speed [rad/s]", "amplitude", "parts")
-@dataclass(frozen=True)
-class PeakCause:
+@result("place", "speed [rad/s]", "amplitude", "parts")
+class PeakCause(Result):
     """Cause of a vibration's amplitude at one speed.
 
     Parameters
@@ -111,12 +96,12 @@ class PeakCause:
         Of all orders, ascending; their contributions add up to the amplitude.
     """
 
-    place: str
-    kind: str
-    unit: str
-    speed: float
-    amplitude: float
-    parts: tuple[OrderPart, ...]
+    place: Internal[str]
+    kind: Internal[str]
+    unit: Internal[str]
+    speed: Internal[float]
+    amplitude: Internal[float]
+    parts: Annotated[tuple[OrderPart, ...], Quantity(key="orders")]
 
     @property
     def resonant(self) -> tuple[OrderPart, ...]:
@@ -139,7 +124,7 @@ class PeakCause:
         return f"{self._quantity(self.amplitude)} at {self._speed}: {self.reasons}."
 
     @property
-    def reasons(self) -> str:
+    def reasons(self) -> Annotated[str, Quantity(key="sentence")]:
         """The main orders of the amplitude with their shares, the largest first."""
         if np.isinf(self.amplitude):
             return "; ".join(
@@ -325,7 +310,9 @@ def peak_cause(
         ranked = np.abs(modes.eigenvalues.imag - w[at]) if endless[at] else -shares[at]
         most = int(np.argmin(ranked)) if ranked.size else -1
         part = OrderPart(
-            order, float(contributions[at]), float(np.abs(phasors[at])), "forced", 0, 0.0, 1.0, 0.0
+            *(order, float(contributions[at]), float(np.abs(phasors[at])), "forced", 0, 0.0),
+            *(1.0, 0.0),
+            unit=unit,
         )
         if most >= 0 and (endless[at] or shares[at, most] > DOMINATES):
             magnifier = float(magnifiers[at, most])
@@ -353,7 +340,7 @@ def _resonance_of(part: OrderPart, other: PeakCause) -> OrderPart:
     """Return a part with the resonance of the same order of another vibration, if there is one."""
     for resonant in other.parts:
         if resonant.order == part.order and resonant.state != "forced":
-            kept = {name: getattr(part, name) for name in ("contribution", "amplitude")}
+            kept = {name: getattr(part, name) for name in ("contribution", "amplitude", "unit")}
             return replace(resonant, **kept)
     return part
 

@@ -1,9 +1,8 @@
 """Resonances within a range of speeds, the speeds to calculate at, and the Campbell diagram."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import pi
-from typing import Literal
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,8 +18,8 @@ from crankbase.array_checks import (
 from crankbase.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.frames import Axes, Row
-from crankbase.summaries import summarized
+from crankbase.frames import Axes
+from crankbase.results import Hertz, Number, Quantity, Result, Speed, result
 from dynamics.critical import critical_speeds
 from dynamics.indices import index_of_name
 from dynamics.plots.campbell import draw_campbell
@@ -30,20 +29,13 @@ from dynamics.response.order_excitation import forces_at
 
 # Forces act together if their sum reaches this share of the sum of their sizes.
 IN_PHASE = 0.99
+Motion: TypeAlias = Annotated[float, Quantity("rad or m")]
 
 
-@summarized(
-    "mode",
-    "order",
-    "frequency [Hz]",
-    "speed [rad/s]",
-    "amplitude",
-    "magnifier",
-    "kind",
-    "in_running_range",
+@result(
+    *("mode", "order", "frequency", "speed", "amplitude", "magnifier", "kind", "in_running_range")
 )
-@dataclass(frozen=True)
-class Resonance:
+class Resonance(Result):
     """A speed at which an order excites an elastic mode at its natural frequency.
 
     Parameters
@@ -79,15 +71,15 @@ class Resonance:
     """
 
     mode: int
-    frequency: float
-    order: float
-    speed: float
-    amplitude: float
-    equilibrium: float
-    magnifier: float
-    estimate: float
-    share: float
-    severity: float
+    frequency: Hertz
+    order: Number
+    speed: Speed
+    amplitude: Motion
+    equilibrium: Motion
+    magnifier: Number
+    estimate: Motion
+    share: Number
+    severity: Number
     kind: Literal["major", "minor"]
     unbounded: bool
     in_running_range: bool = True
@@ -96,24 +88,6 @@ class Resonance:
     def speed_rpm(self) -> float:
         """Speed of the crankshaft [1/min]."""
         return self.speed * 30.0 / pi
-
-    def row(self) -> Row:
-        """Return the columns of a table of resonances, each value with its unit; see `table_of`."""
-        return {
-            "mode": (self.mode, "1"),
-            "order": (self.order, "1"),
-            "speed": (self.speed, "rad/s"),
-            "frequency": (self.frequency, "Hz"),
-            "amplitude": (self.amplitude, "rad or m"),
-            "equilibrium": (self.equilibrium, "rad or m"),
-            "magnifier": (self.magnifier, "1"),
-            "estimate": (self.estimate, "rad or m"),
-            "share": (self.share, "1"),
-            "severity": (self.severity, "1"),
-            "kind": (self.kind, ""),
-            "unbounded": (self.unbounded, ""),
-            "in_running_range": (self.in_running_range, ""),
-        }
 
 
 def resonances(

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from regression.fits.forms import Basis, FittedForm
-from regression.fits.terms import Term, design_matrix, term_name
+from regression.fits.forms import Basis, FittedForm, Term, design_matrix, term_name
 from regression.response_kinds import SCALES
 from regression.throw_values import FactorLabel as FactorLabel
 from regression.throw_values import factor_label as factor_label

@@ -21,9 +21,15 @@ from regression.fits.forms import (
     Basis,
     FittedForm,
     Form,
+    Term,
+    code,
+    design_matrix,
     determined_terms,
     form_named,
+    group_named,
     is_indicator,
+    polynomial_terms,
+    term_name,
 )
 from regression.fits.selection import (
     LeastSquares,
@@ -33,14 +39,6 @@ from regression.fits.selection import (
     least_squares,
     left_out_predictions,
     tolerance_limit,
-)
-from regression.fits.terms import (
-    Term,
-    code,
-    design_matrix,
-    group_named,
-    polynomial_terms,
-    term_name,
 )
 from regression.plots import draw_effects
 

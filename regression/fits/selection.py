@@ -22,13 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from regression.fits.terms import Term, divisors
+from regression.fits.forms import DEPENDENT_COLUMN, Term, divisors
 
 Array = NDArray[np.float64]
 
-# A column of the coded design matrix whose part outside the earlier columns is smaller than this
-# share of it is no column of its own.
-DEPENDENT_COLUMN = 1e-10
 # A run of this leverage alone determines a coefficient: it cannot be predicted from the others.
 FULL_LEVERAGE = 1.0 - 1e-9
 # Share of new designs whose error a band holds, and how sure that is where there are enough designs.

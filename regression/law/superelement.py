@@ -23,8 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.array_checks import finite_array
 from crankbase.errors import InputError, quoted
 from geometry.throw import CrankThrow
-from regression.law.networks import OUTPUTS
-from regression.law.throw_law import POISSON_RATIO, LawAnswers
+from regression.law.throw_law import OUTPUTS, POISSON_RATIO, LawAnswers
 
 if TYPE_CHECKING:
     from fem.supports import Support
@@ -67,7 +66,7 @@ def law_reactions(
         As `axial_law`; if the webs are unequal, the support is unknown, or the force is not three
         finite numbers of which the last is 0.
     """
-    from fem.supports import Reactions
+    from fem.end_reactions import Reactions
     from regression.models.lookup import ReactionLookup, both_ends
 
     force = finite_array("pin_force", pin_force)

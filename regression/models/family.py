@@ -6,7 +6,7 @@ Here the numbers and labels of a query are checked and completed, before any equ
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, partial, reduce
+from functools import cached_property, lru_cache, partial, reduce
 from typing import Any, cast
 
 import numpy as np
@@ -16,6 +16,13 @@ from crankbase.choices import did_you_mean
 from crankbase.errors import InputError, named
 from crankbase.model import field_extra
 from geometry.throw import CrankThrow
+from regression.plans.relations import (
+    Compiled,
+    compile_expression,
+    evaluate_expression,
+    evaluation_order,
+    read_expression,
+)
 from regression.throw_values import (
     DEFAULTS,
     SAME,
@@ -162,14 +169,12 @@ class Family:
             self._check_equal(name, query[name], expected[name], reason)
 
     def _related(self, query: Mapping[str, Given], size: Given) -> dict[str, Given]:
-        from regression.models.extrapolation import related
-
         units = self.all_units
         numbers = {name: value for name, value in query.items() if name in units}
         at_study_size = {
             name: value / size if units[name] == "m" else value for name, value in numbers.items()
         }
-        following = related(self.relations, {**self.fixed, **at_study_size}, units)
+        following = _related(self.relations, {**self.fixed, **at_study_size}, units)
         return {n: value * size if units[n] == "m" else value for n, value in following.items()}
 
     def _check_equal(self, name: str, number: Given, expected: Given, reason: str) -> None:
@@ -244,6 +249,47 @@ def _checked_labels(name: str, value: object, labels: tuple[str, ...]) -> Any:
     others = array.ravel().tolist() if array.dtype.kind == "U" else [value]
     wrong = next((label for label in others if label not in labels), value)
     raise InputError(f"{name}: given {wrong!r}; allowed is {' or '.join(labels)}.")
+
+
+Pairs = tuple[tuple[str, str], ...]
+
+
+def _related(
+    relations: Mapping[str, str], known: Mapping[str, Any], units: Mapping[str, str]
+) -> dict[str, Any]:
+    """Calculate the dimensions [SI] that follow from others by relations, field to expression.
+
+    A field among the known ones is not calculated, nor one whose expression uses unknown ones. `units`
+    has the SI unit of every name. `InputError` if an expression has no value for the known dimensions.
+    """
+    values = dict(known)
+    following: dict[str, Any] = {}
+    for name, names, value in _compiled(tuple(relations.items()), tuple(units.items())):
+        if name in known or not names <= values.keys():
+            continue
+        with np.errstate(all="ignore"):
+            result = value(values)
+        if not np.all(np.isfinite(result)):
+            raise InputError(
+                f"{name}: given dimensions for which {relations[name]} has no value; allowed are "
+                "those for which it has one, because this model needs it."
+            )
+        following[name] = values[name] = result if np.ndim(result) else float(result)
+    return following
+
+
+@lru_cache(maxsize=100)
+def _compiled(relations: Pairs, units: Pairs) -> tuple[tuple[str, frozenset[str], Compiled], ...]:
+    """Compile relations in the order in which they can be calculated."""
+    by_name = dict(units)
+    expressions = {name: read_expression(text, name, by_name) for name, text in relations}
+    for name, expression in expressions.items():
+        ones = dict.fromkeys(expression.names, np.array(1.0))
+        evaluate_expression(expression, ones, by_name, by_name[name])  # refuses another unit
+    return tuple(
+        (name, frozenset(expressions[name].names), compile_expression(expressions[name]))
+        for name in evaluation_order(expressions)
+    )
 
 
 # Beginnings of the names of what makes one end of a throw another than the other.
@@ -343,8 +389,6 @@ def _free_factors(
     free = [name for name in family.ranges if declaration(name) is None]
     if not free:
         return {}
-    from regression.plans.relations import read_expression
-
     units = family.all_units
     uses = {
         target: set(read_expression(text, target, units).names)
@@ -384,9 +428,7 @@ def _related_value(
     number: float,
 ) -> float:
     """Result of one relation with `name` equal to this number."""
-    from regression.models.extrapolation import related
-
-    (value,) = related(relation, {**known, name: number}, units).values()
+    (value,) = _related(relation, {**known, name: number}, units).values()
     return float(value)
 
 

@@ -13,17 +13,15 @@ from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Part, Quantity, Result, result
 from crankbase.summaries import summarized
-from fem.supports import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
-from geometry.throw import CrankThrow
+from fem.end_reactions import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
 from regression.models.angle import between_ends, between_values
-from regression.models.extrapolation import ErrorBand
-from regression.models.family import Family, angle_law_remarks
+from regression.models.family import Family
 from regression.models.response_model import ResponseModel
-from regression.models.response_query import ResponseValues
+from regression.models.response_query import ErrorBand, ResponseValues
 from regression.response_kinds import ThrowLengths
 
 if TYPE_CHECKING:
-    from regression.models.model_file import ModelContent
+    pass
 
 
 NO_BAND = "none holds outside the range of the fit"
@@ -205,8 +203,6 @@ def look_up_between_neighbors(
 
 Array = NDArray[np.float64]
 
-# Beginnings of names of what a throw has that its first pin's reactions do not tell of.
-_OTHER_PARTS = ("further_pins.", "oil_holes.")
 _WEBS = ("left_web.thickness", "right_web.thickness")
 
 
@@ -326,22 +322,3 @@ def checked_support(support: object) -> tuple[str, float | None]:
 def support_words(kind: str, gamma: float | None) -> str:
     """Describe the support of a throw."""
     return kind if gamma is None else f"between neighbors at {gamma:g} deg"
-
-
-def check_throws(model: "ModelContent", kind: str) -> None:
-    """Refuse throws whose reactions do not follow from the model's numbers."""
-    family, throw = model.family, model.throw
-    names = [*family.factors, *family.relations, *family.fixed, *family.labels]
-    part = next((name for name in names if name.startswith(_OTHER_PARTS)), None)
-    if part is not None or (throw is not None and CrankThrow(**throw).symmetry == "full"):
-        raise InputError(
-            f"reactions: given a model of throws with {part or 'parts beside the crank plane'}; allowed are "
-            "throws of one pin that are symmetric about the crank plane, because for others a force in "
-            "that plane does not leave the ends in it: use analyze_throw."
-        )
-    if kind == "neighbors" and angle_law_remarks(family, throw):
-        raise InputError(
-            "support: given Neighbors to a model of throws that are not alike from both ends; allowed are "
-            '"pinned" and "guided", because only equal webs have reactions in closed form between '
-            "neighbors: use analyze_throw."
-        )

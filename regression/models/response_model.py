@@ -11,8 +11,7 @@ from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel
-from regression.fits.forms import FittedForm
-from regression.fits.terms import code
+from regression.fits.forms import FittedForm, code
 from regression.throw_values import format_value
 
 if TYPE_CHECKING:  # a lookup needs no fits

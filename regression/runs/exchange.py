@@ -21,8 +21,7 @@ from regression.plans.plan import MODEL_VERSION, StudyPlan, Variants
 from regression.plans.relations import evaluate_expression
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome
 from regression.response_kinds import is_positive_response
-from regression.runs.store import ResultStore
-from regression.runs.store_file import damaged_rows_warning
+from regression.runs.store import ResultStore, damaged_rows_warning
 from regression.runs.study_table import DONE, StudyRow, StudyTable, throw_dimensions, throw_outlines
 from regression.throw_values import field_unit, format_value, same_dimension
 

@@ -28,9 +28,10 @@ from regression.plans.plan import (
 )
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, content_key
 from regression.runs.exchange import StoreResults, factor_value, read_rows, read_store
-from regression.runs.store import Claims, ResultStore
-from regression.runs.store_file import (
+from regression.runs.store import (
     SCHEMA_VERSION,
+    Claims,
+    ResultStore,
     check_place,
     connect_readonly,
     damaged_rows_warning,

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from crankfem import load_throw
 from crankfem.analyses.study.studies import StudyResult, fitted
-from regression.models.extrapolation import ErrorBand, error_band
+from regression.models.response_query import ErrorBand, error_band
 from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan

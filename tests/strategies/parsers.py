@@ -19,7 +19,7 @@ from crankbase.quantity import parse_quantity
 from crankfem.files.engine.throw_file import load_study, load_throw_file
 from dynamics.gas.pressure import read_pressure_table
 from dynamics.harmonics import read_torque_table
-from regression.models.model_file import checksum
+from regression.models.compliance_model import checksum
 from regression.plans.relations import (
     calculated,
     constraint_violations,

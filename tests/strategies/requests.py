@@ -112,7 +112,8 @@ ASSIGNED = (
 
 
 def _examples() -> list[list[str]]:
-    return [shlex.split(text) for command in cli.COMMANDS for text in command.examples] + [
+    listed = [examples for group in cli.COMMANDS.values() for examples in group.values()]
+    return [shlex.split(text) for examples in listed for text in examples] + [
         shlex.split(text)
         for text in (
             "lookup law --throw throw.toml --gamma '120 deg'", "lookup model.json web_thickness=60mm",

@@ -28,7 +28,7 @@ from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
 from regression.records import StudyStoppedError
-from regression.runs import store_file as store_module
+from regression.runs import store as store_module
 from regression.runs import workers
 from regression.runs import workers as workers_module
 from regression.runs.store import ResultStore

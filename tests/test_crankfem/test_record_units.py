@@ -123,8 +123,8 @@ def test_so_have_numbers_of_finite_elements(line, lightly, call, printed):
 
 @pytest.mark.slow
 def test_so_have_those_of_vibration(coupled_vibration, printed):
-    record = run_record(coupled_vibration("6chn25-34"))
-    content = json.loads(json.dumps(with_units(record)))
+    record = with_units(run_record(coupled_vibration("6chn25-34")))
+    content = json.loads(json.dumps(record))
     printed.clear()
     print_run(record, SI)
     assert compared(content, printed) > 150

@@ -262,9 +262,8 @@ def test_damping_at_a_node_of_the_mode_leaves_it_unbounded():
 
 
 def test_an_unknown_method_is_refused():
-    system = chain_system(Chain([1.0, 1.0], [2e4]))
     with pytest.raises(InputError, match="method: given 'guess'"):
-        harmonic_response(system, np.array([1.0]), np.ones((1, 2), complex), "guess")
+        forced_response(TWO, excitation(), method="guess")
 
 
 ONE = Chain([1.0], [], ground=[1e4])  # 100 rad/s

@@ -109,7 +109,9 @@ def test_samples_of_any_result():
 
 
 def test_separation_margin():
-    margins = separation_margin([70.0, 95.0, 230.0], [80.0, 105.0, 250.0], (100.0, 200.0))
+    margins = separation_margin(
+        np.array([70.0, 95.0, 230.0]), np.array([80.0, 105.0, 250.0]), (100.0, 200.0)
+    )
     assert margins == close([0.2, 0.0, 0.15])
 
 
@@ -157,7 +159,7 @@ def test_critical_ranges_take_each_chains_own_peaks_and_tell_every_peak():
         ),
         (lambda: sampled_factors([]), "spreads: given none"),
         (lambda: scaled_chain(CHAIN, SPREADS, [1.0]), "factors: given 1 for 7 spreads"),
-        (lambda: separation_margin([1.0], [2.0], (2.0, 1.0)), "the lowest and then the highest"),
+        (lambda: critical_ranges(CHAIN, [], [1.0], (2.0, 1.0)), "the lowest and then the highest"),
     ],
 )
 def test_impossible_ranges_are_refused(call, message):

@@ -13,10 +13,14 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
-from regression.models.compliance_model import ComplianceModel
-from regression.models.extrapolation import OutsideRangeWarning
-from regression.models.model_file import FILE_FORMAT, FORMAT_VERSION, checksum
+from regression.models.compliance_model import (
+    FILE_FORMAT,
+    FORMAT_VERSION,
+    ComplianceModel,
+    checksum,
+)
 from regression.models.response_model import ResponseModel
+from regression.models.response_query import OutsideRangeWarning
 
 ROOT = Path(__file__).resolve().parents[2]
 FACTORS = ("web_width", "web_thickness", "pin_length")

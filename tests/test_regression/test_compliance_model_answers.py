@@ -19,13 +19,11 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
-from regression.fits.forms import FittedForm
-from regression.fits.terms import polynomial_terms
+from regression.fits.forms import FittedForm, polynomial_terms
 from regression.models.angle import between, fold_angle
 from regression.models.compliance_model import ComplianceModel
-from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.response_model import ResponseModel
-from regression.models.response_query import PIECE, compile_equation
+from regression.models.response_query import PIECE, OutsideRangeWarning, compile_equation
 
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098)}
 GRID = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in BOX.values()))))

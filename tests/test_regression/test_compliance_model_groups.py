@@ -13,11 +13,17 @@ from crankbase.results import plain
 from fem.material import STEEL
 from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
-from regression.fits.forms import group_encoding
-from regression.fits.terms import GROUPS, group_named, group_names, group_values, independent_groups
+from regression.fits.forms import (
+    GROUPS,
+    group_encoding,
+    group_named,
+    group_names,
+    group_values,
+    independent_groups,
+)
 from regression.models.compliance_model import ComplianceModel
-from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.response_model import ResponseModel
+from regression.models.response_query import OutsideRangeWarning
 from regression.plans.factors import Factor
 from regression.response_kinds import response_scale
 

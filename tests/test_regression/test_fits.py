@@ -13,7 +13,7 @@ from scipy.stats import qmc
 from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
-from regression.fits.forms import FORMS, FittedForm, form_named
+from regression.fits.forms import FORMS, FittedForm, design_matrix, form_named, polynomial_terms
 from regression.fits.selection import (
     adjusted,
     backward,
@@ -22,7 +22,6 @@ from regression.fits.selection import (
     least_squares,
     left_out_predictions,
 )
-from regression.fits.terms import design_matrix, polynomial_terms
 
 FACTORS = ("web_width", "web_thickness", "pin_length")
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.records import ExtraRow, Outcome, StudyStoppedError, content_key
-from regression.runs import store_file
-from regression.runs import store_file as store_module
+from regression.runs import store as store_module
 from regression.runs.store import ResultStore
 
 DONE = Outcome(
@@ -123,7 +122,7 @@ def test_a_study_registered_twice_stands_once(tmp_path):
 
 
 def test_the_columns_of_the_view_are_fields_that_there_are():
-    assert set(store_file.DIMENSIONS) <= set(CrankThrow.model_fields)
+    assert set(store_module.DIMENSIONS) <= set(CrankThrow.model_fields)
 
 
 # --------------------------------------------------------------------------------- rows from elsewhere
@@ -169,7 +168,9 @@ def test_a_store_in_a_folder_that_cannot_be_written_is_refused():
         ResultStore("/proc/runs.sqlite")
 
 
-@pytest.mark.parametrize("layout", [store_file.SCHEMA_VERSION - 1, store_file.SCHEMA_VERSION + 1])
+@pytest.mark.parametrize(
+    "layout", [store_module.SCHEMA_VERSION - 1, store_module.SCHEMA_VERSION + 1]
+)
 @pytest.mark.parametrize("readonly", [False, True])
 def test_a_store_of_another_layout_is_refused_and_left_alone(tmp_path, layout, readonly):
     path = tmp_path / "runs.sqlite"

@@ -21,10 +21,16 @@ import pytest
 
 from crankbase.errors import InputError
 from crankfem.files.engine.throw_file import load_throw_file
-from regression.law.hand_formula import hand_value
-from regression.law.networks import OUTPUTS
-from regression.law.ratios import PLAIN, RANGES, REAL, ratios
-from regression.law.throw_law import LawAnswers, axial_law
+from regression.law.throw_law import (
+    OUTPUTS,
+    PLAIN,
+    RANGES,
+    REAL,
+    LawAnswers,
+    axial_law,
+    hand_value,
+    ratios,
+)
 
 DATA = Path(__file__).parents[2] / "data"
 TABLES, ENGINES = DATA / "tables", DATA / "engines"

@@ -17,8 +17,7 @@ import pytest
 
 from comparing import close
 from regression.fits.fits import fit_form
-from regression.fits.forms import FORMS
-from regression.fits.terms import code, design_matrix
+from regression.fits.forms import FORMS, code, design_matrix
 
 # Not statsmodels.api, which loads all of the library.
 statsmodels = pytest.importorskip("statsmodels.regression.linear_model")

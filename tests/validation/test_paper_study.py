@@ -21,9 +21,8 @@ from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
-from regression.fits.forms import FORMS
+from regression.fits.forms import FORMS, code, design_matrix, group_names, group_values
 from regression.fits.selection import choose
-from regression.fits.terms import code, design_matrix, group_names, group_values
 from regression.response_kinds import response_scale
 
 GOLDEN = Path(__file__).parents[1] / "golden"

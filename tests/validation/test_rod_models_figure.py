@@ -15,12 +15,11 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-from crankfem.analyses.mechanism.rod_models import (
+from crankfem.analyses.mechanism.mechanism_records import (
     model_difference,
-    model_difference_record,
     rod_mass_records,
 )
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.files.engine.mechanism_file import load_mechanism
 from geometry.mass import cylinder_mass_properties
 
@@ -63,9 +62,9 @@ def crankpin_load(alpha, gas, speed, near, length, masses):
 
 def told(record):
     return [
-        100.0 * record["largest_of_same_angle"],
-        record["largest_of_same_angle_deg"],
-        100.0 * record["largest_of_mean"],
+        100.0 * record.largest_of_same_angle,
+        record.largest_of_same_angle_deg,
+        100.0 * record.largest_of_mean,
     ]
 
 
@@ -88,16 +87,14 @@ def test_figure_4(panel, length, inertia, three_masses, rigid, tmp_path, figure)
         path.write_text(text, encoding="utf-8")
         file = load_mechanism(path)
     run = run_mechanism(file, model="two-mass", motored=panel == "b", masses=NO_THROWS)
-    record = model_difference_record(model_difference(run, "three-mass"))
+    record = model_difference(run, "three-mass")
 
-    alpha = np.radians(
-        np.array(record["shaft_angles_deg"]) - run.layout.cylinders[0].top_shaft_angle_deg
-    )
+    alpha = np.radians(record.shaft_angles_deg - run.layout.cylinders[0].top_shaft_angle_deg)
     near = run.layout.cylinders[0].rod.center_distance  # to the digits of the file's rotating mass
     assert near == close(0.097, rel=5e-6)
     at_piston = ROD * near / length
     models = ((ROD - at_piston, at_piston, 0.0), masses_1(near, length - near, inertia))
-    for own, masses, name in zip(record["sizes"], models, record["models"], strict=True):
+    for own, masses, name in zip(record.sizes, models, record.models, strict=True):
         wanted = crankpin_load(alpha, run.forces.gas[0], run.speed, near, length, masses)
         what = f"figure 4{panel}: crankpin load, {name}"
         figure(what, own, wanted, 1e-12, "N", scale=wanted.max())
@@ -108,6 +105,6 @@ def test_figure_4(panel, length, inertia, three_masses, rigid, tmp_path, figure)
     what = f"figure 4{panel}: largest difference at the same angle"
     figure(what, told(record)[0], three_masses[0], 0.05, "%", "absolute")
     assert told(record) == close(three_masses, abs=0.05)
-    assert told(model_difference_record(model_difference(run, "rigid"))) == close(rigid, abs=0.05)
+    assert told(model_difference(run, "rigid")) == close(rigid, abs=0.05)
     # In the text: 5 to 8 %.
     assert 5.0 <= abs(told(record)[0]) <= 8.0

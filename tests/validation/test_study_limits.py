@@ -18,7 +18,7 @@ from crankfem.analyses.study.fit_records import compliance_model
 from crankfem.analyses.study.response_fits import fit_study
 from crankfem.cli.app import app
 from parts_in_a_line import crank_throw
-from regression.models.extrapolation import OutsideRangeWarning
+from regression.models.response_query import OutsideRangeWarning
 from regression.optimum import Limit, find_optimum
 from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor

@@ -2,7 +2,7 @@
 
 import cmath
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from crankbase.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
@@ -346,3 +346,16 @@ def balance_contents(record: Record, units: OutputUnits = SI) -> str:
 def _has_counterweights(record: Record) -> bool:
     """Whether any throw has counterweights."""
     return any(any(row["counterweights"]) for row in record["throws"])
+
+
+def balance_parts(record: Record, units: OutputUnits = SI) -> Iterator[Table | str]:
+    """Return what is in the balance of a `mechanism_balance_record`, its forces and moments."""
+    yield moving_mass_table(record)
+    yield throw_mass_table(record)
+    yield balance_contents(record, units)
+    yield balance_table(record, "force", units)
+    yield balance_table(record, "moment", units)
+    yield (
+        f'"{BALANCED_TEXT}": less than 1e-12 of all masses times R w^2. Axis of the largest value: from '
+        "the vertical, in the sense of rotation."
+    )

@@ -1,28 +1,385 @@
-"""A crank mechanism's forces as plain numbers."""
+"""A crank mechanism's forces as plain numbers, the models of a rod compared, and their tables."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Annotated
 
 import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
+from crankbase.results import Internal, Number, Part, Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
-from crankfem.analyses.mechanism.rod_models import ROUND_OFF, ModelDifference, compare_rod_models
-from crankfem.analyses.record import Record, assumed_values, attributes
+from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.cycle import cycle_radians
+from dynamics.engine import ROD_MODELS, RodModelName
 from dynamics.engine.forces import (
     LoadDiagram,
+    MechanismForces,
     acceleration_orders,
+    crankpin_loads,
+    mechanism_forces,
     order_part,
     pin_groups,
     piston_acceleration,
 )
-from dynamics.engine.layout import EngineLayout, firing_intervals
+from dynamics.engine.layout import EngineLayout, firing_intervals, repeating_intervals
 from dynamics.excitation.pressure_map import indicated_power
+
+# Shares below this are round-off.
+ROUND_OFF = 1e-12
+LOAD_COLUMNS = (
+    Column("mean", "kN"),
+    Column("largest", "kN"),
+    Column("at", "deg"),
+    Column("mean", "MPa"),
+    Column("largest", "MPa"),
+)
+
+
+def cylinder_table(record: Record) -> Table:
+    """Return pressures and largest forces by cylinder."""
+    return Table(
+        "Cylinders",
+        [
+            Column("cylinder", words=True),
+            Column("p", "MPa"),
+            Column("at", "deg"),
+            Column("p_i", "MPa"),
+            *(Column(symbol, "kN") for symbol in ("N", "pin", "T")),
+        ],
+        [
+            [
+                str(row["cylinder"]),
+                row["peak_pressure"],
+                math.radians(row["peak_angle_deg"]),
+                row["mean_effective_pressure"],
+                *(row[f"largest_{name}_force"] for name in ("side", "piston_pin", "tangential")),
+            ]
+            for row in record["cylinders"]
+        ],
+        note="p: peak pressure, absolute, and its angle from the firing top; p_i: mean indicated pressure; "
+        "N, pin, T: largest side force, piston-pin force and tangential force.",
+        merged=True,
+    )
+
+
+def crankpin_table(record: Record) -> Table:
+    """Return loads and specific pressures of the crankpins."""
+    return Table(
+        "Crankpin bearings, angle from the firing top of the cylinder whose rod is on the pin",
+        [Column("cylinder", words=True), *LOAD_COLUMNS],
+        [
+            [
+                "+".join(str(cylinder) for cylinder in row["cylinders"]),
+                *_load_cells(row, row["largest_angle_from_firing_deg"]),
+            ]
+            for row in record["crankpins"]
+        ],
+        merged=True,
+    )
+
+
+def bearing_table(record: Record) -> Table:
+    """Return loads and specific pressures of the main bearings."""
+    return Table(
+        "Main bearings, each throw supported by its two bearings, shaft angle",
+        [Column("bearing", words=True), *LOAD_COLUMNS],
+        [
+            [str(place), *_load_cells(row, row["largest_angle_deg"])]
+            for place, row in enumerate(record["main_bearings"], start=1)
+        ],
+    )
+
+
+def rod_model_table(record: Record) -> Table | None:
+    """Return the effect of the rod models, unless the rod's data make them equal."""
+    rows: Sequence[ModelComparison] = record["rod_models"]
+    if all(row.crankpin < ROUND_OFF for row in rows):
+        return None
+    return Table(
+        "Rod models compared with the rigid rod, largest differences",
+        [
+            Column("model", words=True),
+            Column("crankpin force / its mean", "%", decimals=2),
+            Column("side force / its largest", "%", decimals=2),
+        ],
+        [[row.model, row.crankpin, row.side] for row in rows],
+    )
+
+
+def _load_cells(row: Record, degrees: float) -> list[float]:
+    return [
+        row["mean"],
+        row["largest"],
+        math.radians(degrees),
+        row["mean_specific_pressure"],
+        row["largest_specific_pressure"],
+    ]
+
+
+@result("model", "crankpin", "side")
+class ModelComparison(Result):
+    """Largest differences of a rod model's forces from those of the rigid rod."""
+
+    model: RodModelName
+    crankpin: Annotated[
+        float, Quantity("1", "vector to vector, of the mean size", key="crankpin_beside_mean")
+    ]
+    side: Annotated[float, Quantity("1", "of the largest N", key="side_force_beside_largest")]
+
+
+def compare_rod_models(run: MechanismRun) -> tuple[ModelComparison, ...]:
+    """Compare the rod models with the rigid rod, for the same gas and speed."""
+    rigid = run.forces if run.forces.model == "rigid" else _with_model(run, "rigid")
+    loads = crankpin_loads(rigid)
+    differences = []
+    for name in ROD_MODELS[1:]:
+        forces = _with_model(run, name)
+        crankpin = max(
+            float(np.max(np.abs(crankpin_load.force - load.force))) / load.mean
+            for crankpin_load, load in zip(crankpin_loads(forces), loads, strict=True)
+        )
+        side = float(np.max(np.abs(forces.side - rigid.side)) / np.max(np.abs(rigid.side)))
+        differences.append(ModelComparison(name, crankpin, side))
+    return tuple(differences)
+
+
+def _with_model(run: MechanismRun, model: RodModelName) -> MechanismForces:
+    return mechanism_forces(
+        run.layout,
+        run.speed,
+        run.forces.gas,
+        model=model,
+        shaft_angles_deg=run.forces.shaft_angles_deg,
+    )
+
+
+Shares = Annotated[FloatArray, Quantity("1")]
+Degrees = Annotated[float, Quantity("deg")]
+
+
+@result("models", "mean: first.mean [N]", "of_same_angle", "of_mean", "piston_area")
+class ModelDifference(Result):
+    """The load of one crankpin by two models of the rods' mass; the second is compared with the first.
+
+    Notes
+    -----
+    Yamanin, Zhukov, Baryshnikov 2018, doi 10.21821/2309-5180-2018-10-1-191-200, draw forces over the
+    piston's area, and give the difference of momentary values.
+    """
+
+    models: tuple[RodModelName, RodModelName]
+    first: Internal[LoadDiagram]
+    second: Internal[LoadDiagram]
+    piston_area: Annotated[float, Quantity("m^2", "of the piston above the crankpin")]
+
+    @property
+    def crankpin(self) -> Part[str]:
+        """Its name."""
+        return self.first.name
+
+    @property
+    def shaft_angles_deg(self) -> Annotated[FloatArray, Quantity("deg")]:
+        """Of the following, shape (m,)."""
+        return self.first.angles_deg
+
+    @property
+    def sizes(self) -> Annotated[tuple[FloatArray, FloatArray], Quantity("N")]:
+        """Sizes of the force by both models."""
+        return self.first.magnitude, self.second.magnitude
+
+    @property
+    def change(self) -> FloatArray:
+        """Size of the force by the second model minus that by the first, shape (m,) [N].
+
+        Zero if it is round-off of the largest force.
+        """
+        change = self.second.magnitude - self.first.magnitude
+        return np.where(np.abs(change) < ROUND_OFF * self.first.maximum, 0.0, change)
+
+    @property
+    def of_same_angle(self) -> Shares:
+        """The change as a share of the size by the first model at the same angle, shape (m,)."""
+        return self.change / self.first.magnitude
+
+    @property
+    def of_mean(self) -> Shares:
+        """The change as a share of the mean size by the first model, shape (m,)."""
+        return self.change / self.first.mean
+
+    @property
+    def largest_of_same_angle(self) -> Number:
+        """The largest share of the size at the same angle, signed."""
+        return float(self.of_same_angle[_largest(self.of_same_angle)])
+
+    @property
+    def largest_of_same_angle_deg(self) -> Degrees:
+        """Where it is."""
+        return float(self.first.angles_deg[_largest(self.of_same_angle)])
+
+    @property
+    def largest_of_mean(self) -> Number:
+        """The largest share of the mean size, signed."""
+        return float(self.of_mean[_largest(self.of_mean)])
+
+    @property
+    def largest_of_mean_deg(self) -> Degrees:
+        """Where it is."""
+        return float(self.first.angles_deg[_largest(self.of_mean)])
+
+    @property
+    def mean(self) -> Number:
+        """How the mean by the second model differs from that by the first, as a share."""
+        return self.second.mean / self.first.mean - 1.0
+
+    @property
+    def maximum(self) -> Number:
+        """How the maximum by the second model differs from that by the first, as a share."""
+        return self.second.maximum / self.first.maximum - 1.0
+
+
+def _largest(shares: FloatArray) -> int:
+    return int(np.argmax(np.abs(shares)))
+
+
+def model_difference(run: MechanismRun, model: RodModelName) -> ModelDifference:
+    """Compare the load of the first crankpin by another rod model with that of a run."""
+    return ModelDifference(
+        (run.forces.model, model),
+        run.crankpins[0],
+        crankpin_loads(_with_model(run, model))[0],
+        run.layout.cylinders[0].area,
+    )
+
+
+# A row of the table for every so many degrees of shaft angle, as the dots of the polar diagram.
+ROW_STEP = 30.0
+
+
+def rod_mass_records(layout: EngineLayout) -> list[Record]:
+    """Return the equivalent masses of each rod, by model.
+
+    Returns
+    -------
+    list of dict
+        For each different rod "cylinders", and "models": "model", "at_foot", "at_piston_pin" and
+        "at_center" [kg], None where the model has no mass there, and the additional "inertia" [kg m^2].
+        The foot is at the crankpin, or at the slave pin.
+    """
+    rods = [cylinder.rod for cylinder in layout.cylinders]
+    records = []
+    for rod in dict.fromkeys(rods):
+        places = {"at_foot": 0j, "at_piston_pin": complex(rod.length), "at_center": rod.center}
+        rows = []
+        for model in map(rod.model, ROD_MODELS):
+            masses = dict(zip(model.places, model.masses, strict=True))
+            rows.append(
+                {
+                    "model": model.name,
+                    **{
+                        name: _without_round_off(masses.get(place), rod.mass)
+                        for name, place in places.items()
+                    },
+                    "inertia": _without_round_off(model.added_inertia, rod.inertia),
+                }
+            )
+        records.append(
+            {
+                "cylinders": [number for number, own in enumerate(rods, start=1) if own == rod],
+                "models": rows,
+            }
+        )
+    return records
+
+
+def _without_round_off(value: float | None, scale: float) -> float | None:
+    return 0.0 if value is not None and abs(value) < ROUND_OFF * scale else value
+
+
+def rod_mass_table(records: list[Record]) -> Table:
+    """Return the table of `rod_mass_records`."""
+    several = len(records) > 1
+    return Table(
+        "Equivalent masses of the rod" + ("s" if several else ""),
+        [
+            *([Column("cylinders", words=True)] if several else []),
+            Column("model", words=True),
+            Column("at big end", "kg", missing=""),
+            Column("at piston pin", "kg", missing=""),
+            Column("at center of mass", "kg", missing=""),
+            Column("added inertia", "kg m^2"),
+        ],
+        [
+            [
+                *(
+                    [format_names([str(number) for number in record["cylinders"]])]
+                    if several
+                    else []
+                ),
+                row["model"],
+                *(row[f"at_{place}"] for place in ("foot", "piston_pin", "center")),
+                row["inertia"],
+            ]
+            for record in records
+            for row in record["models"]
+        ],
+    )
+
+
+def model_difference_table(difference: ModelDifference) -> Table | None:
+    """Return the loads of a difference by shaft angle, unless both are the same."""
+    first, second = difference.models
+    if not difference.largest_of_mean:
+        return None
+    degrees = difference.first.angles_deg
+    wanted = np.arange(math.ceil(degrees[0] / ROW_STEP) * ROW_STEP, degrees[-1] + 1e-6, ROW_STEP)
+    rows = [int(np.argmin(np.abs(degrees - angle))) for angle in wanted]
+    pressure = 1e-3 / difference.piston_area
+    return Table(
+        f"Load of {difference.crankpin}, rods as {first} and as {second}",
+        [
+            Column("shaft angle", "deg"),
+            *(Column(name, "kN") for name in difference.models),
+            Column("change", "%", decimals=2),
+            Column("of mean", "%", decimals=2),
+        ],
+        [
+            [
+                math.radians(degrees[row]),
+                *(size[row] for size in difference.sizes),
+                difference.of_same_angle[row],
+                difference.of_mean[row],
+            ]
+            for row in rows
+        ],
+        note=f"1 kN over the area of the piston is {pressure:.4g} MPa. Change: from {first} to {second}, in "
+        f"percent of {first} at the same angle, and of its mean.",
+    )
+
+
+def model_difference_sentence(difference: ModelDifference, units: OutputUnits = SI) -> str:
+    """State the difference between two models."""
+    first, second = difference.models
+    if not difference.largest_of_mean:
+        return f"Load of {difference.crankpin}: the same, to round-off, as {second} and as {first}."
+
+    def share(name: str) -> str:
+        return f"{100.0 * getattr(difference, name):+.2f} %"
+
+    def at(name: str) -> str:
+        return units.of("deg").with_name(math.radians(getattr(difference, f"{name}_deg")))
+
+    same, mean = "largest_of_same_angle", "largest_of_mean"
+    return (
+        f"Load of {difference.crankpin}, from {first} to {second}: it changes by up to {share(same)} of its "
+        f"size at the same angle (at {at(same)}), or {share(mean)} of its mean (at {at(mean)}); its mean "
+        f"changes by {share('mean')}, its maximum by {share('maximum')}."
+    )
+
 
 HIGHEST_ORDER = 8
 # Orders that tables of balance go by; what they leave is told by its largest value.
@@ -127,8 +484,8 @@ def _difference_record(
     }
 
 
-def acceleration_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return the orders of an `acceleration_record`, and the remainder above orders 1 and 2."""
+def acceleration_parts(record: Record, units: OutputUnits = SI) -> Iterator[Table | str]:
+    """Return the orders of an `acceleration_record`, the remainder, and how hinged pistons differ."""
     main = record["pistons"][0]
     speed = units.of("1/min").with_name(record["speed"], 6)
     rows: list[list[float | str | None]] = []
@@ -159,7 +516,7 @@ def acceleration_table(record: Record, units: OutputUnits = SI) -> Table:
         ]
         for piston in record["pistons"]
     ]
-    return Table(
+    yield Table(
         f"Accelerations of the pistons on one crankpin at {speed}",
         [
             Column("order", words=True),
@@ -176,22 +533,17 @@ def acceleration_table(record: Record, units: OutputUnits = SI) -> Table:
         "crank is along the cylinder axis.",
     )
 
-
-def acceleration_sentences(record: Record, units: OutputUnits = SI) -> list[str]:
-    """State the difference between pistons of main and hinged rods, one sentence for each hinged rod."""
-    main = record["pistons"][0]["cylinder"]
-
     def apart(row: Record, which: str) -> str:
         value = units.of("m/s^2").with_name(row[which])
         angle = units.of("deg").with_name(math.radians(row[f"{which}_deg"]))
         return f"{value} at {angle} ({abs(100.0 * row[which] / row['mean_largest']):.2g} %)"
 
-    return [
-        f"Acceleration, cylinder {main} less cylinder {row['cylinder']}, at the same alpha: "
-        f"{apart(row, 'least')} to {apart(row, 'largest')}; percent of the mean of both largest "
-        "accelerations."
-        for row in record["differences"]
-    ]
+    for row in record["differences"]:
+        yield (
+            f"Acceleration, cylinder {main['cylinder']} less cylinder {row['cylinder']}, at the same alpha: "
+            f"{apart(row, 'least')} to {apart(row, 'largest')}; percent of the mean of both largest "
+            "accelerations."
+        )
 
 
 MECHANISM_SECTIONS = ("engine", "rod", "piston", "hinged_rods", "gas")
@@ -236,14 +588,7 @@ def mechanism_record(run: MechanismRun) -> Record:
         "main_bearings": [
             _load_record(load, size) for load, size in zip(run.bearings, journals, strict=True)
         ],
-        "rod_models": [
-            {
-                "model": compared.model,
-                "crankpin_beside_mean": compared.crankpin,
-                "side_force_beside_largest": compared.side,
-            }
-            for compared in compare_rod_models(run)
-        ],
+        "rod_models": compare_rod_models(run),
         "assumed": assumed_values(
             record
             for record in input_values(mechanism)
@@ -369,3 +714,55 @@ def force_columns(
         columns["difference_of_mean"] = compared.of_mean
     heading = f"{run.mechanism.name}, {run.speed * RPM:.10g} 1/min, rods as {run.forces.model}"
     return columns, heading
+
+
+def intervals_text(intervals_deg: Sequence[float], units: OutputUnits) -> str:
+    """Say at which intervals an engine fires; of intervals that repeat, each once."""
+    repeated = repeating_intervals(intervals_deg)
+    angle = units.of("deg")
+    steps = ", ".join(angle.number(math.radians(step)) for step in repeated)
+    if len(repeated) == 1:
+        return f"fires every {steps} {angle.name}"
+    again = " in turn" if len(repeated) < len(intervals_deg) else ""
+    return f"fires at intervals of {steps} {angle.name}{again}"
+
+
+def mechanism_parts(record: Record, units: OutputUnits = SI) -> Iterator[Table | str]:
+    """Return tables and sentences of a `mechanism_record`."""
+    torque, moment = record["torque"], units.of("kN m")
+    yield (
+        f"{record['engine']} at {units.of('1/min').with_name(record['speed_rpm'] / RPM, 5)}, rods as "
+        f"{record['rod_model']}: indicated power {units.of('kW').with_name(record['power'])}, mean indicated "
+        f"pressure {units.of('MPa').with_name(record['mean_indicated_pressure'])}, torque "
+        f"{moment.with_name(torque['mean'])} ({moment.number(torque['smallest'])} to "
+        f"{moment.with_name(torque['largest'])}); {intervals_text(record['firing_intervals_deg'], units)}."
+    )
+    rated = record["rated"]
+    if rated is not None and rated.rated is not None:
+        yield units.text(f"{rated.sentence[0].upper()}{rated.sentence[1:]}.")
+    tables = (
+        make(record) for make in (cylinder_table, crankpin_table, bearing_table, rod_model_table)
+    )
+    yield from filter(None, tables)
+    yield (
+        "Check: the work of the torque differs from the indicated work, the integral of p dV, by "
+        f"{abs(record['energy_error']):.1e} of the work exchanged."
+    )
+    for remark in record["remarks"]:  # assumed values of the cycle are in the list of assumptions
+        if not remark.startswith(ASSUMED):
+            yield units.text(f"Note: {remark.rstrip('.')}.")
+    if record["assumed"]:
+        yield (
+            f"Assumed, not given ({len(record['assumed'])} values; crankfem check lists them with their "
+            "reasons): " + ", ".join(entry["field"] for entry in record["assumed"]) + "."
+        )
+
+
+def rod_parts(record: Record, units: OutputUnits = SI) -> Iterator[Table | str]:
+    """Return the equivalent masses of the rods, and the load by two models, if there are two."""
+    yield rod_mass_table(record["rod_masses"])
+    difference = record["model_difference"]
+    if difference is not None:
+        if table := model_difference_table(difference):
+            yield table
+        yield model_difference_sentence(difference, units)

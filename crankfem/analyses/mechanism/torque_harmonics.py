@@ -43,7 +43,7 @@ def harmonics_table(
             Column("a_k", "deg", decimals=2),
             *map(shown.column, residuals),
         ],
-        list(zip(*_columns(harmonics), harmonics.phase, *residuals.values(), strict=True)),
+        np.column_stack([*_columns(harmonics), harmonics.phase, *residuals.values()]).tolist(),
     )
 
 
@@ -295,7 +295,7 @@ class EngineHarmonics(FiredCylinders):
                     for place, throw in enumerate(self.throws, start=1)
                 ),
             ],
-            list(zip(self.harmonics.orders, *amplitudes, strict=True)),
+            np.column_stack([self.harmonics.orders, *amplitudes]).tolist(),
         )
         yield from self.star_parts(hinged=self.hinged_rods)
         if self.cylinder is not None:
@@ -362,4 +362,4 @@ def _pin_force_table(cylinder: PinForceHarmonics, force: str, units: OutputUnits
         f"Cylinder {cylinder.number}: {force} force {letter} on the crankpin, phases from its "
         f"firing top at {cylinder.firing_angle_deg:g} deg; mean [{mean.name}]: {means}"
     )
-    return Table(title, columns, list(zip(*values, strict=True)))
+    return Table(title, columns, np.column_stack(values).tolist())

@@ -84,17 +84,13 @@ def whole_record(
             ],
             "rotation_ratio": whole.rotation_ratios[0],
             "bending": _bending(whole),
-            "chains": {verdict.kind: _chain(verdict) for verdict in verdicts},
-            "differences": [
-                attributes(
-                    one, "kind", "mode", "rigid_chain", "chain", "shaft", "causes", "sentence"
-                )
-                for one in (() if comparison is None else comparison.differences)
-            ],
-            "flywheel_tilt": None if comparison is None else _tilts(whole, comparison),
             "axial_split": None if coupled is None else _split(coupled, running_range),
         }
-    )
+    ) | {
+        "chains": {verdict.kind: _chain(verdict) for verdict in verdicts},
+        "differences": () if comparison is None else comparison.differences,
+        "flywheel_tilt": None if comparison is None else _tilts(whole, comparison),
+    }
 
 
 def _bending(whole: WholeShaft) -> Record | None:
@@ -115,10 +111,7 @@ def _tilts(whole: WholeShaft, comparison: ShaftComparison) -> Record | None:
     moved = ", ".join(tilt.sentence for tilt in comparison.tilts if tilt.shown)
     return {
         "inertia": inertia,
-        "modes": [
-            attributes(tilt, "kind", "mode", "without", "shaft", "further")
-            for tilt in comparison.tilts
-        ],
+        "modes": comparison.tilts,
         "sentence": f"The last step is the flywheel's inertia about a diameter ({significant(inertia, 3)} "
         f"kg m^2{half}); it moves {moved or 'the first frequencies by less than 0.05 Hz'}. In another order "
         "the steps share the same difference otherwise.",
@@ -130,11 +123,7 @@ def _chain(verdict: ChainVerdict) -> Record:
     (chain_speed, chain), (shaft_speed, shaft) = response.peaks if response else ((None,) * 2,) * 2
     return {
         **attributes(verdict, "suffices", "reasons"),
-        "modes": [
-            attributes(mode, "chain_frequency", "shaft_frequency", "share", "likeness")
-            | attributes(mode, "further_frequency", "further_share")
-            for mode in verdict.modes
-        ],
+        "modes": verdict.modes,
         "chain_amplitude": chain,
         "chain_speed_rpm": None if chain_speed is None else chain_speed * RPM,
         "shaft_amplitude": shaft,

@@ -31,7 +31,7 @@ from regression.fits.sensitivity import (
     sobol_indices,
 )
 from regression.models.compliance_model import ComplianceModel
-from regression.models.extrapolation import find_out_of_range
+from regression.models.response_query import find_out_of_range
 from regression.optimum import Limit
 from regression.plans.factors import Factor, field_value
 from regression.plans.plan import StudyPlan

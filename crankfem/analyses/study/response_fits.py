@@ -16,9 +16,15 @@ from crankbase.summaries import summarized
 from fem.responses import RESPONSES
 from regression.fits.equation_text import equation_text, term_effects
 from regression.fits.fits import Fit, fit_form
-from regression.fits.forms import FORMS, Encoding, Form, factor_encoding, group_encoding
+from regression.fits.forms import (
+    FORMS,
+    Encoding,
+    Form,
+    factor_encoding,
+    group_encoding,
+    group_named,
+)
 from regression.fits.selection import choose
-from regression.fits.terms import group_named
 from regression.plans.factors import field_value
 from regression.plans.plan import PlannedStudy, StudyPlan
 from regression.plans.relations import evaluate_expression

@@ -28,7 +28,6 @@ from crankfem.analyses.submission.firing_cases import (
 from crankfem.analyses.submission.tables import mode_stars, shown_modes
 from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration.misfiring import permitted_at
-from crankfem.analyses.vibration.modes import mode_label
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
@@ -36,7 +35,7 @@ from dynamics.assessment.verdict import Verdict
 from dynamics.assessment.wording import undecided_sentence
 from dynamics.plots.curves import quantity_display
 from dynamics.plots.harmonics import draw_star, finish_stars
-from dynamics.plots.mode_shapes import draw_chain_shapes
+from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from dynamics.torque import same_stars
 
 # Stars in a row of a picture, and mode shapes in one picture.
@@ -59,8 +58,10 @@ def draw_modes(path: Path, run: EngineVibration, first: int) -> None:
             axes,
             modes.shapes[:, shown],
             [
-                f"mode {mode - modes.rigid + 1}: {mode_label(float(modes.frequencies[mode]), nodes)}"
-                for mode, nodes in zip(shown, still, strict=True)
+                f"mode {mode - modes.rigid + 1}: {label}"
+                for mode, label in zip(
+                    shown, shape_labels(modes.frequencies[shown], still), strict=True
+                )
             ],
             still,
             chain.connections,

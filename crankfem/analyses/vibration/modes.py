@@ -33,7 +33,7 @@ from dynamics.critical import (
     major_orders,
     vector_sums,
 )
-from dynamics.plots.mode_shapes import draw_chain_shapes
+from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
@@ -90,21 +90,13 @@ class SourceResult:
         draw_chain_shapes(
             axes,
             modes.shapes[:, shown],
-            [
-                mode_label(frequency, still)
-                for frequency, still in zip(modes.frequencies[shown], positions, strict=True)
-            ],
+            shape_labels(modes.frequencies[shown], positions),
             positions,
             self.chain.chain.connections,
             [short_name(name) for name in self.chain.nodes],
             MOTION[self.chain.kind].quantity,
         )
         return axes
-
-
-def mode_label(frequency: float, nodes: Sequence[float]) -> str:
-    """Return the label of a mode shape: its frequency [Hz] and its number of nodes."""
-    return f"{frequency:.1f} Hz, {len(nodes)} node{'s' if len(nodes) != 1 else ''}"
 
 
 @dataclass(frozen=True)

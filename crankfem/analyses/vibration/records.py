@@ -23,14 +23,12 @@ from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
 from crankfem.analyses.vibration.whole_verdict import whole_criticals
 from crankfem.files.engine.mechanism_cylinders import firing_evenness, firing_sentence
-from dynamics.assessment.barred_ranges import BarredRange
 from dynamics.assessment.limits import worst_use
 from dynamics.assessment.verdict import SAME, LimitCheck, Verdict
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.excitation.axial_forces import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
-from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
 
 
@@ -108,18 +106,12 @@ def assessment_record(assessment: Assessment) -> Record:
     judged_to = {check.limit.name: check.judged[1] for check in verdict.checks}
     return {
         **attributes(verdict, "status", "headline", "sentence"),
-        "decision": attributes(assessment.decision, "status", "sentence")
-        | {
-            "trials": [
-                attributes(trial, "field", "name", "value", "unit", "status", "taken", "why")
-                for trial in assessment.decision.trials
-            ]
-        },
+        "decision": assessment.decision,
         "running_rpm": [speed * RPM for speed in running],
         "worst": _check(verdict.worst, running[1]),
         "checks": [_check(check, running[1]) for check in verdict.checks],
-        "barred": [_range(one) for one in verdict.barred],
-        "started_through": [_range(one) for one in verdict.started_through],
+        "barred": verdict.barred,
+        "started_through": verdict.started_through,
         "remarks": [*assessment.remarks, *verdict.remarks],
         "beside": [*assessment.by_whole, *assessment.beside],
         "by_whole": list(assessment.by_whole),
@@ -137,11 +129,10 @@ def assessment_record(assessment: Assessment) -> Record:
 
 def _verdict(verdict: Verdict) -> Record:
     checks = [_check(check, verdict.running_range[1]) for check in verdict.checks]
-    ranges = (*verdict.barred, *verdict.started_through)
     return {
         **attributes(verdict, "status"),
         "checks": checks,
-        "barred": [_range(one) for one in ranges],
+        "barred": [*verdict.barred, *verdict.started_through],
     }
 
 
@@ -151,7 +142,6 @@ def _check(check: LimitCheck, highest_speed: float) -> Record:
             "limit": check.limit.name,
             "place": check.curve.name,
             "speed_rpm": check.worst_speed * RPM,
-            "cause": None if check.cause is None else _cause(check.cause),
             "in_running_range": check.worst_speed <= highest_speed,
             "value": check.worst_value,
             **attributes(check, "permitted", "used", "passed"),
@@ -162,30 +152,7 @@ def _check(check: LimitCheck, highest_speed: float) -> Record:
             ),
             **attributes(check.limit, "unit", "source", "assumed"),
         }
-    )
-
-
-def _cause(peak_cause: PeakCause) -> Record:
-    """Return the contributions of the orders to a peak, and the sentences on them."""
-    names = (
-        *("order", "contribution", "amplitude", "state", "kind", "mode", "mode_share"),
-        *("magnifier", "detuning"),
-    )
-    return {
-        "sentence": peak_cause.reasons,
-        "orders": [attributes(part, *names) for part in peak_cause.parts],
-    }
-
-
-def _range(barred_range: BarredRange) -> Record:
-    return {
-        **attributes(
-            barred_range, "shown", "sentence", "position", "limits", "allowed", "refusals"
-        ),
-        **attributes(barred_range, "remarks", "ends"),
-        "low_rpm": barred_range.low * RPM,
-        "high_rpm": barred_range.high * RPM,
-    }
+    ) | {"cause": check.cause}
 
 
 def _uncertainty(uncertain: Uncertainty) -> Record:
@@ -193,21 +160,9 @@ def _uncertainty(uncertain: Uncertainty) -> Record:
     frequencies = zip(uncertain.lowest, uncertain.nominal, uncertain.highest, strict=True)
     return plain(
         {
-            "spreads": [
-                attributes(spread, "name", "kind", "low", "high") for spread in uncertain.spreads
-            ],
             "frequencies": [
                 {"mode": mode, "low": low, "nominal": nominal, "high": high}
                 for mode, (low, nominal, high) in enumerate(frequencies, start=1)
-            ],
-            "critical": [
-                {
-                    **attributes(one, "mode", "order", "margin"),
-                    "speed_rpm": one.nominal * RPM,
-                    "low_rpm": one.low * RPM,
-                    "high_rpm": one.high * RPM,
-                }
-                for one in uncertain.critical
             ],
             "barred": [
                 {"low_rpm": low * RPM, "high_rpm": high * RPM} for low, high in uncertain.barred
@@ -222,7 +177,7 @@ def _uncertainty(uncertain: Uncertainty) -> Record:
                 "highest": amplitudes.highest,
             },
         }
-    )
+    ) | {"spreads": uncertain.spreads, "critical": uncertain.critical}
 
 
 def run_record(run: EngineVibration) -> Record:

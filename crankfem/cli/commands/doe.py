@@ -97,7 +97,7 @@ def doe(
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_distinct_files, check_writable
     from regression.runs.exchange import FORMATS, check_export, export_table
-    from regression.runs.store_file import damaged_rows_warning
+    from regression.runs.store import damaged_rows_warning
     from regression.runs.study import read_study
 
     limits = {

@@ -47,8 +47,8 @@ def fit(
     from crankfem.analyses.study.studies import study_key
     from crankfem.cli.tables.study_tables import MAIN_RESPONSE, print_comparisons, print_fits
     from crankfem.jobs.outputs import check_writable, make_output_folder
-    from regression.models.model_file import is_model
-    from regression.runs.store_file import damaged_rows_warning
+    from regression.models.compliance_model import is_model
+    from regression.runs.store import damaged_rows_warning
     from regression.runs.study import read_study
 
     if model.is_dir():

@@ -186,7 +186,7 @@ def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "Output
 def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
     """State the errors included in the bands, and those unknown."""
     from regression.fits.selection import COVERAGE
-    from regression.models.extrapolation import FEWEST, equation_error, percent
+    from regression.models.response_query import FEWEST, equation_error, percent
 
     used = {name: model.responses[name] for name in names}
 

@@ -49,31 +49,26 @@ def mechanism(
 ) -> None:
     """Calculate forces in the crank mechanism, bearing loads, and the balance of the engine."""
     from crankfem.analyses.mechanism.balance_records import (
+        balance_parts,
+        hinged_rod_table,
         hinged_rods_record,
         mechanism_balance_record,
     )
     from crankfem.analyses.mechanism.mechanism_records import (
+        acceleration_parts,
         acceleration_record,
         force_columns,
+        mechanism_parts,
         mechanism_record,
+        model_difference,
+        rod_mass_records,
+        rod_parts,
     )
     from crankfem.analyses.mechanism.mechanism_run import hinged_group, run_mechanism
     from crankfem.analyses.mechanism.plots import plot_model_difference
-    from crankfem.analyses.mechanism.rod_models import (
-        model_difference,
-        model_difference_record,
-        rod_mass_records,
-    )
     from crankfem.analyses.titles import at_speed
     from crankfem.cli.arguments import parse_speed
     from crankfem.cli.console import write_columns
-    from crankfem.cli.tables.mechanism_tables import (
-        print_balance,
-        print_balanced_masses,
-        print_hinged_rods,
-        print_mechanism,
-        print_rod_models,
-    )
     from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_inputs
     from crankfem.jobs.outputs import check_outputs
     from crankfem.report.interactive.mechanism import MECHANISM
@@ -87,7 +82,7 @@ def mechanism(
     compared = None if len(models) == 1 else model_difference(run, models[1])
     record = mechanism_record(run) | {
         "rod_masses": rod_mass_records(run.layout),
-        "model_difference": None if compared is None else model_difference_record(compared),
+        "model_difference": compared,
     }
     balanced, hinged = mechanism_balance_record(run), hinged_rods_record(run.hinged_rods)
     group = hinged_group(run.layout)
@@ -110,13 +105,13 @@ def mechanism(
             }
         )
         return
-    print_mechanism(record, out.units)
+    print_parts(mechanism_parts(record, out.units), out.units)
     if model:
-        print_rod_models(record, out.units)
-    print_balanced_masses(balanced, out.units)
-    print_balance(balanced, out.units)
+        print_parts(rod_parts(record, out.units), out.units)
+    print_parts(balance_parts(balanced, out.units), out.units)
     if pistons is not None:
-        print_hinged_rods(hinged, pistons, out.units)
+        hinged_parts = (hinged_rod_table(hinged), *acceleration_parts(pistons, out.units))
+        print_parts(hinged_parts, out.units)
     if csv is not None:
         console.output.print(f"Forces: {csv}", soft_wrap=True)
     if made:

@@ -72,6 +72,7 @@ def vibration(
         return
     from crankbase.outputs import protect
     from crankfem.analyses.file_check import refuse_what_cannot_run
+    from crankfem.analyses.record import with_units
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
     from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
@@ -124,9 +125,9 @@ def vibration(
         if speed_up is not None:
             written.append(drawn / "run_up.svg")
             picture_run_up(written[-1], run, speed_up)
-    record = run_record(run)
-    if speed_up is not None:
-        record["run_up"] = run_up_record(speed_up)
+    record = with_units(
+        run_record(run) | ({} if speed_up is None else {"run_up": run_up_record(speed_up)})
+    )
     if out.json:
         print_json(record | {"files": [str(path) for path in written]})
     else:

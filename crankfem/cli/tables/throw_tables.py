@@ -9,6 +9,7 @@ from rich.table import Table as RichTable
 from crankbase.errors import InputError
 from crankbase.quantity import RPM, significant
 from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
+from crankfem.analyses.mechanism.mechanism_records import intervals_text
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.formula_records import (
     EngineSpread,
@@ -27,7 +28,6 @@ from crankfem.analyses.throw.throw_record import (
 from crankfem.cli import console
 from crankfem.cli.arguments import angle_text
 from crankfem.cli.console import print_line, print_notes, print_table
-from dynamics.engine.layout import repeating_intervals
 from fem.fillet_peaks import (
     ACROSS_WEB,
     LARGEST_NORMAL,
@@ -573,17 +573,6 @@ def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
         ),
         units,
     )
-
-
-def intervals_text(intervals_deg: Sequence[float], units: OutputUnits) -> str:
-    """Say at which intervals an engine fires; of intervals that repeat, each once."""
-    repeated = repeating_intervals(intervals_deg)
-    angle = units.of("deg")
-    steps = ", ".join(angle.number(math.radians(step)) for step in repeated)
-    if len(repeated) == 1:
-        return f"fires every {steps} {angle.name}"
-    again = " in turn" if len(repeated) < len(intervals_deg) else ""
-    return f"fires at intervals of {steps} {angle.name}{again}"
 
 
 def _cylinders(count: int) -> str:

@@ -1,15 +1,20 @@
 """The sections of a chain file, and the chain that they make."""
 
-from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal
+from types import GenericAlias
+from typing import Any, ClassVar, Literal, cast
 
-from pydantic import Field
+from pydantic import Field, create_model
 
 from crankbase.array_checks import positive_number
 from crankbase.errors import InputError, InputErrors
-from crankbase.model import InputModel, part_field, quantity_field
-from crankfem.files.sections.vibration_sections import AxialDamperPart, TorsionalDamperPart
+from crankbase.model import InputModel, field_extra, part_field, quantity_field
+from crankfem.files.sections.vibration_sections import (
+    AxialDamperPart,
+    TorsionalDamperPart,
+    part_quantity,
+)
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.editing import with_damper
 from dynamics.chains.shaft_line import ShaftCone, shaft_cylinder, shaft_flange
@@ -23,18 +28,7 @@ UNITS = {
     "torsional": {"inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"},
     "axial": {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m"},
 }
-TORSIONAL_UNITS, AXIAL_UNITS = UNITS["torsional"], UNITS["axial"]
-
-
-def _quantity(meaning: str, units: dict[str, str], kind: str, default: Any = 0.0) -> Any:
-    # What need not be there may be zero; the rest is checked where it is used, to be above zero.
-    return quantity_field(
-        meaning,
-        units[kind],
-        minimum=0.0 if default == 0.0 else None,
-        default=default,
-        feature=default is not ...,
-    )
+INERTIA, STIFFNESS, DAMPING = UNITS["torsional"].values()
 
 
 def _pair() -> Any:
@@ -94,42 +88,20 @@ class TorsionalNode(_Varies):
     """An inertia of a torsional chain."""
 
     name: str = Field(description="of the node")
-    inertia: float = _quantity("moment of inertia", TORSIONAL_UNITS, "inertia", 0.0)
+    inertia: float = part_quantity("moment of inertia", INERTIA, 0.0)
     entrained_share: float = quantity_field(
         "share added by entrained water", "", minimum=0.0, default=0.0, feature=True
     )
-    ground_stiffness: float = _quantity("stiffness to ground", TORSIONAL_UNITS, "stiffness")
-    ground_damping: float = _quantity("absolute damping", TORSIONAL_UNITS, "damping")
-
-
-class AxialNode(_Varies):
-    """A mass of an axial chain."""
-
-    name: str = Field(description="of the node")
-    mass: float = _quantity("mass", AXIAL_UNITS, "inertia", 0.0)
-    entrained_share: float = quantity_field(
-        "share added by entrained water", "", minimum=0.0, default=0.0, feature=True
-    )
-    ground_stiffness: float = _quantity("stiffness to ground", AXIAL_UNITS, "stiffness")
-    ground_damping: float = _quantity("absolute damping", AXIAL_UNITS, "damping")
+    ground_stiffness: float = part_quantity("stiffness to ground", STIFFNESS)
+    ground_damping: float = part_quantity("absolute damping", DAMPING)
 
 
 class TorsionalElement(_Shape):
     """A spring of a torsional chain, or a piece of shaft."""
 
-    stiffness: float | None = _quantity("stiffness", TORSIONAL_UNITS, "stiffness", None)
-    damping: float = _quantity("relative damping", TORSIONAL_UNITS, "damping")
-    distributed_inertia: float = _quantity(
-        "inertia spread evenly along it", TORSIONAL_UNITS, "inertia"
-    )
-
-
-class AxialElement(_Shape):
-    """A spring of an axial chain, or a piece of shaft."""
-
-    stiffness: float | None = _quantity("stiffness", AXIAL_UNITS, "stiffness", None)
-    damping: float = _quantity("relative damping", AXIAL_UNITS, "damping")
-    distributed_inertia: float = _quantity("mass spread evenly along it", AXIAL_UNITS, "inertia")
+    stiffness: float | None = part_quantity("stiffness", STIFFNESS, None)
+    damping: float = part_quantity("relative damping", DAMPING)
+    distributed_inertia: float = part_quantity("inertia spread evenly along it", INERTIA)
 
 
 class GearPair(InputModel):
@@ -146,18 +118,11 @@ class TorsionalDashpot(InputModel):
     """Viscous damping between two nodes of a torsional chain without a spring."""
 
     nodes: tuple[str, str] = Field(description="names of the two nodes")
-    damping: float = _quantity("torque per relative speed", TORSIONAL_UNITS, "damping", ...)
+    damping: float = part_quantity("torque per relative speed", DAMPING, ...)
 
 
-class AxialDashpot(InputModel):
-    """Viscous damping between two nodes of an axial chain without a spring."""
-
-    nodes: tuple[str, str] = Field(description="names of the two nodes")
-    damping: float = _quantity("force per relative speed", AXIAL_UNITS, "damping", ...)
-
-
-class _ChainSection(InputModel):
-    """Common fields of torsional and axial chains."""
+class TorsionalChainSection(InputModel):
+    """A torsional chain."""
 
     section: ClassVar[str] = "chain"
 
@@ -169,31 +134,21 @@ class _ChainSection(InputModel):
         "loss factor of each value of stiffness, or of all", "", default=0.0, feature=True
     )
     gears: tuple[GearPair, ...] = part_field("gears", GearPair, many=True)
-
-
-class TorsionalChainSection(_ChainSection):
-    """A torsional chain."""
-
     kind: Literal["torsional"] = Field(description="torsional or axial")
     inertia: tuple[float, ...] | None = quantity_field(
-        "inertias in a row, in place of nodes", TORSIONAL_UNITS["inertia"], default=None
+        "inertias in a row, in place of nodes", INERTIA, default=None
     )
     stiffness: tuple[float, ...] | None = quantity_field(
-        "stiffness between neighbors, in place of elements",
-        TORSIONAL_UNITS["stiffness"],
-        default=None,
+        "stiffness between neighbors, in place of elements", STIFFNESS, default=None
     )
     damping: Numbers = quantity_field(
-        "relative damping of each value of stiffness, or of all",
-        TORSIONAL_UNITS["damping"],
-        default=0.0,
-        feature=True,
+        "relative damping of each value of stiffness, or of all", DAMPING, default=0.0, feature=True
     )
     ground_stiffness: tuple[float, ...] | None = quantity_field(
-        "stiffness of each node of the list to ground", TORSIONAL_UNITS["stiffness"], default=None
+        "stiffness of each node of the list to ground", STIFFNESS, default=None
     )
     ground_damping: tuple[float, ...] | None = quantity_field(
-        "absolute damping of each node of the list", TORSIONAL_UNITS["damping"], default=None
+        "absolute damping of each node of the list", DAMPING, default=None
     )
     nodes: tuple[TorsionalNode, ...] = part_field("nodes", TorsionalNode, many=True)
     elements: tuple[TorsionalElement, ...] = part_field("elements", TorsionalElement, many=True)
@@ -201,37 +156,50 @@ class TorsionalChainSection(_ChainSection):
     dampers: tuple[TorsionalDamperPart, ...] = part_field("dampers", TorsionalDamperPart, many=True)
 
 
-class AxialChainSection(_ChainSection):
-    """An axial chain."""
+def _axial(model: type[InputModel], title: str, **kinds: Any) -> Any:
+    """Return the model of an axial chain that corresponds to a torsional one: masses, other units.
 
-    kind: Literal["axial"] = Field(description="torsional or axial")
-    mass: tuple[float, ...] | None = quantity_field(
-        "masses in a row, in place of nodes", AXIAL_UNITS["inertia"], default=None
-    )
-    stiffness: tuple[float, ...] | None = quantity_field(
-        "stiffness between neighbors, in place of elements", AXIAL_UNITS["stiffness"], default=None
-    )
-    damping: Numbers = quantity_field(
-        "relative damping of each value of stiffness, or of all",
-        AXIAL_UNITS["damping"],
-        default=0.0,
-        feature=True,
-    )
-    ground_stiffness: tuple[float, ...] | None = quantity_field(
-        "stiffness of each node of the list to ground", AXIAL_UNITS["stiffness"], default=None
-    )
-    ground_damping: tuple[float, ...] | None = quantity_field(
-        "absolute damping of each node of the list", AXIAL_UNITS["damping"], default=None
-    )
-    nodes: tuple[AxialNode, ...] = part_field("nodes", AxialNode, many=True)
-    elements: tuple[AxialElement, ...] = part_field("elements", AxialElement, many=True)
-    dashpots: tuple[AxialDashpot, ...] = part_field("dashpots", AxialDashpot, many=True)
-    dampers: tuple[AxialDamperPart, ...] = part_field("dampers", AxialDamperPart, many=True)
+    Parameters
+    ----------
+    **kinds
+        Types of fields that differ.
+    """
+    units = dict(zip(UNITS["torsional"].values(), UNITS["axial"].values(), strict=True))
+    words = {"moment of inertia": "mass", "inertia spread": "mass spread", "inertias": "masses"}
+    fields: dict[str, Any] = {}
+    for name, info in model.model_fields.items():
+        axial, text = copy(info), info.description or ""
+        if (unit := field_extra(info, "unit")) in units:
+            axial.json_schema_extra = {**cast(Any, info.json_schema_extra), "unit": units[unit]}
+            for torsional, word in words.items():
+                text = text.replace(torsional, word) if text.startswith(torsional) else text
+            axial.description = text.replace("torque per", "force per")
+        key = "mass" if name == "inertia" else name
+        fields[key] = (kinds.get(name, info.annotation), axial)
+    made = create_model(model.__name__.replace("Torsional", "Axial"), __base__=InputModel, **fields)
+    made.section, made.__doc__ = model.section, title
+    return made
 
 
-Section = TorsionalChainSection | AxialChainSection
-Node = TorsionalNode | AxialNode
-Element = TorsionalElement | AxialElement
+AxialNode = _axial(TorsionalNode, "A mass of an axial chain.")
+AxialElement = _axial(TorsionalElement, "A spring of an axial chain, or a piece of shaft.")
+AxialDashpot = _axial(
+    TorsionalDashpot, "Viscous damping between two nodes of an axial chain without a spring."
+)
+AxialChainSection: type[TorsionalChainSection] = _axial(
+    TorsionalChainSection,
+    "An axial chain.",
+    kind=Literal["axial"],
+    nodes=GenericAlias(tuple, (AxialNode, ...)),
+    elements=GenericAlias(tuple, (AxialElement, ...)),
+    dashpots=GenericAlias(tuple, (AxialDashpot, ...)),
+    dampers=tuple[AxialDamperPart, ...],
+)
+
+
+Section = TorsionalChainSection
+Node = TorsionalNode
+Element = TorsionalElement
 GROUND_FIELDS = ("ground_stiffness", "ground_damping")
 # Fields of each shape; those of the others may not stand beside it.
 SHAPES = {
@@ -291,9 +259,8 @@ def chain_of(section: Section, material: Material) -> Chain:
         _check_known(f"chain.{field}", name, names)
         return number_of[name]
 
-    listed: Sequence[TorsionalDashpot | AxialDashpot] = section.dashpots
     dashpots: list[Dashpot] = []
-    for k, dashpot in enumerate(listed):
+    for k, dashpot in enumerate(section.dashpots):
         with errors.noted():
             first, second = (place(f"dashpots[{k}].nodes", name) for name in dashpot.nodes)
             dashpots.append(Dashpot(first, second, dashpot.damping))
@@ -302,8 +269,7 @@ def chain_of(section: Section, material: Material) -> Chain:
         with errors.noted():
             driver = place(f"gears[{k}].driver", gear.driver)
             gears.append(Gear(driver, place(f"gears[{k}].driven", gear.driven), gear.ratio))
-    dampers: Sequence[TorsionalDamperPart | AxialDamperPart] = section.dampers
-    for k, part in enumerate(dampers):
+    for k, part in enumerate(section.dampers):
         with errors.noted():
             place(f"dampers[{k}].node", part.node)
     errors.tell()
@@ -333,13 +299,14 @@ def chain_of(section: Section, material: Material) -> Chain:
         if node.variation is not None
     ]
     chain = replace(chain, varying=tuple(laws))
-    for k, part in enumerate(dampers):
+    for k, part in enumerate(section.dampers):
         chain = with_damper(chain, part.node, part.damper(f"chain.dampers[{k}]"))
     return chain
 
 
 def _nodes(section: Section) -> dict[str, Node]:
-    field = "inertia" if isinstance(section, TorsionalChainSection) else "mass"
+    torsional = section.kind == "torsional"
+    field = "inertia" if torsional else "mass"
     listed = getattr(section, field)
     if (listed is None) == (not section.nodes):
         raise InputError(
@@ -353,9 +320,8 @@ def _nodes(section: Section) -> dict[str, Node]:
                     f"chain.{beside}: given together with [[chain.nodes]]; allowed is one of the two, "
                     "because each node has its own there."
                 )
-        tables: Sequence[Node] = section.nodes
         nodes_by_name: dict[str, Node] = {}
-        for number, node in enumerate(tables):
+        for number, node in enumerate(section.nodes):
             if node.name in nodes_by_name:
                 raise InputError(
                     f"chain.nodes[{number}].name: given {node.name!r} a second time; allowed is a "
@@ -370,7 +336,7 @@ def _nodes(section: Section) -> dict[str, Node]:
             f"values of {field}; allowed is a different one for each, because results are named by them."
         )
     grounds = [_of_each_node(section, beside, len(listed)) for beside in GROUND_FIELDS]
-    kind: Any = TorsionalNode if isinstance(section, TorsionalChainSection) else AxialNode
+    kind: Any = TorsionalNode if torsional else AxialNode
     return {
         name: kind(name=name, **{field: inertia}, ground_stiffness=spring, ground_damping=damping)
         for name, inertia, spring, damping in zip(names, listed, *grounds, strict=True)
@@ -388,7 +354,7 @@ def _of_each_node(section: Section, field: str, count: int) -> tuple[float, ...]
 
 
 def _inertia(node: Node) -> float:
-    dry = node.inertia if isinstance(node, TorsionalNode) else node.mass
+    dry: float = getattr(node, "inertia" if isinstance(node, TorsionalNode) else "mass")
     return dry * (1.0 + node.entrained_share)
 
 
@@ -416,7 +382,7 @@ def _elements(section: Section, nodes: int) -> tuple[Element, ...]:
         _of_each(f"chain.{field}", getattr(section, field), count)
         for field in ("damping", "loss_factor")
     )
-    kind: Any = TorsionalElement if isinstance(section, TorsionalChainSection) else AxialElement
+    kind: Any = TorsionalElement if section.kind == "torsional" else AxialElement
     return tuple(
         kind(stiffness=stiffness, damping=c, loss_factor=h)
         for stiffness, c, h in zip(section.stiffness, damping, loss, strict=True)

@@ -13,9 +13,8 @@ from crankfem.files.sections.engine_sections import Engine, Flywheel, ThrustBear
 from crankfem.files.sections.mechanism_sections import Piston, Rod
 from dynamics.excitation.pressure_map import EnginePower
 from geometry.throw import CrankThrow
-from regression.law.ratios import DIVISORS, FILLETS, RANGES, REAL
-from regression.law.ratios import PLAIN as PLAIN_RANGES
-from regression.law.throw_law import axial_law
+from regression.law.throw_law import DIVISORS, FILLETS, RANGES, REAL, axial_law
+from regression.law.throw_law import PLAIN as PLAIN_RANGES
 
 LAW, SHIPPED, M53 = (
     "range of the law's training throws",

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import cached_property
 from typing import ClassVar, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
@@ -137,7 +138,7 @@ class Engine(InputModel):
         _ = self.turning_sense
         return self
 
-    @property
+    @cached_property
     def turning_sense(self) -> int:
         """1 if the shaft turns in the sense in which the angles count, else -1: the firing order tells.
 
@@ -180,7 +181,7 @@ class Engine(InputModel):
             sense * (bank - crank) for bank, crank in zip(banks, self.crank_angles, strict=True)
         ]
 
-    @property
+    @cached_property
     def firing_angles(self) -> tuple[float, ...]:
         """Crank angle at which each cylinder fires, from the first to fire [rad]."""
         tops = self._tops(self.turning_sense)

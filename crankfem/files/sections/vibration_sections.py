@@ -216,7 +216,8 @@ class AxialDamperSection(InputModel):
         return AxialDamper(self.damping, self.stiffness)
 
 
-def _part_quantity(meaning: str, unit: str, default: Any = 0.0) -> Any:
+def part_quantity(meaning: str, unit: str, default: Any = 0.0) -> Any:
+    """Declare a quantity of a part of a chain; with a default it is absent unless given."""
     # What need not be there may be zero; the rest is checked where it is used, to be above zero.
     return quantity_field(
         meaning,
@@ -235,10 +236,10 @@ class TorsionalDamperPart(InputModel):
     name: str = Field(
         "damper ring", description="of the ring's node", json_schema_extra={"feature": True}
     )
-    ring_inertia: float = _part_quantity("inertia of the ring", "kg m^2", ...)
-    hub_inertia: float = _part_quantity("inertia of hub or housing", "kg m^2")
-    damping: float = _part_quantity("viscous damping", "N m s/rad")
-    stiffness: float | None = _part_quantity("dynamic stiffness of the rubber", "N m/rad", None)
+    ring_inertia: float = part_quantity("inertia of the ring", "kg m^2", ...)
+    hub_inertia: float = part_quantity("inertia of hub or housing", "kg m^2")
+    damping: float = part_quantity("viscous damping", "N m s/rad")
+    stiffness: float | None = part_quantity("dynamic stiffness of the rubber", "N m/rad", None)
     loss_factor: float = quantity_field(
         "loss factor, hysteretic damping", "", minimum=0.0, maximum=2.0, default=0.0, feature=True
     )
@@ -272,9 +273,9 @@ class AxialDamperPart(InputModel):
     """A damper against axial vibration."""
 
     node: str = Field(description="name of its node")
-    damping: float = _part_quantity("force per speed", "N s/m", ...)
-    stiffness: float = _part_quantity("stiffness of oil and housing", "N/m")
-    mass: float = _part_quantity("mass of the collar", "kg")
+    damping: float = part_quantity("force per speed", "N s/m", ...)
+    stiffness: float = part_quantity("stiffness of oil and housing", "N/m")
+    mass: float = part_quantity("mass of the collar", "kg")
 
     def damper(self, _field: str) -> AxialDamper:
         """Return the damper."""

@@ -11,7 +11,7 @@ from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.titles import at_speed, short_name
 from crankfem.analyses.vibration.engine_limits import limited_series, of_stress
 from crankfem.analyses.vibration.misfiring import FiringCheck, named
-from crankfem.analyses.vibration.modes import SourceResult, Vibration, mode_label
+from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.plots import plot_shaft_modes
 from crankfem.analyses.vibration.run import EngineVibration, Kind
 from crankfem.report.interactive.plot import Plot, Plots, picture, plot_of_curves
@@ -29,7 +29,7 @@ from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.critical import engine_orders
 from dynamics.plots.campbell import campbell
 from dynamics.plots.curves import SPEED_LABEL, Quantity, in_unit, quantity_display
-from dynamics.plots.mode_shapes import chain_shapes, shaft_shape
+from dynamics.plots.mode_shapes import chain_shapes, shaft_shape, shape_labels
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
 
@@ -42,16 +42,10 @@ def mode_shapes(result: SourceResult, title: str) -> Figure:
     modes = result.modes
     shown = slice(modes.rigid, modes.rigid + SHAPES)
     still = modes.node_positions[shown]
-    labels = [
-        f"mode {number}: {mode_label(frequency, positions)}"
-        for number, (frequency, positions) in enumerate(
-            zip(modes.frequencies[shown], still, strict=True), start=1
-        )
-    ]
     return diagram_figure(
         chain_shapes(
             modes.shapes[:, shown],
-            labels,
+            shape_labels(modes.frequencies[shown], still, numbered=True),
             still,
             result.chain.chain.connections,
             result.chain.nodes,
