@@ -10,7 +10,6 @@ from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.balance_records import mechanism_balance_record
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
-from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
 from crankfem.analyses.provenance import Repetition, provenance
@@ -39,7 +38,7 @@ ANGLES_SHOWN_DEG = np.arange(0.0, 181.0, 5.0)
 
 def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
     """Return the results of a run, without pictures."""
-    engine_file, study = computed.engine_file, computed.study
+    engine_file, study, mechanism = computed.engine_file, computed.study, computed.mechanism
     throws = _throw_records(computed)
     first = next(iter(throws.values()))
     results = RunResults(
@@ -52,7 +51,9 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         angle_law=_angle_record(engine_file, computed.throw.analysis)
         | {"law": first["formulas"]["fe"]["angle_law"]},
         balance=shaft_balance_record(engine_file),
-        mechanism=_mechanism_record(computed.mechanism),
+        mechanism=None
+        if mechanism is None
+        else mechanism_record(mechanism) | {"balance": mechanism_balance_record(mechanism)},
         study=None if study is None else study_record(study.table, study.fits, study.model),
         harmonics=None
         if computed.torque is None or computed.harmonics is None
@@ -132,12 +133,6 @@ def _add_regression(
                 continue
             values[kind] = (answer.value, model.responses[response])
         formulas["regression"] = regression_record(values, source, *remarks) if values else None
-
-
-def _mechanism_record(run: MechanismRun | None) -> Record | None:
-    if run is None:
-        return None
-    return plain(mechanism_record(run) | {"balance": mechanism_balance_record(run)})
 
 
 def _radial_force(inputs: RunInputs) -> float:
