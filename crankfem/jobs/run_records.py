@@ -18,8 +18,6 @@ from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.run_results import NamedThrow, RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.whole_records import shaft_balance_record, shaft_record
-from crankfem.analyses.strength.cycle_fatigue import fatigue_record
-from crankfem.analyses.strength.engine_strength import strength_record
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
@@ -69,8 +67,8 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         else checked(engine_file.two_mass, computed.harmonics),
         shaft=shaft_record(computed.vibration.shaft, computed.crank_analyses),
         vibration=plain(run_record(computed.vibration)),
-        strength=None if computed.strength is None else strength_record(computed.strength),
-        fatigue=None if computed.fatigue is None else fatigue_record(computed.fatigue),
+        strength=computed.strength,
+        fatigue=computed.fatigue,
         fatigue_note=computed.fatigue_note,
         throws=throws if engine_file.throws_by_name else None,
         repeat=repeat,
