@@ -661,6 +661,8 @@ def test_a_coupling_over_the_frequency_and_a_bearing_over_the_speed():
     top = finer[np.argmax([abs(motion(1.0, speed, forces[0, 0])[1]) for speed in finer])]
     assert peaks[1.0].speed == close(top, 2e-3)
     assert peaks[1.0].undamped_speed == close(top, 0.02)
+    met = chain_system(chain).frequencies_met(1.0)[0] * 2.0 * np.pi
+    assert np.min(np.abs(met - peaks[1.0].undamped_speed)) < 0.01 * top
     cause = peak_cause(answer, element_loads(answer).elastic, 1, int(np.argmin(abs(speeds - top))))
     assert sum(part.contribution for part in cause.parts) == close(cause.amplitude)
 
