@@ -11,15 +11,11 @@ from crankbase.model import field_extra
 from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.record import Record, attributes
-from crankfem.analyses.shaft.sources import chosen_regressions, refused, usable_model
+from crankfem.analyses.shaft.sources import chosen_regressions, refused
 from crankfem.analyses.study.nominal_throw import outside_study
 from crankfem.analyses.study.response_fits import check_study_can_be_fitted
 from crankfem.analyses.throw.law_record import law_record
-from crankfem.analyses.vibration.engine_excitation import (
-    engine_harmonics,
-    failing_harmonics,
-    refuse_vibration,
-)
+from crankfem.analyses.vibration.engine_excitation import refuse_forced_vibration
 from crankfem.analyses.vibration.engine_limits import engine_limits, rule_reason
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
@@ -53,33 +49,21 @@ def refuse_what_cannot_run(engine_file: EngineFile, content: TomlFile | None = N
         With one sentence that names the field, what was given and what is allowed.
     """
     with nullcontext() if content is None else content.with_lines():
-        refuse_vibration(engine_file)
-        if engine_file.gas is not None or engine_file.gas_map is not None:
-            _refuse_pressures(engine_file)
+        refuse_forced_vibration(engine_file)
         _refuse_study(engine_file)
         if engine_file.torque_table is not None:
             _ = read_torque_table(engine_file.torque_table, strokes=engine_file.engine.strokes)
 
 
 def _refuse_study(engine_file: EngineFile) -> None:
-    """Refuse a saved model, or a study, that cannot give what is wanted of it."""
-    if engine_file.vibration.model is not None:
-        usable_model(engine_file, None)
-    elif engine_file.study is not None:
+    """Refuse a study that cannot give what is wanted of it, unless a saved model stands for it."""
+    if engine_file.vibration.model is None and engine_file.study is not None:
         check_study_can_be_fitted(engine_file.study.planned)
         reason = outside_study(engine_file.study)
         for kind in chosen_regressions(engine_file.vibration) if reason else ():
             raise refused(
                 engine_file, kind, f"does not apply to the throw that its study varies: {reason}"
             )
-
-
-def _refuse_pressures(engine_file: EngineFile) -> None:
-    """Refuse a pressure that cannot be reached or resolved at a speed for which it is calculated."""
-    mechanism = mechanism_of(engine_file)
-    harmonics = engine_harmonics(engine_file, mechanism)
-    if engine_file.misfire is not None:
-        _ = failing_harmonics(engine_file, mechanism, harmonics)
 
 
 THROW_COMMANDS = ("throw", "stress", "formulas", "draw", "export")

@@ -87,8 +87,8 @@ BARRED_SOURCE = (
 )
 
 USUAL_HIGHEST_RATIO = 0.8
-# Of the distance of two speeds, to find where a limit is met between them.
-HALVINGS = 40
+# Of the distance of two speeds, to find where a limit is met between them: so many parts, so often.
+PARTS, ROUNDS = 256, 5
 
 
 @dataclass(frozen=True)
@@ -432,12 +432,17 @@ def _crossing(
     if np.isinf(used[place]):
         return float(speeds[other])
     above, below = float(speeds[place]), float(speeds[other])
-    for _ in range(HALVINGS):
-        middle = 0.5 * (above + below)
-        share = (middle - speeds[place]) / (speeds[other] - speeds[place])
+    for _ in range(ROUNDS):
+        tried = np.linspace(above, below, PARTS + 1)
+        share = (tried - speeds[place]) / (speeds[other] - speeds[place])
         value = values[place] + share * (values[other] - values[place])
-        permitted = float(limit.continuous.at(np.array([middle]))[0])
-        above, below = (middle, below) if value > permitted else (above, middle)
+        exceeded = value > limit.continuous.at(tried)
+        # By halves, as more than one part may meet the limit.
+        first, last = 0, PARTS
+        while last - first > 1:
+            middle = (first + last) // 2
+            first, last = (middle, last) if exceeded[middle] else (first, middle)
+        above, below = float(tried[first]), float(tried[last])
     return above
 
 

@@ -184,7 +184,7 @@ def _curve(response: ForcedResponse, values: NDArray[np.complex128], name: str) 
 
 
 # Sums made at once.
-TOGETHER = 32
+TOGETHER = 128
 
 
 def largest_amplitude(series: OrderSeries, weights: FloatArray) -> tuple[float, int, int]:

@@ -378,22 +378,42 @@ class _Vibration:
 
     def maxima(self) -> _Maxima:
         """Return the local maxima of all orders at all places."""
-        maxima = [self._maxima(order) for order in range(self.response.orders.size)]
+        known = self.response.speeds
+        ends = (float(known[0]), float(known[-1]))
+        frequencies, ratios = self.modes.frequencies, self.modes.damping_ratios
+        # Speeds about each order's resonances; at all of them together the system is solved once.
+        # With a stiffness that varies, peaks are elsewhere than at the constant one.
+        even = np.linspace(*ends, VARYING * known.size if self.response.system.varying else 0)
+        added = [
+            np.setdiff1d(np.append(refined_speeds(frequencies, ratios, [order], ends), even), known)
+            for order in self.response.orders.tolist()
+        ]
+        counts = [speeds.size for speeds in added]
+        about = np.repeat(np.arange(len(added)), counts), np.concatenate(added)
+        splits = np.cumsum(counts)[:-1]
+        answers = self.answer(*about) if any(counts) else self._none
+        parts = [np.split(answer, splits) for answer in answers]
+        maxima = map(self._maxima, range(len(added)), added, *parts)
         return _Maxima._make(np.concatenate(column) for column in zip(*maxima, strict=True))
 
-    def _maxima(self, place: int) -> _Maxima:
+    @property
+    def _none(self) -> tuple[ComplexArray, NDArray[np.bool_], ComplexArray]:
+        """What `answer` returns of no speed."""
+        forces = self.forces.at(np.array(0), self.response.speeds)
+        return self.response.unknowns[0][:0], self.response.unbounded[0][:0], forces[:0]
+
+    def _maxima(
+        self,
+        place: int,
+        added: FloatArray,
+        more: ComplexArray,
+        endless: NDArray[np.bool_],
+        beside: ComplexArray,
+    ) -> _Maxima:
         order, known = float(self.response.orders[place]), self.response.speeds
-        ends = (float(known[0]), float(known[-1]))
-        about = refined_speeds(self.modes.frequencies, self.modes.damping_ratios, [order], ends)
-        if self.response.system.varying:  # peaks are elsewhere than at the constant stiffness
-            about = np.append(about, np.linspace(*ends, VARYING * known.size))
-        added = np.setdiff1d(about, known)
-        motion, unbounded = self.response.unknowns[place], self.response.unbounded[place]
-        forces = self.forces.at(np.array(place), known)
-        if added.size:
-            more, endless, beside = self.answer(np.full(added.size, place), added)
-            motion, forces = np.concatenate((motion, more)), np.concatenate((forces, beside))
-            unbounded = np.concatenate((unbounded, endless))
+        motion = np.concatenate((self.response.unknowns[place], more))
+        forces = np.concatenate((self.forces.at(np.array(place), known), beside))
+        unbounded = np.concatenate((self.response.unbounded[place], endless))
         ascending = np.argsort(np.concatenate((known, added)))
         grid = np.concatenate((known, added))[ascending]
         values = np.abs(
@@ -526,8 +546,9 @@ class _Vibration:
             stands = share[group] >= (LARGE * largest if least is None else min(least, largest))
             main.append(group[np.argmax(np.where(stands, rank[group], -1.0))])
         chosen = maxima.chosen(np.array(main))
+        twice = np.tile(chosen.orders, 2), np.tile(chosen.places, 2)
         speeds = _golden_section(
-            lambda some: self._amplitudes(chosen.orders, chosen.places, some),
+            lambda some: self._amplitudes(*twice, some),
             chosen.low,
             chosen.high,
         )
@@ -623,10 +644,10 @@ def _together(maxima: _Maxima, share: FloatArray, near: FloatArray) -> list[NDAr
 def _golden_section(
     at: Callable[[FloatArray], FloatArray], low: FloatArray, high: FloatArray
 ) -> FloatArray:
-    """Return the maximum of a function within brackets (m,), each with one maximum."""
+    """Return the maximum of functions, of (2 m,) places, within brackets (m,), each with one maximum."""
     for _ in range(STEPS):
         span = SECTION * (high - low)
-        left, right = at(high - span), at(low + span)
+        left, right = np.split(at(np.concatenate((high - span, low + span))), 2)
         falling = left > right
         low, high = np.where(falling, low, high - span), np.where(falling, low + span, high)
     return np.asarray(0.5 * (low + high))

@@ -17,7 +17,7 @@ from crankbase.array_checks import (
 from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.quantity import compact
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
 from dynamics.chains.varying import VaryingSpring
@@ -35,8 +35,7 @@ MAGNIFIER_SOURCE = (
 MEETING_STEPS = 12
 
 
-@summarized("natural [rad/s]", "rigid")
-@dataclass(frozen=True, eq=False)
+@result("natural [rad/s]", "rigid")
 class LinearSystem:
     """M x'' + C x' + K x = f, with K + i H in place of K for harmonic motion.
 
@@ -255,8 +254,7 @@ NAMED = 2
 PASSIVE = "it is that of a passive element"
 
 
-@summarized("chain.inertia", "chain.stiffness", "record")
-@dataclass(frozen=True, eq=False)
+@result("chain.inertia", "chain.stiffness", "record")
 class DampedChain:
     """A chain with all of its damping.
 

@@ -1,7 +1,6 @@
 """Any quantity that vibrates by orders, and the sum of its orders over the cycle."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from math import gcd, lcm
@@ -21,7 +20,7 @@ from crankbase.choices import whole_number, whole_within
 from crankbase.diagrams import Curves, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes, Dataset, grid
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.indices import index_of_name
 from dynamics.plots.curves import (
     MAIN_ORDERS,
@@ -96,7 +95,7 @@ SAME_ORDER = 1e-9
 # Most cycles of the highest order in one period of the sum.
 MOST_CYCLES = 20_000
 # Samples to each cycle of the highest order; the bound on the error follows from it.
-SAMPLES_PER_CYCLE = 32
+SAMPLES_PER_CYCLE = 16
 # No sampled peak is lower than its true one by more than this share: see `synthesis`.
 PEAK_ERROR_BOUND = 1.0 - float(np.cos(np.pi / SAMPLES_PER_CYCLE))
 # Newton steps from a sample to the peak beside it, each within one step of the samples.
@@ -109,8 +108,7 @@ SAME_PEAK = 1e-9
 BATCH = 2**19
 
 
-@summarized("speeds [rad/s]", "amplitude", "plain_sum", "period [rad]")
-@dataclass(frozen=True, eq=False)
+@result("speeds [rad/s]", "amplitude", "plain_sum", "period [rad]")
 class Synthesis:
     """Vibration with all orders together, at each speed and location.
 
@@ -165,7 +163,7 @@ def synthesis(
     (Ehlich, Zeller, Mathematische Zeitschrift 86, 1964, 41-44). After subtracting the middle of the extreme
     samples, the same holds for half the distance of the extremes, as no other constant gives a
     smaller largest value than the true middle: the error of the sampled amplitude is below
-    1 - cos(pi N / m), 0.48 % with the 32 samples to a cycle of the highest order used here. Every
+    1 - cos(pi N / m), 1.9 % with the 16 samples to a cycle of the highest order used here. Every
     sample that may be next to the true extreme is then followed to the peak by Newton's method,
     which leaves only round-off.
     """
@@ -174,7 +172,7 @@ def synthesis(
     flat = phasors.reshape(count, -1)
     degree = int(multiples[-1])
     size = 2 ** int(np.ceil(np.log2(SAMPLES_PER_CYCLE * degree)))
-    highest, lowest = np.empty(flat.shape[1]), np.empty(flat.shape[1])
+    highest, lowest = extremes = np.empty((2, flat.shape[1]))
     step = max(1, BATCH // size)
     for start in range(0, flat.shape[1], step):
         part = slice(start, start + step)
@@ -184,8 +182,7 @@ def synthesis(
         spectrum = np.zeros((unit.shape[1], size // 2 + 1), dtype=np.complex128)
         spectrum[:, multiples] = 0.5 * size * unit.T
         samples = np.fft.irfft(spectrum, n=size, axis=1)
-        highest[part] = scale * _peaks(multiples, unit, samples)[0]
-        lowest[part] = -scale * _peaks(multiples, -unit, -samples)[0]
+        extremes[:, part] = scale * _extremes(multiples, unit, samples)[0]
     endless = np.zeros(speeds.size, dtype=bool) if unbounded is None else np.any(unbounded, axis=0)
     where = endless.reshape(endless.shape + (1,) * (len(places) - 1))
     top, bottom = highest.reshape(places), lowest.reshape(places)
@@ -244,37 +241,43 @@ def extreme_angles(orders: FloatArray, phasors: ComplexArray) -> tuple[float, fl
     spectrum[multiples] = 0.5 * size * phasors / scale
     samples = np.fft.irfft(spectrum, n=size)[np.newaxis]
     unit = phasors[:, np.newaxis] / scale
-    highest, lowest = (
-        float(_peaks(multiples, sign * unit, sign * samples)[1][0]) / common for sign in (1.0, -1.0)
-    )
+    highest, lowest = (_extremes(multiples, unit, samples)[1][:, 0] / common).tolist()
     return highest, lowest
 
 
-def _peaks(
+def _extremes(
     multiples: NDArray[np.int64], phasors: ComplexArray, samples: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the highest value of each sum (p,) and its first angle, from phasors (K, p) and samples (p, m).
+    """Return the highest and the lowest value of each sum (2, p) and their first angles (2, p).
 
-    The amplitudes of each sum add up to one.
+    The amplitudes of each sum, from phasors (K, p) and samples (p, m), add up to one.
 
     A true peak, measured from the middle of the extremes, exceeds an adjacent sample by a
-    factor of at most 1/cos(pi N / m): samples further below the highest are skipped.
+    factor of at most 1/cos(pi N / m): samples further from the extreme one are skipped.
     """
-    size = samples.shape[1]
-    top = np.max(samples, axis=1)
-    half = 0.5 * (top - np.min(samples, axis=1))
+    sums, size = samples.shape
+    top, bottom = np.max(samples, axis=1), np.min(samples, axis=1)
+    half = 0.5 * (top - bottom)
     margin = 2.0 * half * (1.0 / np.cos(np.pi * multiples[-1] / size) - 1.0)
     # Of the flat array: several times as fast as of rows and columns.
-    row, column = np.divmod(np.flatnonzero(samples >= (top - margin)[:, np.newaxis]), size)
-    heights = samples[row, column]
+    above = np.flatnonzero(samples >= (top - margin)[:, np.newaxis])
+    below = np.flatnonzero(samples <= (bottom + margin)[:, np.newaxis])
+    row, column = np.divmod(np.concatenate((above, below)), size)
+    # A lowest value is the highest one of the sum with the other sign.
+    sign = np.repeat([1.0, -1.0], [above.size, below.size])
+    heights = sign * samples[row, column]
     # A sum that is zero throughout has no peaks.
-    summit = (heights >= samples[row, column - 1]) & (heights >= samples[row, (column + 1) % size])
-    row, column = row[summit & (half[row] > 0.0)], column[summit & (half[row] > 0.0)]
+    summit = (
+        (heights >= sign * samples[row, column - 1])
+        & (heights >= sign * samples[row, (column + 1) % size])
+        & (half[row] > 0.0)
+    )
+    row, column, sign, peaks = row[summit], column[summit], sign[summit], heights[summit]
+    place = np.where(sign > 0.0, row, sums + row)
     step = 2.0 * np.pi / size
     start = step * column
     angle = start.copy()
-    waves = phasors[:, row]
-    peaks = samples[row, column].copy()
+    waves = sign * phasors[:, row]
     # Value, slope and bend of a sum are the real, imaginary and real part of its moments.
     powers = multiples.astype(np.complex128) ** np.arange(3)[:, np.newaxis]
     rises = np.unique(np.diff(multiples, prepend=0), return_inverse=True)
@@ -286,14 +289,14 @@ def _peaks(
         angle = np.clip(angle + move, start - step, start + step)
         if np.all(np.abs(angle - before) <= SETTLED * step):
             break
-    highest, angles = top.copy(), np.zeros(top.shape)
-    np.maximum.at(highest, row, peaks)
-    equal = np.flatnonzero(peaks >= highest[row] - SAME_PEAK)
-    backwards = equal[
-        np.argsort(-angle[equal])
-    ]  # so that the first of equal peaks is the one that stays
-    angles[row[backwards]] = angle[backwards]
-    return highest, angles
+    extremes = np.concatenate((top, -bottom))
+    angles = np.zeros(2 * sums)
+    np.maximum.at(extremes, place, peaks)
+    equal = np.flatnonzero(peaks >= extremes[place] - SAME_PEAK)
+    # So that the first of equal peaks is the one that stays.
+    backwards = equal[np.argsort(-angle[equal])]
+    angles[place[backwards]] = angle[backwards]
+    return np.multiply([[1.0], [-1.0]], extremes.reshape(2, sums)), angles.reshape(2, sums)
 
 
 def _turned(rises: NDArray[np.int64], which: NDArray[np.intp], angle: FloatArray) -> ComplexArray:
@@ -328,8 +331,7 @@ class DrawnBeside(TypedDict, total=False):
     running: tuple[float, float] | None
 
 
-@summarized("orders", "speeds [rad/s]", "amplitude", "names")
-@dataclass(frozen=True, eq=False)
+@result("orders", "speeds [rad/s]", "amplitude", "names")
 class OrderSeries:
     """Values by order, speed and location: y = Re sum_k Y_k exp(i k phi) at the shaft angle phi.
 

@@ -406,10 +406,10 @@ def test_against_dense_samples():
 
 def test_bound_of_the_samples_alone():
     """The worst case of the bound: a single wave whose peaks lie between the samples."""
-    size = 32
+    size = 16
     worst = np.cos(2.0 * np.pi * np.arange(size) / size - np.pi / size)
     assert 1.0 - worst.max() == close(PEAK_ERROR_BOUND, rel=1e-12)
-    assert PEAK_ERROR_BOUND < 0.005
+    assert PEAK_ERROR_BOUND < 0.02
 
 
 def test_plain_sum_is_reached_where_peaks_meet_and_rest_is_rest():

@@ -15,7 +15,12 @@ from crankfem.analyses.shaft.chains import (
     engine_throw_inertias,
     engine_torsional_chain,
 )
-from crankfem.analyses.shaft.sources import axial_by_formulas, refuse_law, torsional_by_formulas
+from crankfem.analyses.shaft.sources import (
+    axial_by_formulas,
+    refuse_law,
+    torsional_by_formulas,
+    usable_model,
+)
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.vibration.engine_limits import (
     ANY_COMPLIANCE,
@@ -30,6 +35,7 @@ from crankfem.files.engine.mechanism_file import (
     MechanismFile,
     curve_at,
     full_load_only,
+    mechanism_of,
     pressure_maps,
     pressures_at,
 )
@@ -539,6 +545,18 @@ def refuse_vibration(engine_file: EngineFile) -> None:
     refuse_law(engine_file)
     _refuse_formulas(engine_file)
     _refuse_chains(engine_file)
+
+
+def refuse_forced_vibration(engine_file: EngineFile) -> None:
+    """Refuse pressures that cannot be reached or resolved, and a saved model that does not fit, too."""
+    refuse_vibration(engine_file)
+    if engine_file.gas is not None or engine_file.gas_map is not None:
+        mechanism = mechanism_of(engine_file)
+        harmonics = engine_harmonics(engine_file, mechanism)
+        if engine_file.misfire is not None:
+            _ = failing_harmonics(engine_file, mechanism, harmonics)
+    if engine_file.vibration.model is not None:
+        usable_model(engine_file, None)
 
 
 def _refuse_formulas(engine_file: EngineFile) -> None:

@@ -71,26 +71,27 @@ def vibration(
         _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
         return
     from crankbase.outputs import protect
-    from crankfem.analyses.file_check import refuse_what_cannot_run
     from crankfem.analyses.record import with_units
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
     from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
-    from crankfem.analyses.vibration.plots import picture_run_up
+    from crankfem.analyses.vibration.engine_excitation import refuse_forced_vibration
     from crankfem.analyses.vibration.records import forced_columns, run_record, run_up_record
     from crankfem.analyses.vibration.run import engine_vibration
-    from crankfem.analyses.vibration.run_up import parse_duration
-    from crankfem.analyses.vibration.run_up import run_up as turned_up
     from crankfem.cli.console import write_columns
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up, print_verdict
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.files.engine.mechanism_file import engine_inputs, mechanism_of
     from crankfem.jobs.outputs import make_output_folder
-    from crankfem.report.interactive.vibration import VIBRATION
+
+    if run_up is not None:
+        from crankfem.analyses.vibration.run_up import parse_duration
+        from crankfem.analyses.vibration.run_up import run_up as turned_up
 
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(content if model is None else with_model(content, model))
-    refuse_what_cannot_run(read, content)
+    with content.with_lines():
+        refuse_forced_vibration(read)
     if strict:
         check_has_limits(read)
     mechanism = mechanism_of(read)
@@ -99,10 +100,15 @@ def vibration(
     tables = make_output_folder(
         "--csv", csv, [f"{column}.csv" for column in (*MOTION, "axial_force")], "table"
     )
-    known = read.gas is not None or read.gas_map is not None
-    there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
-    names = [*VIBRATION.files(there), *([] if run_up is None else ["run_up.svg"])]
-    drawn = make_output_folder("--pictures", pictures, names)
+    drawn = None
+    if pictures is not None:
+        from crankfem.analyses.vibration.plots import picture_run_up
+        from crankfem.report.interactive.vibration import VIBRATION
+
+        known = read.gas is not None or read.gas_map is not None
+        there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
+        names = [*VIBRATION.files(there), *([] if run_up is None else ["run_up.svg"])]
+        drawn = make_output_folder("--pictures", pictures, names)
     console.print_warnings(mechanism.warnings, out.units)
     with console.RunProgress(out.quiet) as progress:
         run = engine_vibration(read, coupled=coupled, step=progress.step)
