@@ -13,7 +13,7 @@ from crankbase.diagrams import BLUE, RED, legend_inside, new_axes, with_gaps, wr
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.quantity import RPM, format_quantity
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, positive_range, usage
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
@@ -216,8 +216,7 @@ def _nelder_mead(
 Damper = TorsionalDamper | AxialDamper
 
 
-@summarized("damper", "used", "used_without", "reached", "sizes")
-@dataclass(frozen=True, eq=False)
+@result("damper", "used", "used_without", "reached", "sizes")
 class SizedDamper:
     """Result of the optimization of a damper.
 

@@ -1,7 +1,6 @@
 """Permitted vibration over the speed: limits with their source, given or from rules."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,14 +13,13 @@ from crankbase.array_checks import (
     read_only,
 )
 from crankbase.errors import InputError
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.indices import within
 
 Values = Callable[[FloatArray], FloatArray]
 
 
-@summarized("low [rad/s]", "high [rad/s]")
-@dataclass(frozen=True, eq=False)
+@result("low [rad/s]", "high [rad/s]")
 class LimitCurve:
     """A permitted value over the speed, within the range of speeds for which it is stated.
 
@@ -61,7 +59,7 @@ class LimitCurve:
         return permitted
 
 
-@summarized(
+@result(
     "quantity",
     "applies_to",
     "unit",
@@ -71,7 +69,6 @@ class LimitCurve:
     "assumed",
     "remark",
 )
-@dataclass(frozen=True, eq=False)
 class VibrationLimit:
     """The permitted value of a quantity in continuous running and while a barred range is passed.
 
@@ -193,8 +190,7 @@ def constant_curve(value: float, low: float = 0.0, high: float = np.inf) -> Limi
     return LimitCurve(lambda speeds: np.full(speeds.shape, value), low, high)
 
 
-@summarized("name", "speeds [rad/s]", "peak")
-@dataclass(frozen=True, eq=False)
+@result("name", "speeds [rad/s]", "peak")
 class AmplitudeCurve:
     """An amplitude over the speed, for comparison with a limit.
 

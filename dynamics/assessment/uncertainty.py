@@ -1,7 +1,7 @@
 """Uncertain values of a chain, and the bounds and samples of its frequencies and amplitudes."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -19,7 +19,6 @@ from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_t
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes
 from crankbase.results import Internal, Number, Result, result
-from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
 
@@ -185,8 +184,7 @@ DEFAULT_SAMPLES, DEFAULT_SEED = 200, 0
 MOST_CALCULATED = 100_000
 
 
-@summarized("values", "nominal", "spreads")
-@dataclass(frozen=True, eq=False)
+@result("values", "nominal", "spreads")
 class Samples:
     """Results of many possible systems.
 

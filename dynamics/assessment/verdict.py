@@ -1,7 +1,7 @@
 """The verdict: vibration over the speed against limits, the measures required, and what decides it."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Literal
 
@@ -23,7 +23,6 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.quantity import RPM, format_quantity
 from crankbase.results import InItsUnit, Result, result
-from crankbase.summaries import summarized
 from dynamics.assessment.barred_ranges import (
     BarredRange,
     BarredRangeRule,
@@ -56,10 +55,9 @@ WORST_DRAWN, SAME = 5, 1e-9  # speeds this near, as a share, are one
 Status = Literal["fine", "barred range needed", "not acceptable"]
 
 
-@summarized(
+@result(
     "limit.name", "worst_value", "permitted", "worst_speed [rad/s]", "used", "passed", "remarks"
 )
-@dataclass(frozen=True, eq=False)
 class LimitCheck:
     """One curve compared with one limit.
 
@@ -206,8 +204,7 @@ class LimitCheck:
         }
 
 
-@summarized("status", "checks", "barred", "running_range [rad/s]")
-@dataclass(frozen=True, eq=False)
+@result("status", "checks", "barred", "running_range [rad/s]")
 class Verdict:
     """Result of comparing an engine's vibration with its limits.
 

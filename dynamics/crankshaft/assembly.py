@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray, one_for_each
 from crankbase.choices import whole_within
 from crankbase.errors import InputError
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import Kind
 from dynamics.chains.varying import Variation, VaryingSpring
@@ -227,8 +227,7 @@ SECTION_MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 ROTATION, TRANSLATION = "rotation about the shaft axis", "axial translation"
 
 
-@summarized("section_count", "mass", "rigid", "positions [m]")
-@dataclass(frozen=True, eq=False)
+@result("section_count", "mass", "rigid", "positions [m]")
 class AssembledShaft:
     """A crankshaft by its matrices.
 

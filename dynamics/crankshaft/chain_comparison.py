@@ -471,8 +471,7 @@ SHARE_LIMIT = 0.95
 RESPONSE_LIMIT = 0.10
 
 
-@summarized("kind", "speeds [rad/s]", "chain", "shaft", "difference")
-@dataclass(frozen=True, eq=False)
+@result("kind", "speeds [rad/s]", "chain", "shaft", "difference")
 class ResponseMatch:
     """Amplitude of the free end by a chain and by the whole shaft.
 

@@ -1,7 +1,7 @@
 """Coupled forced vibration of a whole crankshaft, by tangential and radial forces, and its criticals."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, reduce
 
 import numpy as np
@@ -23,7 +23,7 @@ from crankbase.diagrams import (
 from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.quantity import RPM
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem
 from dynamics.excitation.chain_excitation import combined_excitation
@@ -116,8 +116,7 @@ def pins_of_cylinders(
     return tuple(int(pin) for pin in pins)
 
 
-@summarized("orders", "speeds [rad/s]")
-@dataclass(frozen=True, eq=False)
+@result("orders", "speeds [rad/s]")
 class CoupledResponse:
     """Steady vibration of a whole crankshaft by orders, separately for both kinds of force.
 
@@ -293,8 +292,7 @@ class CoupledResponse:
         )
 
 
-@summarized("point", "both", "orders", "speeds [rad/s]")
-@dataclass(frozen=True, eq=False)
+@result("point", "both", "orders", "speeds [rad/s]")
 class SplitMotion:
     """Motion of a point [m or rad] by tangential forces, by radial forces, and "both": by all.
 

@@ -1,6 +1,6 @@
 """The linear system of a whole crankshaft and its modes, by axial, torsional and bending shares."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from crankbase.choices import check_choice, whole_within
 from crankbase.diagrams import draw_diagram, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.crankshaft.assembly import CLASSES, AssembledShaft
 from dynamics.crankshaft.surroundings import RZ, UZ
@@ -21,8 +21,7 @@ from dynamics.response.linear_system import LinearSystem, natural_modes
 PURE = 0.95
 
 
-@summarized("frequencies [Hz]", "rigid", "names")
-@dataclass(frozen=True, eq=False)
+@result("frequencies [Hz]", "rigid", "names")
 class ShaftModes:
     """Natural modes, ascending: rigid motions first, then all elastic modes.
 
@@ -212,8 +211,7 @@ def rotation_ratio(speed: float, angular_frequencies: FloatArray) -> FloatArray:
 INDEPENDENT = 1e-10
 
 
-@summarized("modes.frequencies [Hz]", "kept", "highest_frequency [Hz]")
-@dataclass(frozen=True, eq=False)
+@result("modes.frequencies [Hz]", "kept", "highest_frequency [Hz]")
 class CrankshaftSystem:
     """A whole crankshaft, prepared for forced vibration.
 

@@ -16,6 +16,7 @@ from crankbase.array_checks import (
 )
 from crankbase.choices import whole_number
 from crankbase.errors import InputError, quoted
+from crankbase.results import result
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import TorsionalRing
@@ -28,8 +29,7 @@ UX, UY, UZ, RX, RY, RZ = range(6)
 SYMMETRIC = 1e-8
 
 
-@summarized("length [m]", "crank_angle_deg [deg]", "stiffness", "pins")
-@dataclass(frozen=True, eq=False)
+@result("length [m]", "crank_angle_deg [deg]", "stiffness", "pins")
 class ShaftThrow:
     """A throw by its matrices, in its own frame, and its position.
 

@@ -20,7 +20,7 @@ from crankbase.array_checks import (
     turning_speeds,
 )
 from crankbase.choices import is_whole, whole_within
-from crankbase.diagrams import new_axes, write_title
+from crankbase.diagrams import draw_curves, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
 from crankbase.quantity import format_number
@@ -45,7 +45,7 @@ from dynamics.gas.gas_cycle import FullLoad, GasCycle, GasCycleResult, gas_cycle
 from dynamics.gas.pressure import ATMOSPHERE, GasPressure, Position
 from dynamics.harmonics import Harmonics, harmonics
 from dynamics.plots.curves import FROM_FIRING, KILO, angle_axis, draw_over_angle, number_axis
-from dynamics.plots.load_diagrams import Frame, check_polar, draw_developed_loads, draw_polar_loads
+from dynamics.plots.load_diagrams import Frame, check_polar, developed_load, draw_polar_loads
 
 # Angles among which a piston's ends of stroke are looked for, and steps of Newton's method after.
 SEARCH_ANGLES = 360
@@ -788,7 +788,7 @@ class LoadDiagram:
         check_polar("crank" if frame is None else frame, mark_step_deg)
         if frame is None:
             axes = new_axes(axes)
-            draw_developed_loads(axes, [(self.name, self)])
+            draw_curves(axes, developed_load(self))
             write_title(
                 axes,
                 f"{self.name}: mean {format_number(KILO * self.mean, 4)} kN, maximum "

@@ -9,7 +9,19 @@ from numpy.typing import NDArray
 
 from crankbase.array_checks import ComplexArray, FloatArray, positive_number
 from crankbase.choices import check_choice
-from crankbase.diagrams import COLORS, GRAY, legend_below, legend_inside, new_axes, write_title
+from crankbase.diagrams import (
+    BLUE,
+    COLORS,
+    GRAY,
+    ORANGE,
+    Curves,
+    Dots,
+    Series,
+    legend_below,
+    legend_inside,
+    new_axes,
+    write_title,
+)
 from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.quantity import format_number
@@ -184,32 +196,33 @@ def draw_polar_loads(
         legend_inside(axes)
 
 
-def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, _Load]]) -> None:
-    """Draw the magnitude of a bearing's force over the shaft angle, with mean and maximum.
-
-    Parameters
-    ----------
-    loads : sequence of tuples of str and Load
-        Each with its name for the legend, one or more.
-    """
-    for number, (name, load) in enumerate(loads):
-        color = COLORS[number % len(COLORS)]
-        degrees = load.angles_deg
-        mean, most = KILO * load.mean, KILO * load.maximum
-        axes.plot(
-            np.append(degrees, 2.0 * degrees[-1] - degrees[-2]),
-            KILO * np.append(load.magnitude, load.magnitude[0]),
-            color=color,
-            linewidth=1.3,
-            label=f"{name}: mean {format_number(mean, 4)} kN, maximum {format_number(most, 4)} kN",
-        )
-        axes.axhline(mean, color=color, linewidth=0.9, linestyle="--")
-        axes.plot(load.maximum_angle_deg, most, "o", color=color, markersize=5)
-    axes.set_ylim(bottom=0.0)
-    span = loads[0][1].angles_deg
-    axes.set_xticks(np.arange(np.ceil(span[0] / 90.0) * 90.0, span[-1] + 90.0, 90.0))
-    axes.set_xlabel("shaft angle [deg]")
-    axes.set_ylabel("force [kN] (dashed: mean)")
+def developed_load(load: _Load) -> Curves:
+    """Describe the size of a bearing's force over the shaft angle, with its mean and maximum."""
+    degrees, size = load.angles_deg, KILO * load.magnitude
+    mean, most = KILO * load.mean, KILO * load.maximum
+    return Curves(
+        np.append(degrees, 2.0 * degrees[-1] - degrees[-2]),
+        (
+            Series("force", np.append(size, size[0]), color=BLUE),
+            Series(
+                f"mean {format_number(mean, 3)} kN",
+                np.full(len(degrees) + 1, mean),
+                color=BLUE,
+                dash="dash",
+            ),
+        ),
+        "shaft angle [deg]",
+        "force [kN]",
+        x_step=90.0,
+        dots=(
+            Dots(
+                np.array([load.maximum_angle_deg]),
+                np.array([most]),
+                f"maximum {format_number(most, 3)} kN",
+                ORANGE,
+            ),
+        ),
+    )
 
 
 def on_paper(load: _Load, frame: Frame) -> NDArray[np.complex128]:

@@ -1,6 +1,5 @@
 """Damped modes of a chain or system: frequencies, damping ratios, shapes, and sources of damping."""
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +15,7 @@ from crankbase.array_checks import (
     finite_vector,
 )
 from crankbase.frames import table
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
 from dynamics.response.forced import ForcedResponse, chain_and_system
@@ -33,8 +32,7 @@ LEAST_OSCILLATION = 0.1
 MODAL_DAMPING, SYSTEM_DAMPING = "modal damping", "damping of the system"
 
 
-@summarized("frequencies [Hz]", "damping_ratios", "undamped [Hz]", "locked [Hz]")
-@dataclass(frozen=True, eq=False)
+@result("frequencies [Hz]", "damping_ratios", "undamped [Hz]", "locked [Hz]")
 class ComplexModes:
     """Free damped vibrations x = Re X exp(s t) of a system, by ascending frequency.
 

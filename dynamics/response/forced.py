@@ -1,7 +1,6 @@
 """Forced vibration of a chain, or of any linear system, by orders over a range of speeds."""
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Unpack, get_args
 
@@ -13,7 +12,7 @@ from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.memory import check_memory
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.chains.chain import Chain
 from dynamics.plots.curves import (
     Quantity,
@@ -31,8 +30,7 @@ from dynamics.response.series import DrawnBeside, OrderSeries, Synthesis
 COPIES = 3.0
 
 
-@summarized("orders", "speeds [rad/s]", "amplitude", "names", "method")
-@dataclass(frozen=True, eq=False)
+@result("orders", "speeds [rad/s]", "amplitude", "names", "method")
 class ForcedResponse:
     """Steady vibration by orders: the motion at the shaft angle phi is Re sum_k X_k exp(i k phi).
 

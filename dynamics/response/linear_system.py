@@ -17,7 +17,7 @@ from crankbase.array_checks import (
 from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.quantity import compact
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
 from dynamics.chains.varying import VaryingSpring
@@ -31,9 +31,11 @@ MAGNIFIER_SOURCE = (
     "engine (Nippon Foundation, report 1997/01151)"
 )
 
+# Steps by which a frequency at which a spring varies is found; each leaves less than half of the error.
+MEETING_STEPS = 12
 
-@summarized("natural [rad/s]", "rigid")
-@dataclass(frozen=True, eq=False)
+
+@result("natural [rad/s]", "rigid")
 class LinearSystem:
     """M x'' + C x' + K x = f, with K + i H in place of K for harmonic motion.
 
@@ -91,6 +93,21 @@ class LinearSystem:
             shapes=shapes,
             varying=tuple(springs),
         )
+
+    def frequencies_met(self, order: float) -> tuple[FloatArray, FloatArray]:
+        """Return the frequency [Hz] and the damping ratio of each elastic mode where an order meets it.
+
+        What varies is as it is there: w is the frequency of the mode at w and at the speed w / order.
+        """
+        met = []
+        for mode in range(self.rigid.shape[1], self.natural.size):
+            w, system = float(self.natural[mode]), self
+            for _ in range(MEETING_STEPS):
+                system = self.at(w, w / order)
+                w = float(system.natural[mode])
+            met.append((w / (2.0 * np.pi), system.damping_ratios()[mode - self.rigid.shape[1]]))
+        frequencies, ratios = np.array(met).reshape(-1, 2).T
+        return frequencies, ratios
 
     @property
     def elastic_frequencies(self) -> FloatArray:
@@ -237,8 +254,7 @@ NAMED = 2
 PASSIVE = "it is that of a passive element"
 
 
-@summarized("chain.inertia", "chain.stiffness", "record")
-@dataclass(frozen=True, eq=False)
+@result("chain.inertia", "chain.stiffness", "record")
 class DampedChain:
     """A chain with all of its damping.
 

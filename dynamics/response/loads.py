@@ -12,7 +12,7 @@ from crankbase.choices import check_choice
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, SolveError
 from crankbase.frames import Axes, Dataset, grid
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.chains.chain import Chain
 from dynamics.chains.varying import Varying, VaryingSpring
 from dynamics.indices import index_of_name
@@ -28,8 +28,7 @@ from dynamics.response.forced import ForcedResponse
 from dynamics.response.series import DrawnBeside, OrderSeries, with_unbounded
 
 
-@summarized("elastic.orders", "elastic.speeds [rad/s]", "elastic.names")
-@dataclass(frozen=True, eq=False)
+@result("elastic.orders", "elastic.speeds [rad/s]", "elastic.names")
 class ElementLoads:
     """Loads [N m or N] by order and speed; each is a series that can be summed over the cycle.
 
@@ -381,8 +380,7 @@ LARGEST_POWER_ERROR = 1e-6
 NO_HEAT = 1e-10
 
 
-@summarized("power_in [W]", "dissipated [W]", "error", "orders", "speeds [rad/s]")
-@dataclass(frozen=True, eq=False)
+@result("power_in [W]", "dissipated [W]", "error", "orders", "speeds [rad/s]")
 class PowerBalance:
     """Mean power over the cycle [W] by order and speed; inf where the vibration is unbounded.
 

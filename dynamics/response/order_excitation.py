@@ -17,7 +17,7 @@ from crankbase.array_checks import (
 from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.frames import Dataset, grid
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.harmonics import Harmonics
 from dynamics.plots.curves import Quantity, orders_and_speeds, quantity_display
 
@@ -76,8 +76,7 @@ class OverSpeed:
 ROOM = 1e-12
 
 
-@summarized("orders", "speeds [rad/s]", "forces")
-@dataclass(frozen=True, eq=False)
+@result("orders", "speeds [rad/s]", "forces")
 class OrderExcitation:
     """Forces on the nodes of a system, by order and speed.
 

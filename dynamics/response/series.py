@@ -1,7 +1,6 @@
 """Any quantity that vibrates by orders, and the sum of its orders over the cycle."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from math import gcd, lcm
@@ -21,7 +20,7 @@ from crankbase.choices import whole_number, whole_within
 from crankbase.diagrams import Curves, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes, Dataset, grid
-from crankbase.summaries import summarized
+from crankbase.results import result
 from dynamics.indices import index_of_name
 from dynamics.plots.curves import (
     MAIN_ORDERS,
@@ -109,8 +108,7 @@ SAME_PEAK = 1e-9
 BATCH = 2**19
 
 
-@summarized("speeds [rad/s]", "amplitude", "plain_sum", "period [rad]")
-@dataclass(frozen=True, eq=False)
+@result("speeds [rad/s]", "amplitude", "plain_sum", "period [rad]")
 class Synthesis:
     """Vibration with all orders together, at each speed and location.
 
@@ -333,8 +331,7 @@ class DrawnBeside(TypedDict, total=False):
     running: tuple[float, float] | None
 
 
-@summarized("orders", "speeds [rad/s]", "amplitude", "names")
-@dataclass(frozen=True, eq=False)
+@result("orders", "speeds [rad/s]", "amplitude", "names")
 class OrderSeries:
     """Values by order, speed and location: y = Re sum_k Y_k exp(i k phi) at the shaft angle phi.
 

@@ -23,7 +23,7 @@ from crankfem.analyses.study.response_fits import fit_study, predicted
 from crankfem.analyses.throw.formula_records import formulas_over_angle
 from crankfem.report.figures import STUDY
 from crankfem.report.interactive import vibration as vibration_plots
-from crankfem.report.interactive.mechanism import MECHANISM, developed_load, polar_load
+from crankfem.report.interactive.mechanism import MECHANISM, polar_load
 from crankfem.report.interactive.plot import write_figure
 from crankfem.report.interactive.study import parity, response_over_factors
 from crankfem.report.interactive.style import UNSEEN, design_texts, figure_of, plain_layout, rounded
@@ -46,6 +46,7 @@ from crankfem.report.interactive.vibration import (
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.forces import LoadDiagram
 from dynamics.plots.curves import quantity_display
+from dynamics.plots.load_diagrams import developed_load
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
 from fem import fillet_stress

@@ -10,7 +10,7 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.frames import table
 from crankbase.quantity import compact
-from crankbase.summaries import summarized
+from crankbase.results import result
 from crankfem.analyses.shaft.chains import BearingStiffness, bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
@@ -76,8 +76,7 @@ class HeldChains:
         return vibration.chosen.chain
 
 
-@summarized("stiffness [N/m]", "chains [Hz]", "shaft [Hz]", "used", "statuses")
-@dataclass(frozen=True, eq=False)
+@result("stiffness [N/m]", "chains [Hz]", "shaft [Hz]", "used", "statuses")
 class BearingSweep:
     """Effect of the main bearings' stiffness on frequencies, limits and the verdict.
 

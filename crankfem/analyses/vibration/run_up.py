@@ -1,7 +1,6 @@
 """An engine's torsional vibration while its speed rises through all resonances."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.quantity import parse_quantity
-from crankbase.summaries import summarized
+from crankbase.results import result
 from crankfem.analyses.shaft.chains import magnifier_damping
 from crankfem.analyses.vibration.run import EngineVibration
 from dynamics.transient.motions import Envelope, TransientMotion, axis_names, transient_motion
@@ -22,8 +21,7 @@ if TYPE_CHECKING:
 SHORTEST, LONGEST = 0.1, 600.0  # s
 
 
-@summarized("duration [s]", "largest [N m]", "steady [N m]", "worst")
-@dataclass(frozen=True, eq=False)
+@result("duration [s]", "largest [N m]", "steady [N m]", "worst")
 class RunUp:
     """A run-up from the lowest speed calculated to the highest running speed.
 

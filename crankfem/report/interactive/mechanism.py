@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.diagrams import BLUE, GRAY, GREEN, ORANGE, Curves, Dash, Dots, Series
+from crankbase.diagrams import BLUE, GRAY, GREEN, ORANGE, Curves, Dash, Series
 from crankfem.analyses.mechanism.mechanism_records import piston_names
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
 from crankfem.analyses.mechanism.plots import (
@@ -27,12 +27,18 @@ from crankfem.report.interactive.style import (
     level,
     line,
     note,
-    number,
 )
 from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import LoadDiagram
 from dynamics.plots.curves import KILO
-from dynamics.plots.load_diagrams import OUTLINE, Frame, label_spots, on_paper, square_round
+from dynamics.plots.load_diagrams import (
+    OUTLINE,
+    Frame,
+    developed_load,
+    label_spots,
+    on_paper,
+    square_round,
+)
 
 Array = NDArray[np.float64]
 
@@ -119,32 +125,6 @@ def polar_load(load: LoadDiagram, frame: Frame, title: str) -> Figure:
             level(0.0) | {"xref": "x", "yref": "y domain", "x0": 0, "x1": 0, "y0": 0, "y1": 1},
             *_journal(frame, OUTLINE * 2.0 * half),
         ],
-    )
-
-
-def developed_load(load: LoadDiagram) -> Curves:
-    """Describe the size of a bearing's force over the shaft angle, with its mean and maximum."""
-    degrees, size = load.angles_deg, KILO * load.magnitude
-    mean, most = KILO * load.mean, KILO * load.maximum
-    x = np.append(degrees, 2.0 * degrees[-1] - degrees[-2])
-    level = np.full(len(x), mean)
-    return Curves(
-        x,
-        (
-            Series("force", np.append(size, size[0]), color=BLUE),
-            Series(f"mean {number(mean, 3)} kN", level, color=BLUE, dash="dash"),
-        ),
-        "shaft angle [deg]",
-        "force [kN]",
-        x_step=90.0,
-        dots=(
-            Dots(
-                np.array([load.maximum_angle_deg]),
-                np.array([most]),
-                f"maximum {number(most, 3)} kN",
-                ORANGE,
-            ),
-        ),
     )
 
 
