@@ -50,7 +50,8 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
     field = prefix + ".".join(map(named, location))
     if first["type"] == "missing":
         info = model.model_fields[name]
-        return f"{field}: missing; give {_describe(info)}{_allowed_range(info)}."
+        allowed = "" if field_extra(info, "unit") is None else f"; allowed is {range_text(info)}"
+        return f"{field}: missing; give {_describe(info)}{allowed}."
     if first["type"] == "extra_forbidden":
         return f"{field}: unknown field; {allowed_names(name, model.model_fields)}."
     known = model.model_fields.get(name)
@@ -101,10 +102,6 @@ def _describe(info: FieldInfo) -> str:
     symbol = field_extra(info, "symbol")
     meaning = info.description or "this value"
     return f"{meaning} ({symbol})" if symbol else meaning
-
-
-def _allowed_range(info: FieldInfo) -> str:
-    return f"; allowed is {range_text(info)}" if field_extra(info, "unit") is not None else ""
 
 
 def limits_of(info: FieldInfo) -> Limits:

@@ -519,7 +519,11 @@ def _evaluate(text: str, unit: str, fault: str, limits: Limits, remedy: str) -> 
         ) from None
     if quantity.unitless and not match[2]:
         raise _without_unit(fault, match[1], unit, limits, remedy)
-    turning = unit == "rad/s" and quantity.check("1/[time]") and not _names_an_angle(quantity)
+    turning = (
+        unit == "rad/s"
+        and quantity.check("1/[time]")
+        and "radian" not in str(quantity.to_root_units().units)
+    )
     from pint.errors import PintError
 
     try:
@@ -544,10 +548,6 @@ def _scaled(number: float, factor: float) -> float:
     """Multiply so that "51 mm" is exactly what Python writes as 0.051."""
     inverse = round(1.0 / factor) if factor < 1.0 else 0
     return number / inverse if inverse and 1.0 / inverse == factor else number * factor
-
-
-def _names_an_angle(quantity: Any) -> bool:
-    return "radian" in str(quantity.to_root_units().units)
 
 
 def _pure_number(text: object, fault: str, limits: str) -> float:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from crankbase.model import InputModel, field_extra
+from crankbase.model import field_extra
 from crankbase.quantity import compact, format_quantity
 from crankfem.analyses.shaft.chains import bearing_stiffness, flywheel_overhang
 from crankfem.files.engine.engine_file import SECTIONS, EngineFile
@@ -111,14 +111,10 @@ def _matters(record: InputRecord, mechanism: MechanismFile, engine: EngineFile |
 
 def _assumed(field: str, given: str, reason: str) -> InputRecord:
     section, _, name = field.partition(".")
-    info = _model(section).model_fields[name]
+    info = SECTIONS[section].model.model_fields[name]
     meaning, symbol = info.description or "", field_extra(info, "symbol") or ""
     effect = EFFECTS.get(field, "")
     return InputRecord(field, given, meaning, symbol, reason, assumed=True, effect=effect)
-
-
-def _model(section: str) -> type[InputModel]:
-    return SECTIONS[section].model
 
 
 def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]:

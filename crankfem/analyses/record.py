@@ -80,12 +80,12 @@ _NAMES = {
     "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
     "crankpin_beside_mean side_force_beside_largest "
     "cranks cylinder cylinders designs detuning done elements elements_across_fillets "
-    "evaluations exponent f_value failed fe_scatter figure fluctuation held_out kept largest_error_at_runs "
+    "evaluations exponent f_value failed fe_scatter fluctuation held_out kept largest_error_at_runs "
     "largest_error_held_out largest_leverage layers left_out "
     "first_mode likeness lost modes "
     "magnifier mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements missing mode "
     "node_positions nodes nonuniformity overlap_per_radius phase_sum pins points "
-    "misfiring processors q_squared r_squared resultant rho runs same_stars samples section_error sections "
+    "misfiring q_squared r_squared resultant rho runs same_stars samples section_error sections "
     "sense severity shape "
     "strokes t throw torsional_beside_pinned unknowns used written",
     "m": "about axis center_of_mass overlap principal_place shear_place stroke von_mises_place",

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.results import Part, Quantity, Result, result
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
+from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
+from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.files.reading.toml_file import InputRecord
 from dynamics.response.loads import LARGEST_POWER_ERROR
 from dynamics.torque import LARGEST_ENERGY_ERROR
@@ -80,8 +82,8 @@ class RunResults(Result):
     two_mass: Part[Any]
     shaft: Record
     vibration: Record
-    strength: Optional
-    fatigue: Optional
+    strength: EngineStrength | None
+    fatigue: EngineFatigue | None
     fatigue_note: str | None
     throws: Annotated[dict[str, Any] | None, Quantity(left_out=True)]
     repeat: Repetition

@@ -71,7 +71,9 @@ def write_class_document(
         reporter.step("Calculating all cylinders failing")
         parts = class_document(run)
         reporter.step("Drawing diagrams")
-        _take_last_away(folder)
+        for place in (folder / TABLES, folder / DIAGRAMS):  # another engine has others
+            for path in files_listed(place):
+                path.unlink(missing_ok=True)
         drawn = {}
         with recording_run_files():
             for picture in chain.from_iterable(part.pictures for part in parts):
@@ -114,13 +116,6 @@ def _checked_folder(output: str | Path) -> Path:
         for path in sorted((folder / DIAGRAMS).glob("*.svg")):
             check_output(path, "picture")
     return folder
-
-
-def _take_last_away(folder: Path) -> None:
-    """Remove the tables and diagrams of the last document: another engine has others."""
-    for place in (folder / TABLES, folder / DIAGRAMS):
-        for path in files_listed(place):
-            path.unlink(missing_ok=True)
 
 
 def _write_table(path: Path, table: Table) -> Path:

@@ -10,7 +10,6 @@ from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.balance_records import mechanism_balance_record
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
-from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
 from crankfem.analyses.provenance import Repetition, provenance
@@ -18,8 +17,6 @@ from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.run_results import RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.whole_records import shaft_balance_record, shaft_record
-from crankfem.analyses.strength.cycle_fatigue import fatigue_record
-from crankfem.analyses.strength.engine_strength import strength_record
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
@@ -41,7 +38,7 @@ ANGLES_SHOWN_DEG = np.arange(0.0, 181.0, 5.0)
 
 def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
     """Return the results of a run, without pictures."""
-    engine_file, study = computed.engine_file, computed.study
+    engine_file, study, mechanism = computed.engine_file, computed.study, computed.mechanism
     throws = _throw_records(computed)
     first = next(iter(throws.values()))
     results = RunResults(
@@ -54,7 +51,9 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         angle_law=_angle_record(engine_file, computed.throw.analysis)
         | {"law": first["formulas"]["fe"]["angle_law"]},
         balance=shaft_balance_record(engine_file),
-        mechanism=_mechanism_record(computed.mechanism),
+        mechanism=None
+        if mechanism is None
+        else mechanism_record(mechanism) | {"balance": mechanism_balance_record(mechanism)},
         study=None if study is None else study_record(study.table, study.fits, study.model),
         harmonics=None
         if computed.torque is None or computed.harmonics is None
@@ -64,8 +63,8 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         else checked(engine_file.two_mass, computed.harmonics),
         shaft=shaft_record(computed.vibration.shaft, computed.crank_analyses),
         vibration=plain(run_record(computed.vibration)),
-        strength=None if computed.strength is None else strength_record(computed.strength),
-        fatigue=None if computed.fatigue is None else fatigue_record(computed.fatigue),
+        strength=computed.strength,
+        fatigue=computed.fatigue,
         fatigue_note=computed.fatigue_note,
         throws=throws if engine_file.throws_by_name else None,
         repeat=repeat,
@@ -134,12 +133,6 @@ def _add_regression(
                 continue
             values[kind] = (answer.value, model.responses[response])
         formulas["regression"] = regression_record(values, source, *remarks) if values else None
-
-
-def _mechanism_record(run: MechanismRun | None) -> Record | None:
-    if run is None:
-        return None
-    return mechanism_record(run) | {"balance": mechanism_balance_record(run)}
 
 
 def _radial_force(inputs: RunInputs) -> float:

@@ -142,17 +142,6 @@ def checksum(content: Mapping[str, object]) -> str:
     return hashlib.sha256(spelled.encode()).hexdigest()
 
 
-# Of models that an earlier release read from files of older ones, and wrote again.
-UNKNOWN_CONSTRAINTS = (
-    "The model's file does not hold the constraints of its study: it is unknown whether the study excluded "
-    "such a design."
-)
-UNCORRECTED = (
-    "The model was fitted to finite elements of an older release, not corrected for discretization: its "
-    "compliances are too small, by up to the estimated error of these. Run and fit its study again."
-)
-
-
 class CompiledModel:
     """Data that a model computes once for all its queries: family, error bands, constraints and queries."""
 
@@ -164,14 +153,10 @@ class CompiledModel:
         )
         self.bands = {name: error_band(response) for name, response in responses.items()}
         self._throw = model.throw
-        self._remarks = (
-            *((UNKNOWN_CONSTRAINTS,) if model.constraints is None else ()),
-            *((UNCORRECTED,) if model.uncorrected else ()),
-        )
         units = self.family.all_units
         self.constraints = tuple(
             StudyConstraint(read_constraint(text, f"constraints[{place}]", units), units)
-            for place, text in enumerate(model.constraints or ())
+            for place, text in enumerate(model.constraints)
         )
         self._queries = {
             name: make_response_query(
@@ -179,11 +164,6 @@ class CompiledModel:
             )
             for name, response in responses.items()
         }
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """Remarks on every lookup."""
-        return self._remarks
 
     @cached_property
     def angle_law_remarks(self) -> tuple[str, ...]:
@@ -262,9 +242,8 @@ class ComplianceModel(InputModel):
         SI units of factors that are not fields of a throw.
     relations : dict of str to str
         Dimensions that followed from others in the study, with their expressions.
-    constraints : tuple of str or None
+    constraints : tuple of str
         Constraints of the study: a throw that violates one counts as outside the range of the fit.
-        None if unknown, as in files of older releases; lookups then state it.
     constant_groups : dict of str to float
         Dimensionless groups that did not vary although their dimensions did.
     throw : dict, optional
@@ -297,16 +276,11 @@ class ComplianceModel(InputModel):
     labels: dict[str, str] = Field(default_factory=dict)
     units: dict[str, str] = Field(default_factory=dict)
     relations: dict[str, str] = Field(default_factory=dict)
-    constraints: tuple[str, ...] | None = ()
+    constraints: tuple[str, ...] = ()
     constant_groups: dict[str, FiniteFloat] = Field(default_factory=dict)
     throw: dict[str, Any] | None = None
     material: dict[str, str | FiniteFloat] = Field(default_factory=dict)
     provenance: dict[str, str | int | FiniteFloat | None] = Field(default_factory=dict)
-
-    @property
-    def uncorrected(self) -> bool:
-        """Whether its finite elements were not corrected for discretization, as in older releases."""
-        return any(response.too_small for response in self.responses.values())
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -600,8 +574,7 @@ class ComplianceModel(InputModel):
         answers = self._answers(response, gamma_deg, strict, dimensions)
         used = [self.responses[name] for name, _ in answers]
         parts = [
-            look_up(self.responses[name], compiled.bands[name], answer, compiled.remarks)
-            for name, answer in answers
+            look_up(self.responses[name], compiled.bands[name], answer) for name, answer in answers
         ]
         if gamma_deg is None:
             return parts[0], used

@@ -153,17 +153,15 @@ def _largest(errors: Sequence[float | None]) -> float | None:
     return max(known) if len(known) == len(errors) else None
 
 
-def look_up(
-    response: ResponseModel, band: ErrorBand, answer: ResponseValues, remarks: Sequence[str]
-) -> dict[str, Any]:
-    """Return the fields of `Lookups`, floats or arrays; `remarks` are on every lookup."""
+def look_up(response: ResponseModel, band: ErrorBand, answer: ResponseValues) -> dict[str, Any]:
+    """Return the fields of `Lookups`, floats or arrays."""
     lower, upper = band.around(answer.values, answer.inside)
     return {
         "value": answer.values,
         "lower": lower,
         "upper": upper,
         "inside": answer.inside,
-        "remarks": (*[finding.remark for finding in answer.outside], *remarks),
+        "remarks": tuple([finding.remark for finding in answer.outside]),
         "unit": response.unit,
         "support": response.support,
         "symbol": response.symbol,

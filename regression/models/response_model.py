@@ -72,15 +72,14 @@ class ResponseModel(InputModel):
     runs, heldout_runs : int
         Numbers of finite element runs fitted and held out.
     band_error : float or None
-        The error not exceeded by 95 % of new designs, by designs not used for its equation; None in
-        models of older releases.
+        The error not exceeded by 95 % of new designs, by designs not used for its equation; None
+        without such designs.
     band_designs : int
         Number of these designs.
     largest_fe_error : float or None
         Largest estimate of the relative error of the finite element values themselves.
     too_small : bool
-        Whether this error makes them too small only: in older releases, which did not correct
-        them for discretization.
+        Whether this error makes them too small only; corrected ones err either way.
     dropped_terms : tuple of str
         Terms of the form that the selection left out.
     equation : str
@@ -121,7 +120,7 @@ class ResponseModel(InputModel):
     band_error: Share | None = None
     band_designs: int = Field(default=0, ge=0, description="a number of designs")
     largest_fe_error: Share | None = None
-    too_small: bool = False
+    too_small: Literal[False] = False
     dropped_terms: tuple[str, ...] = ()
     equation: str
 

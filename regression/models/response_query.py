@@ -82,13 +82,12 @@ def error_band(response: ResponseModel) -> ErrorBand:
     """Find the band of a response."""
     m = equation_error(response)
     f = response.largest_fe_error or 0.0
-    lower = (1.0 if response.too_small else max(0.0, 1.0 - f)) / (1.0 + m)
+    lower = max(0.0, 1.0 - f) / (1.0 + m)
     upper = (1.0 + f) / (1.0 - m) if m < 1.0 else math.inf
     elements = (
         "the error of the finite elements was not estimated"
         if response.largest_fe_error is None
-        else f"the finite elements' own estimate is {percent(f)}"
-        + (", by which they are too small" if response.too_small else " either way")
+        else f"the finite elements' own estimate is {percent(f)} either way"
     )
     text = f"{_told(response)}; {elements}"
     return ErrorBand(lower, upper if upper < _OPEN else None, text)

@@ -510,7 +510,7 @@ def space_filling_statement(kind: str, runs: int, seed: int) -> tuple[str, tuple
 def check_ranges(factors: Sequence[Factor], kind: str) -> None:
     """Refuse levels between the ends for a design that has values of its own (`InputError`)."""
     for factor in factors:
-        if not factor.categorical and not _ends_only(factor):
+        if not factor.labels and not _ends_only(factor):
             raise InputError(
                 f"study.factors.{factor.name}: given {len(factor.levels or ())} levels; allowed with "
                 f'the design {kind!r} is a range, like {{ from = "{factor.format_value(factor.lowest)}", '
@@ -525,7 +525,7 @@ def values_at(factors: Sequence[Factor], points: Table) -> Table:
     """
     columns = []
     for factor, column in zip(factors, points.T, strict=True):
-        if factor.categorical:
+        if factor.labels:
             index = np.floor(column * len(factor.labels))
             columns.append(np.clip(index, 0.0, factor.highest))
         else:
@@ -594,7 +594,7 @@ def _fractional_factorial(factors: Sequence[Factor], choice: DesignChoice) -> De
 
 def _central_composite(factors: Sequence[Factor], choice: DesignChoice) -> Design:
     face = choice.face or "faced"
-    numbers = [factor for factor in factors if not factor.categorical]
+    numbers = [factor for factor in factors if not factor.labels]
     if face != "faced":
         check_ranges(numbers, f"central composite, {face}")
     coded = central_composite(len(numbers), face, choice.resolution)
@@ -608,7 +608,7 @@ def _central_composite(factors: Sequence[Factor], choice: DesignChoice) -> Desig
 
 
 def _box_behnken(factors: Sequence[Factor], choice: DesignChoice) -> Design:
-    numbers = [factor for factor in factors if not factor.categorical]
+    numbers = [factor for factor in factors if not factor.labels]
     coded = box_behnken(len(numbers))
     levels = [_three_levels(factor, choice.kind) for factor in numbers]
     values = _crossed(factors, numbers, 0.5 + 0.5 * coded, levels)
@@ -644,7 +644,7 @@ def _crossed(
     """
     columns: dict[str, Table] = {}
     for number, (factor, place) in enumerate(zip(varied, places.T, strict=True)):
-        if factor.categorical:
+        if factor.labels:
             columns[factor.name] = np.round(place * factor.highest)
         elif levels is not None:
             columns[factor.name] = np.array(levels[number])[np.round(2.0 * place).astype(int)]

@@ -145,21 +145,18 @@ class Factor:
         )
 
     @property
-    def categorical(self) -> bool:
-        """Whether the factor is a choice between labels."""
-        return bool(self.labels)
-
-    @property
     def range_text(self) -> str:
         """Range in the field's usual unit; of a choice its labels."""
         ends = f"{self.format_value(self.lowest)} to {self.format_value(self.highest)}"
         return ", ".join(self.labels) or ends
 
+    def setting(self, value: float) -> float | str:
+        """Return one of the factor's values as people give it: of a choice its label."""
+        return self.labels[round(value)] if self.labels else value
+
     def format_value(self, value: float) -> str:
         """Format one of the factor's values for display."""
-        if self.labels:
-            return self.labels[round(value)]
-        return format_quantity(value, self.unit)
+        return self.labels[round(value)] if self.labels else format_quantity(value, self.unit)
 
 
 def rounded(value: float) -> float:

@@ -92,7 +92,7 @@ class Variants:
             path: entry.unit
             for path, entry in fields.items()
             if not entry.choices and (field_value(record, path) is not None or path in relations)
-        } | {factor.name: factor.unit for factor in factors if not factor.categorical}
+        } | {factor.name: factor.unit for factor in factors if not factor.labels}
         read = {
             path: read_expression(text, f"study.relations.{path}", units)
             for path, text in relations.items()
@@ -147,7 +147,7 @@ class Variants:
         columns = {
             factor.name: column
             for factor, column in zip(self.factors, values.T, strict=True)
-            if not factor.categorical
+            if not factor.labels
         }
         used = used_names(
             (
@@ -172,7 +172,7 @@ class Variants:
         if reason is not None:
             return Variant(None, reason)
         changes: dict[str, Any] = {
-            factor.name: factor.format_value(value) if factor.categorical else value
+            factor.name: factor.setting(value)
             for factor, value in zip(self.factors, row, strict=True)
             if factor.name in self.fields
         }
@@ -278,7 +278,7 @@ class StudyPlan:
     stresses: bool = False
 
     def __post_init__(self) -> None:
-        if all(factor.categorical for factor in self.factors):
+        if all(factor.labels for factor in self.factors):
             raise InputError(
                 f"study.factors: given {', '.join(self.names) or 'none'}; allowed is at least one factor "
                 "that is a number, because an equation needs something to vary in."

@@ -249,8 +249,7 @@ def columns(table: StudyTable) -> tuple[Column, ...]:
 def _factor_cell(row: StudyRow, place: int, factor: Factor) -> Cell:
     if row.values is None:
         return row.dimensions.get(factor.name, row.outlines.get(factor.name))
-    value = row.values[place]
-    return factor.labels[round(value)] if factor.labels else value
+    return factor.setting(row.values[place])
 
 
 def check_export(path: Path) -> None:

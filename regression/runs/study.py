@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from crankbase.choices import is_whole_within
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
 from crankbase.memory import check_memory, free_memory
+from crankbase.results import Quantity, Result, result
 from fem.analysis import predicted_unknowns, solving_memory
 from geometry.mesh import MESHING_MEMORY
 from geometry.mesher import expected_unknowns
@@ -135,7 +136,7 @@ def _as_listed(
     return (
         design.role,
         design.key,
-        {f.name: f.labels[round(v)] if f.labels else v for f, v in values},
+        {factor.name: factor.setting(value) for factor, value in values},
     )
 
 
@@ -472,49 +473,44 @@ def _table(
     )
 
 
-@dataclass(frozen=True)
-class StudyCheck:
-    """One study of a store, by its key, with the damage of its plan or list of designs ("" if none).
+@result("study", "damaged", "designs", "missing")
+class StudyCheck(Result):
+    """One study of a store, by its key, with the damage of its plan or list of designs if any.
 
     `designs` counts its designs, `missing` those without a result; None if the plan is damaged, or of
     another version of the finite element model.
     """
 
     study: str
-    damaged: str
-    designs: int | None = None
-    missing: int | None = None
+    damaged: str | None = None
+    designs: Annotated[int | None, Quantity("1")] = None
+    missing: Annotated[int | None, Quantity("1")] = None
 
 
-@dataclass(frozen=True)
-class StoreCheck:
+@result("store", "sound", "file_damage", "designs", "studies")
+class StoreCheck(Result):
     """Result of a check of a store.
 
     Attributes
     ----------
-    file : str
-        Why the file is unreliable; empty if SQLite finds it sound.
-    status : dict
+    file_damage : str or None
+        Why the file is unreliable; None if SQLite finds it sound.
+    designs : dict
         "done", "failed" and "lost" to the number of sound rows.
-    damaged : dict
+    damaged_rows : dict
         Design, or position of an imported row, to the fault of its row.
     """
 
-    path: Path
-    file: str = ""
-    status: Mapping[str, int] = field(default_factory=dict)
-    damaged: Mapping[str, str] = field(default_factory=dict)
+    store: str
+    file_damage: str | None = None
+    designs: Annotated[Mapping[str, int], Quantity("1")] = field(default_factory=dict)
+    damaged_rows: Mapping[str, str] = field(default_factory=dict)
     studies: tuple[StudyCheck, ...] = ()
 
     @property
-    def sound(self) -> bool:
+    def sound(self) -> Annotated[bool, Quantity()]:
         """Whether nothing is damaged."""
-        return not (self.file or self.damaged or any(study.damaged for study in self.studies))
-
-    @property
-    def missing(self) -> int:
-        """Designs without a result, of all studies of this version of the model."""
-        return sum(study.missing or 0 for study in self.studies)
+        return not (self.file_damage or self.damaged_rows or any(s.damaged for s in self.studies))
 
 
 def check_store(path: str | Path) -> StoreCheck:
@@ -531,14 +527,14 @@ def check_store(path: str | Path) -> StoreCheck:
     check_place(file, readonly=True)
     why = _file_damage(file)
     if why and is_ours(file):
-        return StoreCheck(file, why)
+        return StoreCheck(str(path), why)
     with ResultStore(file, readonly=True) as store:
         status = {"done": 0, "failed": 0, "lost": 0}
         for outcome in store.every_outcome():
             status[outcome.status] += 1
         studies = tuple(_check_study(store, *known) for known in store.studies().items())
         store.extra_rows()
-        return StoreCheck(file, why, status, dict(store.damaged), studies)
+        return StoreCheck(str(path), why or None, status, dict(store.damaged), studies)
 
 
 def _file_damage(path: Path) -> str:
@@ -563,10 +559,10 @@ def _check_study(store: ResultStore, key: str, record: Mapping[str, object] | No
     if record is None or content_key(record) != key:
         return StudyCheck(key, "its plan")
     if record.get("model_version") != MODEL_VERSION:
-        return StudyCheck(key, "")
+        return StudyCheck(key)
     plan = StudyPlan.from_record(record)
     keys = {design.key for design in registered_designs(store, plan).designs}
     outcomes = store.outcomes(keys)
     finished = sum(not outcome.lost for outcome in outcomes.values())
-    damaged = "" if is_list_sound(store, plan) else "its list of designs"
+    damaged = None if is_list_sound(store, plan) else "its list of designs"
     return StudyCheck(key, damaged, len(keys), len(keys) - finished)

@@ -194,7 +194,7 @@ def _one_of(argument: str, chosen: str | None, names: list[str]) -> str:
 def _cells(factor: Factor, values: Array) -> tuple[Any, str]:
     """Values of a factor with their unit; labels of a choice."""
     if factor.labels:
-        return [factor.labels[round(value)] for value in values.tolist()], ""
+        return [factor.setting(value) for value in values.tolist()], ""
     return values, factor.unit or "1"
 
 

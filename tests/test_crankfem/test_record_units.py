@@ -18,7 +18,7 @@ from crankfem.cli.tables.vibration_tables import chain_record, print_run
 from crankfem.files.chain.chain_file import load_chain
 from fem.responses import RESPONSES
 from json_units import numbers_with_units
-from stand_ins import stored_results
+from stand_ins import stored_results, typed
 
 # Lines whose JSON is looked at, with how many numbers of it are known to be printed with a unit.
 QUICK = {
@@ -152,8 +152,7 @@ def test_every_command_is_looked_at():
 
 
 def test_all_numbers_of_stored_results_have_units():
-    stored = stored_results()
-    assert len(numbers_with_units(with_units(stored))) > 1000
+    assert len(numbers_with_units(with_units(typed(stored_results())))) > 1000
 
 
 @pytest.mark.parametrize("content", [{"feathers": 1.0}, {"side_force": 1.0, "parts": [{"a": 2}]}])

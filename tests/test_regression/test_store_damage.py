@@ -79,11 +79,11 @@ def test_every_kind_of_damage_is_found_and_computed_again(store, statement, told
     execute(store, statement.format(key=KEYS[0]))
     found = check_store(store)
     assert not found.sound
-    reasons = [*found.damaged.values(), *(study.damaged for study in found.studies)]
+    reasons = [*found.damaged_rows.values(), *(study.damaged or "" for study in found.studies)]
     assert told in " ".join(reasons)
     assert run_plan(PLAN, store).computed == ("WHERE key" in statement)
     studies = check_store(store).studies
-    assert [(study.damaged, study.missing) for study in studies] == [("", 0)]
+    assert [(study.damaged, study.missing) for study in studies] == [(None, 0)]
     kept = rows(store)
     assert [key for key in KEYS if kept[key] != before[key]] in ([], KEYS[:1])
 
@@ -99,7 +99,7 @@ def test_a_store_that_was_cut_is_damaged_or_none(store, share):
         return
     found = check_store(store)
     assert not found.sound
-    assert found.file
+    assert found.file_damage
     with pytest.raises(InputError, match=r"damaged .*use a copy of it"):
         run_plan(PLAN, store)
 
@@ -108,14 +108,14 @@ def test_a_page_of_noise_is_damage_of_the_file(store):
     with store.open("r+b") as file:
         file.seek(store.stat().st_size // 2 // 4096 * 4096)
         file.write(b"\xa5" * 4096)
-    assert check_store(store).file
+    assert check_store(store).file_damage
 
 
 def test_a_store_whose_tables_have_no_readable_names_is_damaged(store):
     """SQLite's own message then quotes what is no text."""
     content = store.read_bytes().replace(b"tablestudy_designs", b"table\xf5tudy_designs")
     store.write_bytes(content.replace(b"CREATE TABLE study_d", b"CREAXE TABLE study_d"))
-    assert "names of its tables" in check_store(store).file
+    assert "names of its tables" in check_store(store).file_damage
     for readonly in (True, False):
         with pytest.raises(InputError, match=r"damaged .*use a copy of it"):
             ResultStore(store, readonly=readonly)

@@ -8,25 +8,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crankbase.diagrams import display_unit, figure, make_folder, math_symbol, write_title
+from crankbase.diagrams import (
+    BLUE,
+    GRAY,
+    GREEN,
+    ORANGE,
+    display_unit,
+    draw_rows,
+    figure,
+    legend_inside,
+    make_folder,
+    math_symbol,
+    write_title,
+)
 from crankfem.analyses.study.nominal_throw import Sensitivities, factor_sweep, sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits, predicted
 from regression.fits.fits import Fit
-from regression.plots import (
-    BARS,
-    Curve,
-    draw_curves,
-    draw_elasticities,
-    draw_errors,
-    draw_parity,
-    draw_section,
-    draw_shapley,
-    draw_sobol,
-    factor_size,
-    label_factor_axis,
-    response_text,
-    sweep,
-)
+from regression.plots import BARS, POINTS, draw_runs, factor_size, label_factor_axis, response_text
 from regression.runs.study_table import StudyTable
 from regression.throw_values import factor_text
 
@@ -39,42 +37,70 @@ COMPARED = ("linear", "quadratic", "power law", "log-quadratic", "log-cubic", "g
 FORMS_DRAWN = 4
 
 
+PALE_BLUE = "#b9cfe4"
+
+
 def draw_over_factor(axes: "Axes", table: StudyTable, response: ResponseFits, place: int) -> None:
     """Draw the chosen equation, and others for comparison, over one factor.
 
     The other factors are those of the nominal throw, or the nearest levels. Filled dots are finite
     element results there; open ones are results elsewhere, shifted along the chosen equation with
-    their distance to it unchanged.
+    their distance to it unchanged. Over the labels of a choice equations are dashes.
     """
     factor, size = table.plan.factors[place], display_unit(response.unit)[1]
     forms = forms_drawn(response)
-    values = sweep(factor.lowest, factor.highest, factor.labels)
+    values = (
+        np.resize(np.arange(len(factor.labels), dtype=np.float64), POINTS)
+        if factor.labels
+        else np.linspace(factor.lowest, factor.highest, POINTS)
+    )
     section = factor_sweep(table, response, place, forms, values)
     x_size = factor_size(factor.unit, factor.labels)
-    drawn = [
-        Curve(fit.form, curve / size, fit is response.chosen)
-        for fit, curve in zip(forms, section.curves, strict=True)
-    ]
-    draw_curves(axes, values / x_size, drawn, bool(factor.labels))
-    places = table.values[:, place] / x_size
-    draw_section(axes, places, section.results / size, section.on_line)
+    styles = iter(("--", ":", "-."))
+    for fit, curve in zip(forms, section.curves, strict=True):
+        look: dict[str, Any] = {"label": response.form_text(fit), "color": GRAY}
+        if fit is response.chosen:
+            look |= {"color": BLUE, "linewidth": 1.8}
+        else:
+            look["linestyle"] = next(styles)
+        if factor.labels:
+            look |= {"linestyle": "none", "marker": "_", "markersize": 22, "label": None}
+        axes.plot(values / x_size, curve / size, **look)
+    x, y = table.values[:, place] / x_size, section.results / size
+    for those, filling, alpha, label in (
+        (~section.on_line, "none", 0.45, "others, moved to this line"),
+        (section.on_line, ORANGE, 1.0, "finite elements"),
+    ):
+        axes.plot(
+            x[those],
+            y[those],
+            "o",
+            color=ORANGE,
+            markerfacecolor=filling,
+            markersize=3.5,
+            alpha=alpha,
+            label=label if those.any() else None,
+        )
     label_factor_axis(axes, factor.name, factor.unit, factor.labels)
 
 
 def draw_fit_parity(axes: "Axes", table: StudyTable, response: ResponseFits, fit: Fit) -> None:
     """Draw a form's values over those by finite elements, with the errors of held-out designs."""
     size = display_unit(response.unit)[1]
-    by_fe, values = table.responses[response.column], predicted(table, response, fit)
-    draw_parity(axes, by_fe / size, values / size, table.held_out)
+    by_fe = table.responses[response.column] / size
+    ends = np.array([by_fe.min(), by_fe.max()])
+    axes.plot(ends, ends, color=GRAY, linewidth=1.0)
+    draw_runs(axes, by_fe, predicted(table, response, fit) / size, table.held_out)
     worst = 100.0 * (fit.largest_heldout_error or 0.0)
     write_title(axes, f"{response.form_text(fit)}:\nheld out within {worst:.2g} %", 9)
 
 
 def draw_fit_errors(axes: "Axes", table: StudyTable, response: ResponseFits, fit: Fit) -> None:
-    """Draw a form's errors over the values by finite elements."""
+    """Draw a form's errors over the values by finite elements, with the line of no error."""
     size = display_unit(response.unit)[1]
     by_fe, values = table.responses[response.column], predicted(table, response, fit)
-    draw_errors(axes, by_fe / size, 100.0 * (values / by_fe - 1.0), table.held_out)
+    axes.axhline(0.0, color=GRAY, linewidth=1.0)
+    draw_runs(axes, by_fe / size, 100.0 * (values / by_fe - 1.0), table.held_out)
     axes.set_xlabel(fe_axis_label(response))
 
 
@@ -86,22 +112,44 @@ def fe_axis_label(response: ResponseFits) -> str:
 def draw_fit_elasticities(
     axes: "Axes", table: StudyTable, response: ResponseFits, known: Sensitivities
 ) -> None:
-    """Draw the elasticities of a response at the nominal throw."""
-    factors = table.plan.factors
-    slopes = [known.elasticity.get(factor.name) for factor in factors]
-    draw_elasticities(
-        axes, [factor_text(factor.name) for factor in factors], slopes, math_symbol(response.symbol)
+    """Draw the elasticities of a response at the nominal throw as bars; a choice has none."""
+    slopes = [known.elasticity.get(name) for name in table.plan.names]
+    sizes = [slope or 0.0 for slope in slopes]
+    draw_rows(
+        axes,
+        [factor_text(name) for name in table.plan.names],
+        sizes,
+        f"elasticity: % of {math_symbol(response.symbol)} per % of the factor",
+        colors=[BLUE if size >= 0.0 else ORANGE for size in sizes],
+        texts=[
+            "a choice" if slope is None else f"{round(slope, 2) + 0.0:+.2f}" for slope in slopes
+        ],
     )
+    axes.axvline(0.0, color=GRAY, linewidth=1.0)
+    axes.margins(x=0.22)
 
 
 def draw_fit_sobol(axes: "Axes", names: Sequence[str], known: Sensitivities) -> None:
-    """Draw Sobol indices over the ranges, under constraints Shapley effects; nothing without either."""
+    """Draw factors' shares of the variance over the ranges: Sobol indices, alone and with others.
+
+    Under constraints Shapley effects, which add up to 1; nothing without either.
+    """
     sobol = known.sobol
     if sobol is not None and sobol.shapley is not None:
-        draw_shapley(axes, names, sobol.shapley)
+        shares, label = sobol.shapley, "Shapley effect: share of the variance"
+        draw_rows(axes, names, shares, label, texts=[f"{share:.2f}" for share in shares])
+        axes.set_xlim(0.0, 1.15 * max(shares))
         return
-    first, total = ((), ()) if sobol is None else (sobol.first, sobol.total)
-    draw_sobol(axes, names, first, total)
+    places = np.arange(len(names))
+    if sobol is not None:
+        axes.barh(places - 0.18, sobol.total, height=0.34, color=PALE_BLUE, label="with others")
+        axes.barh(places + 0.18, sobol.first, height=0.34, color=GREEN, label="alone")
+        legend_inside(axes)
+        axes.set_xlim(0.0, max(1.0, 1.05 * max(sobol.total)))
+    axes.set_xlabel("Sobol index: share of the variance")
+    axes.set_yticks(places, list(names), fontsize=8)
+    axes.invert_yaxis()
+    axes.grid(axis="y", visible=False)
 
 
 def forms_drawn(response: ResponseFits) -> list[Fit]:
@@ -131,7 +179,11 @@ def plot_fits(
     plot_response(paths[0], table, response)
     plot_parity(paths[1], table, response)
     plot_effects(paths[2], response, fit)
-    plot_sensitivities(paths[3], table, response)
+    known, names = sensitivities(table, response), table.plan.names
+    # Elasticities at the nominal throw, and shares of the variance over the ranges.
+    with figure(paths[3], 2, width=8.6, height=1.4 + 0.32 * len(names)) as (left, right):
+        draw_fit_elasticities(left, table, response, known)
+        draw_fit_sobol(right, [""] * len(names), known)
     return paths
 
 
@@ -148,7 +200,17 @@ def plot_response(path: Path, table: StudyTable, response: ResponseFits) -> None
             draw_over_factor(panel, table, response, place)
         for panel in panels[::PANELS_PER_ROW]:
             panel.set_ylabel(response_text(response.symbol, response.unit))
-        _legend(panels)
+        handles: dict[str, Any] = {}
+        for panel in panels:
+            for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+                handles.setdefault(label, handle)
+        panels[0].figure.legend(
+            handles.values(),
+            handles.keys(),
+            loc="outside lower center",
+            ncols=5 if len(handles) <= 5 else 3,
+            fontsize=8,
+        )
 
 
 def plot_parity(path: Path, table: StudyTable, response: ResponseFits) -> None:
@@ -170,15 +232,6 @@ def plot_effects(path: Path, response: ResponseFits, fit: Fit) -> None:
         response.plot(axes, show="effects", form=fit.form)
 
 
-def plot_sensitivities(path: Path, table: StudyTable, response: ResponseFits) -> None:
-    """Plot elasticities at the nominal throw, and Sobol indices over the ranges."""
-    known = sensitivities(table, response)
-    factors = table.plan.factors
-    with figure(path, 2, width=8.6, height=1.4 + 0.32 * len(factors)) as (left, right):
-        draw_fit_elasticities(left, table, response, known)
-        draw_fit_sobol(right, [""] * len(factors), known)
-
-
 # ---------------------------------------------------------------------------------- helpers
 
 
@@ -194,18 +247,3 @@ def _grid(path: Path, panels: int, per_row: int = PANELS_PER_ROW) -> Iterator[An
         for empty in grid[panels:]:
             empty.set_visible(False)
         yield grid[:panels]
-
-
-def _legend(panels: Any) -> None:
-    """One legend for all panels, below them."""
-    handles: dict[str, Any] = {}
-    for panel in panels:
-        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
-    panels[0].figure.legend(
-        handles.values(),
-        handles.keys(),
-        loc="outside lower center",
-        ncols=5 if len(handles) <= 5 else 3,
-        fontsize=8,
-    )

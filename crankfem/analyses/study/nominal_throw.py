@@ -73,7 +73,7 @@ def sensitivities(table: StudyTable, response: ResponseFits) -> Sensitivities:
     slopes = elasticities(model, plan.factors, nominal)
     return Sensitivities(
         nominal={
-            factor.name: factor.labels[round(value)] if factor.labels else value
+            factor.name: factor.setting(value)
             for factor, value in zip(plan.factors, nominal, strict=True)
         },
         elasticity=dict(zip(numbers, slopes, strict=True)),

@@ -350,6 +350,12 @@ def calculated_speeds(
         (low, high),
         points=POINTS,
     )
+    for system in (chain.system for chain in chains if chain.system.varying):
+        for order in orders.tolist():
+            frequencies, damping = system.frequencies_met(order)
+            damping = np.maximum(damping, 1e-4)
+            about = refined_speeds(frequencies, damping, [order], (low, high), points=POINTS)
+            speeds = np.union1d(speeds, about)
     ends = (*assessment_end_speeds(engine_file), *bending_speeds(engine_file))
     return merged_speeds(speeds, [min(end, high) for end in ends if within(end, low, high)])
 

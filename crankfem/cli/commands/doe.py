@@ -93,6 +93,12 @@ def doe(
     out: Output,
 ) -> None:
     """Run a design of experiments, or continue it where it stopped."""
+    from crankfem.cli.tables.study_tables import (
+        plan_record,
+        print_comparisons,
+        print_fits,
+        print_plan,
+    )
     from crankfem.files.engine.throw_file import load_study
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_distinct_files, check_writable
@@ -118,7 +124,10 @@ def doe(
     if more and no_compute:
         raise InputError("--more: given with --no-compute; allowed is one of the two.")
     if plan:
-        _show_plan(read, out.json)
+        if out.json:
+            print_json(plan_record(read.planned))
+        else:
+            print_plan(read.planned)
         return
     if mesh is not None:
         if export is None or import_ or more:
@@ -164,7 +173,16 @@ def doe(
     if export is not None:
         count = export_table(table, export)
         print_progress(f"{count} rows written to {export}.")
-    _show_fits(table, out.json)
+    from crankfem.analyses.study.fit_records import study_record
+    from crankfem.analyses.study.studies import fitted
+
+    fits = fitted(table)
+    record = study_record(table, fits.fits, fits.model)
+    if out.json:
+        print_json(record)
+        return
+    print_fits(record["fits"])
+    print_comparisons(record["compared"])
 
 
 def _summary(table: "StudyTable", store: Path) -> str:
@@ -183,32 +201,8 @@ def _summary(table: "StudyTable", store: Path) -> str:
     return f"{text}."
 
 
-def _show_fits(table: "StudyTable", json: bool) -> None:
-    from crankfem.analyses.study.fit_records import study_record
-    from crankfem.analyses.study.studies import fitted
-    from crankfem.cli.tables.study_tables import print_comparisons, print_fits
-
-    fits = fitted(table)
-    record = study_record(table, fits.fits, fits.model)
-    if json:
-        print_json(record)
-        return
-    print_fits(record["fits"])
-    print_comparisons(record["compared"])
-
-
 def _quantity(text: str | None, unit: str, option: str) -> float | None:
     return None if text is None else parse_quantity(text, unit, option)
-
-
-def _show_plan(plan: "StudyPlan", json: bool) -> None:
-    from crankfem.cli.tables.study_tables import plan_record, print_plan
-
-    planned = plan.planned
-    if json:
-        print_json(plan_record(planned))
-    else:
-        print_plan(planned)
 
 
 def _export_designs(plan: "StudyPlan", store: Path, folder: Path, kind: str, out: Output) -> None:
@@ -302,51 +296,36 @@ def _check_store(study: str, store: Path, out: Output) -> None:
         load_study(study)
     check = check_store(store)
     if out.json:
-        print_json(
-            {
-                "store": str(check.path),
-                "sound": check.sound,
-                "file_damage": check.file or None,
-                "designs": dict(check.status),
-                "damaged_rows": dict(check.damaged),
-                "studies": [
-                    {
-                        "study": known.study,
-                        "damaged": known.damaged or None,
-                        "designs": known.designs,
-                        "missing": known.missing,
-                    }
-                    for known in check.studies
-                ],
-            }
-        )
+        print_json(check)
     else:
         _print_check(check)
     if not check.sound:
         remedy = (
             "use a copy of it, or give a new file name"
-            if check.file
+            if check.file_damage
             else "the next run of a study computes its damaged designs again"
         )
         console.exit_by_verdict(f"Error: {store} is damaged; {remedy}.", EXIT_INPUT)
 
 
 def _print_check(check: "StoreCheck") -> None:
-    if check.file:
-        console.print_line(f"SQLite cannot trust the file: {check.file}.")
+    if check.file_damage:
+        console.print_line(f"SQLite cannot trust the file: {check.file_damage}.")
         return
-    counts = ", ".join(f"{number} {status}" for status, number in check.status.items() if number)
-    rows = f"{len(check.damaged)} damaged" if check.damaged else "no row damaged"
-    console.print_line(f"{check.path}: {counts or 'no design computed'}; {rows}.")
-    for place, why in list(check.damaged.items())[:MOST_ROWS]:
+    counts = ", ".join(f"{number} {status}" for status, number in check.designs.items() if number)
+    rows = f"{len(check.damaged_rows)} damaged" if check.damaged_rows else "no row damaged"
+    console.print_line(f"{check.store}: {counts or 'no design computed'}; {rows}.")
+    for place, why in list(check.damaged_rows.items())[:MOST_ROWS]:
         console.print_line(f"- {place}: {why}.")
-    if len(check.damaged) > MOST_ROWS:
-        console.print_line(f"... and {len(check.damaged) - MOST_ROWS} more; --json has them all.")
+    if len(check.damaged_rows) > MOST_ROWS:
+        console.print_line(
+            f"... and {len(check.damaged_rows) - MOST_ROWS} more; --json has them all."
+        )
     for study in check.studies:
         console.print_line(_study_text(study))
     if not check.studies:
         console.print_line(
-            f"It holds no study: run one from its file, crankfem doe STUDY.toml --store {check.path}."
+            f"It holds no study: run one from its file, crankfem doe STUDY.toml --store {check.store}."
         )
 
 

@@ -123,13 +123,12 @@ def _print_excluded(planned: PlannedStudy) -> None:
 
 def _column(factor: Factor) -> Column:
     unit, size = DISPLAY_UNITS.get(factor.unit, (factor.unit, 1.0))
-    return Column(factor.name, OutputUnit(unit, size), 6, words=factor.categorical)
+    return Column(factor.name, OutputUnit(unit, size), 6, words=bool(factor.labels))
 
 
 def _named(factors: tuple[Factor, ...], values: tuple[float, ...]) -> dict[str, float | str]:
     return {
-        factor.name: factor.format_value(value) if factor.categorical else value
-        for factor, value in zip(factors, values, strict=True)
+        factor.name: factor.setting(value) for factor, value in zip(factors, values, strict=True)
     }
 
 

@@ -224,7 +224,8 @@ def not_toml(text: str, error: Exception) -> str:
     # What is wrong shows at the beginning of a line; patterns would take long over all of a very long one.
     lines = [line[:LONGEST_LINE] for line in text.splitlines()]
     # What is never closed is found at the end of the file, of which no line is told.
-    place = int(at_line[1]) if at_line else _first_fault(lines)
+    faulty = (number for number, line in enumerate(lines, start=1) if _fault(line))
+    place = int(at_line[1]) if at_line else next(faulty, 0)
     if not 1 <= place <= len(lines):
         return f"is not TOML ({error}); allowed is a TOML file."
     line = lines[place - 1]
@@ -264,11 +265,6 @@ def _fault(line: str) -> str | None:
             f"given {number[1]}; write a decimal point and no separators, like {' or '.join(meant)}"
         )
     return next((fault for pattern, fault in FAULTS if pattern.search(plain)), None)
-
-
-def _first_fault(lines: list[str]) -> int:
-    """Return the number of the first line in which something is written wrongly, 0 if there is none."""
-    return next((number for number, line in enumerate(lines, start=1) if _fault(line)), 0)
 
 
 def _before(lines: list[str], place: int) -> int | None:
