@@ -30,7 +30,7 @@ from dynamics.critical import critical_speeds
 from dynamics.engine.forces import LoadDiagram, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout
 from dynamics.engine.rods import ConnectingRod
-from dynamics.excitation.axial_forces import AxialForceComparison, axial_force_over_cycle
+from dynamics.excitation.chain_excitation import AxialForceComparison, axial_force_over_cycle
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.pressure_map import pressure_map
 from dynamics.gas.gas_cycle import GasCycleResult

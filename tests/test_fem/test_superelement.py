@@ -10,7 +10,7 @@ from scipy.sparse.linalg import splu
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.throw.throw_record import reciprocity_record
+from crankfem.analyses.throw.throw_record import reciprocity
 from fem.analysis import analyze_throw
 from fem.material import STEEL
 from fem.solver import assemble_stiffness
@@ -157,7 +157,7 @@ def test_both_ways_to_the_superelement_agree(end_sections, left_web):
     assert beside(other.pin_loads, own.pin_loads) < ROUND_OFF
     # They are two calculations, not one.
     assert not np.array_equal(other.pin_loads, own.pin_loads)
-    assert all(0.0 < figure < ROUND_OFF for figure in reciprocity_record(found).values())
+    assert all(0.0 < figure < ROUND_OFF for figure in reciprocity(found).to_record().values())
 
 
 def test_pinned_ends_carry_no_tilting_moment(superelement):
