@@ -46,11 +46,12 @@ from crankfem.files.sections.excitation_sections import (
 )
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.critical import engine_orders
-from dynamics.excitation.axial_forces import AxialForceComparison, compare_axial_forces
 from dynamics.excitation.chain_excitation import (
+    AxialForceComparison,
     axial_excitation,
     axial_excitation_of_torsion,
     combined_excitation,
+    compare_axial_forces,
     torsion_influence,
 )
 from dynamics.excitation.cylinders import (
