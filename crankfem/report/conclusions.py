@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from crankbase.quantity import UNBOUNDED, format_usage, quantities_apart, significant
 from crankfem.analyses.run_results import Check, RunResults
@@ -17,6 +17,9 @@ from crankfem.report.text_filters import (
 )
 from dynamics.assessment.wording import VERDICTS, limit_at
 
+if TYPE_CHECKING:
+    from crankfem.analyses.strength.engine_strength import EngineStrength
+
 Record = Mapping[str, Any]
 RESONANT = ("at resonance", "near resonance")
 # Of what orders at resonance make together, the share from which a mode is named.
@@ -24,7 +27,7 @@ LEAST_SHARE = 0.1
 DIGITS = 3
 
 
-def headline(vibration: Record, strength: Record | None = None) -> str:
+def headline(vibration: Record, strength: "EngineStrength | None" = None) -> str:
     """Return the verdict of a run in a few words."""
     words = _of_vibration(vibration)
     if too_weak(strength) and verdict_status(vibration) != "not acceptable":
@@ -40,9 +43,9 @@ def verdict_status(vibration: Record) -> str:
     return "undecided" if undecided(assessment) else str(assessment["status"])
 
 
-def too_weak(strength: Record | None) -> bool:
+def too_weak(strength: "EngineStrength | None") -> bool:
     """Whether the crankshaft's strength was judged, and is less than required."""
-    return strength is not None and strength["passed"] is False
+    return strength is not None and strength.passed is False
 
 
 def _of_vibration(vibration: Record) -> str:
@@ -76,7 +79,7 @@ def undecided(assessment: Record) -> bool:
     return bool(assessment["decision"]["status"] == "undecided")
 
 
-def verdict_line(vibration: Record, strength: Record | None = None) -> str:
+def verdict_line(vibration: Record, strength: "EngineStrength | None" = None) -> str:
     """Return the verdict of a run in one line: the headline, and the limit that is used most."""
     assessment = vibration["assessment"]
     if assessment is None:
@@ -122,7 +125,7 @@ def conclusions(results: RunResults) -> list[str]:
         _misfiring(results.vibration),
         "" if open_ else assumed,
         _other_models(results.vibration),
-        " ".join(own["sentence"] for own in (results.strength, results.fatigue) if own),
+        " ".join(own.sentence for own in (results.strength, results.fatigue) if own),
     ]
     return [one for one in found if one]
 

@@ -1,8 +1,8 @@
 """Fatigue by UR M53, of hardened surfaces too (Appendix V), and Findley's criterion."""
 
 import math
-from dataclasses import dataclass, fields
-from typing import Literal
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,10 +16,11 @@ from crankbase.array_checks import (
 )
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
-from crankbase.frames import Row
+from crankbase.results import Number, Part, Quantity, Result, result
 from crankbase.summaries import summarized
 from dynamics.strength.concentration import ConcentrationFactors, ElementFactors
 
+Stress = Annotated[float, Quantity("Pa")]
 MPA, MM = 1e6, 1e-3
 # Least acceptability factor Q.
 REQUIRED = 1.15
@@ -37,11 +38,8 @@ MANUFACTURE: dict[str, tuple[float, float]] = {
 LEAST_RADIUS = 2e-3
 
 
-@summarized(
-    *("throw", "place", "web", "equivalent [Pa]", "strength [Pa]", "acceptability", "passed")
-)
-@dataclass(frozen=True)
-class PlaceStrength:
+@result("throw", "place", "web", "equivalent", "strength", "acceptability", "passed")
+class PlaceStrength(Result):
     """One location of a throw: its alternating stresses and its fatigue strength.
 
     Parameters
@@ -52,15 +50,13 @@ class PlaceStrength:
     web : str
         Adjacent web, "left web" or "right web"; "" for an oil hole.
     depth : float
-        Depth below the surface, of a hardened location [m].
+        Depth below the surface, of a hardened location.
     nominal_bending, nominal_shear, nominal_torsion : float
-        Alternating, without stress concentration [Pa].
+        Alternating, without stress concentration.
     bending, torsion : float
-        With stress concentration; shear is part of the bending [Pa].
+        With stress concentration; shear is part of the bending.
     added : float
-        Additional bending stress [Pa].
-    equivalent : float
-        [Pa]
+        Additional bending stress.
     strength : float
         Fatigue strength at the location [Pa].
     """
@@ -68,34 +64,25 @@ class PlaceStrength:
     throw: int
     place: str
     web: str
-    depth: float
-    nominal_bending: float
-    nominal_shear: float
-    nominal_torsion: float
-    bending: float
-    torsion: float
-    added: float
-    equivalent: float
-    strength: float
+    depth: Annotated[float, Quantity("m")]
+    nominal_bending: Stress
+    nominal_shear: Stress
+    nominal_torsion: Stress
+    bending: Stress
+    torsion: Stress
+    added: Stress
+    equivalent: Stress
+    strength: Stress
 
     @property
-    def acceptability(self) -> float:
+    def acceptability(self) -> Number:
         """Q: strength over equivalent stress; inf without stress."""
         return self.strength / self.equivalent if self.equivalent else math.inf
 
     @property
-    def passed(self) -> bool:
+    def passed(self) -> Part[bool]:
         """Whether Q is 1.15 or more."""
         return self.acceptability >= REQUIRED
-
-    def row(self) -> Row:
-        """Return its values by column, each with its unit, for tables."""
-        units = {"throw": "1", "place": "", "web": "", "depth": "m"}
-        columns: Row = {
-            column.name: (getattr(self, column.name), units.get(column.name, "Pa"))
-            for column in fields(self)
-        }
-        return columns | {"acceptability": (self.acceptability, "1"), "passed": (self.passed, "")}
 
 
 def fatigue_strength(

@@ -3,11 +3,15 @@
 import math
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
+from typing import Annotated
 
 from crankbase.array_checks import nonnegative_number, positive_number
 from crankbase.errors import InputError
+from crankbase.results import Number, Part, Quantity, Result
 from crankbase.summaries import summarized
+from dynamics.strength.fatigue import Stress
 
+Length = Annotated[float, Quantity("m")]
 # That of the rule's finite elements.
 STEEL_MODULUS = 2.05e11
 LEAST_SAFETY, MOST_FRICTION = 2.0, 0.2
@@ -21,7 +25,7 @@ LENGTHS = ("shrink_diameter", "shrink_length", "web_diameter", "journal_diameter
 
 @summarized("least_shrinkage [m]", "most_shrinkage [m]", "largest_bore [m]", "refusals", "remarks")
 @dataclass(frozen=True)
-class ShrinkFit:
+class ShrinkFit(Result):
     """A journal shrunk into a web.
 
     Parameters
@@ -55,20 +59,20 @@ class ShrinkFit:
         are beyond the rule's.
     """
 
-    shrink_diameter: float
-    shrink_length: float
-    web_diameter: float
-    journal_diameter: float
-    fillet_radius: float
-    distance: float
-    web_yield: float
-    journal_yield: float
-    torque: float
+    shrink_diameter: Length
+    shrink_length: Length
+    web_diameter: Length
+    journal_diameter: Length
+    fillet_radius: Length
+    distance: Length
+    web_yield: Stress
+    journal_yield: Stress
+    torque: Annotated[float, Quantity("N m")]
     _: KW_ONLY
-    journal_bore: float = 0.0
-    friction: float = MOST_FRICTION
-    safety: float = LEAST_SAFETY
-    youngs_modulus: float = STEEL_MODULUS
+    journal_bore: Length = 0.0
+    friction: Number = MOST_FRICTION
+    safety: Number = LEAST_SAFETY
+    youngs_modulus: Stress = STEEL_MODULUS
 
     def __post_init__(self) -> None:
         for name in LENGTHS:
@@ -97,7 +101,7 @@ class ShrinkFit:
             )
 
     @property
-    def largest_bore(self) -> float:
+    def largest_bore(self) -> Length:
         """Largest permissible bore of the journal [m]; 0 where a solid one is too weak.
 
         D_S sqrt(1 - 4000 S_R M_max / (mu pi D_S^2 L_S s_SP)), there with N and mm.
@@ -106,7 +110,7 @@ class ShrinkFit:
         return self.shrink_diameter * math.sqrt(max(rest, 0.0))
 
     @property
-    def least_shrinkage(self) -> float:
+    def least_shrinkage(self) -> Length:
         """Z_min, the larger of the shrinkages for yield of the web and for the torque [m]."""
         web, journal = self._ratios
         yields = self.web_yield * self.shrink_diameter / self.youngs_modulus
@@ -114,12 +118,12 @@ class ShrinkFit:
         return max(yields, self._slip / self.youngs_modulus * thin)
 
     @property
-    def most_shrinkage(self) -> float:
+    def most_shrinkage(self) -> Length:
         """Z_max = D_S (s_SW / E_m + 0.8 / 1000) [m]."""
         return self.shrink_diameter * (self.web_yield / self.youngs_modulus + YIELDING)
 
     @cached_property
-    def refusals(self) -> tuple[str, ...]:
+    def refusals(self) -> Part[tuple[str, ...]]:
         """Violations of the rule, a sentence each; empty if the fit complies."""
         refused = []
         size = self.shrink_diameter
@@ -153,7 +157,7 @@ class ShrinkFit:
         return tuple(refused)
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def remarks(self) -> Part[tuple[str, ...]]:
         """Points that the rule requires to be considered, a sentence each."""
         low, high = (share * self.shrink_diameter for share in (LEAST_DISTANCE, SPECIAL_DISTANCE))
         if not low <= self.distance < high:
@@ -164,7 +168,7 @@ class ShrinkFit:
         )
 
     @property
-    def passed(self) -> bool:
+    def passed(self) -> Part[bool]:
         """Whether the rule permits the fit, with a shrinkage between the least and the largest."""
         return not self.refusals
 

@@ -9,6 +9,7 @@ import pytest
 from rich.console import Console
 
 from comparing import close
+from crankbase.results import contents
 from crankbase.table import parse_output_units
 from crankfem.analyses.vibration.assessment import Assessment, engine_decision
 from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict
@@ -31,6 +32,7 @@ from crankfem.report.text_filters import loaded_most
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.assessment.wording import VERDICTS
 from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
+from dynamics.strength.fatigue import PlaceStrength
 from stand_ins import stored_results, typed
 
 NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e-?\d+)?")
@@ -57,7 +59,7 @@ def part(order, contribution, state, mode=1):
 
 
 def verdict_parts(results):
-    return results["vibration"], results["strength"]
+    return results["vibration"], typed(results).strength
 
 
 def with_parts(results, *parts):
@@ -236,7 +238,11 @@ def test_misfiring_that_fails_is_in_the_headline(results):
 
 
 def test_a_crankshaft_too_weak_is_in_the_headline(results):
-    results["strength"] = {"passed": False, "sentence": "Q = 1.06, 1.15 is required."}
+    place = dict.fromkeys(contents(PlaceStrength), 1.0) | {"place": "pin fillet", "web": ""}
+    throw = {"throw": 1, "alternating_torque": 1.0, "torque_speed_rpm": 1.0, "misfiring": []}
+    throw |= {"places": [place | {"throw": 1}], "webs": {}, "shrink_fit": None}
+    said = {"throws": [throw], "by_elements": False, "warning": "", "source": ""}
+    results["strength"] = said | {key: [] for key in ("remarks", "left_out", "unsafe")}
     assert headline(*verdict_parts(results)) == "Not acceptable"
     results["vibration"]["assessment"] |= {"status": "fine", "headline": "Fine"}
     assert headline(*verdict_parts(results)).endswith(
@@ -244,7 +250,7 @@ def test_a_crankshaft_too_weak_is_in_the_headline(results):
     )
     assert summary(typed(results))["status"] == "bad"
     assert ". Vibration: torsional stress of crankshaft" in verdict_line(*verdict_parts(results))
-    results["strength"]["passed"] = True
+    throw["places"][0]["strength"] = 2.0
     assert "UR M53" not in headline(*verdict_parts(results))
     assert summary(typed(results))["status"] == "fine"
 
@@ -327,8 +333,6 @@ def test_no_table_of_critical_speeds_is_printed_twice(results, verbose, monkeypa
     assessment["limits"] = [one | {"judged_to_rpm": 575.0} for one in assessment["limits"]]
     assessment["barred"] = [one | {"ends": "not kept"} for one in assessment["barred"]]
     results["study"] = None
-    for own in results["throw"]["supports"].values():
-        own["axial_force"] = own["axial_force_per_radial"] * results["throw"]["radial_force"]
     lines = printed(results, 200, monkeypatch, capsys, verbose)
     assert sum(line.strip() == "Critical speeds" for line in lines) == (0 if verbose else 1)
     assert any(line.startswith("Throw by finite elements") for line in lines) == verbose

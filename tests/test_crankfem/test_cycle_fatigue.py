@@ -14,7 +14,6 @@ from crankfem.analyses.strength.cycle_fatigue import (
     EngineFatigue,
     FatiguePlace,
     fatigue_or_reason,
-    fatigue_record,
     fatigue_table,
 )
 from crankfem.analyses.strength.cycle_loads import ShaftUnderForces, cycle_loads, judged_speeds
@@ -239,11 +238,11 @@ def test_what_is_said_of_fatigue(found, vibration):
     assert least.rule_factor == close(min(factors))
     assert f"the least safety factor is {least.safety:.2f} at the {least.name}" in found.sentence
     assert f"UR M53 has Q = {least.rule_factor:.2f}" in found.sentence
-    record = fatigue_record(found)
-    table = fatigue_table(record)
-    assert len(table.rows) == 12  # pin and journal fillets of six throws
-    assert record["places"][0]["safety"] == least.safety
-    assert record["places"][0]["speed_rpm"] == close(least.speed * 30.0 / np.pi)
+    assert len(fatigue_table(found).rows) == 12  # pin and journal fillets of six throws
+    (place, *_) = found.to_record()["places"]
+    assert place["safety"] == least.safety
+    assert place["speed_rpm"] == close(least.speed * 30.0 / np.pi)
+    assert EngineFatigue.from_json(found.to_json()).sentence == found.sentence
     assert len(found.to_pandas()) == 24
 
 

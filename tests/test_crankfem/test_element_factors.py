@@ -11,9 +11,9 @@ from crankbase.errors import InputError
 from crankfem.analyses.strength import engine_strength
 from crankfem.analyses.strength.cycle_loads import shaft_loads
 from crankfem.analyses.strength.engine_strength import (
+    EngineStrength,
     element_factors,
     factor_table,
-    strength_record,
     throw_webs,
 )
 from crankfem.files.engine.mechanism_file import mechanism_of
@@ -104,11 +104,10 @@ def test_both_stand_side_by_side_and_the_smaller_formula_is_named(judge, stresse
     found = judge(stresses)
     assert not found.by_elements
     own, formulas = found.throws[0].elements["left web"], found.throws[0].factors["left web"]
-    record = strength_record(found)
-    web = record["throws"][0]["webs"]["left web"]
+    web = found.to_record()["throws"][0]["webs"]["left web"]
     assert web["finite_elements"]["beta_torsion"] == own.beta_torsion
     assert web["factors"]["beta_torsion"] == formulas.beta_torsion
-    table = factor_table(record)
+    table = factor_table(EngineStrength.from_json(found.to_json()))
     assert next(row[1] for row in table.rows) == "formulas"
     assert "finite elements" in [row[1] for row in table.rows]
     smaller = [
@@ -153,7 +152,7 @@ def test_cranks_outside_the_formulas_are_judged_by_finite_elements(judge, stress
     found = judge(stresses, throw=wide, factors="finite elements")
     assert found.left_out == ()
     assert found.passed is not None
-    web = strength_record(found)["throws"][0]["webs"]["left web"]
+    web = found.to_record()["throws"][0]["webs"]["left web"]
     assert web["factors"]["alpha_bending"] is None
     assert web["finite_elements"]["alpha_bending"] > 1.0
 
@@ -186,16 +185,14 @@ def test_an_unsafe_shear_factor_names_its_method_and_its_error():
     throw = engine_strength.ThrowStrength(
         number=1,
         places=(),
-        webs=(),
+        webs={},
         factors={"left web": formulas},
         elements={"left web": elements},
         torque=None,
         fit=None,
-        left_out=(),
     )
-    found = engine_strength.EngineStrength((throw,), (), False)
-    (said,) = [one for one in found.unsafe if "beta_Q" in one]
+    (said,) = [one for one in engine_strength.unsafe_sentences([throw]) if "beta_Q" in one]
     assert (
         f"and {larger:.3f} by finite elements, method 1, 20 % more (estimated error 12 %)" in said
     )
-    assert "beta_Q (up to 20 %, method 1)" in found.warning
+    assert "beta_Q (up to 20 %, method 1)" in engine_strength.unsafe_warning([throw])

@@ -7,8 +7,9 @@ of it is largest.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import islice
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +18,8 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.frames import DataFrame, Row, table_of
 from crankbase.quantity import RPM
-from crankbase.summaries import summarized
+from crankbase.results import Number, Part, Quantity, Result, Speed, result
 from crankbase.table import Column, Table
-from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.strength.cycle_loads import CycleLoads, cycle_loads, judged_speeds
 from crankfem.analyses.strength.engine_strength import EngineStrength, engine_strength
 from crankfem.analyses.vibration.misfiring import Cylinders, named
@@ -30,6 +30,7 @@ from dynamics.strength.fatigue import (
     FINDLEY_SOURCE,
     MANUFACTURE,
     CriticalPlane,
+    Stress,
     critical_plane,
     fatigue_strength,
     findley_bound,
@@ -135,11 +136,8 @@ def worst_point(
 ACCURACY = 0.1
 
 
-@summarized(
-    *("throw", "place", "name", "safety", "speed [rad/s]", "shaft_angle_deg [deg]", "cylinders")
-)
-@dataclass(frozen=True)
-class FatiguePlace:
+@result("throw", "place", "name", "safety", "speed", "shaft_angle_deg", "cylinders")
+class FatiguePlace(Result):
     """The worst point of a fillet or of an exit of an oil hole, at the decisive speed and firing.
 
     Attributes
@@ -150,19 +148,17 @@ class FatiguePlace:
     name : str
         For example "pin, left web".
     point : tuple of three float
-        In the throw frame [m].
-    speed : float
-        [rad/s]
+        In the throw frame.
     cylinders : tuple of int
         Misfiring cylinders; none in normal firing.
     shaft_angle_deg : float
-        Shaft angle at which the normal stress on the critical plane is largest [deg].
+        Shaft angle at which the normal stress on the critical plane is largest.
     shear_amplitude, normal_stress : float
-        On the critical plane: amplitude of the shear stress, largest normal stress [Pa].
+        On the critical plane: amplitude of the shear stress, largest normal stress.
     value, limit : float
-        Of the criterion [Pa].
+        Of the criterion.
     strength : float
-        Fatigue strength of the location in bending, fully reversed [Pa].
+        Fatigue strength of the location in bending, fully reversed.
     rule_factor : float or None
         Q of UR M53 of the same location of the throw; None if the rule has none.
     """
@@ -170,42 +166,33 @@ class FatiguePlace:
     throw: int
     place: str
     name: str
-    point: tuple[float, float, float]
-    speed: float
-    cylinders: Cylinders
-    shaft_angle_deg: float
-    shear_amplitude: float
-    normal_stress: float
-    value: float
-    limit: float
-    strength: float
-    rule_factor: float | None
+    point: Annotated[tuple[float, float, float], Quantity("m")]
+    speed: Speed
+    cylinders: Annotated[Cylinders, Quantity("1", key="misfiring")]
+    shaft_angle_deg: Annotated[float, Quantity("deg")]
+    shear_amplitude: Stress
+    normal_stress: Stress
+    value: Annotated[float, Quantity("Pa", key="criterion")]
+    limit: Stress
+    strength: Stress
+    rule_factor: Number | None
 
     @property
-    def safety(self) -> float:
+    def safety(self) -> Number:
         """Limit over value of the criterion; inf without stress."""
         return self.limit / self.value if self.value > 0.0 else math.inf
 
     def row(self) -> Row:
         """Return its values by column, each with its unit, for tables."""
-        pascals = ("shear_amplitude", "normal_stress", "value", "limit", "strength")
-        return {
-            "throw": (self.throw, "1"),
-            "place": (self.place, ""),
-            "name": (self.name, ""),
-            "safety": (self.safety, "1"),
-            "speed": (self.speed, "rad/s"),
-            "shaft_angle_deg": (self.shaft_angle_deg, "deg"),
+        return super().row() | {
             "misfiring": (", ".join(map(str, self.cylinders)), ""),
-            **{name: (getattr(self, name), "Pa") for name in pascals},
             **{axis: (value, "m") for axis, value in zip("xyz", self.point, strict=True)},
             "rule_factor": (math.nan if self.rule_factor is None else self.rule_factor, "1"),
         }
 
 
-@summarized("sentence", "remarks")
-@dataclass(frozen=True, eq=False)
-class EngineFatigue:
+@result("sentence", "remarks")
+class EngineFatigue(Result):
     """Fatigue of an engine's crankshaft over the working cycle.
 
     Attributes
@@ -221,12 +208,12 @@ class EngineFatigue:
     """
 
     places: tuple[FatiguePlace, ...]
-    factor: float
+    factor: Number
     remarks: tuple[str, ...]
     source: str = FINDLEY_SOURCE
 
     @property
-    def sentence(self) -> str:
+    def sentence(self) -> Part[str]:
         """The least safety factor, its location and time, and the rule's factor."""
         least = self.places[0]
         firing = (
@@ -440,57 +427,25 @@ def _remarks(
         yield "rods side by side load the pin at their own positions, each distributed over the whole pin"
 
 
-def fatigue_record(fatigue: EngineFatigue) -> Record:
-    """Return the record of a crankshaft's fatigue over the cycle."""
-    return {
-        **attributes(fatigue, "sentence", "source", "factor", "remarks"),
-        "places": [_place_record(place) for place in fatigue.places],
-    }
-
-
-def _place_record(place: FatiguePlace) -> Record:
-    record = asdict(place)
-    return plain(
-        {
-            "safety": place.safety,
-            "speed_rpm": record.pop("speed") * RPM,
-            "misfiring": record.pop("cylinders"),
-            "criterion": record.pop("value"),
-            **record,
-        }
-    )
-
-
-def fatigue_table(record: Record) -> Table:
-    """Return the least safety of each kind of location of each throw, from the `fatigue_record`."""
-    least: dict[tuple[int, str], Record] = {}
-    for place in record["places"]:
-        least.setdefault((place["throw"], place["place"]), place)
-    return Table(
+def fatigue_table(fatigue: EngineFatigue) -> Table:
+    """Return the least safety of each kind of location of each throw."""
+    least: dict[tuple[int, str], FatiguePlace] = {}
+    for place in fatigue.places:
+        least.setdefault((place.throw, place.place), place)
+    places = least.values()
+    return Table.of_columns(
         "Fatigue over the working cycle",
-        [
-            Column("throw"),
-            Column("location", words=True),
-            Column("safety", decimals=2),
-            Column("at", "1/min"),
-            Column("misfiring cylinder"),
+        (Column("throw"), [place.throw for place in places]),
+        (Column("location", words=True), [place.name for place in places]),
+        (Column("safety", decimals=2), [place.safety for place in places]),
+        (Column("at", "1/min"), [place.speed for place in places]),
+        (Column("misfiring cylinder"), [place.cylinders or None for place in places]),
+        (
             Column("shaft angle", "deg", decimals=0),
-            Column("shear amplitude", "MPa"),
-            Column("normal stress", "MPa"),
-            Column("fatigue strength", "MPa"),
-            Column("factor Q", decimals=2),
-        ],
-        [
-            [
-                place["throw"],
-                place["name"],
-                place["safety"],
-                place["speed_rpm"] / RPM,
-                place["misfiring"] or None,
-                math.radians(place["shaft_angle_deg"]),
-                *(place[name] for name in ("shear_amplitude", "normal_stress", "strength")),
-                place["rule_factor"],
-            ]
-            for place in least.values()
-        ],
+            [math.radians(place.shaft_angle_deg) for place in places],
+        ),
+        (Column("shear amplitude", "MPa"), [place.shear_amplitude for place in places]),
+        (Column("normal stress", "MPa"), [place.normal_stress for place in places]),
+        (Column("fatigue strength", "MPa"), [place.strength for place in places]),
+        (Column("factor Q", decimals=2), [place.rule_factor for place in places]),
     )

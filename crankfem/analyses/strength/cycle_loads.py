@@ -7,6 +7,7 @@ inertia acts at its pin, so that the torques at both ends of the throw are the c
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Quantity, Result, result
 from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.vibration.engine_excitation import (
@@ -49,24 +50,22 @@ from fem.superelement import (
 HIGHEST_ORDER = {2: 15.0, 4: 12.0}
 
 
-@summarized("value", "speed [rad/s]", "cylinders")
-@dataclass(frozen=True)
-class LargestLoad:
+@result("value", "speed", "cylinders")
+class LargestLoad(Result):
     """The largest alternating load of a throw at the speeds that count.
 
     Attributes
     ----------
     value : float
-        Half of the distance from lowest to highest over the cycle [N m or N]; inf where unbounded.
-    speed : float
-        [rad/s]
+        Half of the distance from lowest to highest over the cycle; inf where unbounded.
     cylinders : tuple of int
         Misfiring cylinders; none in normal firing.
     """
 
-    value: float
-    speed: float
-    cylinders: Cylinders
+    value: Annotated[float, Quantity(".unit", key="alternating_torque")]
+    speed: Annotated[float, Quantity("rad/s", exported="1/min", key="torque_speed_rpm")]
+    cylinders: Annotated[Cylinders, Quantity("1", key="misfiring")]
+    unit: Internal[str] = "N m"
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +133,7 @@ def shaft_loads(vibration: EngineVibration, mechanism: MechanismFile) -> ShaftLo
     return ShaftLoads(
         normal=tuple(_largest(torques, speeds[kept], ()) for torques in normal.T),
         misfiring=tuple(worst),
-        axial=tuple(_largest(torques, speeds[kept], ()) for torques in axial.T),
+        axial=tuple(replace(_largest(force, speeds[kept], ()), unit="N") for force in axial.T),
         passed_on=tuple(passed_on.tolist()),
         barred=barred,
     )

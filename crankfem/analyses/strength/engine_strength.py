@@ -2,16 +2,17 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from contextlib import suppress
+from dataclasses import dataclass, field, fields
+from typing import Annotated, Any
 
 import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.frames import DataFrame, table_of
 from crankbase.quantity import RPM, UNBOUNDED
-from crankbase.summaries import summarized
+from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table
-from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.strength.cycle_loads import (
     HIGHEST_ORDER,
     LargestLoad,
@@ -406,21 +407,23 @@ def strength_remarks(
 EQUAL = 9
 
 
-@summarized("number", "torque.value [N m]", "places")
-@dataclass(frozen=True, eq=False)
-class ThrowStrength:
+@result("ratios", "factors")
+class WebFactors(Result):
+    """Ratios and factors of a web; None for factors that the rule or the mesh lacks."""
+
+    ratios: Annotated[dict[str, float], Quantity("1")]
+    factors: Annotated[dict[str, float | None], Quantity("1")]
+    finite_elements: Annotated[dict[str, Any] | None, Quantity("1")]
+
+
+@result("number", "torque.value", "places")
+class ThrowStrength(Result):
     """Strength of one throw.
 
     Attributes
     ----------
     number : int
         From 1 at the free end.
-    webs : tuple of ThrowWeb
-        The left and the right one.
-    factors : dict of str to ConcentrationFactors
-        Of each web by its name, where the rule's formulas apply.
-    elements : dict of str to ElementFactors
-        By finite elements, if stresses were calculated.
     places : tuple of PlaceStrength
         Pin fillet, journal fillet and oil hole, if present and if the rule has factors: each
         next to the web, and if hardened at the depth with the least acceptability.
@@ -428,23 +431,29 @@ class ThrowStrength:
         Alternating, the largest next to the throw.
     fit : ShrinkFit or None
         Of the journals of a semi-built shaft.
+    sides : tuple of ThrowWeb
+        The left and the right web; empty if read from a file, as what follows.
+    factors : dict of str to ConcentrationFactors
+        Of each web by its name, where the rule's formulas apply.
+    elements : dict of str to ElementFactors
+        By finite elements, if stresses were calculated.
     left_out : tuple of str
         Where the rule has no formula and why, as in `EngineStrength.left_out` after the throws.
     """
 
-    number: int
-    webs: tuple[ThrowWeb, ...]
-    factors: dict[str, ConcentrationFactors]
-    elements: dict[str, ElementFactors]
+    number: Annotated[int, Quantity("1", key="throw")]
+    torque: Flat[LargestLoad]
     places: tuple[PlaceStrength, ...]
-    torque: LargestLoad
-    fit: ShrinkFit | None
-    left_out: tuple[str, ...]
+    webs: dict[str, WebFactors]
+    fit: Annotated[ShrinkFit | None, Quantity(key="shrink_fit")]
+    sides: Internal[tuple[ThrowWeb, ...]] = ()
+    factors: Internal[dict[str, ConcentrationFactors]] = field(default_factory=dict)
+    elements: Internal[dict[str, ElementFactors]] = field(default_factory=dict)
+    left_out: Internal[tuple[str, ...]] = ()
 
 
-@summarized("sentence", "passed", "remarks")
-@dataclass(frozen=True, eq=False)
-class EngineStrength:
+@result("sentence", "passed", "remarks")
+class EngineStrength(Result):
     """Strength of an engine's crankshaft by UR M53.
 
     Attributes
@@ -453,6 +462,12 @@ class EngineStrength:
         From the free end.
     remarks : tuple of str
         Assumptions, a sentence each.
+    left_out : tuple of str
+        What could not be judged and why, a sentence each, with the throws concerned.
+    unsafe : tuple of str
+        Where a formula gives a smaller factor than finite elements, a sentence each.
+    warning : str
+        Which formulas do, with the largest difference; or "".
     by_elements : bool
         Whether the factors of stress concentration are those of finite elements.
     source : str
@@ -461,8 +476,16 @@ class EngineStrength:
 
     throws: tuple[ThrowStrength, ...]
     remarks: tuple[str, ...]
-    by_elements: bool = False
+    left_out: tuple[str, ...]
+    unsafe: tuple[str, ...]
+    warning: str
+    by_elements: bool
     source: str = M53_SOURCE
+
+    @property
+    def required_factor(self) -> Number:
+        """The least acceptability factor."""
+        return REQUIRED
 
     @property
     def places(self) -> tuple[PlaceStrength, ...]:
@@ -471,7 +494,7 @@ class EngineStrength:
         return tuple(sorted(found, key=lambda one: round(one.acceptability, EQUAL)))
 
     @property
-    def passed(self) -> bool | None:
+    def passed(self) -> Part[bool | None]:
         """Whether all locations and fits are acceptable; None if some could not be judged."""
         fits = all(throw.fit is None or throw.fit.passed for throw in self.throws)
         if not fits or not all(place.passed for place in self.places):
@@ -479,7 +502,7 @@ class EngineStrength:
         return None if self.left_out else True
 
     @property
-    def sentence(self) -> str:
+    def sentence(self) -> Part[str]:
         """The finding, with the decisive location."""
         unjudged = self.left_out
         if not self.places:
@@ -513,52 +536,6 @@ class EngineStrength:
             If pandas is not installed.
         """
         return table_of(self.places)
-
-    @property
-    def left_out(self) -> tuple[str, ...]:
-        """What could not be judged and why, a sentence each, with the throws concerned."""
-        return _of_throws((throw.number, text) for throw in self.throws for text in throw.left_out)
-
-    @property
-    def unsafe(self) -> tuple[str, ...]:
-        """Where a formula gives a smaller factor than finite elements, a sentence each."""
-        texts: list[tuple[int, str]] = []
-        for throw in self.throws:
-            webs: dict[str, list[str]] = {}
-            for name, elements in throw.elements.items():
-                smaller = unsafe_formulas(throw.factors.get(name), elements)
-                for symbol, (formula, other) in smaller.items():
-                    error = elements.shear_error if symbol == "beta_Q" else elements.error
-                    assert error is not None
-                    text = (
-                        f"{symbol} is {formula:.3f} by the formula and {other:.3f} by finite "
-                        f"elements{_method(symbol)}, {_more(formula, other)} more (estimated error "
-                        f"{100.0 * error:.2g} %): the formula is not conservative"
-                    )
-                    webs.setdefault(text, []).append(name)
-            texts += [
-                (throw.number, f", {'both webs' if len(names) > 1 else names[0]}: {text}")
-                for text, names in webs.items()
-            ]
-        return _of_throws(texts)
-
-    @property
-    def warning(self) -> str:
-        """Which formulas give smaller factors than finite elements, with the largest difference; or ""."""
-        most: dict[str, tuple[float, float]] = {}
-        for throw in self.throws:
-            for name, elements in throw.elements.items():
-                for symbol, both in unsafe_formulas(throw.factors.get(name), elements).items():
-                    most[symbol] = max(
-                        most.get(symbol, both), both, key=lambda two: two[1] / two[0]
-                    )
-        named = ", ".join(
-            f"{symbol} (up to {_more(*both)}{_method(symbol)})" for symbol, both in most.items()
-        )
-        return named and (
-            "Finite elements give larger stress concentration factors than the formulas of UR M53: "
-            f"{named}. There the formulas are not conservative."
-        )
 
 
 def engine_strength(
@@ -616,11 +593,57 @@ def engine_strength(
         vibration,
         section,
         loads,
-        [throw_stresses.web for throw in throws for throw_stresses in throw.webs],
+        [throw_stresses.web for throw in throws for throw_stresses in throw.sides],
         [throw_stresses.web for throw in throws for throw_stresses in throw.factors.values()],
         [throw_stresses for throw in throws for throw_stresses in throw.elements.values()],
     )
-    return EngineStrength(tuple(throws), tuple(remarks), by_elements)
+    return EngineStrength(
+        throws=tuple(throws),
+        remarks=tuple(remarks),
+        left_out=_of_throws((throw.number, text) for throw in throws for text in throw.left_out),
+        unsafe=unsafe_sentences(throws),
+        warning=unsafe_warning(throws),
+        by_elements=by_elements,
+    )
+
+
+def unsafe_sentences(throws: Sequence[ThrowStrength]) -> tuple[str, ...]:
+    """State where a formula gives a smaller factor than finite elements, a sentence each."""
+    texts: list[tuple[int, str]] = []
+    for throw in throws:
+        webs: dict[str, list[str]] = {}
+        for name, elements in throw.elements.items():
+            smaller = unsafe_formulas(throw.factors.get(name), elements)
+            for symbol, (formula, other) in smaller.items():
+                error = elements.shear_error if symbol == "beta_Q" else elements.error
+                assert error is not None
+                text = (
+                    f"{symbol} is {formula:.3f} by the formula and {other:.3f} by finite "
+                    f"elements{_method(symbol)}, {_more(formula, other)} more (estimated error "
+                    f"{100.0 * error:.2g} %): the formula is not conservative"
+                )
+                webs.setdefault(text, []).append(name)
+        texts += [
+            (throw.number, f", {'both webs' if len(names) > 1 else names[0]}: {text}")
+            for text, names in webs.items()
+        ]
+    return _of_throws(texts)
+
+
+def unsafe_warning(throws: Sequence[ThrowStrength]) -> str:
+    """State which formulas give smaller factors than finite elements, with the largest difference; or ""."""
+    most: dict[str, tuple[float, float]] = {}
+    for throw in throws:
+        for name, elements in throw.elements.items():
+            for symbol, both in unsafe_formulas(throw.factors.get(name), elements).items():
+                most[symbol] = max(most.get(symbol, both), both, key=lambda two: two[1] / two[0])
+    named = ", ".join(
+        f"{symbol} (up to {_more(*both)}{_method(symbol)})" for symbol, both in most.items()
+    )
+    return named and (
+        "Finite elements give larger stress concentration factors than the formulas of UR M53: "
+        f"{named}. There the formulas are not conservative."
+    )
 
 
 def _of_throws(numbered_texts: Iterable[tuple[int, str]]) -> tuple[str, ...]:
@@ -719,131 +742,96 @@ def _throw(
         for each in judged.values()
         if each
     ]
-    return ThrowStrength(number, webs, known, elements, tuple(least), torque, fit, tuple(left_out))
-
-
-def strength_record(strength: EngineStrength) -> Record:
-    """Return the record of a crankshaft's strength; null where an equivalent stress is unbounded."""
-    return {
-        **attributes(
-            strength, "sentence", "passed", "source", "left_out", "unsafe", "warning", "by_elements"
-        ),
-        "remarks": list(strength.remarks),
-        "required_factor": REQUIRED,
-        "throws": [_throw_record(throw) for throw in strength.throws],
-    }
-
-
-def _throw_record(throw: ThrowStrength) -> Record:
-    torque, fit = throw.torque, throw.fit
-    return {
-        "throw": throw.number,
-        "alternating_torque": plain({"torque": torque.value})["torque"],
-        "torque_speed_rpm": torque.speed * RPM,
-        "misfiring": list(torque.cylinders),
-        "places": [
-            plain(asdict(place) | attributes(place, "acceptability", "passed"))
-            for place in throw.places
-        ],
-        "webs": {
-            name: _factors(throw.factors.get(name), throw.elements.get(name))
-            for name in dict.fromkeys([*throw.factors, *throw.elements])
+    return ThrowStrength(
+        number=number,
+        torque=torque,
+        places=tuple(least),
+        webs={
+            name: _factors(known.get(name), elements.get(name))
+            for name in dict.fromkeys([*known, *elements])
         },
-        "shrink_fit": None
-        if fit is None
-        else asdict(fit)
-        | attributes(fit, "largest_bore", "least_shrinkage", "most_shrinkage")
-        | attributes(fit, "passed", "refusals", "remarks"),
-    }
+        fit=fit,
+        sides=webs,
+        factors=known,
+        elements=elements,
+        left_out=tuple(left_out),
+    )
 
 
-def _factors(formulas: ConcentrationFactors | None, elements: ElementFactors | None) -> Record:
-    """Return ratios and factors of a web; None for factors that the rule or the mesh lacks."""
+def _factors(formulas: ConcentrationFactors | None, elements: ElementFactors | None) -> WebFactors:
     known = formulas or elements
     assert known is not None
-    record: Record = {name: known.web.ratio(name) for name in RANGES}
-    record = {"ratios": record, "factors": dict.fromkeys(FACTORS), "finite_elements": None}
+    factors: dict[str, float | None] = dict.fromkeys(FACTORS)
     for name in FACTORS if formulas else ():
-        try:
-            record["factors"][name] = getattr(formulas, name)
-        except InputError:
-            record["factors"][name] = None
+        with suppress(InputError):
+            factors[name] = getattr(formulas, name)
+    meshed = None
     if elements is not None:
-        record["finite_elements"] = {
-            field.name: getattr(elements, field.name)
-            for field in fields(elements)
-            if field.name != "web"
-        }
-    return record
+        names = (entry.name for entry in fields(elements) if entry.name != "web")
+        meshed = {name: getattr(elements, name) for name in names}
+    return WebFactors({name: known.web.ratio(name) for name in RANGES}, factors, meshed)
 
 
-def strength_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return the least acceptability factor of each location of each throw, from the `strength_record`."""
-    places = [place for throw in record["throws"] for place in throw["places"]]
-    hardened = any(place["depth"] for place in places)
-    deep = [Column("depth", units.of("mm"), missing="surface")] if hardened else []
-    return Table(
+def strength_table(strength: EngineStrength, units: OutputUnits = SI) -> Table:
+    """Return the least acceptability factor of each location of each throw."""
+    places = [place for throw in strength.throws for place in throw.places]
+
+    def stresses(name: str, attribute: str) -> tuple[Column, list[float]]:
+        return Column(name, "MPa"), [getattr(place, attribute) for place in places]
+
+    deep = (
+        Column("depth", units.of("mm"), missing="surface"),
+        [place.depth or None for place in places],
+    )
+    return Table.of_columns(
         "Alternating stresses by UR M53",
-        [
-            Column("throw"),
+        (Column("throw"), [place.throw for place in places]),
+        (
             Column("location", words=True),
-            *deep,
-            *(Column(f"nominal {name}", "MPa") for name in ("bending", "torsion")),
-            *(Column(name, "MPa") for name in ("bending", "torsion", "added", "equivalent")),
-            Column("fatigue strength", "MPa"),
-            Column("factor Q", decimals=3),
-        ],
-        [
-            [
-                place["throw"],
-                " ".join(filter(None, (place["place"], place["web"].removesuffix(" web")))),
-                *([place["depth"] or None] if hardened else []),
-                *(place[f"nominal_{name}"] for name in ("bending", "torsion")),
-                *(place[name] for name in ("bending", "torsion")),
-                place["added"] or None,
-                *(place[name] for name in ("equivalent", "strength", "acceptability")),
-            ]
-            for place in places
-        ],
-        marks=["" if place["passed"] else "over" for place in places],
+            [f"{place.place} {place.web.removesuffix(' web')}".strip() for place in places],
+        ),
+        *([deep] if any(place.depth for place in places) else []),
+        *(stresses(f"nominal {name}", f"nominal_{name}") for name in ("bending", "torsion")),
+        *(stresses(name, name) for name in ("bending", "torsion")),
+        (Column("added", "MPa"), [place.added or None for place in places]),
+        stresses("equivalent", "equivalent"),
+        stresses("fatigue strength", "strength"),
+        (Column("factor Q", decimals=3), [place.acceptability for place in places]),
+        marks=["" if place.passed else "over" for place in places],
     )
 
 
-def torque_table(record: Record) -> Table:
+def torque_table(strength: EngineStrength) -> Table:
     """Return the largest alternating torque of each throw, with its speed and misfiring cylinders."""
-    return Table(
+    torques = [throw.torque for throw in strength.throws]
+    return Table.of_columns(
         "Largest alternating torque",
-        [
-            Column("throw"),
+        (Column("throw"), [throw.number for throw in strength.throws]),
+        (
             Column("torque", "kN m", missing=UNBOUNDED),
-            Column("at", "1/min"),
-            Column("misfiring cylinder"),
-        ],
-        [
-            [
-                throw["throw"],
-                throw["alternating_torque"],
-                throw["torque_speed_rpm"] / RPM,
-                throw["misfiring"] or None,
-            ]
-            for throw in record["throws"]
-        ],
+            [None if math.isinf(torque.value) else torque.value for torque in torques],
+        ),
+        (Column("at", "1/min"), [torque.speed for torque in torques]),
+        (Column("misfiring cylinder"), [torque.cylinders or None for torque in torques]),
     )
 
 
-def factor_table(record: Record) -> Table:
+def factor_table(strength: EngineStrength) -> Table:
     """Return the factors of stress concentration of each web, those of equal webs once."""
     rows: dict[tuple[str, tuple[float | None, ...]], list[str]] = {}
-    for throw in record["throws"]:
-        for name, factors in throw["webs"].items():
-            for way, key in (("formulas", "factors"), ("finite elements", "finite_elements")):
-                if factors.get(key) is not None:
+    for throw in strength.throws:
+        for name, web in throw.webs.items():
+            for way, factors in (
+                ("formulas", web.factors),
+                ("finite elements", web.finite_elements),
+            ):
+                if factors is not None:
+                    known = (factors[symbol] for symbol in FACTORS)
                     values = tuple(
-                        None if factors[key][one] is None else round(factors[key][one], EQUAL)
-                        for one in FACTORS
+                        None if factor is None else round(factor, EQUAL) for factor in known
                     )
-                    web = f"{throw['throw']} {name.removesuffix(' web')}"
-                    rows.setdefault((way, values), []).append(web)
+                    place = f"{throw.number} {name.removesuffix(' web')}"
+                    rows.setdefault((way, values), []).append(place)
     ways = [way for way, _ in rows]
     both = len(set(ways)) > 1
     return Table(

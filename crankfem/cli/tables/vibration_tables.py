@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,6 +33,9 @@ from crankfem.files.chain.chain_file import ChainFile
 from crankfem.report.conclusions import conclusions, reached_and_permitted, verdict_line
 from crankfem.report.summary import engine_facts, worst_of_each
 from dynamics.assessment.wording import VERDICTS
+
+if TYPE_CHECKING:
+    from crankfem.analyses.strength.engine_strength import EngineStrength
 
 NOT_FORCED = (
     "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."
@@ -312,7 +315,7 @@ def print_worst(vibration: dict[str, Any], units: OutputUnits = SI) -> None:
 
 
 def print_verdict(
-    vibration: Mapping[str, Any], strength: Mapping[str, Any] | None, units: OutputUnits = SI
+    vibration: Mapping[str, Any], strength: "EngineStrength | None", units: OutputUnits = SI
 ) -> None:
     """Print the verdict of a run in one line."""
     print_line(units.text(verdict_line(vibration, strength)))
