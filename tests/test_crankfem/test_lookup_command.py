@@ -42,6 +42,7 @@ from regression.law.throw_law import axial_law, torsional_law
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 from regression.response_kinds import GUIDED_MOMENTS
+from throws import MEDIUM_SPEED
 
 ENGINE = "6chn25-34"
 THROW = load_throw(input_path(ENGINE))[0]
@@ -532,7 +533,7 @@ def test_the_study_gives_way_and_the_model_is_told(saved, silent, tmp_path):
     assert inputs.engine_file.study is not None
     assert inputs.study is None
     assert inputs.option == "model.json"
-    assert inputs.paths[-1].name == inputs.files[-1]["name"] == "model.json"
+    assert inputs.paths[-1].name == inputs.files[-1].name == "model.json"
     told = {one.field: one.source for one in inputs.engine_file.records}
     assert told["vibration.model"] == told["vibration.axial_source"] == "option --model"
     alone = read_inputs(tmp_path / "mine.toml")
@@ -626,16 +627,7 @@ def test_a_run_with_a_saved_model(coarsely, silent, saved, call, tmp_path):
     ).read_text(encoding="utf-8")
 
 
-PLAIN = {
-    "crank_radius": 0.170,
-    "main_journal_diameter": 0.220,
-    "pin_diameter": 0.180,
-    "main_journal_length": 0.120,
-    "pin_length": 0.139,
-    "web_width": 0.300,
-    "web_thickness": 0.068,
-    "fillet_radius": 0.012,
-}
+PLAIN = MEDIUM_SPEED | {"web_width": 0.3}
 LAW_THROW = CrankThrow(**PLAIN)
 OUTSIDE = CrankThrow(**PLAIN | {"crank_radius": 0.480})
 LAW_PAIRS = [f"{name}={1e3 * value:g} mm" for name, value in PLAIN.items()]
