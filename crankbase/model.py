@@ -177,6 +177,19 @@ def part_kind(info: FieldInfo) -> type["InputModel"] | None:
     )
 
 
+def model_units(model: "InputModel", path: str = "") -> dict[str, str]:
+    """Return the units of the numbers in a record of input and in its parts, by their paths in JSON."""
+    known: dict[str, str] = {}
+    for name, info in type(model).model_fields.items():
+        content = getattr(model, name)
+        for part in content if isinstance(content, tuple | list) else (content,):
+            if isinstance(part, InputModel):
+                known |= model_units(part, f"{path}{name}.")
+            elif is_number(part):
+                known[f"{path}{name}"] = field_extra(info, "unit") or "1"
+    return known
+
+
 def _fields_and_methods(names: Iterable[str]) -> list[str]:
     """Hide the methods of all pydantic models: users who describe an engine do not need them."""
     usual, pydantics = dir(object), {*dir(BaseModel)}

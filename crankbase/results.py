@@ -157,10 +157,12 @@ class Result:
         return cls.from_record(json.loads(text))
 
     @classmethod
-    def from_record(cls, content: Mapping[str, Any]) -> Self:
-        """Return results from their content in JSON."""
+    def from_record(cls, content: "Mapping[str, Any] | Self") -> Self:
+        """Read content of JSON; a result is returned as it is."""
         from pydantic import TypeAdapter
 
+        if isinstance(content, cls):
+            return content
         made: Self = TypeAdapter(cls).validate_python(_by_field(cls, content))
         return made
 
@@ -254,11 +256,16 @@ def _is_part(kind: Any) -> bool:
         return _quantity(kind) is not None or _is_part(get_args(kind)[0])
     if origin is not None:
         return all(part is Ellipsis or _is_part(part) for part in get_args(kind))
-    return kind in (str, bool, int, NoneType, dict) or _is_result(kind)
+    known = kind in (str, bool, int, NoneType, dict) or _is_result(kind)
+    return known or hasattr(kind, "model_fields")
 
 
 def _is_result(kind: Any) -> bool:
     return isinstance(kind, type) and issubclass(kind, Result)
+
+
+def _is_input(value: Any) -> bool:
+    return hasattr(value, "model_dump")
 
 
 def plain(value: Any) -> Any:
@@ -276,6 +283,8 @@ def plain(value: Any) -> Any:
                 content = np.asarray(content, dtype=float) * EXPORTED[quantity.exported][0]
             record[quantity.key_of(name)] = plain(content)
         return record
+    if _is_input(value):
+        value = value.model_dump(mode="json")
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
@@ -314,6 +323,10 @@ def units(value: Any, path: str = "") -> dict[str, str]:
                 hidden = unit[:1] == "." and unit[1:] not in contents(type(value))
                 known[inside] = getattr(value, unit[1:]) if hidden else unit
             known |= units(content, path if quantity.flat else f"{place}.")
+    elif _is_input(value):
+        from crankbase.model import model_units
+
+        known = model_units(value, path)
     elif isinstance(value, Mapping):
         for name, part in value.items():
             known |= units(part, f"{path}{name}.")
@@ -333,7 +346,7 @@ def _cells(source: Result, before: str) -> Iterator[tuple[str, tuple[Any, str]]]
         value = getattr(source, name)
         if isinstance(value, Result):
             yield from _cells(value, f"{before}{name}.")
-        elif not isinstance(value, Mapping | tuple | list | np.ndarray):
+        elif not (isinstance(value, Mapping | tuple | list | np.ndarray) or _is_input(value)):
             unit = quantity.unit
             yield f"{before}{name}", (value, getattr(source, unit[1:]) if unit[:1] == "." else unit)
 
@@ -348,7 +361,9 @@ def _by_field(kind: Any, content: Any) -> Any:
             if name in names
         }
     inside = [part for part in get_args(kind) if _has_results(part)]
-    if not inside or content is None:
+    # Of a choice between input and a result, the input is known by its fields.
+    inputs = [set(part.model_fields) for part in get_args(kind) if hasattr(part, "model_fields")]
+    if not inside or content is None or any(set(content) <= known for known in inputs):
         return content
     if isinstance(content, list):
         return [_by_field(inside[0], part) for part in content]

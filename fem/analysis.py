@@ -273,13 +273,13 @@ class SolvedSuperelement(SolvedThrow):
         coarse = axial_correction(self.superelement, plain)
         missing = self.superelement.missing
         discrete = support_throw(plain, support)
-        bars = {
+        bars: dict[str, Any] = {
             name: error_bars(value, getattr(discrete, name), coarse, missing=missing)
             for name, value in vars(support_throw(self.superelement, support)).items()
         }
-        return SupportedThrow(
-            axial=float(bars.pop("axial")), torsional=float(bars.pop("torsional")), **bars
-        )
+        for name in ("axial", "torsional", "influence"):
+            bars[name] = float(bars[name])
+        return SupportedThrow(**bars)
 
     @property
     def solver(self) -> str:

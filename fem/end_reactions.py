@@ -1,14 +1,13 @@
 """What holds a throw's ends, and tables of it: stiffness, compliances, loads and motions by name."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.frames import grid, table
-from crankbase.summaries import summarized
+from crankbase.results import Quantity, Result, result
 
 Array = NDArray[np.float64]
 
@@ -94,23 +93,21 @@ def _by_place(rows: Mapping[str, Array], names: tuple[str, ...], units: tuple[st
 LARGEST_LOAD = 1e30
 
 
-@summarized("force [N]", "moment [N m]")
-@dataclass(frozen=True)
-class EndReaction:
-    """Force [N] and moment [N m] on one end section, each (3,), in the throw frame."""
+@result("force", "moment")
+class EndReaction(Result):
+    """Force and moment on one end section, each (3,), in the throw frame."""
 
-    force: Array
-    moment: Array
+    force: Annotated[Array, Quantity("N")]
+    moment: Annotated[Array, Quantity("N m")]
 
 
-@summarized(
-    "left force: left.force [N]",
-    "left moment: left.moment [N m]",
-    "right force: right.force [N]",
-    "right moment: right.moment [N m]",
+@result(
+    "left force: left.force",
+    "left moment: left.moment",
+    "right force: right.force",
+    "right moment: right.moment",
 )
-@dataclass(frozen=True)
-class Reactions:
+class Reactions(Result):
     """What supports (and under `Neighbors` the adjoining throws) exert on a throw's end sections."""
 
     left: EndReaction

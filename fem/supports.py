@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +12,7 @@ from scipy.linalg import block_diag, pinvh, solve_banded
 
 from crankbase.choices import is_number, whole_within
 from crankbase.errors import InputError, quoted
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Quantity, Result, result
 from fem.end_reactions import LARGEST_LOAD, EndReaction, Reactions, motion_table
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, CondensedClass, Superelement, section_rotation
 from fem.symmetry import RADIAL, Distribution, NodalLoads, pin_load, pin_surfaces
@@ -69,16 +69,28 @@ TABLE_SUPPORTS: Mapping[str, Support] = {
 }
 
 
-@dataclass(frozen=True)
-class SupportedThrow:
-    """Results of a throw under one support.
+@result("axial", "torsional", "influence")
+class Compliances(Result):
+    """Compliances of a throw under one support, or their errors."""
+
+    axial: Annotated[float, Quantity("m/N", "e_n", key="axial_compliance")]
+    torsional: Annotated[float, Quantity("rad/(N m)", key="torsional_compliance")]
+    influence: Annotated[
+        float,
+        Quantity(
+            "m/N",
+            "coefficient c: lengthening per unit radial force on the first pin",
+            key="influence_coefficient",
+        ),
+    ]
+
+
+@result("axial", "torsional", "influence")
+class SupportedThrow(Compliances):
+    """Compliances of a throw under one support, for loads on each pin.
 
     Attributes
     ----------
-    axial : float
-        e_n [m/N].
-    torsional : float
-        [rad/(N m)]
     stretches : (pins, 3) array
         Lengthening of the axially free throw per unit force on each pin along x, y, z [m/N]; under
         `Neighbors` all throws carry that force, each in its own frame.
@@ -86,15 +98,8 @@ class SupportedThrow:
         Lengthening per unit radial force on each pin, towards the shaft [m/N].
     """
 
-    axial: float
-    torsional: float
-    stretches: Array
-    influences: Array
-
-    @property
-    def influence(self) -> float:
-        """Influence coefficient c: lengthening per unit radial force on the first pin [m/N]."""
-        return float(self.influences[0])
+    stretches: Internal[Array]
+    influences: Internal[Array]
 
 
 def support_throw(throw: Superelement, support: Support) -> SupportedThrow:
@@ -111,11 +116,13 @@ def support_throw(throw: Superelement, support: Support) -> SupportedThrow:
     """
     motions = end_motions(throw, support)
     stretches = (STRETCH @ motions[:, 2:]).reshape(-1, 6)[:, :3]
+    influences = np.sum(stretches * throw.radials, axis=1)
     return SupportedThrow(
         axial=float(STRETCH @ motions[:, 0]),
         torsional=float(TWIST @ motions[:, 1]),
+        influence=float(influences[0]),
         stretches=stretches,
-        influences=np.sum(stretches * throw.radials, axis=1),
+        influences=influences,
     )
 
 
@@ -336,31 +343,21 @@ def unit_response(
     return amplitudes
 
 
-@summarized("displacement", "rotation")
-@dataclass(frozen=True)
-class Motion:
-    """Mean motion of a section or of a pin, in the throw frame.
+@result("displacement", "rotation")
+class Motion(Result):
+    """Mean motion (3,) of a section or of a pin, in the throw frame."""
 
-    Attributes
-    ----------
-    displacement : (3,) array
-        [m]
-    rotation : (3,) array
-        [rad]
-    """
-
-    displacement: Array
-    rotation: Array
+    displacement: Annotated[Array, Quantity("m")]
+    rotation: Annotated[Array, Quantity("rad")]
 
 
-@summarized(
-    "lengthening [m]",
-    "left: left.displacement [m]",
-    "right: right.displacement [m]",
-    "pin: pin.displacement [m]",
+@result(
+    "lengthening",
+    "left: left.displacement",
+    "right: right.displacement",
+    "pin: pin.displacement",
 )
-@dataclass(frozen=True)
-class PinResponse:
+class PinResponse(Result):
     """Response of an axially free throw to a load on a pin.
 
     Attributes
@@ -369,14 +366,12 @@ class PinResponse:
         Of the end sections' centers; the left one is held along and about the shaft.
     pin : Motion
         Mean motion of the loaded pin's surface about its center.
-    lengthening : float
-        Lengthening of the throw [m].
     """
 
     left: Motion
     right: Motion
     pin: Motion
-    lengthening: float
+    lengthening: Annotated[float, Quantity("m", "of the throw")]
 
     def to_pandas(self) -> Any:
         """Return a table of the motions ux to rz of left end, pin and right end.

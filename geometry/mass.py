@@ -1,14 +1,16 @@
 """Mass, center of mass, inertia and unbalance of a throw."""
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.array_checks import FloatArray
 from crankbase.choices import is_number
 from crankbase.errors import InputError
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Quantity, Result, result
 from geometry.mesh import SolidProperties, ThrowMesh
 from geometry.shapes import element_quadrature
 
@@ -16,24 +18,13 @@ from geometry.shapes import element_quadrature
 LARGEST_DENSITY = 1e6
 
 
-@summarized("mass [kg]", "center [m]", "inertia [kg m^2]")
-@dataclass(frozen=True)
-class MassProperties:
-    """Mass properties of a throw in the throw frame.
+@result("mass", "center", "inertia")
+class MassProperties(Result):
+    """Mass properties of a throw in the throw frame."""
 
-    Attributes
-    ----------
-    mass : float
-        [kg]
-    center : (3,) array
-        Center of mass [m].
-    inertia : (3, 3) array
-        Inertia tensor about the center of mass [kg m^2].
-    """
-
-    mass: float
-    center: NDArray[np.float64]
-    inertia: NDArray[np.float64]
+    mass: Annotated[float, Quantity("kg")]
+    center: Annotated[FloatArray, Quantity("m", "center of mass (3,)")]
+    inertia: Annotated[FloatArray, Quantity("kg m^2", "about the center of mass (3, 3)")]
 
     @property
     def inertia_about_shaft(self) -> float:
@@ -144,25 +135,19 @@ def _whole_throw_mass(
     return MassProperties(mass, center + origin, np.trace(second) * np.eye(3) - second)
 
 
-@summarized("static [kg m]", "dynamic [kg m^2]", "about [m]")
-@dataclass(frozen=True)
-class Unbalance:
+@result("static", "dynamic", "about")
+class Unbalance(Result):
     """Effect of a rotating part on its bearings: at the angular speed w, force w^2 `static`.
 
-    Attributes
-    ----------
-    static : (2,) array
-        Static unbalance, the integral of (x, y) over the mass [kg m].
-    dynamic : (2,) array
-        Moment unbalance, the integral of (x, y) (z - `about`) over the mass [kg m^2]. The force that
-        rotates with the part has the moments w^2 (-dynamic[1], dynamic[0]) about the x and y axes.
-    about : float
-        Point of the shaft about which the moment is taken [m].
+    The force that rotates with the part has the moments w^2 (-dynamic[1], dynamic[0]) about the x
+    and y axes, at the point `about` of the shaft [m].
     """
 
-    static: NDArray[np.float64]
-    dynamic: NDArray[np.float64]
-    about: float
+    static: Annotated[FloatArray, Quantity("kg m", "integral of (x, y) over the mass (2,)")]
+    dynamic: Annotated[
+        FloatArray, Quantity("kg m^2", "integral of (x, y) (z - about) over the mass (2,)")
+    ]
+    about: Internal[float] = math.nan
 
 
 def unbalance(masses: MassProperties, about: float) -> Unbalance:

@@ -12,6 +12,8 @@ import psutil
 import pytest
 from hypothesis import settings
 
+from throws import MEDIUM_SPEED
+
 # Matrices are small here: the threads of numpy's and of the solver's library wait for each other, and with
 # other processes beside them for much longer than they work. Read when those are first loaded, also by
 # children.
@@ -83,16 +85,7 @@ def public_classes(public):
 @pytest.fixture(scope="session")
 def dimensions():
     """A medium-speed engine's throw, in m."""
-    return {
-        "crank_radius": 0.170,
-        "main_journal_diameter": 0.220,
-        "pin_diameter": 0.180,
-        "main_journal_length": 0.120,
-        "pin_length": 0.139,
-        "web_width": 0.300,
-        "web_thickness": 0.068,
-        "fillet_radius": 0.012,
-    }
+    return MEDIUM_SPEED | {"web_width": 0.3}
 
 
 @pytest.fixture

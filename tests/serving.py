@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from throws import MEDIUM_SPEED
+
 ROOT = Path(__file__).parents[1]
 # Seconds for a service to answer on a busy machine.
 STARTING = 60.0
@@ -158,16 +160,7 @@ def service(tmp_path_factory, models):
         yield served
 
 
-THROW = {
-    "crank_radius": 0.170,
-    "main_journal_diameter": 0.220,
-    "pin_diameter": 0.180,
-    "main_journal_length": 0.120,
-    "pin_length": 0.139,
-    "web_width": 0.285,
-    "web_thickness": 0.068,
-    "fillet_radius": 0.012,
-}
+THROW = dict(MEDIUM_SPEED)
 
 
 @pytest.fixture

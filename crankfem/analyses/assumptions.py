@@ -8,7 +8,7 @@ from crankfem.analyses.shaft.chains import bearing_stiffness, flywheel_overhang
 from crankfem.files.engine.engine_file import SECTIONS, EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.reading.toml_file import InputRecord
-from crankfem.files.sections.cylinder_pressures import assumed_cycle
+from crankfem.files.sections.mechanism_sections import assumed_cycle
 from dynamics.assessment.limit_rules import (
     BASE_STRENGTH,
     BASE_YIELD,

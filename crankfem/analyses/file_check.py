@@ -14,7 +14,7 @@ from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.shaft.sources import chosen_regressions, refused
 from crankfem.analyses.study.nominal_throw import outside_study
 from crankfem.analyses.study.response_fits import check_study_can_be_fitted
-from crankfem.analyses.throw.law_record import law_record
+from crankfem.analyses.throw.law_record import law_results
 from crankfem.analyses.vibration.engine_excitation import refuse_forced_vibration
 from crankfem.analyses.vibration.engine_limits import engine_limits, rule_reason
 from crankfem.files.chain.chain_file import ChainFile, load_chain
@@ -157,7 +157,7 @@ def _throw_record(throw: CrankThrow | None, material: Material) -> Record:
     return {
         "shape": shape_record(throw),
         "dimensions": _dimensions(throw),
-        "law": law_record(throw, material),
+        "law": law_results(throw, material),
     }
 
 
@@ -253,7 +253,7 @@ def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
 
 def _lookup(throw: CrankThrow, material: Material) -> tuple[str, ...]:
     """The command lookup, where the law covers the throw: then it needs no model."""
-    return () if law_record(throw, material)["answers"] is None else ("lookup",)
+    return () if law_results(throw, material).answers is None else ("lookup",)
 
 
 def _in_mechanism(read: MechanismFile, content: TomlFile) -> dict[str, CrankThrow]:

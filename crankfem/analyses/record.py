@@ -180,6 +180,9 @@ def with_units(content: Record | Result, within: str = "") -> Record:
 
 def _undeclared(content: Any, path: str, known: dict[str, str]) -> Any:
     """Return content without what results declare, whose units are added by their path."""
+    if isinstance(content, InputModel):
+        known |= result_units(content, path)
+        return None
     if isinstance(content, Result):
         known |= result_units(content, path)
         content = {

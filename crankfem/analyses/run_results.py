@@ -12,10 +12,12 @@ from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
+from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.files.reading.toml_file import InputRecord
 from dynamics.response.loads import LARGEST_POWER_ERROR
 from dynamics.torque import LARGEST_ENERGY_ERROR
 from fem.angle_law import SYMMETRIC
+from fem.end_reactions import EndReaction
 from fem.solver import LARGEST_ROUND_OFF, rigid_body_residual
 
 Array = NDArray[np.float64]
@@ -51,16 +53,27 @@ Record = Part[dict[str, Any]]
 Optional = Part[dict[str, Any] | None]
 
 
+@result("cranks", "throw.mass")
+class NamedThrow(Result):
+    """One of several throws of an engine; cranks count from 1."""
+
+    cranks: Annotated[tuple[int, ...], Quantity("1")]
+    throw: ThrowResults
+    formulas: Record
+    fillets: Optional
+    fillet_note: str | None
+
+
 @result("pictures")
 class RunResults(Result):
     """All numbers of a run, and the names of its pictures.
 
     Parameters
     ----------
-    throw, formulas, fillets : dict
+    throw, formulas, fillets
         Of the throw at the free end.
-    throws : dict or None
-        Of an engine with several throws, by their names: "cranks", counted from 1, and the same parts.
+    throws : mapping or None
+        Of an engine with several throws, by their names.
     pictures, interactive : dict
         Names of static pictures and of interactive plots to their files.
     """
@@ -70,7 +83,7 @@ class RunResults(Result):
     inputs: tuple[InputRecord, ...]
     input_warnings: tuple[str, ...]
     sources: dict[str, str]
-    throw: Record
+    throw: ThrowResults
     formulas: Record
     angle_law: Record
     balance: Record
@@ -85,7 +98,7 @@ class RunResults(Result):
     strength: EngineStrength | None
     fatigue: EngineFatigue | None
     fatigue_note: str | None
-    throws: Annotated[dict[str, Any] | None, Quantity(left_out=True)]
+    throws: Annotated[Mapping[str, NamedThrow] | None, Quantity(left_out=True)]
     repeat: Repetition
     checks: tuple[Check, ...] = ()
     pictures: dict[str, str] = field(default_factory=dict)
@@ -95,7 +108,7 @@ class RunResults(Result):
 
 
 def unbalanced_share(
-    ends: Sequence[Mapping[str, Sequence[float]]],
+    ends: Sequence[EndReaction],
     places: ArrayLike,
     force: ArrayLike,
     at: ArrayLike,
@@ -104,8 +117,8 @@ def unbalanced_share(
 
     Parameters
     ----------
-    ends : sequence of mappings
-        "force" [N] and "moment" [N m], each (3,), of the supports on the shaft.
+    ends : sequence of EndReaction
+        Of the supports on the shaft.
     places : (ends, 3) array
         Their positions [m].
     force : (3,) array
@@ -119,8 +132,8 @@ def unbalanced_share(
         The larger of unbalanced force / force and unbalanced moment / (force x distance of the ends).
     """
     places, force, at = (np.asarray(own, dtype=float) for own in (places, force, at))
-    forces = np.array([end["force"] for end in ends])
-    moments = np.array([end["moment"] for end in ends])
+    forces = np.array([end.force for end in ends])
+    moments = np.array([end.moment for end in ends])
     size = float(np.linalg.norm(force))
     arm = float(np.linalg.norm(places[-1] - places[0]))
     left_over = forces.sum(axis=0) + force
@@ -174,34 +187,33 @@ def _check(
     return Check(name, figure, unit, shown_unit or unit, allowed, met, sentence)
 
 
-def throw_checks(
-    throw: Mapping[str, Any], length: float, pin_center: Sequence[float]
-) -> list[Check]:
+def throw_checks(throw: ThrowResults, length: float, pin_center: Sequence[float]) -> list[Check]:
     """Return the self-checks possible with the results of a throw; arguments as for `run_checks`."""
-    stiffness = throw["stiffness"]
-    radial = (0.0, -float(throw["radial_force"]), 0.0)
+    stiffness = throw.stiffness
+    radial = (0.0, -throw.radial_force, 0.0)
     worst = max(
         unbalanced_share(
-            [support["reactions"][side] for side in ("left", "right")],
+            (support.reactions.left, support.reactions.right),
             ((0.0, 0.0, 0.0), (0.0, 0.0, length)),
             radial,
             pin_center,
         )
-        for support in throw["supports"].values()
+        for support in throw.supports.values()
     )
-    reciprocity = throw["reciprocity"]
+    reciprocity = throw.reciprocity
+    assert reciprocity is not None
     return [
         _check(
             "Error of the axial compliance",
-            throw["error_estimate"],
+            throw.error_estimate,
             "Error left after the correction for discretization: of 100 random throws tested, 95 had a "
             "smaller one."
-            if throw["axial_correction"]
+            if throw.axial_correction
             else "Estimated from the finite-element stresses; the true compliance is larger by about this "
             "much.",
             shown_unit="%",
-            allowed=throw["accuracy"],
-            met=throw["accuracy_met"],
+            allowed=throw.accuracy,
+            met=throw.accuracy_met,
         ),
         _check(
             "Rigid-body motions of the stiffness",
@@ -212,7 +224,7 @@ def throw_checks(
         ),
         _check(
             "Symmetry of the stiffness",
-            reciprocity["asymmetry"],
+            reciprocity.asymmetry,
             "Reciprocity: largest difference between the stiffness from end-section forces and its "
             "transpose, relative to the largest stiffness. The stiffness used follows from strain energies "
             "and is always symmetric.",
@@ -227,24 +239,24 @@ def throw_checks(
         ),
         _check(
             "Axial reaction by reciprocity",
-            reciprocity["axial_reaction"],
+            reciprocity.axial_reaction,
             "Difference, relative to Z, between the axial reaction of the held ends to a radial force Z on "
             "the pin and c Z / e_n, with c from the motion of the pin when the ends are moved.",
             allowed=LARGEST_ROUND_OFF,
         ),
         _check(
             "Elements mended",
-            throw["mended_elements"],
+            throw.mended_elements,
             "Elements turned inside out by the curved surface; all were straightened.",
             unit="elements",
         ),
     ]
 
 
-def _angle_checks(fe: Mapping[str, Any], throw: Mapping[str, Any]) -> list[Check]:
+def _angle_checks(fe: Mapping[str, Any], throw: ThrowResults) -> list[Check]:
     if fe["angle_law"] is None:
         return []
-    pinned = throw["supports"]["pinned"]["axial_compliance"]
+    pinned = throw.supports["pinned"].axial
     return [
         _check(
             "Opposite neighbors compared with pinned ends",

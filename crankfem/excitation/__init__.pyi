@@ -1,14 +1,14 @@
 """Public names of this topic and their homes."""
 
-from dynamics.excitation.axial_forces import AxialForceComparison as AxialForceComparison
-from dynamics.excitation.axial_forces import AxialForceOverCycle as AxialForceOverCycle
-from dynamics.excitation.axial_forces import axial_force_over_cycle as axial_force_over_cycle
-from dynamics.excitation.axial_forces import compare_axial_forces as compare_axial_forces
+from dynamics.excitation.chain_excitation import AxialForceComparison as AxialForceComparison
+from dynamics.excitation.chain_excitation import AxialForceOverCycle as AxialForceOverCycle
 from dynamics.excitation.chain_excitation import axial_excitation as axial_excitation
 from dynamics.excitation.chain_excitation import (
     axial_excitation_of_torsion as axial_excitation_of_torsion,
 )
+from dynamics.excitation.chain_excitation import axial_force_over_cycle as axial_force_over_cycle
 from dynamics.excitation.chain_excitation import combined_excitation as combined_excitation
+from dynamics.excitation.chain_excitation import compare_axial_forces as compare_axial_forces
 from dynamics.excitation.chain_excitation import node_torques as node_torques
 from dynamics.excitation.chain_excitation import (
     tangential_towards_flywheel as tangential_towards_flywheel,

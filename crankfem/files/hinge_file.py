@@ -14,7 +14,7 @@ from crankbase.quantity import PER_MINUTE, format_quantity
 from crankbase.summaries import summarized
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
-from crankfem.files.sections.cylinder_pressures import given_of_cycle
+from crankfem.files.sections.mechanism_sections import given_of_cycle
 from dynamics.engine.rods import ConnectingRod
 from dynamics.gas.gas_cycle import name_fields
 from dynamics.hinge.crosshead import (

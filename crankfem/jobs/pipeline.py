@@ -149,8 +149,9 @@ def _run(inputs: RunInputs, folder: Path, workers: int, reporter: TimedProgress)
         repeat=repetition(inputs.files, reporter.seconds, inputs.option),
     )
     reporter.step("Writing the report")
-    write_results(folder, results)
-    report = write_report(results, folder / PICTURES, folder / REPORT)
+    # A page shows what is stored, now as when it is written again.
+    stored = RunResults.from_json(write_results(folder, results).read_bytes())
+    report = write_report(stored, folder / PICTURES, folder / REPORT)
     return RunResult(folder, report, results)
 
 

@@ -1,6 +1,7 @@
 """All numbers of a run as plain JSON content: what results.json holds."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -14,13 +15,13 @@ from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
 from crankfem.analyses.provenance import Repetition, provenance
 from crankfem.analyses.record import Record, attributes, plain
-from crankfem.analyses.run_results import RunResults, run_checks, throw_checks
+from crankfem.analyses.run_results import NamedThrow, RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.whole_records import shaft_balance_record, shaft_record
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
-from crankfem.analyses.throw.throw_record import reciprocity_record, regression_record, throw_record
+from crankfem.analyses.throw.throw_record import reciprocity, regression_record, throw_results
 from crankfem.analyses.vibration.records import run_record
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_computation import RunComputation, RunInputs
@@ -39,7 +40,7 @@ ANGLES_SHOWN_DEG = np.arange(0.0, 181.0, 5.0)
 def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
     """Return the results of a run, without pictures."""
     engine_file, study, mechanism = computed.engine_file, computed.study, computed.mechanism
-    throws = _throw_records(computed)
+    throws = _throw_results(computed)
     first = next(iter(throws.values()))
     results = RunResults(
         about=provenance(),
@@ -47,9 +48,12 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         inputs=input_values(engine_file),
         input_warnings=tuple(computed.inputs.mechanism.warnings),
         sources=engine_file.sources,
-        **{name: part for name, part in first.items() if name != "cranks"},
+        throw=first.throw,
+        formulas=first.formulas,
+        fillets=first.fillets,
+        fillet_note=first.fillet_note,
         angle_law=_angle_record(engine_file, computed.throw.analysis)
-        | {"law": first["formulas"]["fe"]["angle_law"]},
+        | {"law": first.formulas["fe"]["angle_law"]},
         balance=shaft_balance_record(engine_file),
         mechanism=None
         if mechanism is None
@@ -74,7 +78,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         checks += [
             replace(check, name=f"{check.name}, throw {name}")
             for check in throw_checks(
-                records["throw"],
+                records.throw,
                 engine_file.named_throws[name].length,
                 _pin_middle(computed.throws[name].analysis),
             )
@@ -88,30 +92,32 @@ def _pin_middle(analysis: ThrowAnalysis) -> list[float]:
     return middle
 
 
-def _throw_records(computed: RunComputation) -> dict[str, Record]:
-    """Cranks, counted from 1, and records of each distinct throw."""
+def _throw_results(computed: RunComputation) -> dict[str, NamedThrow]:
+    """Return the results of each distinct throw."""
     engine_file, records = computed.engine_file, {}
     for name, throw in computed.throws.items():
         formulas = formula_records(engine_file.named_throws[name], engine_file.material)
-        records[name] = {
-            "cranks": [
+        records[name] = NamedThrow(
+            cranks=tuple(
                 place
                 for place, throw_name in enumerate(engine_file.throw_names, start=1)
                 if throw_name == name
-            ],
-            "throw": throw_record(throw.analysis, _radial_force(computed.inputs))
-            | {"reciprocity": reciprocity_record(throw.analysis)},
-            "formulas": formulas | {"fe": fe_record(throw.analysis, 180.0)},
-            "fillets": None if throw.stresses is None else stress_record(throw.stresses),
-            "fillet_note": throw.fillet_note,
-        }
+            ),
+            throw=replace(
+                throw_results(throw.analysis, _radial_force(computed.inputs)),
+                reciprocity=reciprocity(throw.analysis),
+            ),
+            formulas=formulas | {"fe": fe_record(throw.analysis, 180.0)},
+            fillets=None if throw.stresses is None else stress_record(throw.stresses),
+            fillet_note=throw.fillet_note,
+        )
     if computed.model is not None:
         _add_regression(records, computed, computed.model)
     return records
 
 
 def _add_regression(
-    records: dict[str, Record], computed: RunComputation, model: ComplianceModel
+    records: Mapping[str, NamedThrow], computed: RunComputation, model: ComplianceModel
 ) -> None:
     """Add the values of the equations for the engine's throws to the formulas, or why there are none."""
     engine_file, path = computed.engine_file, computed.inputs.saved_path
@@ -121,7 +127,7 @@ def _add_regression(
         ["The section [study] was not run: the model is used in its place."] if instead else []
     )
     for name, records_of_throw in records.items():
-        values, formulas = {}, records_of_throw["formulas"]
+        values, formulas = {}, records_of_throw.formulas
         for kind, response in RESPONSES.items():
             try:
                 answer = throw_lookup(

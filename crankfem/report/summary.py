@@ -6,7 +6,6 @@ from typing import Any
 from crankbase.quantity import compact, format_number, nano, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.run_results import RunResults
-from crankfem.analyses.throw.throw_record import error_words
 from crankfem.analyses.vibration.tables import factor_range
 from crankfem.report.conclusions import (
     conclusions,
@@ -184,11 +183,11 @@ def _compliance(results: RunResults) -> Record:
     return {
         "label": f"Axial compliance of {which},",
         "symbol": ("e", "n"),
-        "value": f"{nano(throw['supports']['pinned']['axial_compliance'], 3)}e-9",
+        "value": f"{nano(throw.supports['pinned'].axial, 3)}e-9",
         "unit": "m/N",
         "details": [
             "ends pinned, finite elements",
-            f"{error_words(throw)}{exact if throw['axial_correction'] else ''}",
+            f"{throw.error_words}{exact if throw.axial_correction else ''}",
         ],
     }
 

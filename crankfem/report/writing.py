@@ -1,7 +1,6 @@
 """The HTML reports: pages of numbers and pictures that open without a network."""
 
 import re
-from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -23,11 +22,9 @@ from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import (
+    ThrowResults,
     compliance_tables,
     further_compliances,
-    reaction_table,
-    section_sentence,
-    support_table,
 )
 from crankfem.analyses.vibration.tables import (
     barred_within_error,
@@ -70,9 +67,6 @@ TABLES = (
     whole_critical_table,
     whole_table,
     harmonics_table,
-    support_table,
-    reaction_table,
-    section_sentence,
     stress_tables,
     throw_mass_table,
     strength_table,
@@ -182,13 +176,13 @@ THROW_TEMPLATE = "throw_report.html.j2"
 THROW_VIEW, THROW_DRAWING = "throw_view.json", "throw_drawing.svg"
 
 
-def render_throw_report(results: Mapping[str, Any], folder: Path) -> str:
+def render_throw_report(results: dict[str, Any], folder: Path) -> str:
     """Make the text of a throw's report.
 
     Parameters
     ----------
-    results : mapping
-        "about": provenance; "throw", as `throw_record` makes it; "formulas", as `formula_records`;
+    results : dict
+        "about": provenance; "throw": `ThrowResults`, or their record; "formulas", as `formula_records`;
         "fillets", as `stress_record`, or None with "fillet_note".
     folder : Path
         Holds `THROW_VIEW` and `THROW_DRAWING`.
@@ -204,7 +198,7 @@ def render_throw_report(results: Mapping[str, Any], folder: Path) -> str:
         page_environment()
         .get_template(THROW_TEMPLATE)
         .render(
-            r=results,
+            r=results | {"throw": ThrowResults.from_record(results["throw"])},
             about=results["about"],
             figures=figures,
             style=Markup(template_text(STYLE)),

@@ -80,8 +80,8 @@ def law_answer(
     )
     values = {}
     for name, lookup_record in end_answers(axial, torsional).items():
-        if lookup_record["support"]:
-            values[f"{name.removesuffix('_guided')}_{lookup_record['support']}"] = lookup_record
+        if lookup_record.support:
+            values[f"{name.removesuffix('_guided')}_{lookup_record.support}"] = lookup_record
     if gamma_deg is not None:
         for name, lookup_record in neighbor_answers(axial, gamma_deg).items():
             values[f"{name}_neighbors"] = lookup_record

@@ -141,7 +141,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
     from crankfem.analyses.throw.formula_records import formula_records
     from crankfem.analyses.throw.pictures.drawing import write_drawing
     from crankfem.analyses.throw.stress import stress_record, stresses_or_reason
-    from crankfem.analyses.throw.throw_record import throw_record
+    from crankfem.analyses.throw.throw_record import throw_results
     from crankfem.report.interactive.throw_view import throw_view
     from crankfem.report.writing import THROW_DRAWING
     from fem.analysis import analyze_throw
@@ -154,7 +154,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
     analysis = analyze_throw(throw, material, asked.accuracy, mesher=mesh_here)
     record: dict[str, Any] = {
         "about": provenance(),
-        "throw": throw_record(
+        "throw": throw_results(
             analysis,
             UNIT_FORCE,
             pin_force=asked.pin_force,

@@ -31,6 +31,9 @@ MAGNIFIER_SOURCE = (
     "engine (Nippon Foundation, report 1997/01151)"
 )
 
+# Steps by which a frequency at which a spring varies is found; each leaves less than half of the error.
+MEETING_STEPS = 12
+
 
 @result("natural [rad/s]", "rigid")
 class LinearSystem:
@@ -90,6 +93,21 @@ class LinearSystem:
             shapes=shapes,
             varying=tuple(springs),
         )
+
+    def frequencies_met(self, order: float) -> tuple[FloatArray, FloatArray]:
+        """Return the frequency [Hz] and the damping ratio of each elastic mode where an order meets it.
+
+        What varies is as it is there: w is the frequency of the mode at w and at the speed w / order.
+        """
+        met = []
+        for mode in range(self.rigid.shape[1], self.natural.size):
+            w, system = float(self.natural[mode]), self
+            for _ in range(MEETING_STEPS):
+                system = self.at(w, w / order)
+                w = float(system.natural[mode])
+            met.append((w / (2.0 * np.pi), system.damping_ratios()[mode - self.rigid.shape[1]]))
+        frequencies, ratios = np.array(met).reshape(-1, 2).T
+        return frequencies, ratios
 
     @property
     def elastic_frequencies(self) -> FloatArray:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from crankbase.array_checks import FloatArray, check_sizes, finite_array
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Part, Quantity, Result, result
-from crankbase.summaries import summarized
 from fem.end_reactions import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
 from regression.models.angle import between_ends, between_values
 from regression.models.family import Family
@@ -204,15 +202,14 @@ Array = NDArray[np.float64]
 _WEBS = ("left_web.thickness", "right_web.thickness")
 
 
-@summarized(
+@result(
     "support",
-    "left force: left.force [N]",
-    "left moment: left.moment [N m]",
-    "right force: right.force [N]",
-    "right moment: right.moment [N m]",
+    "left force: left.force",
+    "left moment: left.moment",
+    "right force: right.force",
+    "right moment: right.moment",
     "remarks",
 )
-@dataclass(frozen=True, eq=False)
 class ReactionLookup(Reactions):
     """Reactions from a compliance model, with their errors.
 
@@ -231,7 +228,7 @@ class ReactionLookup(Reactions):
 
     band: Reactions
     support: str
-    inside: NDArray[np.bool_]
+    inside: Annotated[NDArray[np.bool_], Quantity()]
     remarks: tuple[str, ...]
 
     def to_pandas(self) -> Any:

@@ -27,7 +27,7 @@ from regression.plans.plan import (
     StudyPlan,
     planned_design,
 )
-from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, content_key
+from regression.records import MEASURED, RUN, ExtraRow, Outcome, content_key
 from regression.runs.exchange import StoreResults, factor_value, read_rows, read_store
 from regression.runs.store import (
     SCHEMA_VERSION,
@@ -177,19 +177,6 @@ def registered_designs(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
     # What was excluded of the points drawn then is not known.
     return replace(planned, designs=tuple(designs), excluded=())
 
-
-__all__ = [
-    "HELD_OUT",
-    "MODEL_VERSION",
-    "RUN",
-    "ImportSummary",
-    "StudyPlan",
-    "StudyTable",
-    "check_workers",
-    "import_results",
-    "read_study",
-    "run_plan",
-]
 
 Progress = Callable[[int, int, Outcome | None], None]
 Note = Callable[[str], None]

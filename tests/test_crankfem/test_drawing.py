@@ -15,17 +15,9 @@ from crankfem.analyses.throw.pictures.drawing import draw_throw, write_drawing
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import data_folder
 from geometry.throw import CrankThrow
+from throws import MEDIUM_SPEED
 
-DIMENSIONS = {
-    "crank_radius": 0.170,
-    "main_journal_diameter": 0.220,
-    "pin_diameter": 0.180,
-    "main_journal_length": 0.120,
-    "pin_length": 0.139,
-    "web_width": 0.285,
-    "web_thickness": 0.068,
-    "fillet_radius": 0.012,
-}
+DIMENSIONS = dict(MEDIUM_SPEED)
 TWO_STROKE = {
     "crank_radius": 1.1,
     "main_journal_diameter": 0.75,

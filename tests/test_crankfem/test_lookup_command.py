@@ -22,7 +22,7 @@ from crankfem.analyses.shaft.sources import (
     torsional_sources,
 )
 from crankfem.analyses.study.nominal_throw import EngineFrequencies, frequency_limit
-from crankfem.analyses.throw.law_record import law_answers, law_record, law_sentence
+from crankfem.analyses.throw.law_record import LawResults, law_answers, law_results
 from crankfem.cli.arguments import law_throw
 from crankfem.cli.commands import lookup as optimum_command
 from crankfem.cli.commands.lookup import lookup, optimum
@@ -42,6 +42,7 @@ from regression.law.throw_law import axial_law, torsional_law
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 from regression.response_kinds import GUIDED_MOMENTS
+from throws import MEDIUM_SPEED
 
 ENGINE = "6chn25-34"
 THROW = load_throw(input_path(ENGINE))[0]
@@ -299,7 +300,8 @@ def test_reactions_to_a_pin_force(run, reaction_path):
     pinned = found["reactions"]["supports"]["pinned"]
     assert pinned["reactions"]["left"]["force"] == wanted.left.force.tolist()
     assert pinned["band"]["right"]["force"] == wanted.band.right.force.tolist()
-    assert (found["units"]["force"], found["units"]["moment"]) == ("N", "N m")
+    units = {path.rpartition(".")[2]: unit for path, unit in found["units"].items()}
+    assert (units["force"], units["moment"]) == ("N", "N m")
     assert GUIDED_MOMENTS[0] in found
 
 
@@ -531,7 +533,7 @@ def test_the_study_gives_way_and_the_model_is_told(saved, silent, tmp_path):
     assert inputs.engine_file.study is not None
     assert inputs.study is None
     assert inputs.option == "model.json"
-    assert inputs.paths[-1].name == inputs.files[-1]["name"] == "model.json"
+    assert inputs.paths[-1].name == inputs.files[-1].name == "model.json"
     told = {one.field: one.source for one in inputs.engine_file.records}
     assert told["vibration.model"] == told["vibration.axial_source"] == "option --model"
     alone = read_inputs(tmp_path / "mine.toml")
@@ -625,16 +627,7 @@ def test_a_run_with_a_saved_model(coarsely, silent, saved, call, tmp_path):
     ).read_text(encoding="utf-8")
 
 
-PLAIN = {
-    "crank_radius": 0.170,
-    "main_journal_diameter": 0.220,
-    "pin_diameter": 0.180,
-    "main_journal_length": 0.120,
-    "pin_length": 0.139,
-    "web_width": 0.300,
-    "web_thickness": 0.068,
-    "fillet_radius": 0.012,
-}
+PLAIN = MEDIUM_SPEED | {"web_width": 0.3}
 LAW_THROW = CrankThrow(**PLAIN)
 OUTSIDE = CrankThrow(**PLAIN | {"crank_radius": 0.480})
 LAW_PAIRS = [f"{name}={1e3 * value:g} mm" for name, value in PLAIN.items()]
@@ -647,12 +640,12 @@ def test_answers_are_the_laws_with_their_bands():
         axial_law(LAW_THROW, youngs_modulus=STEEL.youngs_modulus),
     )
     own = found["axial_compliance"]
-    assert (own["lower"], own["upper"]) == close(law.band)
-    assert own["value"] == law.pinned
-    assert found["torsional_compliance_guided"]["value"] == close(
+    assert (own.lower, own.upper) == close(law.band)
+    assert own.value == law.pinned
+    assert found["torsional_compliance_guided"].value == close(
         torsional_law(LAW_THROW, youngs_modulus=STEEL.youngs_modulus).guided
     )
-    assert {one["unit"] for one in found.values()} == {"m/N", "rad/(N m)", ""}
+    assert {one.unit for one in found.values()} == {"m/N", "rad/(N m)", ""}
 
 
 def test_between_neighbors_the_band_is_that_of_all_three_numbers():
@@ -660,26 +653,26 @@ def test_between_neighbors_the_band_is_that_of_all_three_numbers():
     numbers = (law.guided, law.pinned, law.ratio, law.influence_guided, law.influence_pinned)
     expected = float(AngleLaw(*numbers).axial(120.0))
     own = found["axial_compliance"]
-    assert own["value"] == close(expected * 2.1e11 / STEEL.youngs_modulus, rel=1e-12)
-    assert own["lower"] < own["value"] < own["upper"]
-    assert own["support"] == "between neighbors at 240 deg"
+    assert own.value == close(expected * 2.1e11 / STEEL.youngs_modulus, rel=1e-12)
+    assert own.lower < own.value < own.upper
+    assert own.support == "between neighbors at 240 deg"
     # Wider than that of either end by itself, for rho has a band too.
-    assert own["upper"] / own["value"] > found["axial_compliance_guided"]["upper"] / law.guided * (
+    assert own.upper / own.value > found["axial_compliance_guided"].upper / law.guided * (
         STEEL.youngs_modulus / 2.1e11
     )
 
 
 def test_the_sentence_tells_value_and_band_or_the_ratio_outside():
-    record = law_record(LAW_THROW, STEEL)
-    own = record["answers"]["axial_compliance"]
-    width = 100.0 * (own["upper"] / own["value"] - 1.0)
-    sentence = law_sentence(record)
-    assert f"e_n {1e9 * own['value']:.4g}e-9 m/N within {width:.2g} %" in sentence
-    assert json.loads(json.dumps(record)) == record
-    refused = law_record(OUTSIDE, STEEL)
-    assert refused["answers"] is None
-    assert law_sentence(refused).startswith("The law does not apply to this throw: ")
-    assert "crank_radius" in refused["reason"] or "plain" in refused["reason"]
+    found = law_results(LAW_THROW, STEEL)
+    own = found.answers["axial_compliance"]
+    width = 100.0 * (own.upper / own.value - 1.0)
+    sentence = found.sentence()
+    assert f"e_n {1e9 * own.value:.4g}e-9 m/N within {width:.2g} %" in sentence
+    assert LawResults.from_json(found.to_json()).sentence() == sentence
+    refused = law_results(OUTSIDE, STEEL)
+    assert refused.answers is None
+    assert refused.sentence().startswith("The law does not apply to this throw: ")
+    assert "crank_radius" in refused.reason or "plain" in refused.reason
 
 
 @pytest.mark.parametrize(
@@ -704,7 +697,7 @@ def test_a_throw_of_pairs_or_of_an_engine_that_they_change():
 
 
 def test_check_and_formulas_tell_the_law(call):
-    value = law_answers(*load_throw(ENGINE))["axial_compliance"]["value"]
+    value = law_answers(*load_throw(ENGINE))["axial_compliance"].value
     assert (
         f"By the law, without finite elements: e_n {1e9 * value:.4g}e-9"
         in call("check", ENGINE).out

@@ -27,7 +27,6 @@ from crankfem.files.engine.mechanism_file import (
     with_throws,
 )
 from crankfem.files.reading.data_files import InputFiles, input_path
-from crankfem.files.sections.cylinder_pressures import LoadSection
 from crankfem.files.sections.excitation_sections import (
     GasMap,
     Misfire,
@@ -37,7 +36,7 @@ from crankfem.files.sections.excitation_sections import (
     motored_for_misfire,
 )
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
-from crankfem.files.sections.mechanism_sections import Gas
+from crankfem.files.sections.mechanism_sections import Gas, LoadSection
 from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout

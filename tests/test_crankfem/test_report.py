@@ -5,6 +5,7 @@ import json
 import re
 import shlex
 from collections import Counter
+from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
 from itertools import pairwise
@@ -19,8 +20,8 @@ from crankbase.input_file import InputFile
 from crankfem.analyses.provenance import provenance, repetition, run_command, used_files
 from crankfem.analyses.run_results import run_checks, unbalanced_share
 from crankfem.analyses.throw.throw_record import (
+    ThrowResults,
     compliance_tables,
-    pin_force_words,
     regression_record,
 )
 from crankfem.analyses.vibration import records
@@ -31,6 +32,7 @@ from crankfem.report.summary import summary
 from crankfem.report.text_filters import check_value_text
 from crankfem.report.writing import render_report, script, write_report
 from fem.solver import asymmetry, rigid_body_residual
+from fem.supports import EndReaction
 from regression.models.compliance_model import ComplianceModel
 from stand_ins import stored_results, typed
 
@@ -224,7 +226,9 @@ def test_each_limit_stands_once_at_its_worst_place(results):
 
 
 def test_compliances_of_all_sources_stand_side_by_side(results):
-    found = compliance_tables(results["throw"], results["formulas"], results["vibration"])
+    found = compliance_tables(
+        ThrowResults.from_record(results["throw"]), results["formulas"], results["vibration"]
+    )
     axial, torsional = (found["tables"][kind]["rows"] for kind in ("axial", "torsional"))
     assert [row["name"] for row in axial[:3]] == [
         "finite elements",
@@ -670,11 +674,12 @@ def test_crankpins_that_are_loaded_alike_are_not_named(results, page):
     assert told in page(results).section("loads")
 
 
-def test_the_loaded_pin_of_several_is_named():
-    record = {"radial_force": 1e5, "dimensions": {"further_pins": []}}
-    assert pin_force_words(record) == "a radial force of 100 kN on the pin"
-    for own in ({"further_pins": [{"angle": 3.14}]}, {"pins": [{}, {}]}):
-        told = pin_force_words(record | {"dimensions": own, "pin_force": (1e3, 0.0, 2e3)})
+def test_the_loaded_pin_of_several_is_named(stored):
+    throw = ThrowResults.from_record(stored["throw"])
+    assert throw.pin_force_words() == "a radial force of 417.2 kN on the pin"
+    further = {"angle": 3.14, "length": 0.1, "diameter": 0.2}
+    for own in (throw.dimensions.changed(further_pins=[further]), SimpleNamespace(pins=[1, 2])):
+        told = replace(throw, dimensions=own, pin_force=(1e3, 0.0, 2e3)).pin_force_words()
         assert told == "a force of 1, 0, 2 kN (x, y, z) on the first pin"
 
 
@@ -726,12 +731,12 @@ def test_a_stiffness_that_is_not_symmetric_is_found():
 
 def test_forces_and_moments_must_balance():
     # Two supports carry a load in their middle, half each.
-    ends = [{"force": [0.0, 5.0, 0.0], "moment": [0.0, 0.0, 0.0]} for _ in range(2)]
+    ends = [EndReaction(np.array([0.0, 5.0, 0.0]), np.zeros(3)) for _ in range(2)]
     places, load, middle = [(0, 0, 0), (0, 0, 2.0)], (0, -10.0, 0), (0, 0.3, 1.0)
     assert unbalanced_share(ends, places, load, middle) == 0.0
     # Off the middle by a tenth of the distance, a moment of that share is left over.
     assert unbalanced_share(ends, places, load, (0, 0.3, 1.2)) == close(0.1)
-    ends[0]["force"] = [0.0, 4.0, 0.0]
+    ends[0].force[1] = 4.0
     assert unbalanced_share(ends, places, load, middle) == close(0.1)
 
 

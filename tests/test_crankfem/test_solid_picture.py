@@ -21,19 +21,11 @@ from crankfem.analyses.throw.pictures.solid_picture import (
 )
 from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.throw import CrankThrow
+from throws import MEDIUM_SPEED
 
 pytestmark = pytest.mark.slow
 
-DIMENSIONS = {
-    "crank_radius": 0.170,
-    "main_journal_diameter": 0.220,
-    "pin_diameter": 0.180,
-    "main_journal_length": 0.120,
-    "pin_length": 0.139,
-    "web_width": 0.285,
-    "web_thickness": 0.068,
-    "fillet_radius": 0.012,
-}
+DIMENSIONS = dict(MEDIUM_SPEED)
 # One throw for each part that may be meshed.
 THROWS = {
     "quarter": {"main_journal_bore": 0.06},

@@ -236,32 +236,27 @@ def test_bearings_over_the_speed_and_a_coupling_over_the_frequency():
     """The motion is that of the matrices made anew at each speed, with bearings and coupling as there."""
     over_speed = Variation(speed=(0.0, 200.0), stiffness=(1.0, 3.0), damping=(1.0, 0.5))
     over_hz = Variation(frequency=(0.0, 50.0), stiffness=(1.0, 1.5), loss_factor=(0.1, 0.2))
-    angles, orders, speeds = [0.0, 180.0], np.array([1.0, 2.0]), np.array([60.0, 150.0])
+    orders, speeds = np.array([1.0, 2.0]), np.array([60.0, 150.0])
 
-    def system(speed, w, vary):
-        share = np.interp(speed, over_speed.speed, over_speed.stiffness)
-        oil = np.interp(speed, over_speed.speed, over_speed.damping)
-        at = np.interp(w / (2.0 * math.pi), over_hz.frequency, over_hz.stiffness)
-        loss = np.interp(w / (2.0 * math.pi), over_hz.frequency, over_hz.loss_factor)
+    def system(speed, w, *varying):
+        film, oil = (np.interp(speed, (0.0, 200.0), ends) for ends in ((2e8, 6e8), (1e4, 5e3)))
+        hz = w / (2.0 * math.pi)
+        rubber, loss = (np.interp(hz, (0.0, 50.0), ends) for ends in ((4e6, 6e6), (0.1, 0.2)))
         around = ShaftSurroundings(
-            bearings=MainBearings(2e8, 1e4, over_speed)
-            if vary
-            else MainBearings(2e8 * share, 1e4 * oil),
-            machine=TorsionalRing(30.0, 4e6, 0.0, 0.1, over_hz)
-            if vary
-            else TorsionalRing(30.0, 4e6 * at, 0.0, loss),
+            bearings=MainBearings(film, oil, *varying[:1]),
+            machine=TorsionalRing(30.0, rubber, 0.0, loss, *varying[1:]),
             axial_supports=[AxialSupport(0, 1e9, 1e4)],
         )
-        return crankshaft_system(shaft_of(angles, around)).system
+        return crankshaft_system(shaft_of([0.0, 180.0], around)).system
 
-    varying = system(0.0, 0.0, True)
+    varying = system(0.0, 0.0, over_speed, over_hz)
     forces = np.zeros((2, 2, len(varying.expand)), complex)
     forces[:, :, varying.expand.shape[0] // 2 :] = 1.0 + 0.5j
     answer = forced_response(varying, OrderExcitation(orders, speeds, forces))
     for k, order in enumerate(orders):
         for s, speed in enumerate(speeds):
             w = order * speed
-            fixed = system(speed, w, False)
+            fixed = system(speed, w)
             matrix = fixed.stiffness + 1j * (fixed.loss + w * fixed.damping) - w**2 * fixed.mass
             motion = fixed.expand @ np.linalg.solve(matrix, forces[k, s] @ fixed.expand)
             assert answer.motion[k, s] == close(motion, abs=1e-9 * np.max(np.abs(motion)))

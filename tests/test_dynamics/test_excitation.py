@@ -11,12 +11,12 @@ from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.rods import ConnectingRod
-from dynamics.excitation.axial_forces import compare_axial_forces
 from dynamics.excitation.chain_excitation import (
     axial_excitation,
     axial_excitation_of_torsion,
     axial_throw_forces,
     combined_excitation,
+    compare_axial_forces,
     node_torques,
     tangential_towards_flywheel,
     torque_excitation,

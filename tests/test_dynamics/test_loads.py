@@ -10,7 +10,7 @@ from crankbase.errors import InputError
 from dynamics.engine.forces import LoadDiagram, crankpin_loads, main_bearing_loads, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
 from dynamics.engine.rods import ConnectingRod
-from dynamics.excitation.axial_forces import axial_force_over_cycle
+from dynamics.excitation.chain_excitation import axial_force_over_cycle
 
 ROD = ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009)
 ANGLES = np.radians(np.arange(0.0, 720.0, 10.0))

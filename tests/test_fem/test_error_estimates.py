@@ -8,8 +8,7 @@ from skfem import MeshTet
 
 import fem.correction
 from comparing import close
-from crankfem.analyses.record import units_of
-from crankfem.analyses.throw.throw_record import NOT_CORRECTED, throw_record
+from crankfem.analyses.throw.throw_record import NOT_CORRECTED, throw_results
 from crankfem.cli.tables.throw_tables import print_throw
 from fem import correction
 from fem.analysis import FIRST_FILLETED, analyze_axial, analyze_throw, first_factor
@@ -302,39 +301,33 @@ def test_answers_stay_plain_where_too_much_is_short(throw, mesh, analysis, monke
     assert analyze_axial(throw, accuracy=0.1, mesher=on(mesh)).error_estimate == close(
         plain.error_estimate, rel=1e-9
     )
-    record = throw_record(plain, 1e5)
-    assert (record["corrected"], record["axial_correction"]) == (False, 0.0)
-    assert record["remarks"] == [*throw.remarks, NOT_CORRECTED]
-    print_throw(record)
+    results = throw_results(plain, 1e5)
+    assert (results.corrected, results.axial_correction) == (False, 0.0)
+    assert results.remarks == (*throw.remarks, NOT_CORRECTED)
+    print_throw(results)
     told = capsys.readouterr().out
     assert f"(e_n too small by about {100 * plain.error_estimate:.2g} %)" in told
     assert "Note: Not all results are corrected for discretization" in told.replace("\n", " ")
 
 
 def test_corrected_answers_are_told_as_such(throw, analysis, capsys):
-    record = throw_record(analysis, 1e5)
-    assert record["corrected"]
+    results = throw_results(analysis, 1e5)
+    assert results.corrected
     discrete = analysis.discrete
-    assert record["axial_correction"] == close(
+    assert results.axial_correction == close(
         1.0 - discrete.axial_compliance() / analysis.axial_compliance(), rel=1e-9
     )
-    assert record["remarks"] == list(throw.remarks)
+    assert results.remarks == tuple(throw.remarks)
     bars = analysis.error_bars("guided")
-    own = record["supports"]["guided"]["errors"]
-    assert own == {
-        "axial_compliance": bars.axial,
-        "torsional_compliance": bars.torsional,
-        "influence_coefficient": bars.influence,
-    }
-    units = units_of(record)
-    assert {name: units[f"errors.{name}"] for name in own} == {name: units[name] for name in own}
-    print_throw(record)
+    errors = results.supports["guided"].errors
+    assert errors.row() == bars.row()
+    print_throw(results)
     told = capsys.readouterr().out
     assert f"(e_n within {100 * analysis.error_estimate:.2g} %)" in told
     assert "corrected" not in told
     # The discrete answers lack the correction.
     assert not discrete.corrected
-    assert discrete.error_estimate == close(record["axial_correction"], rel=1e-9)
+    assert discrete.error_estimate == close(results.axial_correction, rel=1e-9)
 
 
 @pytest.mark.slow

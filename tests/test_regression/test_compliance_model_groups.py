@@ -26,18 +26,10 @@ from regression.models.response_model import ResponseModel
 from regression.models.response_query import OutsideRangeWarning
 from regression.plans.factors import Factor
 from regression.response_kinds import response_scale
+from throws import MEDIUM_SPEED
 
 E, RHO = STEEL.youngs_modulus, STEEL.density
-THROW = {
-    "crank_radius": 0.170,
-    "main_journal_diameter": 0.220,
-    "pin_diameter": 0.180,
-    "main_journal_length": 0.120,
-    "pin_length": 0.139,
-    "web_width": 0.300,
-    "web_thickness": 0.068,
-    "fillet_radius": 0.012,
-}
+THROW = MEDIUM_SPEED | {"web_width": 0.3}
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.050, 0.090), "pin_length": (0.120, 0.158)}
 FIXED = {name: value for name, value in THROW.items() if name not in BOX} | {
     "main_journal_bore": 0.0,
@@ -389,17 +381,11 @@ def test_a_throw_of_no_size_that_numbers_have_is_refused(model, response, size):
             model.value(response, **asked)
 
 
-MAIN = {
-    "crank_radius": 0.170,
-    "main_journal_diameter": 0.220,
-    "pin_diameter": 0.180,
+MAIN = MEDIUM_SPEED | {
     "main_journal_length": 0.135,
-    "pin_length": 0.139,
-    "web_width": 0.300,
-    "web_thickness": 0.068,
-    "fillet_radius": 0.012,
+    "web_width": 0.3,
     "main_journal_bore": 0.0,
-    "pin_bore": 0.060,
+    "pin_bore": 0.06,
 }
 
 

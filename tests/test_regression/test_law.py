@@ -18,17 +18,9 @@ from regression.law.throw_law import (
     torsional_law,
     torsional_laws,
 )
+from throws import MEDIUM_SPEED
 
-DIMENSIONS = {
-    "crank_radius": 0.170,
-    "main_journal_diameter": 0.220,
-    "pin_diameter": 0.180,
-    "main_journal_length": 0.120,
-    "pin_length": 0.139,
-    "web_width": 0.300,
-    "web_thickness": 0.068,
-    "fillet_radius": 0.012,
-}
+DIMENSIONS = MEDIUM_SPEED | {"web_width": 0.3}
 THROW = CrankThrow(**DIMENSIONS)
 MANY = DIMENSIONS | {"web_thickness": np.array([0.050, 0.068, 0.090])}
 

@@ -20,6 +20,7 @@ from regression.plans.factors import Factor, rounded, throw_fields, unknown_fiel
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, RUN
 from regression.runs.store import ResultStore
+from throws import MEDIUM_SPEED
 
 THROW = FILLETED
 HEAVY = CrankThrow(
@@ -361,15 +362,7 @@ def test_a_plan_comes_back_from_a_store(tmp_path):
     assert plan_designs(stored) == plan_designs(PLAN)
 
 
-PLAIN = {
-    "crank_radius": 0.170,
-    "main_journal_diameter": 0.220,
-    "pin_diameter": 0.180,
-    "main_journal_length": 0.120,
-    "pin_length": 0.139,
-    "web_width": 0.285,
-    "web_thickness": 0.068,
-}
+PLAIN = MEDIUM_SPEED | {"fillet_radius": 0.0}
 FACTOR_THROW = CrankThrow(**PLAIN)
 
 

@@ -373,7 +373,8 @@ def finished(store):
 
 COORDINATOR = """
 import sys
-from regression.runs.study import StudyPlan, run_plan
+from regression.plans.plan import StudyPlan
+from regression.runs.study import run_plan
 from geometry.throw import CrankThrow
 plan = StudyPlan.from_record(__import__("json").loads(sys.argv[1]))
 print(run_plan(plan, sys.argv[2], 2).computed)

@@ -20,18 +20,10 @@ from geometry.throw import CrankThrow
 from puppets import puppet
 from regression.runs import workers as workers_module
 from regression.runs.workers import TIME_LIMIT, design_limits, interrupts_deferred, run_designs
+from throws import MEDIUM_SPEED
 
 ROOT = Path(__file__).resolve().parents[2]
-THROW = {
-    "crank_radius": 0.170,
-    "main_journal_diameter": 0.220,
-    "pin_diameter": 0.180,
-    "main_journal_length": 0.120,
-    "pin_length": 0.139,
-    "web_width": 0.285,
-    "web_thickness": 0.068,
-    "fillet_radius": 0.0,
-}
+THROW = MEDIUM_SPEED | {"fillet_radius": 0.0}
 needs_proc = pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc")
 
 # Answers at once; what else it does is told by the key.

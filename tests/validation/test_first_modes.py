@@ -5,6 +5,7 @@ against its generator as one body at 1/(2 pi) sqrt(k (1/J1 + 1/J2)).
 """
 
 import math
+from types import SimpleNamespace
 
 import pytest
 
@@ -53,7 +54,9 @@ def test_summary_names_the_mode_of_the_crankshaft(run):
         "inputs": [],
         "input_warnings": [],
         "checks": [],
-        "throw": {"error_estimate": 0.0, "supports": {"pinned": {"axial_compliance": 1e-9}}},
+        "throw": SimpleNamespace(
+            error_words="", axial_correction=0.0, supports={"pinned": SimpleNamespace(axial=1e-9)}
+        ),
     }
     (found,) = [one for one in summary(results)["figures"] if "torsional" in one["label"]]
     first = run.torsional.chosen.first_frequency

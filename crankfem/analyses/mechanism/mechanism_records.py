@@ -562,7 +562,7 @@ def mechanism_record(run: MechanismRun) -> Record:
         "angle_step_deg": float(forces.shaft_angles_deg[1] - forces.shaft_angles_deg[0]),
         "power": run.torque.power,
         "mean_indicated_pressure": _mean_indicated_pressure(run),
-        "rated": mechanism.power,
+        "rated": None if mechanism.power is None else mechanism.power.to_record(),
         "torque": {"mean": run.torque.mean, **_extremes(torque, forces.shaft_angles_deg)},
         "energy_error": run.torque.energy_error,
         "cylinders": [
@@ -738,8 +738,8 @@ def mechanism_parts(record: Record, units: OutputUnits = SI) -> Iterator[Table |
         f"{moment.with_name(torque['largest'])}); {intervals_text(record['firing_intervals_deg'], units)}."
     )
     rated = record["rated"]
-    if rated is not None and rated.rated is not None:
-        yield units.text(f"{rated.sentence[0].upper()}{rated.sentence[1:]}.")
+    if rated is not None and rated["rated_power"] is not None:
+        yield units.text(f"{rated['sentence'][0].upper()}{rated['sentence'][1:]}.")
     tables = (
         make(record) for make in (cylinder_table, crankpin_table, bearing_table, rod_model_table)
     )

@@ -18,7 +18,7 @@ from crankfem.files.engine.mechanism_file import (
     pressures_at,
     with_throws,
 )
-from crankfem.files.sections.cylinder_pressures import motored_pressures
+from crankfem.files.sections.mechanism_sections import motored_pressures
 from dynamics.balance import Balance, HingedRodEffects, balance, hinged_rod_effects
 from dynamics.engine import RodModelName
 from dynamics.engine.forces import (

@@ -62,7 +62,7 @@ def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawVa
         except InputError as error:
             which = f"throw {name}" if engine_file.throws_by_name else "this throw"
             raise InputError(f"does not apply to {which}: {str(error).rstrip('.')}") from None
-        lookups[throw] = LawValue(own["value"], own["lower"], own["upper"])
+        lookups[throw] = LawValue(own.value, own.lower, own.upper)
     return lookups
 
 

@@ -35,9 +35,9 @@ from crankfem.files.engine.mechanism_file import (
     mechanism_of,
     pressure_maps,
 )
-from crankfem.files.sections.cylinder_pressures import LoadSection
 from crankfem.files.sections.excitation_sections import gas_map_load
 from crankfem.files.sections.limits_sections import LimitsInput
+from crankfem.files.sections.mechanism_sections import LoadSection
 from dynamics.assessment.separation import MAJOR_READING, MAJOR_SOURCE, major_criticals
 from dynamics.assessment.verdict import Verdict
 from dynamics.chains.chain import Chain

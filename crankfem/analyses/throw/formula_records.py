@@ -20,8 +20,9 @@ from crankbase.diagrams import (
 )
 from crankbase.errors import InputError
 from crankbase.results import Result
-from crankfem.analyses.record import Record, attributes
-from crankfem.analyses.throw.law_record import LAW, law_record
+from crankfem.analyses.record import Record, attributes, plain
+from crankfem.analyses.throw.law_record import LAW, law_results
+from crankfem.analyses.throw.throw_record import ThrowResults
 from fem.analysis import ThrowAnalysis, analyze_throw
 from fem.angle_law import is_symmetric
 from fem.material import STEEL, Material
@@ -68,13 +69,13 @@ def formula_records(
     )
     torsional = torsional_formulas(throw, material=material)
     faults = axial_formula_faults(throw, variant) if variant in ("printed", "corrected") else {}
-    law = law_record(throw, material, gamma_deg)
-    if law["answers"] is None:
-        faults |= {LAW: f"the law, {law['reason'].rstrip('.')}"}
+    law = law_results(throw, material, gamma_deg)
+    if law.answers is None:
+        faults |= {LAW: f"the law, {str(law.reason).rstrip('.')}"}
     return {
         "axial": _records(axial),
         "torsional": _records(torsional),
-        "law": law["answers"],
+        "law": None if law.answers is None else plain(law.answers),
         "left_out": [{"name": name, "reason": reason} for name, reason in faults.items()],
     }
 
@@ -384,7 +385,8 @@ def plot_run_formulas(results: Result | Mapping[str, Any], axes: "Axes | None" =
             "results: given some without angle_law and throw; allowed is the content of a run's "
             "results.json, because these hold what is drawn."
         )
-    described = run_formulas_over_angle(content["angle_law"], content["throw"])
+    throw = ThrowResults.from_record(content["throw"])
+    described = run_formulas_over_angle(content["angle_law"], throw)
     return _draw(axes, described, "Axial compliance over the angle")
 
 
@@ -398,12 +400,12 @@ def _draw(axes: "Axes | None", described: Curves, title: str) -> "Axes":
     return axes
 
 
-def run_formulas_over_angle(law: Mapping[str, Any], throw: Mapping[str, Any]) -> Curves:
+def run_formulas_over_angle(law: Mapping[str, Any], throw: ThrowResults) -> Curves:
     """Describe finite elements and formulas over the angle, from the results of a run."""
-    supports = throw["supports"]
+    supports = throw.supports
     # Where a formula gives no compliance above zero, there is null, which becomes nan.
     curves = {name: np.array(values, dtype=np.float64) for name, values in law["formulas"].items()}
-    bounds = {name: supports[name]["axial_compliance"] for name in ("guided", "pinned")}
+    bounds = {name: supports[name].axial for name in ("guided", "pinned")}
     return formulas_over_angle(np.array(law["gamma_deg"]), curves, np.array(law["fe"]), bounds)
 
 

@@ -1,13 +1,14 @@
 """Results of the law for a throw, without finite elements: values with their bands, or why there are none."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import Annotated
 
 from crankbase.errors import InputError
 from crankbase.quantity import percent
+from crankbase.results import Quantity, Result, result
 from crankbase.table import SI, OutputUnits
-from crankfem.analyses.record import Record
 from fem.material import Material
 from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
@@ -29,9 +30,20 @@ _AXIAL = {
 _TORSIONAL = {TORSIONAL: ("pinned", "rad/(N m)"), f"{TORSIONAL}_guided": ("guided", "rad/(N m)")}
 
 
+@result("value", "lower", "upper", "support")
+class LawAnswer(Result):
+    """One value of the law for a throw, with its band."""
+
+    value: Annotated[float, Quantity(".unit")]
+    lower: Annotated[float, Quantity(".unit")]
+    upper: Annotated[float, Quantity(".unit")]
+    unit: str
+    support: str
+
+
 def law_answers(
     throw: CrankThrow, material: Material, gamma_deg: float | None = None
-) -> dict[str, Record]:
+) -> dict[str, LawAnswer]:
     """Values of the law for a throw, with their bands.
 
     Parameters
@@ -43,7 +55,7 @@ def law_answers(
     Returns
     -------
     dict
-        By the names of responses: "value", "lower", "upper", "unit" and "support".
+        By the names of responses.
 
     Raises
     ------
@@ -57,25 +69,25 @@ def law_answers(
     return answers if gamma_deg is None else answers | neighbor_answers(axial, gamma_deg)
 
 
-def end_answers(axial: AxialLaw, torsional: TorsionalLaw) -> dict[str, Record]:
+def end_answers(axial: AxialLaw, torsional: TorsionalLaw) -> dict[str, LawAnswer]:
     """Values of both laws with ends pinned and guided, as `law_answers` returns them."""
-    answers: dict[str, Record] = {}
+    answers: dict[str, LawAnswer] = {}
     for law, names in ((axial, _AXIAL), (torsional, _TORSIONAL)):
         for response, (name, unit) in names.items():
             support = "guided" if "guided" in name else "pinned" if unit else ""
             lower, upper = _band(law, name)
-            answers[response] = _answer(getattr(law, name), lower, upper, unit, support)
+            answers[response] = LawAnswer(getattr(law, name), lower, upper, unit, support)
     return answers
 
 
-def neighbor_answers(axial: AxialLaw, gamma_deg: float) -> dict[str, Record]:
+def neighbor_answers(axial: AxialLaw, gamma_deg: float) -> dict[str, LawAnswer]:
     """Axial compliance and c between equal neighbors [deg]; their bands join those of three numbers."""
     support = f"between neighbors at {gamma_deg:g} deg"
     answers = {}
     for response, law in ((AXIAL, axial.axial), (INFLUENCE, axial.influence)):
         names = (_AXIAL[f"{response}_guided"][0], _AXIAL[response][0], "ratio")
         lower, upper = between_ends(fold_angle(gamma_deg), [_band(axial, name) for name in names])
-        answers[response] = _answer(float(law(gamma_deg)), lower, upper, "m/N", support)
+        answers[response] = LawAnswer(float(law(gamma_deg)), lower, upper, "m/N", support)
     return answers
 
 
@@ -84,31 +96,36 @@ def _band(law: AxialLaw | TorsionalLaw, name: str) -> tuple[float, float]:
     return value - error * abs(value), value + error * abs(value)
 
 
-def _answer(value: float, lower: float, upper: float, unit: str, support: str) -> Record:
-    return {"value": value, "lower": lower, "upper": upper, "unit": unit, "support": support}
+@result("answers", "reason")
+class LawResults(Result):
+    """Values of the law for a throw by the names of responses, or the reason why there are none."""
+
+    answers: Mapping[str, LawAnswer] | None
+    reason: str | None
+
+    def sentence(self, units: OutputUnits = SI) -> str:
+        """State the values with ends pinned, or why there are none."""
+        if self.answers is None:
+            return units.text(f"The law does not apply to this throw: {self.reason}")
+        pinned, twist = self.answers[AXIAL], self.answers[TORSIONAL]
+        axial, torsional = units.of("1e-9 m/N"), units.of("1e-9 rad/(N m)")
+        width = percent(pinned.upper / pinned.value - 1.0)
+        guided = axial.with_name(self.answers[f"{AXIAL}_guided"].value)
+        return (
+            f"By the law, without finite elements: e_n {axial.with_name(pinned.value)} within {width} %, "
+            f"ends pinned ({guided} guided), torsional compliance "
+            f"{torsional.with_name(twist.value)} pinned."
+        )
 
 
-def law_record(throw: CrankThrow, material: Material, gamma_deg: float | None = None) -> Record:
-    """Return `law_answers` under "answers", or None there and the "reason" why there are none."""
+def law_results(
+    throw: CrankThrow, material: Material, gamma_deg: float | None = None
+) -> LawResults:
+    """Return `law_answers`, or why there are none."""
     try:
-        return {"answers": law_answers(throw, material, gamma_deg), "reason": None}
+        return LawResults(law_answers(throw, material, gamma_deg), None)
     except InputError as error:
-        return {"answers": None, "reason": str(error)}
-
-
-def law_sentence(record: Record, units: OutputUnits = SI) -> str:
-    """State the result of the law for a throw, from its `law_record`."""
-    answers = record["answers"]
-    if answers is None:
-        return units.text(f"The law does not apply to this throw: {record['reason']}")
-    pinned, twist = answers[AXIAL], answers[TORSIONAL]
-    axial, torsional = units.of("1e-9 m/N"), units.of("1e-9 rad/(N m)")
-    width = percent(pinned["upper"] / pinned["value"] - 1.0)
-    return (
-        f"By the law, without finite elements: e_n {axial.with_name(pinned['value'])} within {width} %, ends "
-        f"pinned ({axial.with_name(answers[f'{AXIAL}_guided']['value'])} guided), torsional compliance "
-        f"{torsional.with_name(twist['value'])} pinned."
-    )
+        return LawResults(None, str(error))
 
 
 # What bands of the law cover; tests/validation/test_law.py counts the throws.
@@ -141,7 +158,7 @@ def law_lookups(
     """Look a throw up by the law; arguments and errors as `law_answers`."""
     answers = {
         name: Lookup(
-            **answer,
+            **vars(answer),
             inside=True,
             remarks=(),
             error=None,

@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.errors import InputError, MeshError, SolveError
+from crankbase.results import plain
 from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.stress_picture import RENDER, picture_arrays, picture_name
-from crankfem.analyses.throw.throw_record import given_dimensions
+from crankfem.analyses.throw.throw_record import dimensions_of
 from fem import fillet_stress
 from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak
 from fem.material import Material
@@ -104,7 +105,7 @@ def stress_record(stresses: FilletStresses) -> Record:
     """Plain content of the stresses at a throw's fillets and oil holes, in SI units."""
     mesh = stresses.loaded.mesh
     return {
-        "dimensions": given_dimensions(stresses.throw),
+        "dimensions": plain(dimensions_of(stresses.throw)),
         "material": stresses.loaded.material.model_dump(),
         "support": "pinned",
         "end_sections": stresses.loaded.end_sections,

@@ -1,100 +1,242 @@
-"""A throw's compliances, reactions and masses as plain JSON content."""
+"""A throw's compliances, reactions and masses: what console, JSON and report show."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Annotated, Any
 
+from crankbase.array_checks import FloatArray
+from crankbase.errors import InputError
 from crankbase.quantity import percent
+from crankbase.results import Number, Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table
-from crankfem.analyses.record import Record, attributes
+from crankfem.analyses.record import Record
+from crankfem.analyses.throw.law_record import LawResults
 from fem.analysis import ThrowAnalysis, axial_correction
+from fem.end_reactions import Reactions
+from fem.material import Material
 from fem.modes import ThrowModes
 from fem.solver import asymmetry
 from fem.superelement import superelement_of_end_forces
-from fem.supports import Neighbors, Support, reactions
-from geometry.mass import unbalance
+from fem.supports import Compliances, Neighbors, Support, reactions
+from fem.symmetry import Sections
+from geometry.mass import Unbalance, unbalance
 from geometry.mesher import Throw
 from geometry.throw import CrankThrow
+from regression.models.lookup import ReactionLookup
 from regression.models.response_model import ResponseModel
 
-# Of a throw on its supports, in the order of the columns.
-ANSWERS = (
-    "axial_compliance",
-    "torsional_compliance",
-    "influence_coefficient",
-    "axial_force_per_radial",
-)
+Metre = Annotated[float, Quantity("m")]
+Newton = Annotated[float, Quantity("N")]
 
 
-def error_words(record: Record) -> str:
-    """State the error of the axial compliance of a `throw_record`."""
-    error = f"{percent(record['error_estimate'])} %"
-    # Compliances of older versions were not corrected for discretization.
-    return f"within {error}" if record.get("axial_correction") else f"too small by about {error}"
+@result("axial", "torsional", "influence")
+class ThrowOnSupport(Compliances):
+    """Compliances of a throw under one support, with errors; reactions to the force on its pin."""
+
+    errors: Compliances
+    # Effect of rigid sections; None if sections bend, or were solved as rigid only.
+    section_errors: Compliances | None
+    axial_force_per_radial: Number
+    axial_force: Annotated[float, Quantity("N", "at the right end, that keeps the length")]
+    reactions: Reactions
 
 
-def support_table(record: Record) -> Table:
-    """Return the compliances of a throw by support of its end sections."""
-    return Table(
-        f"Throw by finite elements (e_n {error_words(record)})",
-        [
-            Column("support", words=True),
-            Column("e_n", "1e-9 m/N"),
-            Column("torsional", "1e-9 rad/(N m)"),
-            Column("c", "1e-9 m/N"),
-            Column("P/Z"),
-        ],
-        [[name, *(answer[key] for key in ANSWERS)] for name, answer in record["supports"].items()],
-    )
+@result("frequency", "name")
+class FreeMode(Result):
+    """One natural mode of the free throw, with its motion."""
+
+    frequency: Annotated[float, Quantity("Hz")]
+    name: str
 
 
-def section_sentence(record: Record) -> str:
-    """State the effect of rigid sections on the axial compliance of a `throw_record`; empty if unknown."""
-    shares = [
-        f"{percent(held['section_errors']['axial_compliance'] / held['axial_compliance'])} % of e_n {name}"
-        for name, held in record["supports"].items()
-        if held.get("section_errors")
+@result("asymmetry", "axial_reaction")
+class Reciprocity(Result):
+    """Errors of reciprocity between separate solutions of a throw, as shares."""
+
+    asymmetry: Annotated[
+        float,
+        Quantity(
+            "1",
+            "largest difference between the stiffness from end forces and its transpose, relative to "
+            "the largest stiffness, rotations measured as length x angle",
+        ),
     ]
-    if not shares:
-        return ""
-    return (
-        f"Pinned and guided ends are rigid sections here, which omits {' and '.join(shares)}: the throw is "
-        f"softer by this much between equal throws, with sections that bend (degree {record['sections']})."
-    )
+    axial_reaction: Annotated[
+        float,
+        Quantity(
+            "1",
+            "largest difference, of the supports, between c Z / e_n and the axial reaction by the end "
+            "forces under a radial force Z on the first pin, relative to Z",
+        ),
+    ]
 
 
-def loaded_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return the compliances of a throw with the axial force P due to the force on its pin."""
-    table = support_table(record)
-    return replace(
-        table,
-        columns=[*table.columns, Column("P", "kN")],
-        rows=[
-            [*row, supported["axial_force"]]
-            for row, supported in zip(table.rows, record["supports"].values(), strict=True)
-        ],
-        note=f"P: axial force at the right end that keeps the length under {pin_force_words(record, units)}.",
-    )
+@result("name", "diameter")
+class PinInFile(Result):
+    """A crankpin of an imported throw."""
+
+    name: str
+    axis: Annotated[tuple[float, float], Quantity("m", "in the throw frame")]
+    diameter: Metre
 
 
-def pin_force_words(record: Record, units: OutputUnits = SI) -> str:
-    """State which force acts on the pin of a `throw_record`."""
-    unit = units.of("kN")
-    # Records of older versions know radial forces only.
-    x, y, z = record.get("pin_force", (0.0, -record["radial_force"], 0.0))
-    dimensions = record.get("dimensions", {})
-    several = dimensions.get("further_pins") or len(dimensions.get("pins", ())) > 1
-    pin = "the first pin" if several else "the pin"
+@result("file", "length")
+class ThrowInFile(Result):
+    """The file of a CAD part with its recognized features."""
+
+    file: str
+    sha256: str
+    length: Metre
+    pins: tuple[PinInFile, ...]
+    main_journal_diameters: Annotated[tuple[float, ...], Quantity("m")]
+    remarks: tuple[str, ...]
+
+
+@result("mass", "error_estimate", "accuracy", "unknowns")
+class ThrowResults(Result):
+    """Compliances, reactions and masses of a throw.
+
+    Matrices of stiffness (12, 12) are of ux uy uz rx ry rz of the left, then the right end section.
+    """
+
+    dimensions: CrankThrow | ThrowInFile
+    material: Material
+    supports: Mapping[str, ThrowOnSupport]
+    radial_force: Newton
+    pin_force: Annotated[tuple[float, float, float], Quantity("N", "on the first pin")]
+    mass: Annotated[float, Quantity("kg")]
+    center_of_mass: Annotated[FloatArray, Quantity("m")]
+    inertia: Annotated[FloatArray, Quantity("kg m^2", "about the center of mass")]
+    stiffness: Annotated[FloatArray, Quantity(".stiffness_units")]
+    stiffness_error: Annotated[FloatArray, Quantity(".stiffness_units")]
+    stiffness_units: Mapping[str, tuple[str, ...]]
+    inertia_about_shaft: Annotated[float, Quantity("kg m^2")]
+    unbalance: Unbalance
+    error_estimate: Annotated[float, Quantity("1", "relative, of the axial compliance")]
+    accuracy: Annotated[float, Quantity("1", "requested")]
+    accuracy_met: bool
+    solver: str
+    seconds: Annotated[Mapping[str, float], Quantity("s", "of each step")]
+    corrected: bool
+    sections: Annotated[Sections, Quantity("1")]
+    section_error: Number | None
+    axial_correction: Annotated[float, Quantity("1", "share that is correction")]
+    unknowns: int
+    model: str
+    remarks: tuple[str, ...]
+    meshing_attempts: tuple[str, ...]
+    mended_elements: int
+    reciprocity: Annotated[Reciprocity | None, Quantity(left_out=True)] = None
+    law: Annotated[LawResults | None, Quantity(left_out=True)] = None
+    free_modes: Annotated[tuple[FreeMode, ...] | None, Quantity(left_out=True)] = None
+
+    @property
+    def error_words(self) -> str:
+        """State the error of the axial compliance."""
+        error = f"{percent(self.error_estimate)} %"
+        return f"within {error}" if self.axial_correction else f"too small by about {error}"
+
+    def pin_force_words(self, units: OutputUnits = SI) -> str:
+        """State which force acts on the pin."""
+        first = "the first pin" if _pins(self.dimensions) > 1 else "the pin"
+        return force_words(self.pin_force, first, units)
+
+    def support_table(self) -> Table:
+        """Return the compliances by support of the end sections."""
+        return Table.of_records(
+            f"Throw by finite elements (e_n {self.error_words})",
+            self.supports.items(),
+            (Column("support", words=True), lambda row: row[0]),
+            (Column("e_n", "1e-9 m/N"), lambda row: row[1].axial),
+            (Column("torsional", "1e-9 rad/(N m)"), lambda row: row[1].torsional),
+            (Column("c", "1e-9 m/N"), lambda row: row[1].influence),
+            (Column("P/Z"), lambda row: row[1].axial_force_per_radial),
+        )
+
+    def loaded_table(self, units: OutputUnits = SI) -> Table:
+        """Return the compliances with the axial force P due to the force on the pin."""
+        table, forces = self.support_table(), (own.axial_force for own in self.supports.values())
+        return replace(
+            table,
+            columns=[*table.columns, Column("P", "kN")],
+            rows=[[*row, force] for row, force in zip(table.rows, forces, strict=True)],
+            note="P: axial force at the right end that keeps the length under "
+            f"{self.pin_force_words(units)}.",
+        )
+
+    def reaction_table(self, units: OutputUnits = SI) -> Table:
+        """Return the reactions of the ends to the force on the pin."""
+        ends = {name: own.reactions for name, own in self.supports.items()}
+        return reaction_table(ends, self.pin_force_words(units))
+
+    @property
+    def section_sentence(self) -> str:
+        """The effect of rigid sections on the axial compliance; empty if unknown."""
+        shares = [
+            f"{percent(held.section_errors.axial / held.axial)} % of e_n {name}"
+            for name, held in self.supports.items()
+            if held.section_errors
+        ]
+        if not shares:
+            return ""
+        return (
+            f"Pinned and guided ends are rigid sections here, which omits {' and '.join(shares)}: the throw "
+            f"is softer by this much between equal throws, with sections that bend (degree {self.sections})."
+        )
+
+    def sentences(self, units: OutputUnits = SI) -> list[str]:
+        """State masses, model, and the effect of rigid sections."""
+        static, dynamic = (
+            math.hypot(*own) for own in (self.unbalance.static, self.unbalance.dynamic)
+        )
+        met = "" if self.accuracy_met else f"; the accuracy of {self.accuracy:.2g} was not met"
+        masses = (
+            f"Mass {self.mass:.4g} kg, center of mass {self.center_of_mass[1] * 1e3:.4g} mm "
+            f"from the shaft axis, inertia about the shaft {self.inertia_about_shaft:.4g} kg m^2; "
+            f"static unbalance {static:.4g} kg m, dynamic unbalance "
+            f"about the middle {dynamic:.3g} kg m^2."
+        )
+        model = f"Model: {self.model}, {self.unknowns:,} unknowns, solver {self.solver}{met}."
+        return list(filter(None, (units.text(masses), model, self.section_sentence)))
+
+    def mode_table(self) -> Table:
+        """Return the natural modes of the free throw."""
+        return Table.of_records(
+            "Natural modes of the free throw",
+            enumerate(self.free_modes or (), start=1),
+            (Column("mode"), lambda row: row[0]),
+            (Column("frequency", "Hz", decimals=1), lambda row: row[1].frequency),
+            (Column("motion of the end sections", words=True), lambda row: row[1].name),
+        )
+
+    def time_table(self) -> Table:
+        """Return the time of each step."""
+        total = sum(self.seconds.values())
+        return Table(
+            "Time of each step",
+            [Column("work", words=True), Column("s", decimals=2), Column("", "%", decimals=0)],
+            [[name, s, s / total] for name, s in (dict(self.seconds) | {"all": total}).items()],
+        )
+
+
+def _pins(dimensions: CrankThrow | ThrowInFile) -> int:
+    return len(dimensions.parts.pins if isinstance(dimensions, CrankThrow) else dimensions.pins)
+
+
+def force_words(force: Sequence[float], on: str, units: OutputUnits) -> str:
+    """State a force [N] on a pin."""
+    (x, y, z), unit = force, units.of("kN")
     if x == z == 0.0 and y <= 0.0:
-        return f"a radial force of {unit.with_name(-y)} on {pin}"
+        return f"a radial force of {unit.with_name(-y)} on {on}"
     shown = ", ".join(unit.number(value) for value in (x, y, z))
-    return f"a force of {shown} {unit.name} (x, y, z) on {pin}"
+    return f"a force of {shown} {unit.name} (x, y, z) on {on}"
 
 
-def reaction_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return the reactions of the ends of a throw to a radial force on its pin."""
+def reaction_table(reactions: Mapping[str, Reactions], force: str) -> Table:
+    """Return the reactions of the ends by support; `force` says to what."""
     return Table(
-        f"Reactions to {pin_force_words(record, units)}, length kept",
+        f"Reactions to {force}, length kept",
         [
             Column("support", words=True),
             Column("end", words=True),
@@ -102,11 +244,65 @@ def reaction_table(record: Record, units: OutputUnits = SI) -> Table:
             Column("moment x y z", "kN m", decimals=3, joint="  "),
         ],
         [
-            [name, side, reaction["force"], reaction["moment"]]
-            for name, s in record["supports"].items()
-            for side, reaction in s["reactions"].items()
+            [name, side, [*end.force], [*end.moment]]
+            for name, ends in reactions.items()
+            for side, end in (("left", ends.left), ("right", ends.right))
         ],
     )
+
+
+@result("inside")
+class ReactionsOnSupport(Result):
+    """Reactions under one support by a model or the law, with the band of each component."""
+
+    reactions: Reactions
+    band: Reactions
+    inside: bool
+
+
+@result("supports", "refused")
+class ReactionResults(Result):
+    """Reactions by a model or the law under each possible support; of the others the reason."""
+
+    pin_force: Annotated[tuple[float, float, float], Quantity("N")]
+    radial_force: Newton
+    supports: Mapping[str, ReactionsOnSupport]
+    refused: Mapping[str, str]
+
+    def table(self, units: OutputUnits) -> Table:
+        """Return the reactions of the ends."""
+        ends = {name: own.reactions for name, own in self.supports.items()}
+        return reaction_table(ends, force_words(self.pin_force, "the pin", units))
+
+
+def reaction_results(
+    react: Callable[..., ReactionLookup], force: Sequence[float], gamma: float | None
+) -> ReactionResults:
+    """Look reactions up under each possible support.
+
+    Parameters
+    ----------
+    react : callable
+        Force and support to reactions, as `ComplianceModel.reactions`.
+    force : (3,) sequence of float
+        On the pin [N].
+    gamma : float or None
+        Angle to equal neighbors, for one more support [deg].
+    """
+    supports: dict[str, ReactionsOnSupport] = {}
+    refused: dict[str, str] = {}
+    for name, support in named_supports(gamma).items():
+        try:
+            answer = react(force, support)
+        except InputError as error:
+            refused[name] = str(error)
+            continue
+        ends = Reactions(answer.left, answer.right)
+        supports[name] = ReactionsOnSupport(ends, answer.band, bool(answer.inside))
+    if not supports:
+        raise InputError(next(iter(refused.values())))
+    x, y, z = force
+    return ReactionResults((x, y, z), -y, supports, refused)
 
 
 SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
@@ -116,14 +312,26 @@ NOT_CORRECTED = (
 )
 
 
-def throw_record(
+def named_supports(
+    gamma_deg: float | None, left_gamma_deg: float | None = None
+) -> dict[str, Support]:
+    """Return pinned and guided ends, and equal neighbors at angles [deg], by name."""
+    named: dict[str, Support] = {str(support): support for support in SUPPORTS}
+    if gamma_deg is not None:
+        left = gamma_deg if left_gamma_deg is None else left_gamma_deg
+        angles = f"{gamma_deg:g}" if left == gamma_deg else f"{left:g} and {gamma_deg:g}"
+        named[f"neighbors {angles} deg"] = Neighbors(left, gamma_deg)
+    return named
+
+
+def throw_results(
     analysis: ThrowAnalysis,
     radial_force: float,
     *,
     pin_force: Sequence[float] | None = None,
     gamma_deg: float | None = None,
     left_gamma_deg: float | None = None,
-) -> Record:
+) -> ThrowResults:
     """Compliances, reactions and masses of a throw.
 
     Parameters
@@ -137,84 +345,64 @@ def throw_record(
     left_gamma_deg : float, optional
         Angle to the left neighbor, if different [deg].
     """
-    supports, mesh = {}, analysis.mesh
-    named: dict[str, Support] = {str(support): support for support in SUPPORTS}
-    if gamma_deg is not None:
-        left = gamma_deg if left_gamma_deg is None else left_gamma_deg
-        angles = f"{gamma_deg:g}" if left == gamma_deg else f"{left:g} and {gamma_deg:g}"
-        named[f"neighbors {angles} deg"] = Neighbors(left, gamma_deg)
-    acting = (0.0, -radial_force, 0.0) if pin_force is None else tuple(pin_force)
-    for name, support in named.items():
-        answer = analysis.supported(support)
-        ends, error = analysis.reactions(acting, support), analysis.error_bars(support)
-        supports[name] = {
-            "axial_compliance": answer.axial,
-            "torsional_compliance": answer.torsional,
-            "influence_coefficient": answer.influence,
-            "errors": {
-                "axial_compliance": error.axial,
-                "torsional_compliance": error.torsional,
-                "influence_coefficient": error.influence,
-            },
-            "section_errors": _section_errors(analysis, support),
-            "axial_force_per_radial": answer.influence / answer.axial,
-            "axial_force": float(answer.stretches[0] @ acting) / answer.axial,
-            "reactions": {
-                side: attributes(getattr(ends, side), "force", "moment")
-                for side in ("left", "right")
-            },
-        }
-    return {
-        "dimensions": given_dimensions(analysis.throw),
-        "material": analysis.material.model_dump(),
-        "supports": supports,
-        "radial_force": -acting[1],
-        "pin_force": list(acting),
-        **attributes(analysis, "mass", "center_of_mass", "inertia", "stiffness", "stiffness_error"),
-        "stiffness_units": {
-            "row": (["N"] * 3 + ["N m"] * 3) * 2,
-            "per_column": (["m"] * 3 + ["rad"] * 3) * 2,
+    x, y, z = (0.0, -radial_force, 0.0) if pin_force is None else pin_force
+    mesh, masses, sections = analysis.mesh, analysis.masses, analysis.sections
+    return ThrowResults(
+        dimensions=dimensions_of(analysis.throw),
+        material=analysis.material,
+        supports={
+            name: _on_support(analysis, support, (x, y, z))
+            for name, support in named_supports(gamma_deg, left_gamma_deg).items()
         },
-        "inertia_about_shaft": analysis.masses.inertia_about_shaft,
-        "unbalance": attributes(
-            unbalance(analysis.masses, analysis.throw.length / 2.0), "static", "dynamic"
-        ),
-        **attributes(analysis, "error_estimate", "accuracy", "accuracy_met", "solver", "seconds"),
-        "corrected": analysis.corrected,
-        "sections": analysis.sections,
-        "section_error": None if analysis.sections == "rigid" else analysis.section_error,
-        "axial_correction": axial_correction(analysis.superelement, analysis.discrete.superelement),
-        "unknowns": mesh.unknowns,
-        "model": f"{mesh.part}, second-order tetrahedra, end sections {analysis.end_sections}",
-        "remarks": [*analysis.throw.remarks, *([] if analysis.corrected else [NOT_CORRECTED])],
-        "meshing_attempts": list(mesh.attempts),
-        "mended_elements": mesh.mended_elements,
-    }
+        radial_force=-y,
+        pin_force=(x, y, z),
+        mass=masses.mass,
+        center_of_mass=masses.center,
+        inertia=masses.inertia,
+        stiffness=analysis.stiffness,
+        stiffness_error=analysis.stiffness_error,
+        stiffness_units={
+            "row": (("N",) * 3 + ("N m",) * 3) * 2,
+            "per_column": (("m",) * 3 + ("rad",) * 3) * 2,
+        },
+        inertia_about_shaft=masses.inertia_about_shaft,
+        unbalance=unbalance(masses, analysis.throw.length / 2.0),
+        error_estimate=analysis.error_estimate,
+        accuracy=analysis.accuracy,
+        accuracy_met=analysis.accuracy_met,
+        solver=analysis.solver,
+        seconds=analysis.seconds,
+        corrected=analysis.corrected,
+        sections=sections,
+        section_error=None if sections == "rigid" else analysis.section_error,
+        axial_correction=axial_correction(analysis.superelement, analysis.discrete.superelement),
+        unknowns=mesh.unknowns,
+        model=f"{mesh.part}, second-order tetrahedra, end sections {analysis.end_sections}",
+        remarks=(*analysis.throw.remarks, *(() if analysis.corrected else (NOT_CORRECTED,))),
+        meshing_attempts=mesh.attempts,
+        mended_elements=mesh.mended_elements,
+    )
 
 
-def _section_errors(analysis: ThrowAnalysis, support: Support) -> Record | None:
-    """Effect of rigid sections on compliances; None if sections bend, or were solved as rigid only."""
-    if isinstance(support, Neighbors) or analysis.sections == "rigid":
-        return None
-    errors = analysis.section_errors(support)
-    return {
-        "axial_compliance": errors.axial,
-        "torsional_compliance": errors.torsional,
-        "influence_coefficient": errors.influence,
-    }
+def _on_support(
+    analysis: ThrowAnalysis, support: Support, force: tuple[float, float, float]
+) -> ThrowOnSupport:
+    answer, plain = analysis.supported(support), isinstance(support, Neighbors)
+    rigid = plain or analysis.sections == "rigid"
+    return ThrowOnSupport(
+        axial=answer.axial,
+        torsional=answer.torsional,
+        influence=answer.influence,
+        errors=analysis.error_bars(support),
+        section_errors=None if rigid else analysis.section_errors(support),
+        axial_force_per_radial=answer.influence / answer.axial,
+        axial_force=float(answer.stretches[0] @ force) / answer.axial,
+        reactions=analysis.reactions(force, support),
+    )
 
 
-def reciprocity_record(analysis: ThrowAnalysis) -> Record:
-    """Errors of reciprocity between separate solutions of a throw, as shares.
-
-    Returns
-    -------
-    dict
-        "asymmetry": largest difference between the stiffness from end forces and its transpose,
-        relative to the largest stiffness, with rotations measured as length x angle; "axial_reaction": the
-        largest difference, of the supports, between c Z / e_n and the axial reaction by the end forces
-        under a radial force Z on the first pin, relative to Z.
-    """
+def reciprocity(analysis: ThrowAnalysis) -> Reciprocity:
+    """Compare separate solutions of a throw."""
     analysis = analysis.discrete
     elements = analysis.superelement
     by_forces = superelement_of_end_forces(analysis.classes, elements.radials)
@@ -224,42 +412,38 @@ def reciprocity_record(analysis: ThrowAnalysis) -> Record:
         answer = analysis.supported(support)
         ends = reactions(elements, support, by_forces.end_load(radial))
         differences.append(abs(ends.left.force[2] - answer.influence / answer.axial))
-    return {
-        "asymmetry": asymmetry(by_forces.stiffness, analysis.mesh.length),
-        "axial_reaction": float(max(differences)),
-    }
+    return Reciprocity(
+        asymmetry(by_forces.stiffness, analysis.mesh.length), float(max(differences))
+    )
 
 
-def mode_records(modes: ThrowModes) -> list[Record]:
-    """Natural modes of the free throw [Hz], with their motions."""
-    return [
-        {"frequency": float(frequency), "name": name}
+def free_modes(modes: ThrowModes) -> tuple[FreeMode, ...]:
+    """Return the natural modes of the free throw with their motions."""
+    return tuple(
+        FreeMode(float(frequency), name)
         for frequency, name in zip(modes.frequencies, modes.names, strict=True)
-    ]
+    )
 
 
-def given_dimensions(throw: Throw) -> Record:
-    """The input: fields in SI units, or the file of a CAD part with its recognized features."""
+def dimensions_of(throw: Throw) -> CrankThrow | ThrowInFile:
+    """The input: its fields, or the file of a CAD part."""
     if isinstance(throw, CrankThrow):
-        return throw.model_dump(mode="json")
-    return {
-        "file": throw.path,
-        "sha256": throw.digest,
-        "length": throw.length,
-        "pins": [
-            {"name": pin.name, "axis": list(pin.axis), "diameter": 2.0 * pin.radius}
-            for pin in throw.pins
-        ],
-        "main_journal_diameters": [2.0 * radius for radius in throw.journal_radii],
-        "remarks": list(throw.remarks),
-    }
+        return throw
+    return ThrowInFile(
+        file=throw.path,
+        sha256=throw.digest,
+        length=throw.length,
+        pins=tuple(PinInFile(pin.name, pin.axis, 2.0 * pin.radius) for pin in throw.pins),
+        main_journal_diameters=tuple(2.0 * radius for radius in throw.journal_radii),
+        remarks=throw.remarks,
+    )
 
 
 UNITS = {"axial": "m/N", "torsional": "rad/(N m)"}
 
 
 def compliance_tables(
-    throw: Mapping[str, Any],
+    throw: ThrowResults,
     formulas: Mapping[str, Any],
     vibration: Mapping[str, Any] | None = None,
 ) -> Record:
@@ -286,7 +470,7 @@ def compliance_tables(
 
     tables, ranges = {}, {}
     for kind, unit in UNITS.items():
-        fe = throw["supports"]["pinned"][f"{kind}_compliance"]
+        fe = getattr(throw.supports["pinned"], kind)
         in_shaft = () if vibration is None else vibration[kind]["sources"]
         sources = {own["source"]: own for own in in_shaft}
 
@@ -344,7 +528,7 @@ def compliance_tables(
 def further_compliances(throws: Mapping[str, Any] | None) -> dict[str, Record]:
     """Return the tables of an engine's further throws by name, without frequencies."""
     return {
-        name: compliance_tables(parts["throw"], parts["formulas"])
+        name: compliance_tables(parts.throw, parts.formulas)
         for name, parts in list((throws or {}).items())[1:]
     }
 

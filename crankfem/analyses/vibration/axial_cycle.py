@@ -10,8 +10,11 @@ from crankfem.analyses.vibration.forced import EngineChains, ForcedVibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.cycle import cycle_degrees, even_angles
-from dynamics.excitation.axial_forces import AxialForceOverCycle, axial_force_over_cycle
-from dynamics.excitation.chain_excitation import tangential_towards_flywheel
+from dynamics.excitation.chain_excitation import (
+    AxialForceOverCycle,
+    axial_force_over_cycle,
+    tangential_towards_flywheel,
+)
 from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import within
 

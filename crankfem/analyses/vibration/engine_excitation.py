@@ -46,11 +46,12 @@ from crankfem.files.sections.excitation_sections import (
 )
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.critical import engine_orders
-from dynamics.excitation.axial_forces import AxialForceComparison, compare_axial_forces
 from dynamics.excitation.chain_excitation import (
+    AxialForceComparison,
     axial_excitation,
     axial_excitation_of_torsion,
     combined_excitation,
+    compare_axial_forces,
     torsion_influence,
 )
 from dynamics.excitation.cylinders import (
@@ -350,6 +351,12 @@ def calculated_speeds(
         (low, high),
         points=POINTS,
     )
+    for system in (chain.system for chain in chains if chain.system.varying):
+        for order in orders.tolist():
+            frequencies, damping = system.frequencies_met(order)
+            damping = np.maximum(damping, 1e-4)
+            about = refined_speeds(frequencies, damping, [order], (low, high), points=POINTS)
+            speeds = np.union1d(speeds, about)
     ends = (*assessment_end_speeds(engine_file), *bending_speeds(engine_file))
     return merged_speeds(speeds, [min(end, high) for end in ends if within(end, low, high)])
 

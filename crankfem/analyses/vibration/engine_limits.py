@@ -1,5 +1,6 @@
 """The limits of an engine file, including those from rules, and the speeds at which they apply."""
 
+import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -74,8 +75,14 @@ class Limited(Protocol):
         """Nominal torsional stress; None in the axial direction."""
 
 
-def engine_limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], tuple[str, ...]]:
-    """Return the limits on an engine's vibration.
+# The limits of a file by their names, and remarks.
+Limits = tuple[dict[str, VibrationLimit], tuple[str, ...]]
+# Of each file that is in use, by its identity.
+_KNOWN: dict[int, Limits] = {}
+
+
+def engine_limits(engine_file: EngineFile) -> Limits:
+    """Return the limits on an engine's vibration, made once for each file.
 
     Parameters
     ----------
@@ -90,6 +97,14 @@ def engine_limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], t
     remarks : tuple of str
         What is not assessed, or was assumed.
     """
+    key = id(engine_file)
+    if key not in _KNOWN:
+        _KNOWN[key] = _engine_limits(engine_file)
+        weakref.finalize(engine_file, _KNOWN.pop, key, None)
+    return _KNOWN[key]
+
+
+def _engine_limits(engine_file: EngineFile) -> Limits:
     engine, limits = engine_file.engine, engine_file.limits or LimitsInput()
     kind: EngineKind = "in line" if engine.bank_angles is None else "V"
     interval = even_firing_interval(engine.firing_angles, engine.strokes)

@@ -40,8 +40,7 @@ from dynamics.assessment.limits import AmplitudeCurve, usage
 from dynamics.assessment.response_curves import refined_maxima
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.critical import major_orders
-from dynamics.excitation.axial_forces import AxialForceComparison
-from dynamics.excitation.chain_excitation import torque_excitation
+from dynamics.excitation.chain_excitation import AxialForceComparison, torque_excitation
 from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics
 from dynamics.indices import at_most, within
 from dynamics.plots.curves import Quantity

@@ -27,7 +27,7 @@ from dynamics.assessment.limits import worst_use
 from dynamics.assessment.verdict import SAME, LimitCheck, Verdict
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.crankshaft.coupled_response import CoupledResponse
-from dynamics.excitation.axial_forces import AxialForceComparison
+from dynamics.excitation.chain_excitation import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
 

@@ -46,7 +46,7 @@ from crankfem.files.engine.mechanism_file import MechanismFile, layout_of, mecha
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
-from dynamics.excitation.axial_forces import AxialForceOverCycle
+from dynamics.excitation.chain_excitation import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
 from fem.analysis import ThrowAnalysis
 from fem.superelement import ShaftCompliances

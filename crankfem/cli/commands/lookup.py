@@ -62,8 +62,9 @@ def lookup(
     Also reactions to a force on the pin. Example: crankfem lookup law --throw 6chn25-34 --pin-force "100 kN"
     """
     from crankfem.analyses.throw.law_record import LAW, LAW_BANDS, law_lookups
+    from crankfem.analyses.throw.throw_record import reaction_results
     from crankfem.cli.arguments import dimensions_text, model_dimensions, parse_pin_force
-    from crankfem.cli.tables.throw_tables import print_reactions, reaction_record
+    from crankfem.cli.tables.throw_tables import print_reactions
 
     angle = None
     if gamma is not None:
@@ -100,7 +101,7 @@ def lookup(
             raise next(iter(refused.values()))
         used = dimensions_text(loaded, asked)
         react = partial(loaded.reactions, strict=strict, **asked)
-    reactions = None if force is None else reaction_record(react, force, angle)
+    reactions = None if force is None else reaction_results(react, force, angle)
     if out.json:
         told = answers | {name: {"refused": str(reason)} for name, reason in refused.items()}
         print_json(told if reactions is None else told | {"reactions": reactions})

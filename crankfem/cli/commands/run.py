@@ -1,7 +1,8 @@
 """The main job, its report written again, and the class document."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -75,6 +76,7 @@ def run(
 
 
 def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> None:
+    from crankfem.analyses.run_results import NamedThrow
     from crankfem.cli.tables import study_tables, throw_tables
     from crankfem.cli.tables.vibration_tables import (
         print_conclusions,
@@ -88,13 +90,13 @@ def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> Non
     if not verbose:
         print_worst(results.vibration, units)
         return
-    first = {"throw": results.throw, "formulas": results.formulas}
-    for name, records in (results.throws or {"": first}).items():
-        if name:
-            cranks = "crank" if len(records["cranks"]) == 1 else "cranks"
-            console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, records['cranks']))}.")
-        throw_tables.print_throw(records["throw"], units)
-        throw_tables.print_one_throw(records["formulas"], 180.0, units=units)
+    throws: Mapping[str, Any] = results.throws or {"": results}
+    for name, own in throws.items():
+        if isinstance(own, NamedThrow):
+            cranks = "crank" if len(own.cranks) == 1 else "cranks"
+            console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, own.cranks))}.")
+        throw_tables.print_throw(own.throw, units)
+        throw_tables.print_one_throw(own.formulas, 180.0, units=units)
     if results.study is not None:
         study_tables.print_main_fits(results.study["fits"])
     print_run(results.vibration, units)

@@ -1,6 +1,7 @@
 """`crankfem throw` and `shapes`: calculate and draw throws."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -15,7 +16,7 @@ from crankfem.cli.commands.options import (
     ThrowOption,
     with_output,
 )
-from crankfem.cli.console import print_json, print_line
+from crankfem.cli.console import print_json, print_line, print_table
 from fem.wished_accuracy import COMPLIANCE_ACCURACY, STRESS_ACCURACY
 
 if TYPE_CHECKING:
@@ -78,10 +79,10 @@ def throw(
     A STEP file is a CAD part of steel: z along the shaft, faces named "left end", "right end" and
     "pin", or none named at all.
     """
-    from crankfem.analyses.throw.law_record import law_record, law_sentence
-    from crankfem.analyses.throw.throw_record import mode_records, throw_record
+    from crankfem.analyses.throw.law_record import law_results
+    from crankfem.analyses.throw.throw_record import free_modes, throw_results
     from crankfem.cli.arguments import parse_gamma, parse_pin_force, select_part
-    from crankfem.cli.tables import throw_tables
+    from crankfem.cli.tables.throw_tables import print_throw
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
     from fem.modes import MOST_MODES
@@ -96,9 +97,9 @@ def throw(
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
     COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
     degree_of(shared)
-    law = law_record(part, material) if isinstance(part, CrankThrow) else None
+    law = law_results(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
-        print_line(law_sentence(law, out.units))
+        print_line(law.sentence(out.units))
     analysis = analyze_throw(
         part,
         material,
@@ -107,21 +108,22 @@ def throw(
         end_sections=cast(Any, end_sections),
         sections=shared,
     )
-    record = throw_record(analysis, UNIT_RADIAL_FORCE, pin_force=force, gamma_deg=angle)
-    if law is not None:
-        record["law"] = law
+    results = replace(
+        throw_results(analysis, UNIT_RADIAL_FORCE, pin_force=force, gamma_deg=angle), law=law
+    )
     if modes:
         start = time.perf_counter()
-        record["free_modes"] = mode_records(analysis.free_modes(modes))
-        record["seconds"]["modes"] = time.perf_counter() - start
+        free = free_modes(analysis.free_modes(modes))
+        seconds = dict(results.seconds) | {"modes": time.perf_counter() - start}
+        results = replace(results, free_modes=free, seconds=seconds)
     if out.json:
-        print_json(record)
+        print_json(results)
         return
-    throw_tables.print_throw(record, out.units)
+    print_throw(results, out.units)
     if modes:
-        throw_tables.print_free_modes(record["free_modes"], out.units)
+        print_table(results.mode_table(), out.units)
     if profile:
-        throw_tables.print_profile(record["seconds"])
+        print_table(results.time_table())
 
 
 @with_output(files=True, units=True)

@@ -1,29 +1,26 @@
 """Tables of throws on the command line: compliances, stresses, formulas, reactions, checks of files."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rich.table import Table as RichTable
 
-from crankbase.errors import InputError
 from crankbase.quantity import RPM, significant
 from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.mechanism.mechanism_records import intervals_text
-from crankfem.analyses.record import Record, attributes
+from crankfem.analyses.record import Record
 from crankfem.analyses.throw.formula_records import (
     EngineSpread,
     FormulaSpread,
     Ratio,
     formula_spreads,
 )
-from crankfem.analyses.throw.law_record import law_sentence
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import (
     NOT_CORRECTED,
-    loaded_table,
-    reaction_table,
-    section_sentence,
+    ReactionResults,
+    ThrowResults,
 )
 from crankfem.cli import console
 from crankfem.cli.arguments import angle_text
@@ -36,64 +33,22 @@ from fem.fillet_peaks import (
     LAYERS,
     RULE_LOADS,
 )
-from fem.supports import Neighbors, Support
 from regression.formulas.axial_formulas import (
     AXIAL_FORMULAS,
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,
     PublishedValue,
 )
-from regression.models.lookup import ReactionLookup
 
 
-def print_throw(record: Record, units: OutputUnits = SI) -> None:
-    """Print compliances, reactions and masses of a throw, from its record."""
-    print_table(loaded_table(record, units), units)
-    print_table(reaction_table(record, units), units)
-    print_line(
-        units.text(
-            f"Mass {record['mass']:.4g} kg, center of mass {record['center_of_mass'][1] * 1e3:.4g} mm "
-            f"from the shaft axis, inertia about the shaft {record['inertia_about_shaft']:.4g} kg m^2; "
-            f"static unbalance {math.hypot(*record['unbalance']['static']):.4g} kg m, dynamic unbalance "
-            f"about the middle {math.hypot(*record['unbalance']['dynamic']):.3g} kg m^2."
-        )
-    )
-    met = (
-        "" if record["accuracy_met"] else f"; the accuracy of {record['accuracy']:.2g} was not met"
-    )
-    print_line(
-        f"Model: {record['model']}, {record['unknowns']:,} unknowns, solver {record['solver']}{met}."
-    )
-    if section_sentence(record):
-        print_line(section_sentence(record))
-    if not record.get("corrected", True):
+def print_throw(results: ThrowResults, units: OutputUnits = SI) -> None:
+    """Print compliances, reactions and masses of a throw."""
+    print_table(results.loaded_table(units), units)
+    print_table(results.reaction_table(units), units)
+    for sentence in results.sentences(units):
+        print_line(sentence)
+    if not results.corrected:
         print_notes([NOT_CORRECTED], units)
-
-
-def print_free_modes(modes: list[Record], units: OutputUnits = SI) -> None:
-    """Print the natural modes of a free throw."""
-    print_table(
-        Table.of_records(
-            "Natural modes of the free throw",
-            [mode | {"number": number} for number, mode in enumerate(modes, start=1)],
-            (Column("mode"), "number"),
-            (Column("frequency", "Hz", decimals=1), "frequency"),
-            (Column("motion of the end sections", words=True), "name"),
-        ),
-        units,
-    )
-
-
-def print_profile(seconds: dict[str, float]) -> None:
-    """Print the time of each step of an analysis."""
-    total = sum(seconds.values())
-    print_table(
-        Table(
-            "Time of each step",
-            [Column("work", words=True), Column("s", decimals=2), Column("", "%", decimals=0)],
-            [[name, s, s / total] for name, s in (seconds | {"all": total}).items()],
-        )
-    )
 
 
 def print_shape(record: Record, units: OutputUnits = SI, name: str = "Throw") -> None:
@@ -439,59 +394,22 @@ def _legend() -> str:
     return f"{', '.join(f'{one.short} {one.name}' for one in AXIAL_FORMULAS.values())}."
 
 
-def reaction_record(
-    react: Callable[..., ReactionLookup], force: Sequence[float], gamma: float | None
-) -> Record:
-    """Look reactions up under each possible support, as plain JSON content.
-
-    Parameters
-    ----------
-    react : callable
-        Force and support to reactions, as `ComplianceModel.reactions`.
-    force : (3,) sequence of float
-        On the pin [N].
-    gamma : float or None
-        Angle to equal neighbors, for one more support [deg].
-    """
-    possible: dict[str, Support] = {"pinned": "pinned", "guided": "guided"}
-    if gamma is not None:
-        possible[f"neighbors {gamma:g} deg"] = Neighbors(gamma, gamma)
-    supports: Record = {}
-    refused: dict[str, str] = {}
-    for name, support in possible.items():
-        try:
-            answer = react(force, support)
-        except InputError as error:
-            refused[name] = str(error)
-            continue
-        supports[name] = {
-            kind: {
-                side: attributes(getattr(ends, side), "force", "moment")
-                for side in ("left", "right")
-            }
-            for kind, ends in (("reactions", answer), ("band", answer.band))
-        } | {"inside": bool(answer.inside)}
-    if not supports:
-        raise InputError(next(iter(refused.values())))
-    return {"pin_force": force, "radial_force": -force[1], "supports": supports, "refused": refused}
-
-
-def print_reactions(record: Record, units: OutputUnits) -> None:
+def print_reactions(results: ReactionResults, units: OutputUnits) -> None:
     """Print reactions as those of a throw by finite elements, with their bands."""
-    print_table(reaction_table(record, units), units)
+    print_table(results.table(units), units)
     kilonewtons = units.of("kN")
-    for name, support in record["supports"].items():
-        push, band = (support[kind]["left"]["force"][2] for kind in ("reactions", "band"))
-        if not support["inside"]:
+    for name, support in results.supports.items():
+        push, band = support.reactions.left.force[2], support.band.left.force[2]
+        if not support.inside:
             accuracy = "OUTSIDE the range, where no band applies"
-        elif band is None:
+        elif not math.isfinite(band):
             accuracy = "its band is open"
         else:
             accuracy = (
                 f"within {kilonewtons.with_name(band, 3)} of {kilonewtons.with_name(push, 4)}"
             )
         print_line(f"Axial reaction {name}: {accuracy}")
-    for name, reason in record["refused"].items():
+    for name, reason in results.refused.items():
         print_line(units.text(f"Reactions {name}: left out; {reason}"))
 
 
@@ -521,11 +439,11 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
         _print_arrangement(record["engine"], record["arrangement"], units)
     for name, throw_record in record.get("throws", {}).items():
         print_shape(throw_record["shape"], units, f"Throw {name}")
-        print_line(law_sentence(throw_record["law"], units))
+        print_line(throw_record["law"].sentence(units))
         _print_dimensions(throw_record["dimensions"], units, f"The throw {name} as understood")
     if record["shape"] is not None and "throws" not in record:
         print_shape(record["shape"], units)
-        print_line(law_sentence(record["law"], units))
+        print_line(record["law"].sentence(units))
         _print_dimensions(record["dimensions"], units)
     print_notes((f"{remark.rstrip('.')}." for remark in record["remarks"]), units)
     print_table(

@@ -37,7 +37,6 @@ from crankfem.files.sections.crank_throws import (
     throw_names,
     throws_along_shaft,
 )
-from crankfem.files.sections.cylinder_pressures import LoadSection
 from crankfem.files.sections.engine_sections import (
     Engine,
     Flywheel,
@@ -51,7 +50,7 @@ from crankfem.files.sections.engine_sections import (
 )
 from crankfem.files.sections.excitation_sections import GasMap, Misfire, PropellerForcesSection
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
-from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
+from crankfem.files.sections.mechanism_sections import Gas, HingedRods, LoadSection, Piston, Rod
 from crankfem.files.sections.strength_section import StrengthSection
 from crankfem.files.sections.vibration_sections import (
     AxialDamperSection,

@@ -34,14 +34,17 @@ from crankfem.files.engine.usual_sizes import engine_warnings
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN, read_throws, throw_names, throws_along_shaft
-from crankfem.files.sections.cylinder_pressures import (
+from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
+from crankfem.files.sections.mechanism_sections import (
+    Gas,
+    HingedRods,
     LoadSection,
+    Piston,
+    Rod,
     cylinder_pressures,
     full_load_cycles,
     load_points,
 )
-from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
-from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
 from dynamics.engine.layout import EngineLayout, RotatingMass
 from dynamics.excitation.pressure_map import (
     EnginePower,

@@ -11,8 +11,7 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.quantity import PER_MINUTE
 from crankfem.files.reading.data_files import InputFiles, torque_path
-from crankfem.files.sections.cylinder_pressures import motored_pressures
-from crankfem.files.sections.mechanism_sections import Gas
+from crankfem.files.sections.mechanism_sections import Gas, motored_pressures
 from dynamics.engine.forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.pressure_map import Load, PressureMap, pressure_map, propeller_load
