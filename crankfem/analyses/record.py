@@ -107,26 +107,18 @@ _NAMES = {
 }
 # Of ends of paths, "*" being any name.
 _PLACES = {
-    "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction "
-    "shrink_fit.safety "
+    "1": "factors.* ratios.* "
     "axial_forces.difference change.major change.minor constants.* elasticity.* "
     "errors.* first.* kinetic_shares.* "
     "modes.axial modes.bending modes.torsional quality.* "
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
-    "m": "places.depth places.point shrink_fit.largest_bore shrink_fit.distance shrink_fit.least_shrinkage "
-    "shrink_fit.most_shrinkage shrink_fit.journal_bore "
-    "meshings.size axial_split.both axial_split.radial axial_split.tangential dimensions.value "
+    "m": "meshings.size axial_split.both axial_split.radial axial_split.tangential dimensions.value "
     "rotating.position",
     "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
     "pistons.amplitude pistons.largest pistons.left",
     "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
     "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean",
-    "N m": "throws.alternating_torque shrink_fit.torque "
-    "elements.largest elements.steady "
-    "torque.largest torque.smallest",
-    "Pa": "places.added places.bending places.equivalent places.nominal_bending places.nominal_shear "
-    "places.nominal_torsion places.strength places.torsion places.shear_amplitude places.normal_stress "
-    "places.criterion places.limit shrink_fit.journal_yield shrink_fit.web_yield",
+    "N m": "elements.largest elements.steady torque.largest torque.smallest",
     "N/m": "bearings.stiffness",
     "kg": "masses.reciprocating masses.rotating",
     "kg m": "balance.static throws.counterweights throws.rods throws.solid throws.sum unbalance.static",
