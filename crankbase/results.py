@@ -27,7 +27,7 @@ from typing import (
 
 import numpy as np
 
-from crankbase.errors import SolveError
+from crankbase.errors import InputError, SolveError
 from crankbase.frames import Row, table_of
 from crankbase.quantity import RPM
 from crankbase.summaries import summarized
@@ -153,7 +153,13 @@ class Result:
 
     @classmethod
     def from_json(cls, text: str | bytes) -> Self:
-        """Read what `to_json` wrote; keys that it does not know are left out."""
+        """Read what `to_json` wrote; keys that it does not know are left out.
+
+        Raises
+        ------
+        InputError
+            Naming the first key that is missing.
+        """
         return cls.from_record(json.loads(text))
 
     @classmethod
@@ -354,12 +360,17 @@ def _cells(source: Result, before: str) -> Iterator[tuple[str, tuple[Any, str]]]
 def _by_field(kind: Any, content: Any) -> Any:
     """Return JSON content with the names of fields in place of keys, as far as results go."""
     if _is_result(kind) and isinstance(content, Mapping):
-        known, names = contents(kind), {field.name for field in fields(kind) if field.init}
-        return {
-            name: _by_field(part, content if quantity.flat else content.get(quantity.key_of(name)))
-            for name, (quantity, part) in known.items()
-            if name in names
-        }
+        values, names = {}, {field.name for field in fields(kind) if field.init}
+        for name, (quantity, part) in contents(kind).items():
+            key = quantity.key_of(name)
+            if name not in names:
+                continue
+            if key not in content and not (quantity.flat or quantity.left_out):
+                raise InputError(
+                    f"{kind.__name__}: the result has no {key}; it is not of this release."
+                )
+            values[name] = _by_field(part, content if quantity.flat else content.get(key))
+        return values
     inside = [part for part in get_args(kind) if _has_results(part)]
     # Of a choice between input and a result, the input is known by its fields.
     inputs = [set(part.model_fields) for part in get_args(kind) if hasattr(part, "model_fields")]

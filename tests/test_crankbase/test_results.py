@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from crankbase.array_checks import FloatArray
-from crankbase.errors import SolveError
+from crankbase.errors import InputError, SolveError
 from crankbase.results import Internal, Quantity, Result, Speed, contents, result
 from json_units import numbers_with_units
 
@@ -80,6 +80,14 @@ def test_a_nan_is_refused_by_its_name():
     """No NaN leaves the program."""
     with pytest.raises(SolveError, match=r"peaks\.1\.load"):
         Sweep((peak(load=math.nan),), {}, {}).to_json()
+
+
+def test_content_without_a_value_is_refused_by_its_key():
+    """What is missing is neither unbounded nor None."""
+    content = peak().to_record()
+    del content["load"]
+    with pytest.raises(InputError, match="load"):
+        Peak.from_record(content)
 
 
 def test_texts_and_tables_take_the_declared_units():
