@@ -100,19 +100,21 @@ Flat: TypeAlias = Annotated[T, Quantity(flat=True)]
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
-def result(*main: str) -> Callable[[type[T]], type[T]]:
+def result(*main: str, eq: bool = False) -> Callable[[type[T]], type[T]]:
     """Make a frozen class of results with a short text.
 
     Parameters
     ----------
     *main : str
         Main values, as for `crankbase.summaries.summarized`; declared units need not be told.
+    eq : bool, optional
+        Whether results of equal values are equal; no class with arrays can be so.
     """
 
     def decorate(cls: type[T]) -> type[T]:
         own = "__repr__" in vars(cls)
         return summarized(*main, keeps_text=own, unit_of=_unit_of)(
-            dataclass(frozen=True, eq=False, repr=False)(cls)
+            dataclass(frozen=True, eq=eq, repr=False)(cls)
         )
 
     return decorate

@@ -93,7 +93,7 @@ def _by_place(rows: Mapping[str, Array], names: tuple[str, ...], units: tuple[st
 LARGEST_LOAD = 1e30
 
 
-@result("force", "moment")
+@result("force", "moment", eq=True)
 class EndReaction(Result):
     """Force and moment on one end section, each (3,), in the throw frame."""
 
@@ -106,6 +106,7 @@ class EndReaction(Result):
     "left moment: left.moment",
     "right force: right.force",
     "right moment: right.moment",
+    eq=True,
 )
 class Reactions(Result):
     """What supports (and under `Neighbors` the adjoining throws) exert on a throw's end sections."""

@@ -85,7 +85,7 @@ class Compliances(Result):
     ]
 
 
-@result("axial", "torsional", "influence")
+@result("axial", "torsional", "influence", eq=True)
 class SupportedThrow(Compliances):
     """Compliances of a throw under one support, for loads on each pin.
 
@@ -343,7 +343,7 @@ def unit_response(
     return amplitudes
 
 
-@result("displacement", "rotation")
+@result("displacement", "rotation", eq=True)
 class Motion(Result):
     """Mean motion (3,) of a section or of a pin, in the throw frame."""
 
@@ -356,6 +356,7 @@ class Motion(Result):
     "left: left.displacement",
     "right: right.displacement",
     "pin: pin.displacement",
+    eq=True,
 )
 class PinResponse(Result):
     """Response of an axially free throw to a load on a pin.

@@ -18,7 +18,7 @@ from geometry.shapes import element_quadrature
 LARGEST_DENSITY = 1e6
 
 
-@result("mass", "center", "inertia")
+@result("mass", "center", "inertia", eq=True)
 class MassProperties(Result):
     """Mass properties of a throw in the throw frame."""
 
@@ -135,7 +135,7 @@ def _whole_throw_mass(
     return MassProperties(mass, center + origin, np.trace(second) * np.eye(3) - second)
 
 
-@result("static", "dynamic", "about")
+@result("static", "dynamic", "about", eq=True)
 class Unbalance(Result):
     """Effect of a rotating part on its bearings: at the angular speed w, force w^2 `static`.
 

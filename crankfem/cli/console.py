@@ -66,14 +66,10 @@ def print_json(content: "dict[str, Any] | Result", within: str = "") -> None:
 
     `within` is the name under which such content appears in other documents, "torque" or "axial".
     """
-    from crankbase.results import Result, json_text
+    from crankbase.results import json_text
     from crankfem.analyses.record import with_units
 
-    sys.stdout.write(
-        content.to_json(indent=1)
-        if isinstance(content, Result)
-        else json_text(with_units(content, within), indent=1)
-    )
+    sys.stdout.write(json_text(with_units(content, within), indent=1))
 
 
 def print_line(text: str) -> None:

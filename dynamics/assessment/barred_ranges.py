@@ -19,7 +19,7 @@ from dynamics.indices import at_most, within
 Position = Literal["below", "running", "above"]
 
 
-@result("low", "high", "allowed", "position", "peaks", "limits")
+@result("low", "high", "allowed", "position", "peaks", "limits", eq=True)
 class BarredRange(Result):
     """A range of speeds to be passed quickly, or a proposal that cannot be accepted.
 

@@ -25,7 +25,7 @@ from dynamics.indices import within
 USUAL_MARGIN = 0.10
 
 
-@result("mode", "order", "nominal", "low", "high", "margin")
+@result("mode", "order", "nominal", "low", "high", "margin", eq=True)
 class CriticalRange(Result):
     """Possible range of the critical speed of one mode and order, and its distance from running speeds.
 

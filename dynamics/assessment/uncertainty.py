@@ -50,7 +50,7 @@ ALL_DAMPING = "all damping"
 DAMPINGS = ("damping", "loss_factor", "ground_damping", "dashpots")
 
 
-@result("name", "kind", "low", "high", "places")
+@result("name", "kind", "low", "high", "places", eq=True)
 class Spread(Result):
     """A range of factors on one kind of value, everywhere or at some elements or nodes together.
 

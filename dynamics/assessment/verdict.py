@@ -56,7 +56,14 @@ Status = Literal["fine", "barred range needed", "not acceptable"]
 
 
 @result(
-    "limit.name", "worst_value", "permitted", "worst_speed [rad/s]", "used", "passed", "remarks"
+    "limit.name",
+    "worst_value",
+    "permitted",
+    "worst_speed [rad/s]",
+    "used",
+    "passed",
+    "remarks",
+    eq=True,
 )
 class LimitCheck:
     """One curve compared with one limit.
@@ -411,7 +418,7 @@ def _check(
 Acceptance = Literal["acceptable", "not acceptable", "undecided"]
 
 
-@result("field", "value", "unit", "status", "taken")
+@result("field", "value", "unit", "status", "taken", eq=True)
 class Trial(Result):
     """The verdict with one possible value of an assumption.
 
@@ -446,7 +453,7 @@ class Trial(Result):
         return format_quantity(self.value, self.unit, 4)
 
 
-@result("status", "sentence", "trials")
+@result("status", "sentence", "trials", eq=True)
 class Decision(Result):
     """What can be concluded despite the assumptions.
 

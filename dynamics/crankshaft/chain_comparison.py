@@ -30,7 +30,7 @@ SEARCHED = 2.0
 DIVIDED = 0.25
 
 
-@result("kind", "chain_frequency", "shaft_frequency", "difference", "share", "likeness")
+@result("kind", "chain_frequency", "shaft_frequency", "difference", "share", "likeness", eq=True)
 class ModeMatch(Result):
     """A mode of a chain and the most similar mode of the whole shaft.
 
@@ -264,7 +264,7 @@ SHOWN = 0.05
 CAUSES = ("bearings", "mass distribution", "lateral inertia", "eccentric masses", "flywheel tilt")
 
 
-@result("kind", "rigid_chain", "chain", "shaft", "causes")
+@result("kind", "rigid_chain", "chain", "shaft", "causes", eq=True)
 class FrequencyDifference(Result):
     """A mode's frequency in the chain and in the whole crankshaft, and the steps from one to the other.
 
@@ -383,7 +383,7 @@ def frequency_difference(
     )
 
 
-@result("kind", "mode", "without", "shaft")
+@result("kind", "mode", "without", "shaft", eq=True)
 class FlywheelTilt(Result):
     """Effect of the flywheel's diametral inertia on a mode of the whole crankshaft.
 

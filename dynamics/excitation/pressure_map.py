@@ -904,6 +904,7 @@ LOWEST_EFFICIENCY, HIGHEST_EFFICIENCY = 0.75, 0.97
     "rated",
     "mean_effective_pressure",
     "mechanical_efficiency",
+    eq=True,
 )
 class EnginePower(Result):
     """Power of an engine at rated speed."""

@@ -503,7 +503,7 @@ MUST_BE = {
 }
 
 
-@result("name", "met", "value", "limit", "unit")
+@result("name", "met", "value", "limit", "unit", eq=True)
 class ProfileCheck(Result):
     """One condition for a guide that can be made.
 
@@ -1078,7 +1078,9 @@ TRIED_PRESSURES, PRESSURE_STEP = 41, 1e-10
 STANDING = 100.0
 
 
-@result("pressure", "ratio", "fluctuation", "unchanged", "moment_residual", "largest_residual")
+@result(
+    "pressure", "ratio", "fluctuation", "unchanged", "moment_residual", "largest_residual", eq=True
+)
 class BestPressure(Result):
     """The initial pressure of a spring that smooths a crank's speed most, for given guides.
 

@@ -34,7 +34,7 @@ RUN, BRIDGED = 3, 2
 State = Literal["at resonance", "near resonance", "amplified", "forced"]
 
 
-@result("order", "contribution", "amplitude", "state", "mode")
+@result("order", "contribution", "amplitude", "state", "mode", eq=True)
 class OrderPart(Result):
     """The contribution of one order to a peak of all orders together.
 
@@ -76,7 +76,7 @@ class OrderPart(Result):
 Orders = tuple[OrderPart, ...]
 
 
-@result("place", "speed [rad/s]", "amplitude", "parts")
+@result("place", "speed [rad/s]", "amplitude", "parts", eq=True)
 class PeakCause(Result):
     """Cause of a vibration's amplitude at one speed.
 

@@ -33,7 +33,8 @@ Motion: TypeAlias = Annotated[float, Quantity("rad or m")]
 
 
 @result(
-    *("mode", "order", "frequency", "speed", "amplitude", "magnifier", "kind", "in_running_range")
+    *("mode", "order", "frequency", "speed", "amplitude", "magnifier", "kind", "in_running_range"),
+    eq=True,
 )
 class Resonance(Result):
     """A speed at which an order excites an elastic mode at its natural frequency.

@@ -38,7 +38,7 @@ MANUFACTURE: dict[str, tuple[float, float]] = {
 LEAST_RADIUS = 2e-3
 
 
-@result("throw", "place", "web", "equivalent", "strength", "acceptability", "passed")
+@result("throw", "place", "web", "equivalent", "strength", "acceptability", "passed", eq=True)
 class PlaceStrength(Result):
     """One location of a throw: its alternating stresses and its fatigue strength.
 

@@ -75,7 +75,7 @@ class Lookups(Result):
         return table({**numbers, "inside": (self.inside.ravel(), "")})
 
 
-@result("value", "unit", "support", "lower", "upper", "inside", "remarks")
+@result("value", "unit", "support", "lower", "upper", "inside", "remarks", eq=True)
 class Lookup(Result):
     """One value from a compliance model, with all information on it.
 

@@ -460,7 +460,7 @@ def _table(
     )
 
 
-@result("study", "damaged", "designs", "missing")
+@result("study", "damaged", "designs", "missing", eq=True)
 class StudyCheck(Result):
     """One study of a store, by its key, with the damage of its plan or list of designs if any.
 
@@ -474,7 +474,7 @@ class StudyCheck(Result):
     missing: Annotated[int | None, Quantity("1")] = None
 
 
-@result("store", "sound", "file_damage", "designs", "studies")
+@result("store", "sound", "file_damage", "designs", "studies", eq=True)
 class StoreCheck(Result):
     """Result of a check of a store.
 

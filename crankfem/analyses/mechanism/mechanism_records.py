@@ -121,7 +121,7 @@ def _load_cells(row: Record, degrees: float) -> list[float]:
     ]
 
 
-@result("model", "crankpin", "side")
+@result("model", "crankpin", "side", eq=True)
 class ModelComparison(Result):
     """Largest differences of a rod model's forces from those of the rigid rod."""
 

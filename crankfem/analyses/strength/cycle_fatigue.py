@@ -136,7 +136,7 @@ def worst_point(
 ACCURACY = 0.1
 
 
-@result("throw", "place", "name", "safety", "speed", "shaft_angle_deg", "cylinders")
+@result("throw", "place", "name", "safety", "speed", "shaft_angle_deg", "cylinders", eq=True)
 class FatiguePlace(Result):
     """The worst point of a fillet or of an exit of an oil hole, at the decisive speed and firing.
 

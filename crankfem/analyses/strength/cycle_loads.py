@@ -50,7 +50,7 @@ from fem.superelement import (
 HIGHEST_ORDER = {2: 15.0, 4: 12.0}
 
 
-@result("value", "speed", "cylinders")
+@result("value", "speed", "cylinders", eq=True)
 class LargestLoad(Result):
     """The largest alternating load of a throw at the speeds that count.
 
