@@ -95,7 +95,6 @@ _NAMES = {
     "N m": "moment moment_scale",
     "kg": "at_center at_foot at_piston_pin",
     "kg m^2": "inertia_about_shaft",
-    "s": "duration",
     "m/s": "mean_piston_speed",
     "rad/s": "angular_frequency speed",
     "m/N": "axial_compliance axial_rigid_sections e_0 e_180 influence influence_coefficient",
@@ -118,7 +117,7 @@ _PLACES = {
     "pistons.amplitude pistons.largest pistons.left",
     "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
     "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean",
-    "N m": "elements.largest elements.steady torque.largest torque.smallest",
+    "N m": "torque.largest torque.smallest",
     "N/m": "bearings.stiffness",
     "kg": "masses.reciprocating masses.rotating",
     "kg m": "balance.static throws.counterweights throws.rods throws.solid throws.sum unbalance.static",

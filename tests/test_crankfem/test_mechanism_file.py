@@ -16,7 +16,6 @@ from crankfem.analyses.vibration.engine_excitation import (
     engine_load,
     failing_harmonics,
 )
-from crankfem.analyses.vibration.records import load_record
 from crankfem.cli.tables.vibration_tables import print_load
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.mechanism_file import (
@@ -564,7 +563,7 @@ def test_a_constant_load_is_what_no_section_says(engine):
     assert found[0].mean_pressure == close(found[1].mean_pressure)
     assert "the file has no section [load]" in found[0].sentence
     assert "as given in [load]" in found[1].sentence
-    assert "intake_pressure" not in load_record(found[0])["speeds"][0]
+    assert "intake_pressure" not in found[0].to_record()["speeds"][0]
 
 
 def test_a_pressure_map_is_checked_in_place_of_the_gas(engine, tmp_path):
@@ -608,7 +607,7 @@ def test_console_tells_power_and_load(call, tmp_path):
 
 def test_power_that_does_not_fit_and_the_load_are_told(engine):
     changed = engine.changed(engine={"rated_power": 330e3}, load={"law": "propeller"})
-    told = load_record(engine_load(changed, cf.engines.mechanism_of(changed)))
+    told = engine_load(changed, cf.engines.mechanism_of(changed)).to_record()
     assert not told["rated"]["consistent"]
     assert told["rated"]["sentence"] == (
         "The file is inconsistent: rated power 330 kW (mean effective pressure 0.7909 MPa) is 0.579 of the "
@@ -622,7 +621,7 @@ def test_power_that_does_not_fit_and_the_load_are_told(engine):
 
 def test_the_console_tells_the_load_of_each_speed(engine, capsys):
     changed = engine.changed(engine={"rated_power": 480e3}, load={"law": "propeller"})
-    told = load_record(engine_load(changed, cf.engines.mechanism_of(changed)))
+    told = engine_load(changed, cf.engines.mechanism_of(changed)).to_record()
     print_load(told)
     out = " ".join(capsys.readouterr().out.split())
     assert "rated power 480 kW (mean effective pressure 1.15 MPa) is 0.842 of it" in out

@@ -1,14 +1,15 @@
 """Excitation of an engine's chains: forces of its cylinders over the speeds, torques, a propeller."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Part, Quantity, Result, Speed, result
 from crankfem.analyses.shaft.chains import (
     damped_engine_chain,
     engine_axial_chain,
@@ -80,11 +81,21 @@ from fem.superelement import ShaftCompliances
 TOLD = (0.25, 0.5, 0.75)
 
 
-@summarized(
+@result("speed", "indicated_power")
+class LoadPoint(Result):
+    """Load of an engine at one speed."""
+
+    speed: Speed
+    indicated_power: Annotated[float, Quantity("W")]
+    mean_indicated_pressure: Annotated[float, Quantity("Pa")]
+    peak_pressure: Annotated[float, Quantity("Pa", "highest of any cylinder, absolute")]
+    intake_pressure: Annotated[float | None, Quantity("Pa", "absolute", left_out=True)]
+
+
+@result(
     "law", "speeds [rad/s]", "power [W]", "mean_pressure [Pa]", "peak_pressure [Pa]", "sentence"
 )
-@dataclass(frozen=True, eq=False)
-class EngineLoad:
+class EngineLoad(Result):
     """Load of an engine over its speed.
 
     Attributes
@@ -111,16 +122,24 @@ class EngineLoad:
 
     law: str
     given: bool
-    speeds: FloatArray
-    power: FloatArray
-    mean_pressure: FloatArray
-    peak_pressure: FloatArray
-    intake_pressure: FloatArray | None
-    friction_pressure: float
+    speeds: Internal[FloatArray]
+    power: Internal[FloatArray]
+    mean_pressure: Internal[FloatArray]
+    peak_pressure: Internal[FloatArray]
+    intake_pressure: Internal[FloatArray | None]
+    friction_pressure: Internal[float]
     rated: EnginePower
 
     @property
-    def sentence(self) -> str:
+    def points(self) -> Annotated[tuple[LoadPoint, ...], Quantity(key="speeds")]:
+        """The load at each speed."""
+        values = (self.speeds, self.power, self.mean_pressure, self.peak_pressure)
+        intake = self.intake_pressure
+        known = [None] * self.speeds.size if intake is None else intake.tolist()
+        return tuple(map(LoadPoint, *(each.tolist() for each in values), known))
+
+    @property
+    def sentence(self) -> Part[str]:
         """The load as a function of the speed, in words."""
         if self.law == "constant":
             source = (

@@ -15,12 +15,10 @@ from crankfem.analyses.shaft.whole_shaft import not_comparable
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
 from crankfem.analyses.vibration.axial_cycle import axial_cycle_record
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
-from crankfem.analyses.vibration.engine_excitation import EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.analyses.vibration.misfiring import FiringCheck, Misfiring, Reached
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.analyses.vibration.run_up import RunUp
 from crankfem.analyses.vibration.whole_verdict import whole_criticals
 from crankfem.files.engine.mechanism_cylinders import firing_evenness, firing_sentence
 from dynamics.assessment.limits import worst_use
@@ -200,7 +198,7 @@ def run_record(run: EngineVibration) -> Record:
         }
         or None,
         "axial_force": _axial_force(run),
-        "load": None if run.load is None else load_record(run.load),
+        "load": run.load,
         "assumed": assumed_values(input_values(run.engine_file)),
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
         "misfiring": None if run.misfiring is None else misfiring_record(run.misfiring),
@@ -259,25 +257,6 @@ def _axial_force(run: EngineVibration) -> Record | None:
     # Without a chain to compare with, the whole crankshaft lacks the plant.
     coupled = None if compared is None or compared.axial is None else compared.coupled
     return axial_cycle_record(run.axial_force, run.forced_axial, run.engine_file, coupled)
-
-
-def load_record(load: EngineLoad) -> Record:
-    """Return the load at each speed, in SI units."""
-    columns = {
-        "speed_rpm": load.speeds * RPM,
-        "indicated_power": load.power,
-        "mean_indicated_pressure": load.mean_pressure,
-        "peak_pressure": load.peak_pressure,
-        "intake_pressure": load.intake_pressure,
-    }
-    known = {name: values.tolist() for name, values in columns.items() if values is not None}
-    return {
-        **attributes(load, "law", "given", "sentence"),
-        "rated": load.rated.to_record(),
-        "speeds": [
-            dict(zip(known, values, strict=True)) for values in zip(*known.values(), strict=True)
-        ],
-    }
 
 
 def sweep_record(sweep: BearingSweep) -> Record:
@@ -508,27 +487,3 @@ def _gas_remarks(forced: ForcedVibration) -> list[str]:
     """Remarks of the forces that mechanism and load do not already have."""
     left_out = (ASSUMED, "Solved", ONE_DIAGRAM)
     return [text for text in forced.forces.remarks if not text.startswith(left_out)]
-
-
-def run_up_record(run_up: RunUp) -> Record:
-    """Return the largest torques and those at constant speeds, in SI units."""
-    motion, envelope = run_up.motion, run_up.envelope
-    worst = np.argmax(envelope.torque, axis=0)
-    return plain(
-        {
-            "duration": run_up.duration,
-            "complete": motion.complete,
-            "from_rpm": motion.shaft_speed[0] * RPM,
-            "to_rpm": motion.shaft_speed[-1] * RPM,
-            "notes": motion.notes,
-            "elements": [
-                {
-                    "element": name,
-                    "largest": run_up.largest[place],
-                    "at_rpm": envelope.speed[worst[place]] * RPM,
-                    "steady": run_up.steady[place],
-                }
-                for place, name in enumerate(run_up.elements)
-            ],
-        }
-    )

@@ -1,15 +1,15 @@
 """An engine's torsional vibration while its speed rises through all resonances."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
-from crankbase.frames import table
+from crankbase.frames import table_of
 from crankbase.quantity import parse_quantity
-from crankbase.results import result
+from crankbase.results import Internal, Part, Quantity, Result, Speed, result
 from crankfem.analyses.shaft.chains import magnifier_damping
 from crankfem.analyses.vibration.run import EngineVibration
 from dynamics.transient.motions import Envelope, TransientMotion, axis_names, transient_motion
@@ -21,16 +21,24 @@ if TYPE_CHECKING:
 SHORTEST, LONGEST = 0.1, 600.0  # s
 
 
+@result("element", "largest", "at")
+class SpringTorque(Result):
+    """Amplitude of the torque in a spring while the speed rises."""
+
+    element: str
+    largest: Annotated[float, Quantity("N m")]
+    at: Speed
+    steady: Annotated[float, Quantity("N m", "largest at constant speeds, of those passed")]
+
+
 @result("duration [s]", "largest [N m]", "steady [N m]", "worst")
-class RunUp:
+class RunUp(Result):
     """A run-up from the lowest speed calculated to the highest running speed.
 
     Attributes
     ----------
     motion : TransientMotion
         Of the torsional chain; shorter if it was interrupted.
-    duration : float
-        Requested [s].
     envelope : Envelope
         Amplitudes over each working cycle, half of the range.
     largest : (e,) array
@@ -39,11 +47,38 @@ class RunUp:
         Largest amplitude at constant speeds, of those passed [N m].
     """
 
-    motion: TransientMotion
-    duration: float
-    envelope: Envelope
-    largest: FloatArray
-    steady: FloatArray
+    motion: Internal[TransientMotion]
+    duration: Annotated[float, Quantity("s", "requested")]
+    envelope: Internal[Envelope]
+    largest: Internal[FloatArray]
+    steady: Internal[FloatArray]
+
+    @property
+    def complete(self) -> Part[bool]:
+        """Whether it was not interrupted."""
+        return self.motion.complete
+
+    @property
+    def lowest(self) -> Annotated[float, Quantity("rad/s", exported="1/min", key="from_rpm")]:
+        """Speed at the start [rad/s]."""
+        return float(self.motion.shaft_speed[0])
+
+    @property
+    def highest(self) -> Annotated[float, Quantity("rad/s", exported="1/min", key="to_rpm")]:
+        """Speed at the end [rad/s]."""
+        return float(self.motion.shaft_speed[-1])
+
+    @property
+    def notes(self) -> Part[tuple[str, ...]]:
+        """Remarks of the time integration."""
+        return tuple(self.motion.notes)
+
+    @property
+    def springs(self) -> Annotated[tuple[SpringTorque, ...], Quantity(key="elements")]:
+        """The torque in each spring."""
+        places = np.argmax(self.envelope.torque, axis=0)
+        columns = (self.largest, self.envelope.speed[places], self.steady)
+        return tuple(map(SpringTorque, self.elements, *(column.tolist() for column in columns)))
 
     @property
     def worst(self) -> int:
@@ -71,17 +106,11 @@ class RunUp:
         return self.motion.plot(axes, self.worst if element is None else element, quantity="torque")
 
     def to_pandas(self) -> Any:
-        """Return a table of the largest amplitudes of torque in each spring by name, with steady ones.
+        """Return a row for each spring: its largest amplitude of torque, its speed, and the steady one.
 
         Units are in ``frame.attrs["units"]``.
         """
-        return table(
-            {
-                "element": (self.elements, ""),
-                "largest": (self.largest, "N m"),
-                "steady": (self.steady, "N m"),
-            }
-        )
+        return table_of(self.springs)
 
 
 def parse_duration(text: str) -> float:

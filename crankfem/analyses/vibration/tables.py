@@ -32,7 +32,7 @@ def _speed(name: str = "speed_rpm") -> Callable[[Record], float | None]:
 
 
 def load_table(record: Record) -> Table:
-    """Return the load at some speeds, from the `load_record`."""
+    """Return the load at some speeds, from the record of an `EngineLoad`."""
     rows = record["speeds"]
     boosted = bool(rows) and "intake_pressure" in rows[0]
     return Table.of_records(
@@ -400,7 +400,7 @@ def whole_critical_table(record: Record, kind: str) -> Table:
 
 
 def run_up_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return the largest torques of a `run_up_record`."""
+    """Return the largest torques of a run-up, from its record."""
     speed = units.of("1/min")
     cut = "" if record["complete"] else ", interrupted"
     return Table.of_records(

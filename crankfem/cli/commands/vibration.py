@@ -76,7 +76,7 @@ def vibration(
     from crankfem.analyses.shaft.sources import with_model
     from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
     from crankfem.analyses.vibration.engine_excitation import refuse_forced_vibration
-    from crankfem.analyses.vibration.records import forced_columns, run_record, run_up_record
+    from crankfem.analyses.vibration.records import forced_columns, run_record
     from crankfem.analyses.vibration.run import engine_vibration
     from crankfem.cli.console import write_columns
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up, print_verdict
@@ -131,9 +131,7 @@ def vibration(
         if speed_up is not None:
             written.append(drawn / "run_up.svg")
             picture_run_up(written[-1], run, speed_up)
-    record = with_units(
-        run_record(run) | ({} if speed_up is None else {"run_up": run_up_record(speed_up)})
-    )
+    record = with_units(run_record(run) | ({} if speed_up is None else {"run_up": speed_up}))
     if out.json:
         print_json(record | {"files": [str(path) for path in written]})
     else:
