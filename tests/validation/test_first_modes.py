@@ -58,6 +58,9 @@ def test_summary_names_the_mode_of_the_crankshaft(run):
         input_warnings=[],
         checks=[],
         throw=throw,
+        strength=None,
+        throws=None,
+        fatigue=None,
     )
     (found,) = [one for one in summary(results)["figures"] if "torsional" in one["label"]]
     first = run.torsional.chosen.first_frequency
