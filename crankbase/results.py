@@ -49,7 +49,7 @@ class Quantity:
     ----------
     unit : str
         In SI; "1" of plain numbers, "" of words and parts, ".name" if the value of that name
-        beside it tells, which may be internal.
+        beside it tells, which may be internal, or one of the result around it.
     meaning : str, optional
         In words.
     exported : str, optional
@@ -334,7 +334,7 @@ def units(value: Any, path: str = "") -> dict[str, str]:
             if unit := quantity.exported or quantity.unit:
                 inside = f"{place}.*" if isinstance(content, Mapping) else place
                 hidden = unit[:1] == "." and unit[1:] not in contents(type(value))
-                known[inside] = getattr(value, unit[1:]) if hidden else unit
+                known[inside] = getattr(value, unit[1:], unit) if hidden else unit
             known |= units(content, path if quantity.flat else f"{place}.")
     elif _is_input(value):
         from crankbase.model import model_units
