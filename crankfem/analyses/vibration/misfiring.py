@@ -20,7 +20,7 @@ from crankfem.analyses.vibration.engine_excitation import (
 from crankfem.analyses.vibration.engine_limits import (
     compared_quantities,
     compared_series,
-    of_stress,
+    limited_quantities,
 )
 from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains, cause_at
 from crankfem.files.engine.engine_file import EngineFile
@@ -488,7 +488,8 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
     worst = {
         key: max(cases, key=lambda case: by_case[case].severity) for key, by_case in each.items()
     }
-    drawn = max(filter(of_stress, each), key=lambda key: each[key][worst[key]].used, default=None)
+    stresses = (key for key in each if quantities[key].unit == "Pa")
+    drawn = max(stresses, key=lambda key: each[key][worst[key]].used, default=None)
     checks = [
         FiringCheck(
             quantity=quantities[key].name,
@@ -547,7 +548,7 @@ def _new(
     if reached.used - normal < NEWS:
         return None
     lengthened, twisted = answers[case]
-    answer = lengthened if key.startswith("axial") else twisted
+    answer = lengthened if limited_quantities(file)[key].kind == "axial" else twisted
     unit = compared_quantities(file)[key].unit
     cause = cause_at(answer, twisted, series[case], reached.place, reached.speed, unit)
     return NewlyExceeded(case, reached, cause)
