@@ -49,7 +49,7 @@ class Quantity:
     ----------
     unit : str
         In SI; "1" of plain numbers, "" of words and parts, ".name" if the value of that name
-        beside it tells, which may be internal.
+        beside it tells, which may be internal, or one of the result around it.
     meaning : str, optional
         In words.
     exported : str, optional
@@ -160,18 +160,23 @@ class Result:
         Raises
         ------
         InputError
-            Naming the first key that is missing.
+            Naming the first key that is missing, or has another kind of value.
         """
         return cls.from_record(json.loads(text))
 
     @classmethod
     def from_record(cls, content: "Mapping[str, Any] | Self") -> Self:
         """Read content of JSON; a result is returned as it is."""
-        from pydantic import TypeAdapter
+        from pydantic import TypeAdapter, ValidationError
 
         if isinstance(content, cls):
             return content
-        made: Self = TypeAdapter(cls).validate_python(_by_field(cls, content))
+        try:
+            made: Self = TypeAdapter(cls).validate_python(_by_field(cls, content))
+        except ValidationError as error:
+            first = error.errors()[0]
+            place = ".".join(map(str, first["loc"]))
+            raise InputError(f"{cls.__name__}.{place}: {first['msg']}.") from None
         return made
 
     def row(self) -> Row:
@@ -329,7 +334,7 @@ def units(value: Any, path: str = "") -> dict[str, str]:
             if unit := quantity.exported or quantity.unit:
                 inside = f"{place}.*" if isinstance(content, Mapping) else place
                 hidden = unit[:1] == "." and unit[1:] not in contents(type(value))
-                known[inside] = getattr(value, unit[1:]) if hidden else unit
+                known[inside] = getattr(value, unit[1:], unit) if hidden else unit
             known |= units(content, path if quantity.flat else f"{place}.")
     elif _is_input(value):
         from crankbase.model import model_units

@@ -448,9 +448,7 @@ def test_normal_firing_stands_beside_each_misfiring_cylinder(coarse, run):
         f"With cylinder {stress.cylinders[0]} misfiring, torsional stress"
     )
     record = run_record(run)
-    assert json.loads(json.dumps(record["misfiring"]))["checks"][0]["cylinders"] == list(
-        stress.cylinders
-    )
+    assert record["misfiring"].to_record()["checks"][0]["cylinders"] == list(stress.cylinders)
 
 
 @pytest.mark.slow

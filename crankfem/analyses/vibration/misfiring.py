@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.frames import Row, table_of
 from crankbase.quantity import format_quantity, format_usage
-from crankbase.summaries import summarized
+from crankbase.results import Flat, InItsUnit, Internal, Part, Quantity, Result, Speed, result
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     failing_harmonics,
@@ -41,19 +41,19 @@ from dynamics.response.series import OrderSeries
 DIGITS = 3
 # Numbers of cylinders that fail together, from 1.
 Cylinders = tuple[int, ...]
+SpeedRanges: TypeAlias = Annotated[
+    tuple[tuple[float, float], ...], Quantity("rad/s", exported="1/min")
+]
 
 
-@summarized("place", "speed [rad/s]", "value", "permitted", "used")
-@dataclass(frozen=True)
-class Reached:
+@result("place", "speed", "value", "permitted", "used", eq=True)
+class Reached(Result):
     """The worst of a quantity at running speeds.
 
     Attributes
     ----------
     place : str
         Node or element.
-    speed : float
-        [rad/s].
     value : float
         Amplitude, all orders together, in the quantity's unit; inf where unbounded.
     permitted : float
@@ -61,14 +61,19 @@ class Reached:
     """
 
     place: str
-    speed: float
-    value: float
-    permitted: float
+    speed: Speed
+    value: InItsUnit
+    permitted: InItsUnit
 
     @property
     def used(self) -> float:
         """Share of the permitted amplitude; 0 where no limit is stated."""
-        return 0.0 if np.isinf(self.permitted) else self.value / self.permitted
+        return self.used_share or 0.0
+
+    @property
+    def used_share(self) -> Annotated[float | None, Quantity("1", key="used")]:
+        """The same; None where no limit is stated."""
+        return None if np.isinf(self.permitted) else self.value / self.permitted
 
     @property
     def severity(self) -> tuple[float, float]:
@@ -76,18 +81,28 @@ class Reached:
         return self.used, self.value
 
 
-@dataclass(frozen=True)
-class NewlyExceeded:
+@result("cylinders", "reached", eq=True)
+class Failing(Result):
+    """The worst of a quantity while cylinders misfire."""
+
+    cylinders: Annotated[Cylinders, Quantity("1")]
+    reached: Flat[Reached]
+
+
+@result("cylinders", "reached", eq=True)
+class NewlyExceeded(Failing):
     """The worst of a limit that misfiring exceeds at speeds at which normal firing keeps it."""
 
-    cylinders: Cylinders
-    reached: Reached
-    cause: PeakCause
+    cause: Internal[PeakCause]
+
+    @property
+    def reasons(self) -> Annotated[str, Quantity(key="cause")]:
+        """The cause in words."""
+        return self.cause.reasons
 
 
-@summarized("quantity", "unit", "normal", "cylinders", "misfiring")
-@dataclass(frozen=True, eq=False)
-class FiringCheck:
+@result("quantity", "unit", "normal", "cylinders", "misfiring")
+class FiringCheck(Result):
     """One quantity in normal firing, and in the worst case of misfiring.
 
     Attributes
@@ -113,13 +128,38 @@ class FiringCheck:
 
     quantity: str
     unit: str
-    limit: VibrationLimit | None
+    limit: Internal[VibrationLimit | None]
     normal: Reached
-    cylinders: Cylinders
+    cylinders: Annotated[Cylinders, Quantity("1")]
     misfiring: Reached
-    each: Mapping[Cylinders, Reached]
-    over_speed: tuple[FloatArray, FloatArray, FloatArray] | None = None
+    each: Internal[Mapping[Cylinders, Reached]]
+    over_speed: Internal[tuple[FloatArray, FloatArray, FloatArray] | None] = None
     new: NewlyExceeded | None = None
+
+    @property
+    def source(self) -> Part[str | None]:
+        """That of the limit, if any."""
+        return None if self.limit is None else self.limit.source
+
+    @property
+    def assumed(self) -> Part[bool]:
+        """Whether the limit is assumed."""
+        return self.limit is not None and self.limit.assumed
+
+    @property
+    def verdict(self) -> Annotated[bool | None, Quantity(key="passed")]:
+        """As `passed`; None without a limit."""
+        return None if self.limit is None else self.passed
+
+    @property
+    def basis(self) -> Part[str | None]:
+        """Why the limit for passing serves while a cylinder misfires; empty if it does not."""
+        return None if self.limit is None else self.limit.misfiring_basis
+
+    @property
+    def cases(self) -> Annotated[list[Failing], Quantity(key="each")]:
+        """The worst of each case."""
+        return [Failing(*case) for case in self.each.items()]
 
     @property
     def passed(self) -> bool:
@@ -262,9 +302,8 @@ Series = dict[str, OrderSeries]
 Found = dict[str, dict[Cylinders, Reached]]
 
 
-@summarized("cases", "missing_share", "compression", "checks", "exceeded [rad/s]", "remarks")
-@dataclass(frozen=True, eq=False)
-class Misfiring:
+@result("cases", "missing_share", "compression", "checks", "exceeded", "remarks")
+class Misfiring(Result):
     """Worst vibration while cylinders misfire, and in normal firing, at running speeds.
 
     Attributes
@@ -286,12 +325,12 @@ class Misfiring:
         nothing is barred [rad/s].
     """
 
-    cases: tuple[Cylinders, ...]
-    missing_share: float
+    cases: Annotated[tuple[Cylinders, ...], Quantity("1")]
+    missing_share: Annotated[float, Quantity("1")]
     compression: bool
     checks: tuple[FiringCheck, ...]
-    exceeded: tuple[tuple[float, float], ...]
-    remaining: tuple[tuple[float, float], ...]
+    exceeded: SpeedRanges
+    remaining: SpeedRanges
 
     @property
     def worst(self) -> FiringCheck:
@@ -304,12 +343,12 @@ class Misfiring:
         return next((check for check in self.checks if check.over_speed is not None), None)
 
     @property
-    def passed(self) -> bool:
+    def passed(self) -> Part[bool]:
         """Whether all limits while misfiring are kept at running speeds."""
         return self.worst.passed
 
     @property
-    def sentence(self) -> str:
+    def sentence(self) -> Part[str]:
         """What misfiring alone exceeds, the largest use of a limit, and the speeds that remain."""
         if not self.exceeded:
             return self.worst.sentence
@@ -331,7 +370,7 @@ class Misfiring:
         return " ".join(filter(None, sentences))
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def remarks(self) -> Part[tuple[str, ...]]:
         """Assumptions, a sentence each."""
         one = len(self.cases) == 1
         which = named(self.cases[0]) if one else f"each of {len(self.cases)} cylinders in turn"

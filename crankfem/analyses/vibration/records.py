@@ -16,7 +16,6 @@ from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
 from crankfem.analyses.vibration.axial_cycle import axial_cycle_record
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.forced import ForcedVibration
-from crankfem.analyses.vibration.misfiring import FiringCheck, Misfiring, Reached
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.whole_verdict import whole_criticals
@@ -28,51 +27,6 @@ from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.excitation.chain_excitation import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
-
-
-def misfiring_record(misfiring: Misfiring) -> Record:
-    """Return the record of misfiring; null where vibration is unbounded or nothing is limited."""
-    return {
-        **attributes(misfiring, "sentence", "passed", "cases", "missing_share", "compression"),
-        "checks": [_misfiring_check(check) for check in misfiring.checks],
-        "exceeded_rpm": [[speed * RPM for speed in one] for one in misfiring.exceeded],
-        "remaining_rpm": [[speed * RPM for speed in one] for one in misfiring.remaining],
-        "remarks": list(misfiring.remarks),
-    }
-
-
-def _misfiring_check(check: FiringCheck) -> Record:
-    limit = check.limit
-    return {
-        **attributes(check, "quantity", "unit", "cylinders"),
-        "source": None if limit is None else limit.source,
-        "assumed": limit is not None and limit.assumed,
-        "passed": None if limit is None else check.passed,
-        "basis": None if limit is None else limit.misfiring_basis,
-        "new": None
-        if check.new is None
-        else {
-            "cylinders": list(check.new.cylinders),
-            **_reached(check.new.reached),
-            "cause": check.new.cause.reasons,
-        },
-        "normal": _reached(check.normal),
-        "misfiring": _reached(check.misfiring),
-        "each": [{"cylinders": list(case), **_reached(one)} for case, one in check.each.items()],
-    }
-
-
-def _reached(reached: Reached) -> Record:
-    limited = reached.permitted < float("inf")
-    return plain(
-        {
-            "place": reached.place,
-            "speed_rpm": reached.speed * RPM,
-            "value": reached.value,
-            "permitted": reached.permitted,
-            "used": reached.used if limited else None,
-        }
-    )
 
 
 def worst_record(worst: tuple[float, float, float] | None) -> Record | None:
@@ -201,7 +155,7 @@ def run_record(run: EngineVibration) -> Record:
         "load": run.load,
         "assumed": assumed_values(input_values(run.engine_file)),
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
-        "misfiring": None if run.misfiring is None else misfiring_record(run.misfiring),
+        "misfiring": run.misfiring,
         "misfiring_note": run.misfiring_note or None,
         "whole": None
         if run.whole is None

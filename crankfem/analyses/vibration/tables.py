@@ -298,7 +298,7 @@ def limit_table(
 
 
 def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return normal firing and the worst misfiring, row below row, from a `misfiring_record`."""
+    """Return normal firing and the worst misfiring, row below row, from the record of `Misfiring`."""
     motions = {own.si: own.printed for own in MOTION.values()}
 
     def name(row: Record) -> str:
