@@ -330,9 +330,8 @@ def judged(six, comparison, checks=()):
 
 
 def test_stress_at_a_bearing_is_that_of_the_element_through_it():
-    stress = WholeTorsion(
-        compared(5e3).coupled, CRANKS, {1: MODULUS, 2: 2.0 * MODULUS, 3: MODULUS}
-    ).stress
+    moduli = {1: MODULUS, 2: 2.0 * MODULUS, 3: MODULUS}
+    stress = WholeTorsion(compared(5e3).coupled, CRANKS, moduli).stress
     assert stress.names == ("b", "c", "d")
     assert np.max(stress.amplitude, axis=(0, 1)) == close((0.0, 2.5e6, 0.0))
     # Without a node at the free end the first element lies between the first two throws.

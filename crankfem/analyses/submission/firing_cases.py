@@ -17,6 +17,7 @@ from crankfem.analyses.vibration.engine_excitation import (
 )
 from crankfem.analyses.vibration.engine_limits import (
     DAMPER,
+    at_place,
     engine_limits,
     limited_quantities,
 )
@@ -26,7 +27,6 @@ from crankfem.analyses.vibration.misfiring import (
     Reached,
     Series,
     Superposition,
-    at_place,
     worst_of,
 )
 from crankfem.analyses.vibration.run import EngineVibration

@@ -369,9 +369,11 @@ def assess(
     verdict = engine_verdict(engine_file, findings)
     quantities = limited_quantities(engine_file)
     limited = {
-        (limits[name].name, place): (vibration, series)
+        (limits[name].name, place): (
+            axial if quantities[name].kind == "axial" else torsional,
+            series,
+        )
         for name, series in limited_series(engine_file, axial, torsional).items()
-        for vibration in (axial if quantities[name].kind == "axial" else torsional,)
         for place in series.names
     }
     *checks, worst = (

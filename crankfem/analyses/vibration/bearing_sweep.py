@@ -245,16 +245,13 @@ def bearing_sweep(
     for kind in KINDS if shafts else ():
         own = [one.chain(kind) for one in each]
         matched[kind], further[kind] = _followed(shafts, modes, own, nominal)
-    verdicts = (
-        []
-        if verdict is None
-        else [
-            engine_verdict(engine_file, limit_findings(engine_file, *held_chain.answers))
-            if held_chain.answers
-            else verdict
-            for held_chain in each
-        ]
-    )
+    verdicts = [
+        engine_verdict(engine_file, limit_findings(engine_file, *held_chain.answers))
+        if held_chain.answers
+        else verdict
+        for held_chain in each
+        if verdict is not None
+    ]
     limits = dict.fromkeys(check.limit.name for verdict in verdicts for check in verdict.checks)
     worst = {
         name: [

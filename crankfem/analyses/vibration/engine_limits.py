@@ -61,16 +61,13 @@ Findings = Sequence[tuple[VibrationLimit, AmplitudeCurve]]
 class Limited(Protocol):
     """What limits are read from, such as `crankfem.analyses.vibration.forced.ChainAnswer`.
 
-    Chains also have the motion of the `free_end`, and loads of `crank_elements`.
+    The torsional one also has the `stress`; chains the motion of the `free_end`, and loads of
+    `crank_elements`.
     """
 
     @property
     def loads(self) -> ElementLoads:
         """Torque or force in each element."""
-
-    @property
-    def stress(self) -> OrderSeries | None:
-        """Nominal torsional stress; None in the axial direction."""
 
 
 @dataclass(frozen=True)
@@ -92,10 +89,14 @@ class LimitedQuantity:
     element: str = ""
 
 
+def at_place(series: OrderSeries, name: str) -> OrderSeries:
+    """Return one location of a series."""
+    place = series.names.index(name)
+    return replace(series, values=series.values[:, :, [place]], names=(name,))
+
+
 def _coupling_torque(answer: Limited) -> OrderSeries:
-    elements = answer.loads.elements
-    place = elements.names.index(COUPLING)
-    return replace(elements, values=elements.values[:, :, [place]], names=(COUPLING,))
+    return at_place(answer.loads.elements, COUPLING)
 
 
 def _shaft_stress(shaft: ShaftLimitInput, answer: Limited) -> OrderSeries:
@@ -276,8 +277,7 @@ def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
     running = (engine.lowest_speed, engine.highest_speed)
     if engine_file.gas is None and engine_file.gas_map is None:
         return running
-    limits, _ = engine_limits(engine_file)
-    ends = {limit_end_speed(limit, running) for limit in limits.values()}
+    ends = {limit_end_speed(limit, running) for limit in engine_limits(engine_file)[0].values()}
     return tuple(sorted({*running, *ends}))
 
 
@@ -402,10 +402,10 @@ class ComparedQuantity:
 
 def compared_quantities(engine_file: EngineFile) -> dict[str, ComparedQuantity]:
     """Return name, unit and limit of each possible item of `compared_series`, by its key."""
-    limits, _ = engine_limits(engine_file)
     compared = {key: ComparedQuantity(name, unit, None) for key, (name, unit) in COMPARED.items()}
     return compared | {
-        key: ComparedQuantity(limit.name, limit.unit, limit) for key, limit in limits.items()
+        key: ComparedQuantity(limit.name, limit.unit, limit)
+        for key, limit in engine_limits(engine_file)[0].items()
     }
 
 

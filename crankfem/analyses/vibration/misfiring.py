@@ -18,6 +18,7 @@ from crankfem.analyses.vibration.engine_excitation import (
     forces_over_speeds,
 )
 from crankfem.analyses.vibration.engine_limits import (
+    at_place,
     compared_quantities,
     compared_series,
     limited_quantities,
@@ -687,9 +688,3 @@ def _sum(order_series: OrderSeries, other: OrderSeries) -> OrderSeries:
     values[places] += other.values
     unbounded[places] |= other.unbounded
     return replace(order_series, values=values, unbounded=unbounded)
-
-
-def at_place(series: OrderSeries, name: str) -> OrderSeries:
-    """Return one location of a series."""
-    place = series.names.index(name)
-    return replace(series, values=series.values[:, :, [place]], names=(name,))
