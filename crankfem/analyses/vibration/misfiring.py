@@ -489,7 +489,10 @@ class Superposition:
         misfire = self.chains.engine_file.misfire
         # There is no load to ask for: where nothing burns a single diagram serves, or none.
         cold = forces_at_speeds(self.failing, forces.speeds)
-        return _difference(forces, cold, case, 1.0 if misfire is None else misfire.missing_share)
+        factors = np.zeros(len(forces.throws))
+        factors[[number - 1 for number in case]] = 1.0 if misfire is None else misfire.missing_share
+        changed = {name: factors * (getattr(cold, name) - getattr(forces, name)) for name in SUMMED}
+        return replace(forces, **changed)
 
 
 def misfiring_cases(engine_file: EngineFile) -> tuple[Cylinders, ...]:
@@ -669,16 +672,6 @@ def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
         for key, of in pairs:
             if of == case:
                 each[key][case] = worst_of(found[key], quantities[key].while_firing(case))
-
-
-def _difference(
-    firing: CylinderForces, cold: CylinderForces, case: Cylinders, share: float
-) -> CylinderForces:
-    """Return the change by a missing share of the combustion in some cylinders."""
-    factors = np.zeros(len(firing.throws))
-    factors[[number - 1 for number in case]] = share
-    changed = {name: factors * (getattr(cold, name) - getattr(firing, name)) for name in SUMMED}
-    return replace(firing, **changed)
 
 
 def _sum(order_series: OrderSeries, other: OrderSeries) -> OrderSeries:
