@@ -45,12 +45,6 @@ from regression.runs.study_table import study_table
 PLACES = {"place", "node", "element", "cylinder", "throw", "point"}
 
 
-@pytest.fixture(autouse=True)
-def _figures_closed():
-    yield
-    pyplot.close("all")
-
-
 METHODS = ("plot", "to_pandas", "to_xarray")
 
 
