@@ -160,18 +160,23 @@ class Result:
         Raises
         ------
         InputError
-            Naming the first key that is missing.
+            Naming the first key that is missing, or has another kind of value.
         """
         return cls.from_record(json.loads(text))
 
     @classmethod
     def from_record(cls, content: "Mapping[str, Any] | Self") -> Self:
         """Read content of JSON; a result is returned as it is."""
-        from pydantic import TypeAdapter
+        from pydantic import TypeAdapter, ValidationError
 
         if isinstance(content, cls):
             return content
-        made: Self = TypeAdapter(cls).validate_python(_by_field(cls, content))
+        try:
+            made: Self = TypeAdapter(cls).validate_python(_by_field(cls, content))
+        except ValidationError as error:
+            first = error.errors()[0]
+            place = ".".join(map(str, first["loc"]))
+            raise InputError(f"{cls.__name__}.{place}: {first['msg']}.") from None
         return made
 
     def row(self) -> Row:

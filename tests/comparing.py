@@ -1,5 +1,6 @@
 """Comparison of numbers, however small they are."""
 
+import numpy as np
 import pytest
 
 
@@ -23,3 +24,15 @@ def close(expected, rel=None, abs=None, nan_ok=False):  # noqa: A002 - as pytest
     if abs is None:
         rel, abs = 1e-6 if rel is None else rel, 0.0  # noqa: A001
     return pytest.approx(expected, rel=rel, abs=abs, nan_ok=nan_ok)  # noqa: TID251
+
+
+def same_mesh(first, second):
+    """Tell whether two meshes have the same points, elements and surfaces."""
+    return (
+        np.array_equal(first.points, second.points)
+        and np.array_equal(first.elements, second.elements)
+        and first.surfaces.keys() == second.surfaces.keys()
+        and all(
+            np.array_equal(first.surfaces[name], second.surfaces[name]) for name in first.surfaces
+        )
+    )

@@ -62,6 +62,13 @@ def pytest_sessionfinish():
             one.kill()
 
 
+@pytest.fixture(autouse=True)
+def _figures_closed():
+    yield
+    if pyplot := sys.modules.get("matplotlib.pyplot"):
+        pyplot.close("all")
+
+
 @pytest.fixture(scope="session")
 def public():
     """All that crankfem and its topics hand out, by its whole name, such as "crankfem.chains.Gear"."""

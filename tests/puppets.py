@@ -1,7 +1,11 @@
 """Worker processes that do no finite elements."""
 
+import os
 import subprocess
 import sys
+from pathlib import Path
+
+from regression.runs import workers as workers_module
 
 # Goes before a puppet's own code: the requests as they come, and how to answer one.
 PRELUDE = """
@@ -24,3 +28,31 @@ def puppet(code):
     return subprocess.Popen(
         [sys.executable, "-S", "-c", PRELUDE + code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
+
+
+def spawned(monkeypatch, program):
+    """Make workers puppets that run a program, and return the list of those started."""
+    started = []
+
+    def spawn():
+        started.append(puppet(program))
+        return started[-1]
+
+    monkeypatch.setattr(workers_module, "spawn_worker", spawn)
+    return started
+
+
+def marked(mark):
+    """Return the living processes with a mark, this one left out."""
+    found = []
+    for folder in Path("/proc").iterdir():
+        if not folder.name.isdigit() or int(folder.name) == os.getpid():
+            continue
+        try:
+            environment = (folder / "environ").read_bytes().split(b"\0")
+            state = (folder / "stat").read_text().rsplit(")", 1)[1].split()[0]
+        except OSError:
+            continue
+        if mark in environment and state not in "ZX":
+            found.append(int(folder.name))
+    return found

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from throws import MEDIUM_SPEED
+from throws import MEDIUM_SPEED, MEDIUM_SPEED_TOML
 
 ROOT = Path(__file__).parents[1]
 # Seconds for a service to answer on a busy machine.
@@ -168,16 +168,8 @@ def throw():
     return dict(THROW)
 
 
-STUDY = """
-[throw]
-crank_radius = "170 mm"
-main_journal_diameter = "220 mm"
-pin_diameter = "180 mm"
-main_journal_length = "120 mm"
-pin_length = "139 mm"
-web_width = "285 mm"
-web_thickness = "68 mm"
-
+STUDY = f"""
+{MEDIUM_SPEED_TOML}
 [study]
 design = "full factorial"
 accuracy = 0.1

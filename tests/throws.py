@@ -10,3 +10,14 @@ MEDIUM_SPEED = {
     "web_thickness": 0.068,
     "fillet_radius": 0.012,
 }
+
+# The same, as a file says it, without fillets.
+MEDIUM_SPEED_TOML = """[throw]
+crank_radius = "170 mm"
+main_journal_diameter = "220 mm"
+pin_diameter = "180 mm"
+main_journal_length = "120 mm"
+pin_length = "139 mm"
+web_width = "285 mm"
+web_thickness = "68 mm"
+"""

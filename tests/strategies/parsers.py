@@ -29,20 +29,16 @@ from regression.plans.relations import (
 from regression.runs.study import import_results
 from strategies.files import NUMBERS, ROOT, UNITS, as_bytes, changed_json, changed_texts, texts_of
 from strategies.outcomes import Outcome, outcome_of
+from throws import MEDIUM_SPEED_TOML
 
-THROW = """[throw]
-crank_radius = "170 mm"
-main_journal_diameter = "220 mm"
-pin_diameter = "180 mm"
-main_journal_length = "120 mm"
-pin_length = "139 mm"
-web_width = "285 mm"
-web_thickness = "68 mm"
-fillet_radius = "12 mm"
+THROW = (
+    MEDIUM_SPEED_TOML
+    + """fillet_radius = "12 mm"
 [throw.counterweight]
 outer_radius = "270 mm"
 angle = "120 deg"
 """
+)
 STUDIES = tuple(
     THROW + text
     for text in (

@@ -85,6 +85,8 @@ def test_a_nan_is_refused_by_its_name():
 def test_content_without_a_value_is_refused_by_its_key():
     """What is missing is neither unbounded nor None."""
     content = peak().to_record()
+    with pytest.raises(InputError, match="cylinder"):
+        Peak.from_record(content | {"cylinder": "second"})
     del content["load"]
     with pytest.raises(InputError, match="load"):
         Peak.from_record(content)

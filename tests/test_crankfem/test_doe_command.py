@@ -33,6 +33,7 @@ from regression.runs import workers
 from regression.runs import workers as workers_module
 from regression.runs.store import ResultStore
 from regression.runs.study import read_study
+from throws import MEDIUM_SPEED_TOML
 
 NAMES = [name for name in RESPONSES if name != "fillet_stress_factor"]
 ROOT = Path(__file__).resolve().parents[2]
@@ -47,16 +48,7 @@ for request in requests():
     found = {{"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.1}}
     answer(found | {{"unknowns": 9}})
 """
-THROW = """
-[throw]
-crank_radius = "170 mm"
-main_journal_diameter = "220 mm"
-pin_diameter = "180 mm"
-main_journal_length = "120 mm"
-pin_length = "139 mm"
-web_width = "285 mm"
-web_thickness = "68 mm"
-"""
+THROW = "\n" + MEDIUM_SPEED_TOML
 STUDY = (
     THROW
     + """

@@ -41,53 +41,8 @@ from regression.plans.plan import plan_designs
 from regression.records import Outcome
 from regression.runs.study_table import study_table
 
-# Public classes of the packages below the face, and of the face, that neither draw nor make tables.
-DEPICTED_ELSEWHERE = {
-    "ChainFile": "an input; its chain has plots",
-    "ChainText": "an input; its chain has plots",
-    "AxialLaw": "a few numbers; docs/law.md draws what they rest on",
-    "Counterweight": "a part of a throw, which draws it",
-    "EngineFile": "an input; its throw and its runs have plots",
-    "FilletPeak": "a part of FilletStresses",
-    "FiringCheck": "a part of Misfiring",
-    "FormulaValue": "one number; plot_formulas and formulas_to_pandas take all formulas' values",
-    "FurtherPin": "a part of a throw, which draws it",
-    "HingeFile": "an input; its run has plots",
-    "OilHole": "a part of a throw, which draws it",
-    "FilletMeshing": "a part of FilletStresses",
-    "OilHolePeak": "a part of FilletStresses",
-    "ReadingQuality": "a part of FilletPeak",
-    "ImportedThrow": "a solid of another program, known to us by its mesh, which has a plot",
-    "InputError": "an error",
-    "LargestLoad": "a part of ThrowStrength",
-    "Limit": "an input; the optimum draws how far it is used",
-    "Lookup": "one number with its band; the model draws it over a factor",
-    "Material": "a few constants",
-    "MechanismFile": "an input; its run has plots",
-    "MeshError": "an error",
-    "MissingLibraryError": "an error",
-    "Neighbors": "two angles, an input",
-    "OutsideRangeWarning": "a warning",
-    "EngineLoad": "some speeds, in the tables of the command and the report",
-    "Reached": "a part of FiringCheck",
-    "RunResult": "its diagrams are the files of its folder; plot_run_formulas takes its results",
-    "ShaftEnds": "a part of a crankshaft, which draws it",
-    "SolveError": "an error",
-    "TorsionalLaw": "a few numbers, as an AxialLaw",
-    "MassLaw": "a few numbers, as an AxialLaw",
-    "ThrowStrength": "a part of EngineStrength",
-    "FatiguePlace": "a part of EngineFatigue",
-    "Web": "a part of a throw, which draws it",
-}
 # What a plot may take by its place: which of several things is drawn.
 PLACES = {"place", "node", "element", "cylinder", "throw", "point"}
-PACKAGES = ("crankbase", "geometry", "fem", "regression", "crankfem")
-
-
-@pytest.fixture(autouse=True)
-def _figures_closed():
-    yield
-    pyplot.close("all")
 
 
 METHODS = ("plot", "to_pandas", "to_xarray")
@@ -96,22 +51,6 @@ METHODS = ("plot", "to_pandas", "to_xarray")
 def is_special(kind, method):
     """Tell whether a class has a method that not every result has."""
     return hasattr(kind, method) and getattr(kind, method) is not getattr(Result, method, None)
-
-
-def test_every_public_result_draws_itself_or_says_why_not(public_classes):
-    own = {
-        name: one
-        for name, one in public_classes.items()
-        if one.__module__.partition(".")[0] in PACKAGES
-    }
-    depicted = {
-        name for name, one in own.items() if any(hasattr(one, method) for method in METHODS)
-    }
-    missing = set(own) - depicted - set(DEPICTED_ELSEWHERE)
-    assert not missing
-    special = {name for name in depicted if any(is_special(own[name], way) for way in METHODS)}
-    assert not special & set(DEPICTED_ELSEWHERE)
-    assert set(DEPICTED_ELSEWHERE) <= set(own)
 
 
 def said_of_classes(public):

@@ -33,8 +33,8 @@ def full(upper):
     return upper + sparse.triu(upper, k=1).T
 
 
-def oracle(points, elements, material):
-    """scikit-fem's own form on the same curved mesh, its unknowns in our numbering."""
+def curved_mesh(points, elements):
+    """scikit-fem's mesh of the same elements, with our numbers of its corners and of the nodes on edges."""
     corners = np.unique(elements[:, :4])
     number = np.full(len(points), -1)
     number[corners] = np.arange(len(corners))
@@ -43,16 +43,21 @@ def oracle(points, elements, material):
     for node, (first, second) in enumerate(EDGES, start=4):
         pairs = np.sort(number[elements[:, [first, second]]], axis=1)
         middle.update(zip(map(tuple, pairs.tolist()), elements[:, node].tolist(), strict=True))
-    edge_nodes = [middle[tuple(sorted(edge))] for edge in linear.edges.T.tolist()]
+    edge_nodes = np.array([middle[tuple(sorted(edge))] for edge in linear.edges.T.tolist()])
     nodes = np.concatenate([corners, edge_nodes])
-    curved = MeshTet2(points[nodes].T, linear.t)
+    return MeshTet2(points[nodes].T, linear.t), corners, edge_nodes
+
+
+def oracle(points, elements, material):
+    """scikit-fem's own form on the same curved mesh, its unknowns in our numbering."""
+    curved, corners, edge_nodes = curved_mesh(points, elements)
     basis = Basis(curved, ElementVector(ElementTetP2()), intorder=2)
     lame = 2.0 * material.shear_modulus * material.poisson_ratio
     lame /= 1.0 - 2.0 * material.poisson_ratio
     matrix = linear_elasticity(lame, material.shear_modulus).assemble(basis).tocoo()
     ours = np.full(basis.N, -1)
     ours[basis.nodal_dofs] = 3 * corners + np.arange(3)[:, None]
-    ours[basis.edge_dofs] = 3 * np.array(edge_nodes) + np.arange(3)[:, None]
+    ours[basis.edge_dofs] = 3 * edge_nodes + np.arange(3)[:, None]
     return sparse.csr_array((matrix.data, (ours[matrix.row], ours[matrix.col])), matrix.shape)
 
 
@@ -122,16 +127,7 @@ def upper(mesh):
 
 def mass_oracle(points, elements):
     """scikit-fem's mass of one displacement component on the same curved mesh, in our numbering."""
-    corners = np.unique(elements[:, :4])
-    number = np.full(len(points), -1)
-    number[corners] = np.arange(len(corners))
-    linear = MeshTet1(points[corners].T, number[elements[:, :4]].T)
-    middle = {}
-    for node, (first, second) in enumerate(EDGES, start=4):
-        pairs = np.sort(number[elements[:, [first, second]]], axis=1)
-        middle.update(zip(map(tuple, pairs.tolist()), elements[:, node].tolist(), strict=True))
-    edge_nodes = np.array([middle[tuple(sorted(edge))] for edge in linear.edges.T.tolist()])
-    curved = MeshTet2(points[np.concatenate([corners, edge_nodes])].T, linear.t)
+    curved, corners, edge_nodes = curved_mesh(points, elements)
     basis = Basis(curved, ElementTetP2(), intorder=MASS_QUADRATURE_ORDER)
     matrix = BilinearForm(lambda u, v, _: DENSITY * u * v).assemble(basis).tocoo()
     ours = np.full(basis.N, -1)

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from matplotlib import pyplot
 
 from comparing import close
 from crankbase.errors import InputError
@@ -20,12 +19,6 @@ from fem.superelement import shaft_compliances
 from fem.supports import Neighbors
 from fem.symmetry import RADIAL, SymmetryClass, axial_class
 from geometry.mass import mass_properties
-
-
-@pytest.fixture(autouse=True)
-def _figures_closed():
-    yield
-    pyplot.close("all")
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ import gmsh
 import numpy as np
 import pytest
 
-from comparing import close
+from comparing import close, same_mesh
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError, MeshError, MissingLibraryError
 from geometry.gmsh_session import (
@@ -196,17 +196,6 @@ def process():
     made.close()
 
 
-def same(first, second):
-    return (
-        np.array_equal(first.points, second.points)
-        and np.array_equal(first.elements, second.elements)
-        and first.surfaces.keys() == second.surfaces.keys()
-        and all(
-            np.array_equal(first.surfaces[name], second.surfaces[name]) for name in first.surfaces
-        )
-    )
-
-
 def test_errors_come_back_as_they_are(dimensions, process):
     with pytest.raises(InputError, match="allowed are auto"):
         mesh_isolated(CrankThrow(**dimensions), 1.0, "eighth", process=process)
@@ -242,7 +231,7 @@ def test_a_disturbed_call_leaves_no_answer_behind(dimensions, process, disturban
             on_remark=disturb,
         )  # fmt: skip
     throw = CrankThrow(**dimensions)
-    assert same(mesh_isolated(throw, 3.0, process=process), mesh_throw(throw, 3.0))
+    assert same_mesh(mesh_isolated(throw, 3.0, process=process), mesh_throw(throw, 3.0))
     with pytest.raises((TypeError, AttributeError)):
         process.call("operator:add", lambda: 0, 1, time_limit=10.0)
     assert process.call("operator:add", 1, 2, time_limit=10.0) == 3

@@ -14,7 +14,7 @@ from skfem import ElementTetP2
 from skfem.quadrature import get_quadrature
 
 import geometry.mesh
-from comparing import close
+from comparing import close, same_mesh
 from crankbase.errors import InputError, MeshError
 from geometry.mesh import MESHING_STRATEGIES, check_quality, check_volume, mesh_throw
 from geometry.mesher import mesh_isolated
@@ -329,17 +329,6 @@ def test_any_throw_that_can_be_built_is_meshed(throw):
 REGULAR = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(8.0)
 
 
-def same(first, second):
-    return (
-        np.array_equal(first.points, second.points)
-        and np.array_equal(first.elements, second.elements)
-        and first.surfaces.keys() == second.surfaces.keys()
-        and all(
-            np.array_equal(first.surfaces[name], second.surfaces[name]) for name in first.surfaces
-        )
-    )
-
-
 def map_of(mesh, sizes):
     """Sizes as a function of places, on the mesh's corners."""
     corners, number = np.unique(mesh.elements[:, :4], return_inverse=True)
@@ -380,7 +369,7 @@ def test_expected_unknowns_do_not_depend_on_the_order_of_corners(coarse_mesh):
 
 
 def test_a_map_replaces_the_planned_sizes(map_throw, coarse_mesh, made):
-    assert not same(made, coarse_mesh)
+    assert not same_mesh(made, coarse_mesh)
     assert made.size_factor == 1.0
     assert made.part == coarse_mesh.part == "quarter"
     assert made.pins == coarse_mesh.pins
@@ -391,7 +380,7 @@ def test_the_factor_scales_the_map(map_throw, graded):
     expected = mesh_throw(map_throw, sizes=replace(graded, sizes=0.8 * graded.sizes))
     found = mesh_throw(map_throw, 0.8, sizes=graded)
     assert found.size_factor == 0.8
-    assert same(found, expected)
+    assert same_mesh(found, expected)
 
 
 def test_the_mesh_is_checked_as_others_are(map_throw, made):
@@ -425,8 +414,8 @@ def test_an_open_gmsh_session_gets_nothing_left_behind(map_throw, graded, made):
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.model.add("of somebody else")
         mine = gmsh.view.add("of somebody else")
-        assert same(mesh_throw(map_throw, sizes=graded), made)
-        assert same(mesh_throw(map_throw, sizes=graded), made)
+        assert same_mesh(mesh_throw(map_throw, sizes=graded), made)
+        assert same_mesh(mesh_throw(map_throw, sizes=graded), made)
         assert list(gmsh.view.getTags()) == [mine]
         assert gmsh.model.getCurrent() == "of somebody else"
     finally:

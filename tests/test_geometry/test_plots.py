@@ -16,12 +16,6 @@ from geometry.plots.throw_plot import positioned_parts, view_frame
 from geometry.throw import CrankThrow
 
 
-@pytest.fixture(autouse=True)
-def _figures_closed():
-    yield
-    pyplot.close("all")
-
-
 @pytest.fixture(scope="module")
 def throw(dimensions):
     return CrankThrow(**dimensions)

@@ -20,10 +20,9 @@ import pytest
 from crankbase.calls import Limits
 from crankbase.errors import InputError, MissingLibraryError
 from plans import SHARP, plan_of_levels
-from puppets import puppet
+from puppets import spawned
 from regression.records import StudyStoppedError
 from regression.runs import cluster as cluster_module
-from regression.runs import workers as workers_module
 from regression.runs.cluster import (
     DaskCluster,
     ProcessPool,
@@ -50,14 +49,7 @@ for request in requests():
 
 @pytest.fixture
 def puppets(monkeypatch):
-    started = []
-
-    def spawn():
-        process = puppet(PUPPET)
-        started.append(process)
-        return process
-
-    monkeypatch.setattr(workers_module, "spawn_worker", spawn)
+    started = spawned(monkeypatch, PUPPET)
     yield started
     for process in started:
         process.kill()

@@ -26,12 +26,6 @@ RUNS = np.array([(width, thickness) for width in WIDTHS for thickness in THICKNE
 NAMES = ("web_width", "web_thickness")
 
 
-@pytest.fixture(autouse=True)
-def _figures_closed():
-    yield
-    pyplot.close("all")
-
-
 def compliance(x):
     return 1.2e-9 * (x[..., 0] / 0.3) ** -0.8 * (x[..., 1] / 0.07) ** -1.2
 

@@ -17,7 +17,7 @@ from crankbase.errors import InputError, NotEnoughMemoryError
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from plans import FILLETED, plan_of_levels
-from puppets import puppet
+from puppets import marked, puppet
 from regression.plans import plan as plan_module
 from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
@@ -341,21 +341,6 @@ def test_a_new_model_version_uses_nothing_of_the_old_one(tmp_path, monkeypatch):
 # ------------------------------------------------------------------------------------- sudden death
 
 
-def marked(mark):
-    found = []
-    for folder in Path("/proc").iterdir():
-        if not folder.name.isdigit() or int(folder.name) == os.getpid():
-            continue
-        try:
-            environment = (folder / "environ").read_bytes().split(b"\0")
-            state = (folder / "stat").read_text().rsplit(")", 1)[1].split()[0]
-        except OSError:
-            continue
-        if mark.encode() in environment and state not in "ZX":
-            found.append(int(folder.name))
-    return found
-
-
 def finished(store):
     """Return the rows of finished designs, read beside the running coordinator."""
     if not store.is_file():
@@ -405,9 +390,9 @@ def test_a_killed_study_repeats_no_finished_design_and_finishes_the_rest(tmp_pat
             killed.communicate()
         # Workers end by themselves as soon as they have no coordinator.
         deadline = time.monotonic() + 30.0
-        while marked(mark) and time.monotonic() < deadline:
+        while marked(mark.encode()) and time.monotonic() < deadline:
             time.sleep(0.05)
-        assert marked(mark) == []
+        assert marked(mark.encode()) == []
         if wanted == 2:
             first = finished(store)
     before = finished(store)
@@ -427,7 +412,7 @@ def test_a_killed_study_repeats_no_finished_design_and_finishes_the_rest(tmp_pat
     assert len(after) == total
     assert after[: len(before)] == before
     assert int(done.stdout) == total - len(before)
-    assert marked(mark) == []
+    assert marked(mark.encode()) == []
     table = read_study(store)
     assert table.failures == ()
     assert len(table.values) == total

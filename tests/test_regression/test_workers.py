@@ -17,7 +17,7 @@ from crankbase.errors import InputError
 from fem.material import STEEL
 from fem.responses import ThrowResponses, evaluate_throw
 from geometry.throw import CrankThrow
-from puppets import puppet
+from puppets import marked, spawned
 from regression.runs import workers as workers_module
 from regression.runs.workers import TIME_LIMIT, design_limits, interrupts_deferred, run_designs
 from throws import MEDIUM_SPEED
@@ -72,33 +72,9 @@ def mark(monkeypatch):
     return value.encode()
 
 
-def marked(mark):
-    """Return the living processes with a mark, this one left out."""
-    found = []
-    for folder in Path("/proc").iterdir():
-        if not folder.name.isdigit() or int(folder.name) == os.getpid():
-            continue
-        try:
-            environment = (folder / "environ").read_bytes().split(b"\0")
-            state = (folder / "stat").read_text().rsplit(")", 1)[1].split()[0]
-        except OSError:
-            continue
-        if mark in environment and state not in "ZX":
-            found.append(int(folder.name))
-    return found
-
-
 @pytest.fixture
 def puppets(monkeypatch):
-    started = []
-
-    def spawn():
-        process = puppet(PUPPET)
-        started.append(process)
-        return process
-
-    monkeypatch.setattr(workers_module, "spawn_worker", spawn)
-    return started
+    return spawned(monkeypatch, PUPPET)
 
 
 def collect(keys, count=2, seconds=TIME_LIMIT, **options):

@@ -47,17 +47,21 @@ def test_a_soft_coupling_is_not_told_as_the_first_mode(run, figure):
 
 
 def test_summary_names_the_mode_of_the_crankshaft(run):
-    results = {
-        "engine": _engine_record(run.engine_file),
-        "mechanism": None,
-        "vibration": plain(run_record(run)),
-        "inputs": [],
-        "input_warnings": [],
-        "checks": [],
-        "throw": SimpleNamespace(
-            error_words="", axial_correction=0.0, supports={"pinned": SimpleNamespace(axial=1e-9)}
-        ),
-    }
+    throw = SimpleNamespace(
+        error_words="", axial_correction=0.0, supports={"pinned": SimpleNamespace(axial=1e-9)}
+    )
+    results = SimpleNamespace(
+        engine=_engine_record(run.engine_file),
+        mechanism=None,
+        vibration=plain(run_record(run)),
+        inputs=[],
+        input_warnings=[],
+        checks=[],
+        throw=throw,
+        strength=None,
+        throws=None,
+        fatigue=None,
+    )
     (found,) = [one for one in summary(results)["figures"] if "torsional" in one["label"]]
     first = run.torsional.chosen.first_frequency
     low, high = (getattr(run.assessment.torsional, end)[1] for end in ("lowest", "highest"))

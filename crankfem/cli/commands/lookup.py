@@ -94,11 +94,10 @@ def lookup(
 
             asked |= loaded.dimensions_of(select_throw(throw, quiet=out.quiet)[0])
         asked |= model_dimensions(loaded, dimensions or [])
-        if angle is not None:
-            _check_angle(loaded, angle)
+        without_law = set() if angle is None else _without_angle_law(loaded, angle)
         answers, refused = loaded.look_all_up(gamma_deg=angle, strict=strict, **asked)
-        if strict and refused:
-            raise next(iter(refused.values()))
+        for name in (name for name in refused if strict and name not in without_law):
+            raise refused[name]
         used = dimensions_text(loaded, asked)
         react = partial(loaded.reactions, strict=strict, **asked)
     reactions = None if force is None else reaction_results(react, force, angle)
@@ -127,8 +126,8 @@ def _overridden(dimensions: list[str] | None) -> str:
     return f" with {', '.join(names)} as given" if names else ""
 
 
-def _check_angle(model: "ComplianceModel", gamma_deg: float) -> None:
-    """Refuse an angle on which nothing in the model depends."""
+def _without_angle_law(model: "ComplianceModel", gamma_deg: float) -> set[str]:
+    """Name the responses between neighbors whose law the model cannot make; refuse if it makes none."""
     from regression.response_kinds import ANGLE_LAWS
 
     dependent = [name for name in model.responses if name in ANGLE_LAWS]
@@ -137,8 +136,10 @@ def _check_angle(model: "ComplianceModel", gamma_deg: float) -> None:
             f"--gamma: given {gamma_deg:g}; allowed only with a model of {' or '.join(ANGLE_LAWS)}, because "
             "nothing else depends on the angle."
         )
-    if not any(model.responses.keys() >= set(ANGLE_LAWS[name]) for name in dependent):
+    without = {name for name in dependent if not model.responses.keys() >= set(ANGLE_LAWS[name])}
+    if len(without) == len(dependent):
         model.angle_law(dependent[0])  # states what is missing
+    return without
 
 
 def _print_lookups(
