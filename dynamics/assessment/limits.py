@@ -1,6 +1,7 @@
 """Permitted vibration over the speed: limits with their source, given or from rules."""
 
 from collections.abc import Callable, Sequence
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +14,7 @@ from crankbase.array_checks import (
     read_only,
 )
 from crankbase.errors import InputError
-from crankbase.results import result
+from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, Speed, result
 from dynamics.indices import within
 
 Values = Callable[[FloatArray], FloatArray]
@@ -69,7 +70,7 @@ class LimitCurve:
     "assumed",
     "remark",
 )
-class VibrationLimit:
+class VibrationLimit(Result):
     """The permitted value of a quantity in continuous running and while a barred range is passed.
 
     Parameters
@@ -96,15 +97,15 @@ class VibrationLimit:
         nothing does.
     """
 
-    quantity: str
-    applies_to: str
+    quantity: Internal[str]
+    applies_to: Internal[str]
     unit: str
-    continuous: LimitCurve
+    continuous: Internal[LimitCurve]
     source: str
-    passing: LimitCurve | None = None
+    passing: Internal[LimitCurve | None] = None
     assumed: bool = False
-    remark: str = ""
-    misfiring_basis: str = ""
+    remark: Internal[str] = ""
+    misfiring_basis: Internal[str] = ""
 
     def __post_init__(self) -> None:
         if not self.source.strip():
@@ -114,7 +115,7 @@ class VibrationLimit:
             )
 
     @property
-    def name(self) -> str:
+    def name(self) -> Annotated[str, Quantity(key="limit")]:
         """Quantity and place, such as "torsional stress of crankshaft"."""
         return f"{self.quantity} of {self.applies_to}"
 
@@ -253,16 +254,30 @@ def usage(limit: VibrationLimit, curve: AmplitudeCurve) -> FloatArray:
     return shares
 
 
+@result("speed", "value", "permitted", "used")
+class LimitUse(Result):
+    """The largest use of a limit among some speeds, in the unit of the limit."""
+
+    speed: Speed
+    value: InItsUnit
+    permitted: InItsUnit
+
+    @property
+    def used(self) -> Number:
+        """Share of the permitted value."""
+        return self.value / self.permitted
+
+
 def worst_use(
     limit: VibrationLimit, curve: AmplitudeCurve, low: float, high: float
-) -> tuple[float, float, float] | None:
-    """Return speed [rad/s], value and permitted value of the largest use between speeds, if any."""
+) -> LimitUse | None:
+    """Return the largest use between speeds [rad/s], if any."""
     permitted = limit.continuous.at(curve.speeds)
     some = np.isfinite(permitted) & within(curve.speeds, low, high)
     if not np.any(some):
         return None
     worst = int(np.argmax(np.where(some, usage(limit, curve), -np.inf)))
-    return float(curve.speeds[worst]), float(curve.values[worst]), float(permitted[worst])
+    return LimitUse(*(float(each[worst]) for each in (curve.speeds, curve.values, permitted)))
 
 
 def axial_force_limit(

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from crankbase.diagrams import (
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.quantity import RPM, format_quantity
-from crankbase.results import InItsUnit, Result, result
+from crankbase.results import Flat, InItsUnit, Internal, Number, Part, Quantity, Result, result
 from dynamics.assessment.barred_ranges import (
     BarredRange,
     BarredRangeRule,
@@ -31,6 +31,7 @@ from dynamics.assessment.barred_ranges import (
 )
 from dynamics.assessment.limits import (
     AmplitudeCurve,
+    LimitUse,
     VibrationLimit,
     check_findings,
     checked_running_range,
@@ -65,7 +66,7 @@ Status = Literal["fine", "barred range needed", "not acceptable"]
     "remarks",
     eq=True,
 )
-class LimitCheck:
+class LimitCheck(Result):
     """One curve compared with one limit.
 
     Parameters
@@ -85,25 +86,40 @@ class LimitCheck:
         The highest running speed [rad/s]; speeds judged above it are reported separately.
     """
 
-    limit: VibrationLimit
-    curve: AmplitudeCurve
-    worst_speed: float
-    worst_value: float
-    permitted: float
-    remarks: tuple[str, ...]
-    judged: tuple[float, float]
+    limit: Flat[VibrationLimit]
+    curve: Internal[AmplitudeCurve]
+    worst_speed: Annotated[float, Quantity("rad/s", exported="1/min", key="speed_rpm")]
+    worst_value: Annotated[float, Quantity(".unit", key="value")]
+    permitted: InItsUnit
+    remarks: Internal[tuple[str, ...]]
+    judged: Internal[tuple[float, float]]
     cause: PeakCause | None = None
-    highest_running: float = np.inf
+    highest_running: Internal[float] = np.inf
 
     @property
-    def running(self) -> tuple[float, float, float] | None:
-        """Worst running speed [rad/s], value and permitted value."""
+    def place(self) -> Part[str]:
+        """Where the amplitude is."""
+        return self.curve.name
+
+    @property
+    def in_running_range(self) -> Part[bool]:
+        """Whether the engine runs at the worst speed."""
+        return self.worst_speed <= self.highest_running
+
+    @property
+    def below(self) -> Part[LimitUse | None]:
+        """Largest use below the speeds judged."""
+        return worst_use(self.limit, self.curve, 0.0, (1.0 - SAME) * self.judged[0])
+
+    @property
+    def running(self) -> Part[LimitUse | None]:
+        """Largest use at running speeds."""
         return worst_use(
             self.limit, self.curve, self.judged[0], min(self.judged[1], self.highest_running)
         )
 
     @property
-    def above(self) -> tuple[float, float, float] | None:
+    def above(self) -> Part[LimitUse | None]:
         """The same above the running range, as far as the limit is judged."""
         if at_most(self.judged[1], self.highest_running):
             return None
@@ -116,11 +132,17 @@ class LimitCheck:
         """The same check at its worst running speed, if any."""
         if self.running is None or at_most(self.worst_speed, self.highest_running):
             return self
-        speed, value, permitted = self.running
-        return replace(self, worst_speed=speed, worst_value=value, permitted=permitted, cause=None)
+        worst = self.running
+        return replace(
+            self,
+            worst_speed=worst.speed,
+            worst_value=worst.value,
+            permitted=worst.permitted,
+            cause=None,
+        )
 
     @property
-    def used(self) -> float:
+    def used(self) -> Number:
         """Share of the permitted amplitude that is used at the worst speed."""
         return self.worst_value / self.permitted
 
@@ -130,14 +152,14 @@ class LimitCheck:
         return 1.0 - self.used
 
     @property
-    def passed(self) -> bool:
+    def passed(self) -> Part[bool]:
         """Whether the limit is kept at all speeds judged."""
         return self.used <= 1.0
 
     @property
     def sentence(self) -> str:
         """The finding with its numbers and the limit's source."""
-        worst = (self.worst_speed, self.worst_value, self.permitted)
+        worst = LimitUse(self.worst_speed, self.worst_value, self.permitted)
         running = None if at_most(self.worst_speed, self.highest_running) else self.running
         reasons = "" if self.cause is None else self.cause.reasons
         return check_sentence(self.limit, self.curve.name, worst, running, reasons)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from crankbase.quantity import format_quantity, format_usage, quantities_apart
-from dynamics.assessment.limits import VibrationLimit
+from dynamics.assessment.limits import LimitUse, VibrationLimit
 
 # What a verdict is called; "undecided" and "not judged" are those of a run, not of a `Verdict`.
 VERDICTS = {
@@ -15,7 +15,6 @@ VERDICTS = {
     "undecided": "Undecided",
     "not judged": "Not judged: no gas pressure is given",
 }
-Worst = tuple[float, float, float]
 
 
 def speed_text(speed: float) -> str:
@@ -48,19 +47,19 @@ def use_in_words(
 
 
 def check_sentence(
-    limit: VibrationLimit, place: str, worst: Worst, running: Worst | None, reasons: str
+    limit: VibrationLimit, place: str, worst: LimitUse, running: LimitUse | None, reasons: str
 ) -> str:
     """State what is reached of a limit at a place, the limit's source and the cause.
 
-    Speed [rad/s], value and permitted value at the worst speed; at the worst running speed too, where that
-    is another one.
+    The largest use at all speeds judged; at running speeds too, where that is another one.
     """
     source = limit.source + (", assumed" if limit.assumed else "")
-    use = use_in_words(limit, *worst)
+    use = use_in_words(limit, worst.speed, worst.value, worst.permitted)
     if running:
-        use = f"{use_in_words(limit, *running)} at running speeds; above them {use}"
+        kept = use_in_words(limit, running.speed, running.value, running.permitted)
+        use = f"{kept} at running speeds; above them {use}"
         # The cause is that of one of the two.
-        reasons = reasons and f"at {speed_text(worst[0])}, {reasons}"
+        reasons = reasons and f"at {speed_text(worst.speed)}, {reasons}"
     text = f"{limit_at(limit.name, place)}: {use} ({source})."
     return f"{text} {reasons[0].upper()}{reasons[1:]}." if reasons else text
 

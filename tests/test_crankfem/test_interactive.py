@@ -733,16 +733,17 @@ def test_the_stress_drawn_is_the_one_closest_to_its_limit(monkeypatch):
     def check(limit, place):
         return SimpleNamespace(limit=SimpleNamespace(name=limit), curve=SimpleNamespace(name=place))
 
-    def limited(key, *_):
-        return SimpleNamespace(names=("first", "second") if key == "shaft: line" else ("cylinder",))
-
-    monkeypatch.setattr(vibration_plots, "limited_series", limited)
-    named = {
-        "axial_amplitude": "axial amplitude",
-        "crankshaft_stress": "stress of crankshaft",
-        "shaft: line": "stress of line",
+    read = {
+        "crankshaft_stress": SimpleNamespace(names=("cylinder",)),
+        "shaft: line": SimpleNamespace(names=("first", "second")),
     }
-    limits = {key: SimpleNamespace(name=name) for key, name in named.items()}
+
+    monkeypatch.setattr(vibration_plots, "limited_series", lambda *_: read)
+    limits = {
+        "axial_amplitude": SimpleNamespace(name="axial amplitude", unit="m"),
+        "crankshaft_stress": SimpleNamespace(name="stress of crankshaft", unit="Pa"),
+        "shaft: line": SimpleNamespace(name="stress of line", unit="Pa"),
+    }
     worst_first = [
         check("axial amplitude", "free end"),
         check("stress of line", "second"),

@@ -453,7 +453,7 @@ def test_normal_firing_stands_beside_each_misfiring_cylinder(coarse, run):
 
 @pytest.mark.slow
 def test_running_speeds_stand_first(run):
-    record = run_record(run)
+    record = plain(run_record(run))
     engine, forced = run.engine_file.engine, run.forced_torsional
     rpm = 30.0 / math.pi
     ends = [engine.lowest_speed * rpm, engine.highest_speed * rpm]

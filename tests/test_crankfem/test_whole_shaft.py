@@ -33,10 +33,9 @@ from crankfem.analyses.vibration.plots import plot_shaft_modes
 from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.whole_verdict import (
+    WholeTorsion,
     decision_by_both,
-    whole_loads,
     whole_sentence,
-    whole_stress,
     whole_verdict,
 )
 from crankfem.files.engine.engine_file import load_engine
@@ -199,7 +198,7 @@ def test_torques_of_the_whole_crankshaft_turn_the_masses_behind_it(six, coupled_
     forces = coupled_vibration("6chn25-34").forced_torsional.forces
     coupled = shaft_response(driven, whole_shaft(driven, analysis), forces)
     cranks = chain_of(driven, analysis)[1]
-    loads = whole_loads(ShaftComparison(coupled), cranks)
+    loads = WholeTorsion(coupled, cranks, {}).loads
     assert loads.elements.names == loads.elastic.names == cranks.chain.elements
     *_, last, coupling = np.moveaxis(loads.elements.values, 2, 0)
     squared = coupled.total.angular_frequencies**2
@@ -331,7 +330,8 @@ def judged(six, comparison, checks=()):
 
 
 def test_stress_at_a_bearing_is_that_of_the_element_through_it():
-    stress = whole_stress(compared(5e3), CRANKS, {1: MODULUS, 2: 2.0 * MODULUS, 3: MODULUS})
+    moduli = {1: MODULUS, 2: 2.0 * MODULUS, 3: MODULUS}
+    stress = WholeTorsion(compared(5e3).coupled, CRANKS, moduli).stress
     assert stress.names == ("b", "c", "d")
     assert np.max(stress.amplitude, axis=(0, 1)) == close((0.0, 2.5e6, 0.0))
     # Without a node at the free end the first element lies between the first two throws.
@@ -339,7 +339,7 @@ def test_stress_at_a_bearing_is_that_of_the_element_through_it():
         throw_nodes=(0, 1, 2),
         chain=SimpleNamespace(connections=((0, 1), (1, 2), (2, 3)), elements=("b", "c", "d")),
     )
-    stress = whole_stress(compared(5e3), bare, dict.fromkeys(range(3), MODULUS))
+    stress = WholeTorsion(compared(5e3).coupled, bare, dict.fromkeys(range(3), MODULUS)).stress
     assert np.max(stress.amplitude, axis=(0, 1)) == close((0.0, 5e6, 0.0))
 
 

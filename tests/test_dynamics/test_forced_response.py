@@ -582,18 +582,17 @@ def test_checks_speak_of_running_speeds_first():
         [(limit, AmplitudeCurve("shaft", speeds, values))], (40.0, 100.0), BarredRangeRule(100.0)
     )
     (check,) = verdict.checks
-    speed, value, permitted = check.running
-    assert (speed, value) == (100.0, 10e6)
-    assert permitted == close(21e6)
-    assert check.above[1] == 60e6
-    assert check.above[0] > 100.0
+    assert (check.running.speed, check.running.value) == (100.0, 10e6)
+    assert check.running.permitted == close(21e6)
+    assert check.above.value == 60e6
+    assert check.above.speed > 100.0
     # What decides the status stays the worst of all that is judged.
     assert check.worst_value == 60e6
     assert "at most 10 MPa at 954.9 1/min, 47.6 % of the permitted 21 MPa at running speeds" in (
         check.sentence
     )
     assert "; above them 60 MPa at" in check.sentence
-    assert worst_use(limit, check.curve, 0.0, 39.9)[1] == 80e6
+    assert worst_use(limit, check.curve, 0.0, 39.9).value == 80e6
 
 
 def test_diagrams_take_their_height_and_orders_from_running_speeds(series):

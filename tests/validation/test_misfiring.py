@@ -129,7 +129,7 @@ def test_the_worst_cylinder_and_its_stress(run, figure):
 def test_normal_firing_is_not_changed_by_the_search(run, figure):
     (check,) = (one for one in run.misfiring.checks if one.quantity.startswith("torsional stress"))
     running = [
-        one.running[1] / one.running[2]
+        one.running.used
         for one in run.assessment.verdict.checks
         if one.limit.name == check.quantity
     ]

@@ -95,7 +95,6 @@ def bearing_stiffness(engine_file: EngineFile) -> BearingStiffness:
 
 
 Array = NDArray[np.float64]
-ASSUMED = "assumed"
 
 
 def engine_axial_chain(
@@ -200,8 +199,8 @@ def torsional_damper(engine_file: EngineFile) -> TorsionalDamper | None:
     return damper.damper()
 
 
-def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str]:
-    """Return the magnifier of the elastic modes and its source, which begins with `ASSUMED` if it is.
+def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str, bool]:
+    """Return the magnifier of the elastic modes, its source, and whether it is assumed.
 
     Without any damping in the file this is a measured value, marked as assumed; none if cylinders or
     throws have damping of their own.
@@ -211,10 +210,10 @@ def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str
         magnifier = damping.axial_magnifier if kind == "axial" else damping.torsional_magnifier
         if magnifier is not None:
             source, assumed = engine_file.provenance.get(f"damping.{kind}_magnifier", ("", False))
-            return magnifier, f"{ASSUMED}: {source}" if assumed else "engine file"
+            return magnifier, f"assumed: {source}" if assumed else "engine file", assumed
         if kind == "torsional" and damping.damps_torsion:
-            return None, ""
-    return DEFAULT_MAGNIFIER, f"{ASSUMED}, {MAGNIFIER_SOURCE}"
+            return None, "", False
+    return DEFAULT_MAGNIFIER, f"assumed, {MAGNIFIER_SOURCE}", True
 
 
 def magnifier_damping(engine_file: EngineFile, chain: EngineChain) -> tuple[Array | None, str]:
@@ -222,13 +221,13 @@ def magnifier_damping(engine_file: EngineFile, chain: EngineChain) -> tuple[Arra
 
     An assumed magnifier stands for damping that nobody gives: it does not damp parts whose own is given.
     """
-    magnifier, source = magnifier_of(engine_file, chain.kind)
+    magnifier, source, assumed = magnifier_of(engine_file, chain.kind)
     if magnifier is None:
         return None, ""
     modes = chain.chain.modes()
     undamped = np.ones(modes.frequencies.size - modes.rigid)
     apart = ""
-    if source.startswith(ASSUMED) and np.any(damped_springs := chain.chain.damped_springs):
+    if assumed and np.any(damped_springs := chain.chain.damped_springs):
         undamped = modes.strain_shares[~damped_springs, modes.rigid :].sum(axis=0)
         apart = ", by its share of strain in parts without damping of their own"
     sentence = f"magnifier {magnifier:g} of every elastic mode{apart}: {source}"

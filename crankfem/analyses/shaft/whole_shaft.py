@@ -17,7 +17,7 @@ from crankbase.errors import InputError
 from crankbase.frames import table_of
 from crankbase.quantity import RPM, UNBOUNDED, significant
 from crankbase.summaries import summarized
-from crankfem.analyses.shaft.chains import ASSUMED, MOTION, magnifier_of, shaft_surroundings
+from crankfem.analyses.shaft.chains import MOTION, magnifier_of, shaft_surroundings
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT
 from crankfem.files.engine.engine_file import EngineFile
@@ -86,7 +86,7 @@ def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> Floa
     kinds: tuple[Kind, ...] = ("axial", "torsional")
     for place, kind in enumerate(kinds):
         own = shaft.spring_kinds == place
-        if magnifier_of(engine_file, kind)[1].startswith(ASSUMED):
+        if magnifier_of(engine_file, kind)[2]:
             left = strain[own & shaft.damped_springs].sum(axis=0)
             by_share -= ratios[place] * np.minimum(left, shares[place])
         elif kind == "torsional":

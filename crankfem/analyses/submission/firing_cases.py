@@ -15,14 +15,18 @@ from crankfem.analyses.vibration.engine_excitation import (
     failing_harmonics,
     forces_over_speeds,
 )
-from crankfem.analyses.vibration.engine_limits import COUPLING, DAMPER, engine_limits
+from crankfem.analyses.vibration.engine_limits import (
+    DAMPER,
+    at_place,
+    engine_limits,
+    limited_quantities,
+)
 from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.misfiring import (
     Cylinders,
     Reached,
     Series,
     Superposition,
-    at_place,
     worst_of,
 )
 from crankfem.analyses.vibration.run import EngineVibration
@@ -252,16 +256,13 @@ def _gear_torques(response: ForcedResponse, chain: Chain) -> OrderSeries:
 
 def place_limits(file: EngineFile) -> dict[tuple[str, str], VibrationLimit]:
     """Return the limits by their location; "" is each location of the crankshaft."""
-    found, _ = engine_limits(file)
-    limits = {}
-    for name, limit in found.items():
-        if name == "crankshaft_stress":
-            limits[STRESS, ""] = limit
-        elif name == "coupling_torque":
-            limits[TORQUE, COUPLING] = limit
-        elif name.startswith("shaft: "):
-            limits[STRESS, name.removeprefix("shaft: ")] = limit
-    return limits
+    limits, quantities = engine_limits(file)[0], limited_quantities(file)
+    shown = {"Pa": STRESS, "N m": TORQUE}
+    return {
+        (shown[limit.unit], quantities[name].element): limit
+        for name, limit in limits.items()
+        if limit.unit in shown
+    }
 
 
 def heat_factors(chain: Chain) -> dict[tuple[str, str], tuple[float, float, float]]:

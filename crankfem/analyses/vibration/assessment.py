@@ -12,7 +12,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.frames import table
 from crankbase.summaries import summarized
 from crankfem.analyses.assumptions import is_assumed
-from crankfem.analyses.shaft.chains import ASSUMED, damped_engine_chain, magnifier_of
+from crankfem.analyses.shaft.chains import damped_engine_chain, magnifier_of
 from crankfem.analyses.shaft.sources import source_spread
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_chain
@@ -22,6 +22,7 @@ from crankfem.analyses.vibration.engine_limits import (
     engine_verdict,
     judges_axial,
     limit_findings,
+    limited_quantities,
     limited_series,
     strengths,
     unmodeled_plant,
@@ -153,9 +154,9 @@ def _magnifiers(
 ) -> Iterable[Trial]:
     """Other magnifiers, of the axial chain only if its vibration is assessed."""
     for kind in ("torsional", "axial") if judges_axial(engine_file) else ("torsional",):
-        value, source = magnifier_of(engine_file, kind)
+        value, _, assumed = magnifier_of(engine_file, kind)
         field = f"{kind}_magnifier"
-        if value is None or not source.startswith(ASSUMED):
+        if value is None or not assumed:
             continue
 
         def judged(magnifier: float, field: str = field) -> Status:
@@ -366,11 +367,13 @@ def assess(
     limits, remarks = engine_limits(engine_file)
     findings = limit_findings(engine_file, axial, torsional)
     verdict = engine_verdict(engine_file, findings)
+    quantities = limited_quantities(engine_file)
     limited = {
-        (limit.name, place): (vibration, series)
-        for name, limit in limits.items()
-        for vibration in (axial if name.startswith("axial") else torsional,)
-        for series in (limited_series(name, engine_file, axial, torsional),)
+        (limits[name].name, place): (
+            axial if quantities[name].kind == "axial" else torsional,
+            series,
+        )
+        for name, series in limited_series(engine_file, axial, torsional).items()
         for place in series.names
     }
     *checks, worst = (

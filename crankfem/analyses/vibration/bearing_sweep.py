@@ -245,16 +245,13 @@ def bearing_sweep(
     for kind in KINDS if shafts else ():
         own = [one.chain(kind) for one in each]
         matched[kind], further[kind] = _followed(shafts, modes, own, nominal)
-    verdicts = (
-        []
-        if verdict is None
-        else [
-            engine_verdict(engine_file, limit_findings(engine_file, *held_chain.answers))
-            if held_chain.answers
-            else verdict
-            for held_chain in each
-        ]
-    )
+    verdicts = [
+        engine_verdict(engine_file, limit_findings(engine_file, *held_chain.answers))
+        if held_chain.answers
+        else verdict
+        for held_chain in each
+        if verdict is not None
+    ]
     limits = dict.fromkeys(check.limit.name for verdict in verdicts for check in verdict.checks)
     worst = {
         name: [
@@ -353,17 +350,7 @@ def _answers(
 ) -> tuple[ForcedVibration, ForcedVibration]:
     """Return the forced vibration in bearings of one stiffness, at a coarse grid of speeds."""
     chains = EngineChains.of(engine_file, held.axial, held.torsional, held.shaft)
-    speeds = _coarse_speeds(chains, harmonics.orders)
-    lengthened, twisted = (
-        replace(forced, resonances=resonances_of(engine_file, forced))
-        for forced in vibrations_at(chains, harmonics, speeds)
-    )
-    return lengthened, twisted
-
-
-def _coarse_speeds(chains: EngineChains, orders: FloatArray) -> FloatArray:
-    engine_file = chains.engine_file
-    low, high = calculated_range(engine_file)
+    low, high = ends = calculated_range(engine_file)
     marked = (*assessment_end_speeds(engine_file), *bending_speeds(engine_file))
     tried = [np.linspace(low, high, POINTS), np.clip(marked, low, high)]
     axial, torsional = (damped.system for damped in chains.damped)
@@ -371,11 +358,16 @@ def _coarse_speeds(chains: EngineChains, orders: FloatArray) -> FloatArray:
         ratios = system.damping_ratios()
         tried += [
             critical.speed * (1.0 + ratios[critical.mode] * NEAR)
-            for critical in critical_speeds(system.elastic_frequencies, orders, (low, high))
+            for critical in critical_speeds(system.elastic_frequencies, harmonics.orders, ends)
         ]
     speeds = np.unique(np.concatenate(tried))
     speeds = speeds[(speeds >= low) & (speeds <= high)]
-    return np.asarray(speeds[np.diff(speeds, prepend=0.0) > 1e-9 * speeds])
+    speeds = speeds[np.diff(speeds, prepend=0.0) > 1e-9 * speeds]
+    lengthened, twisted = (
+        replace(forced, resonances=resonances_of(engine_file, forced))
+        for forced in vibrations_at(chains, harmonics, speeds)
+    )
+    return lengthened, twisted
 
 
 def _range(values: FloatArray, form: str) -> str:

@@ -1,8 +1,10 @@
 """The limits of an engine file, including those from rules, and the speeds at which they apply."""
 
 import weakref
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from operator import attrgetter
 from typing import Protocol
 
 import numpy as np
@@ -13,7 +15,7 @@ from crankbase.quantity import format_quantity
 from crankfem.analyses.shaft.chains import engine_throw_inertias, engine_torsional_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.engine_sections import Engine
-from crankfem.files.sections.limits_sections import LimitsInput
+from crankfem.files.sections.limits_sections import LimitsInput, ShaftLimitInput
 from dynamics.assessment.barred_ranges import limit_end_speed
 from dynamics.assessment.limit_rules import (
     BASE_STRENGTH,
@@ -26,6 +28,7 @@ from dynamics.assessment.limit_rules import Kind as EngineKind
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.assessment.response_curves import curves_of
 from dynamics.assessment.verdict import Verdict, judge
+from dynamics.chains.engine_chains import Kind
 from dynamics.response.loads import ElementLoads, alternating_stress, section_modulus
 from dynamics.response.series import OrderSeries
 
@@ -56,23 +59,72 @@ Findings = Sequence[tuple[VibrationLimit, AmplitudeCurve]]
 
 
 class Limited(Protocol):
-    """Quantities with limits; `crankfem.analyses.vibration.forced.ForcedVibration` is an example."""
+    """What limits are read from, such as `crankfem.analyses.vibration.forced.ChainAnswer`.
 
-    @property
-    def free_end(self) -> OrderSeries:
-        """Motion of the free end."""
-
-    @property
-    def crank_elements(self) -> OrderSeries:
-        """Torque or force in the elements of the crankshaft."""
+    The torsional one also has the `stress`; chains the motion of the `free_end`, and loads of
+    `crank_elements`.
+    """
 
     @property
     def loads(self) -> ElementLoads:
         """Torque or force in each element."""
 
-    @property
-    def stress(self) -> OrderSeries | None:
-        """Nominal torsional stress; None in the axial direction."""
+
+@dataclass(frozen=True)
+class LimitedQuantity:
+    """What a limit is on.
+
+    Attributes
+    ----------
+    kind : {"axial", "torsional"}
+        Of the vibration.
+    series : callable
+        The answer of that kind to the quantity by orders.
+    element : str
+        Of the torsional chain, outside the crankshaft; "" without one.
+    """
+
+    kind: Kind
+    series: Callable[[Limited], OrderSeries]
+    element: str = ""
+
+
+def at_place(series: OrderSeries, name: str) -> OrderSeries:
+    """Return one location of a series."""
+    place = series.names.index(name)
+    return replace(series, values=series.values[:, :, [place]], names=(name,))
+
+
+def _coupling_torque(answer: Limited) -> OrderSeries:
+    return at_place(answer.loads.elements, COUPLING)
+
+
+def _shaft_stress(shaft: ShaftLimitInput, answer: Limited) -> OrderSeries:
+    modulus = float(section_modulus("torsional", shaft.diameter))
+    return alternating_stress(answer.loads, {shaft.element: modulus})
+
+
+# By the fields of [limits].
+LIMITED = {
+    "crankshaft_stress": LimitedQuantity("torsional", attrgetter("stress")),
+    "torsional_amplitude": LimitedQuantity("torsional", attrgetter("free_end")),
+    "axial_amplitude": LimitedQuantity("axial", attrgetter("free_end")),
+    "axial_force": LimitedQuantity("axial", attrgetter("crank_elements")),
+    "coupling_torque": LimitedQuantity("torsional", _coupling_torque, COUPLING),
+}
+
+
+def limited_quantities(engine_file: EngineFile) -> dict[str, LimitedQuantity]:
+    """Return what each possible limit of `engine_limits` is on, by its name.
+
+    The elements are those of `check_limited_elements`.
+    """
+    return LIMITED | {
+        f"shaft: {shaft.element}": LimitedQuantity(
+            "torsional", partial(_shaft_stress, shaft), shaft.element
+        )
+        for shaft in (engine_file.limits or LimitsInput()).shafts
+    }
 
 
 # The limits of a file by their names, and remarks.
@@ -225,8 +277,7 @@ def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
     running = (engine.lowest_speed, engine.highest_speed)
     if engine_file.gas is None and engine_file.gas_map is None:
         return running
-    limits, _ = engine_limits(engine_file)
-    ends = {limit_end_speed(limit, running) for limit in limits.values()}
+    ends = {limit_end_speed(limit, running) for limit in engine_limits(engine_file)[0].values()}
     return tuple(sorted({*running, *ends}))
 
 
@@ -241,7 +292,20 @@ def bending_speeds(engine_file: EngineFile) -> tuple[float, ...]:
 
 def judges_axial(engine_file: EngineFile) -> bool:
     """Whether any limit is on the axial vibration."""
-    return any(name.startswith("axial") for name in engine_limits(engine_file)[0])
+    return any(
+        LIMITED[name].kind == "axial" for name in LIMITED.keys() & engine_limits(engine_file)[0]
+    )
+
+
+def limited_series(
+    engine_file: EngineFile, axial: Limited, torsional: Limited, names: Iterable[str] = ()
+) -> dict[str, OrderSeries]:
+    """Return the quantity of each limit of `engine_limits`, or of those named, by its name."""
+    answers, quantities = {"axial": axial, "torsional": torsional}, limited_quantities(engine_file)
+    return {
+        name: quantities[name].series(answers[quantities[name].kind])
+        for name in names or engine_limits(engine_file)[0]
+    }
 
 
 def limit_findings(
@@ -250,9 +314,9 @@ def limit_findings(
     """Return each limit with each curve over the speed that it applies to."""
     limits, _ = engine_limits(engine_file)
     return [
-        (limit, curve)
-        for name, limit in limits.items()
-        for curve in curves_of(limited_series(name, engine_file, axial, torsional))
+        (limits[name], curve)
+        for name, series in limited_series(engine_file, axial, torsional).items()
+        for curve in curves_of(series)
     ]
 
 
@@ -321,44 +385,6 @@ def check_limited_elements(limits: LimitsInput, elements: Sequence[str]) -> None
             )
 
 
-def of_stress(name: str) -> bool:
-    """Whether a limit of `engine_limits` is on a stress: of the crankshaft, or of a shaft."""
-    return name == "crankshaft_stress" or name.startswith("shaft: ")
-
-
-def limited_series(
-    name: str, engine_file: EngineFile, axial: Limited, torsional: Limited
-) -> OrderSeries:
-    """Return the quantity of a limit of `engine_limits`, by orders.
-
-    The elements are those of `check_limited_elements`.
-    """
-    if name == "crankshaft_stress":
-        assert torsional.stress is not None
-        return torsional.stress
-    if name == "torsional_amplitude":
-        return torsional.free_end
-    if name == "axial_amplitude":
-        return axial.free_end
-    if name == "axial_force":
-        return axial.crank_elements
-    return element_series(name, engine_file, torsional.loads)
-
-
-def element_series(name: str, engine_file: EngineFile, loads: ElementLoads) -> OrderSeries:
-    """Return the quantity of a limit on one element of the torsional chain, by the loads of all."""
-    if name == "coupling_torque":
-        place = loads.elements.names.index(COUPLING)
-        values = loads.elements.values[:, :, [place]]
-        return replace(loads.elements, values=values, names=(COUPLING,))
-    element = name.removeprefix("shaft: ")
-    (shaft,) = (
-        shaft for shaft in (engine_file.limits or LimitsInput()).shafts if shaft.element == element
-    )
-    modulus = float(section_modulus("torsional", shaft.diameter))
-    return alternating_stress(loads, {element: modulus})
-
-
 @dataclass(frozen=True, eq=False)
 class ComparedQuantity:
     """A quantity compared between normal firing and misfiring."""
@@ -376,10 +402,10 @@ class ComparedQuantity:
 
 def compared_quantities(engine_file: EngineFile) -> dict[str, ComparedQuantity]:
     """Return name, unit and limit of each possible item of `compared_series`, by its key."""
-    limits, _ = engine_limits(engine_file)
     compared = {key: ComparedQuantity(name, unit, None) for key, (name, unit) in COMPARED.items()}
     return compared | {
-        key: ComparedQuantity(limit.name, limit.unit, limit) for key, limit in limits.items()
+        key: ComparedQuantity(limit.name, limit.unit, limit)
+        for key, limit in engine_limits(engine_file)[0].items()
     }
 
 
@@ -387,12 +413,10 @@ def compared_series(
     engine_file: EngineFile, axial: Limited, torsional: Limited
 ) -> dict[str, OrderSeries]:
     """Return the quantities with limits, and motions and torques of `COMPARED` that the engine has."""
-    limits, _ = engine_limits(engine_file)
-    compared = {key: limited_series(key, engine_file, axial, torsional) for key in limits}
     loads = torsional.loads.elements
-    for key in ("torsional_amplitude", "axial_amplitude", "coupling_torque"):
-        if key not in compared and (key != "coupling_torque" or COUPLING in loads.names):
-            compared[key] = limited_series(key, engine_file, axial, torsional)
+    coupling = ("coupling_torque",) if COUPLING in loads.names else ()
+    names = (*engine_limits(engine_file)[0], "torsional_amplitude", "axial_amplitude", *coupling)
+    compared = limited_series(engine_file, axial, torsional, names)
     for loads_of_part in (loads, torsional.loads.dashpots):
         rings = [place for place, name in enumerate(loads_of_part.names) if name.endswith(DAMPER)]
         if rings:

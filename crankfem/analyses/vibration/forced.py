@@ -29,7 +29,6 @@ from crankfem.analyses.vibration.engine_excitation import (
 from crankfem.analyses.vibration.engine_limits import (
     Findings,
     assessment_end_speeds,
-    engine_limits,
     limit_findings,
     limited_series,
 )
@@ -484,8 +483,8 @@ def forced_vibrations(
     )
     limited = [
         name
-        for limit in engine_limits(engine_file)[0]
-        for name in limited_series(limit, engine_file, lengthened, twisted).names
+        for series in limited_series(engine_file, lengthened, twisted).values()
+        for name in series.names
     ]
     return (
         replace(

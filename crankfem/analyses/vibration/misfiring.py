@@ -18,9 +18,10 @@ from crankfem.analyses.vibration.engine_excitation import (
     forces_over_speeds,
 )
 from crankfem.analyses.vibration.engine_limits import (
+    at_place,
     compared_quantities,
     compared_series,
-    of_stress,
+    limited_quantities,
 )
 from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains, cause_at
 from crankfem.files.engine.engine_file import EngineFile
@@ -488,7 +489,10 @@ class Superposition:
         misfire = self.chains.engine_file.misfire
         # There is no load to ask for: where nothing burns a single diagram serves, or none.
         cold = forces_at_speeds(self.failing, forces.speeds)
-        return _difference(forces, cold, case, 1.0 if misfire is None else misfire.missing_share)
+        factors = np.zeros(len(forces.throws))
+        factors[[number - 1 for number in case]] = 1.0 if misfire is None else misfire.missing_share
+        changed = {name: factors * (getattr(cold, name) - getattr(forces, name)) for name in SUMMED}
+        return replace(forces, **changed)
 
 
 def misfiring_cases(engine_file: EngineFile) -> tuple[Cylinders, ...]:
@@ -527,7 +531,8 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
     worst = {
         key: max(cases, key=lambda case: by_case[case].severity) for key, by_case in each.items()
     }
-    drawn = max(filter(of_stress, each), key=lambda key: each[key][worst[key]].used, default=None)
+    stresses = (key for key in each if quantities[key].unit == "Pa")
+    drawn = max(stresses, key=lambda key: each[key][worst[key]].used, default=None)
     checks = [
         FiringCheck(
             quantity=quantities[key].name,
@@ -586,7 +591,7 @@ def _new(
     if reached.used - normal < NEWS:
         return None
     lengthened, twisted = answers[case]
-    answer = lengthened if key.startswith("axial") else twisted
+    answer = lengthened if limited_quantities(file)[key].kind == "axial" else twisted
     unit = compared_quantities(file)[key].unit
     cause = cause_at(answer, twisted, series[case], reached.place, reached.speed, unit)
     return NewlyExceeded(case, reached, cause)
@@ -669,16 +674,6 @@ def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
                 each[key][case] = worst_of(found[key], quantities[key].while_firing(case))
 
 
-def _difference(
-    firing: CylinderForces, cold: CylinderForces, case: Cylinders, share: float
-) -> CylinderForces:
-    """Return the change by a missing share of the combustion in some cylinders."""
-    factors = np.zeros(len(firing.throws))
-    factors[[number - 1 for number in case]] = share
-    changed = {name: factors * (getattr(cold, name) - getattr(firing, name)) for name in SUMMED}
-    return replace(firing, **changed)
-
-
 def _sum(order_series: OrderSeries, other: OrderSeries) -> OrderSeries:
     """Return the sum of two series; a propeller's orders may be missing in the second."""
     places = np.searchsorted(order_series.orders, other.orders)
@@ -686,9 +681,3 @@ def _sum(order_series: OrderSeries, other: OrderSeries) -> OrderSeries:
     values[places] += other.values
     unbounded[places] |= other.unbounded
     return replace(order_series, values=values, unbounded=unbounded)
-
-
-def at_place(series: OrderSeries, name: str) -> OrderSeries:
-    """Return one location of a series."""
-    place = series.names.index(name)
-    return replace(series, values=series.values[:, :, [place]], names=(name,))

@@ -20,27 +20,12 @@ from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.whole_verdict import whole_criticals
 from crankfem.files.engine.mechanism_cylinders import firing_evenness, firing_sentence
-from dynamics.assessment.limits import worst_use
-from dynamics.assessment.verdict import SAME, LimitCheck, Verdict
+from dynamics.assessment.verdict import Verdict
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.excitation.chain_excitation import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
-
-
-def worst_record(worst: tuple[float, float, float] | None) -> Record | None:
-    """Return the largest use of a limit among some speeds."""
-    if worst is None:
-        return None
-    speed, value, permitted = worst
-    return {
-        "speed_rpm": speed * RPM,
-        "value": value,
-        "permitted": permitted,
-        "used": value / permitted,
-    }
-
 
 # SI units of loads in records.
 LOAD_UNIT = {"torsional": "N m", "axial": "N"}
@@ -60,8 +45,8 @@ def assessment_record(assessment: Assessment) -> Record:
         **attributes(verdict, "status", "headline", "sentence"),
         "decision": assessment.decision,
         "running_rpm": [speed * RPM for speed in running],
-        "worst": _check(verdict.worst, running[1]),
-        "checks": [_check(check, running[1]) for check in verdict.checks],
+        "worst": verdict.worst,
+        "checks": verdict.checks,
         "barred": verdict.barred,
         "started_through": verdict.started_through,
         "remarks": [*assessment.remarks, *verdict.remarks],
@@ -80,31 +65,11 @@ def assessment_record(assessment: Assessment) -> Record:
 
 
 def _verdict(verdict: Verdict) -> Record:
-    checks = [_check(check, verdict.running_range[1]) for check in verdict.checks]
     return {
         **attributes(verdict, "status"),
-        "checks": checks,
+        "checks": verdict.checks,
         "barred": [*verdict.barred, *verdict.started_through],
     }
-
-
-def _check(check: LimitCheck, highest_speed: float) -> Record:
-    return plain(
-        {
-            "limit": check.limit.name,
-            "place": check.curve.name,
-            "speed_rpm": check.worst_speed * RPM,
-            "in_running_range": check.worst_speed <= highest_speed,
-            "value": check.worst_value,
-            **attributes(check, "permitted", "used", "passed"),
-            "running": worst_record(check.running),
-            "above": worst_record(check.above),
-            "below": worst_record(
-                worst_use(check.limit, check.curve, 0.0, (1.0 - SAME) * check.judged[0])
-            ),
-            **attributes(check.limit, "unit", "source", "assumed"),
-        }
-    ) | {"cause": check.cause}
 
 
 def _uncertainty(uncertain: Uncertainty) -> Record:

@@ -1,7 +1,8 @@
 """The whole crankshaft's own vibration held against the limits, where a chain is no adequate model of it."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -9,11 +10,10 @@ from crankfem.analyses.shaft.whole_shaft import ShaftComparison, not_comparable,
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.engine_limits import (
-    Findings,
     assessment_end_speeds,
-    element_series,
     engine_limits,
     engine_verdict,
+    limited_quantities,
 )
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.limits import AmplitudeCurve
@@ -70,46 +70,51 @@ def with_whole_shaft(
     )
 
 
-def whole_stress(
-    comparison: ShaftComparison, cranks: EngineChain, moduli: Mapping[int, float]
-) -> OrderSeries:
-    """Return the nominal torsional stress of the whole crankshaft [Pa], by the torque at its main bearings.
+@dataclass(frozen=True, eq=False)
+class WholeTorsion:
+    """The torsional vibration of the whole crankshaft, read by limits like that of a chain.
 
-    Parameters
+    Attributes
     ----------
     cranks : EngineChain
-        The torsional chain: its elements pass the bearings.
+        The torsional chain: its elements in the crankshaft pass the main bearings.
     moduli : mapping of int to float
         Section modulus of each element of the crankshaft [m^3].
     """
-    assert comparison.coupled is not None
-    torque = comparison.coupled.torque
-    elements = sorted(moduli)
-    bearings = [_bearing(cranks, element) for element in elements]
-    return replace(
-        torque,
-        values=torque.values[:, :, bearings] / [moduli[element] for element in elements],
-        names=tuple(cranks.chain.elements[element] for element in elements),
-    )
 
+    coupled: CoupledResponse
+    cranks: EngineChain
+    moduli: Mapping[int, float]
 
-def whole_loads(comparison: ShaftComparison, cranks: EngineChain) -> ElementLoads:
-    """Return the torques of the whole crankshaft in the elements of the torsional chain [N m].
-
-    In the crankshaft those at its main bearings, behind it and in a damper those of the springs.
-    """
-    assert comparison.coupled is not None
-    coupled, chain = comparison.coupled, cranks.chain
-    elastic = whole_torques(coupled, cranks).series(coupled.total)
-    total, speeds = elastic.values.copy(), coupled.total.angular_frequencies
-    for spring in range(cranks.crank_elements, len(chain.connections)):
-        left, right = (
-            coupled.total.motion[:, :, point] for point in _ends(coupled, cranks, spring)
+    @cached_property
+    def stress(self) -> OrderSeries:
+        """Nominal torsional stress [Pa], by the torque at its main bearings."""
+        torque = self.coupled.torque
+        elements = sorted(self.moduli)
+        bearings = [_bearing(self.cranks, element) for element in elements]
+        return replace(
+            torque,
+            values=torque.values[:, :, bearings] / [self.moduli[element] for element in elements],
+            names=tuple(self.cranks.chain.elements[element] for element in elements),
         )
-        total[:, :, spring] *= 1.0 + 1j * chain.loss_factor[spring]
-        total[:, :, spring] += 1j * speeds * chain.damping[spring] * (right - left)
-    none = replace(elastic, values=elastic.values[:, :, :0], names=())
-    return ElementLoads(replace(elastic, values=total), elastic, ground=none, dashpots=none)
+
+    @cached_property
+    def loads(self) -> ElementLoads:
+        """Torques in the elements of the torsional chain [N m].
+
+        In the crankshaft those at its main bearings, behind it and in a damper those of the springs.
+        """
+        coupled, chain = self.coupled, self.cranks.chain
+        elastic = whole_torques(coupled, self.cranks).series(coupled.total)
+        total, speeds = elastic.values.copy(), coupled.total.angular_frequencies
+        for spring in range(self.cranks.crank_elements, len(chain.connections)):
+            left, right = (
+                coupled.total.motion[:, :, point] for point in _ends(coupled, self.cranks, spring)
+            )
+            total[:, :, spring] *= 1.0 + 1j * chain.loss_factor[spring]
+            total[:, :, spring] += 1j * speeds * chain.damping[spring] * (right - left)
+        none = replace(elastic, values=elastic.values[:, :, :0], names=())
+        return ElementLoads(replace(elastic, values=total), elastic, ground=none, dashpots=none)
 
 
 def whole_criticals(
@@ -204,24 +209,24 @@ def whole_verdict(
     if comparison.coupled is None or not inadequate:
         return None
     motions = {f"{verdict.kind}_amplitude": verdict.response for verdict in comparison.verdicts}
-    findings: Findings = []
-    judged = set[str]()
-    for name, limit in engine_limits(engine_file)[0].items():
-        moved = motions.get(name)
-        if name == "crankshaft_stress":
-            curves = list(curves_of(whole_stress(comparison, cranks, moduli)))
-        elif moved is not None:
-            curves = [AmplitudeCurve("free end", moved.speeds, moved.shaft)]
-        elif name != "axial_force":
-            loads = whole_loads(comparison, cranks)
-            curves = list(curves_of(element_series(name, engine_file, loads)))
-        else:
-            kept = (check for check in chains.checks if check.limit.name == limit.name)
-            findings = [*findings, *((limit, one.curve) for one in kept)]
-            continue
-        judged.add("axial" if name.startswith("axial") else "torsional")
-        findings = [*findings, *((limit, curve) for curve in curves)]
-    return engine_verdict(engine_file, findings) if judged & inadequate else None
+    limits, quantities = engine_limits(engine_file)[0], limited_quantities(engine_file)
+    whole = WholeTorsion(comparison.coupled, cranks, moduli)
+    curves: dict[str, Sequence[AmplitudeCurve]] = {}
+    for name in limits:
+        if (moved := motions.get(name)) is not None:
+            curves[name] = [AmplitudeCurve("free end", moved.speeds, moved.shaft)]
+        elif quantities[name].kind == "torsional":
+            curves[name] = curves_of(quantities[name].series(whole))
+    if not inadequate & {quantities[name].kind for name in curves}:
+        return None
+    findings = [
+        (limit, curve)
+        for name, limit in limits.items()
+        for curve in curves.get(
+            name, [check.curve for check in chains.checks if check.limit.name == limit.name]
+        )
+    ]
+    return engine_verdict(engine_file, findings)
 
 
 def whole_sentence(whole: Verdict, chains: Verdict) -> str:

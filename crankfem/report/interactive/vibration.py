@@ -9,7 +9,7 @@ from crankbase.diagrams import BLUE, ORANGE, Curves, Series, with_gaps
 from crankbase.quantity import RPM
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.titles import at_speed, short_name
-from crankfem.analyses.vibration.engine_limits import limited_series, of_stress
+from crankfem.analyses.vibration.engine_limits import limited_series
 from crankfem.analyses.vibration.misfiring import FiringCheck, named
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.plots import plot_shaft_modes
@@ -207,10 +207,10 @@ def _judged_stress(run: EngineVibration) -> tuple[OrderSeries, int, VibrationLim
     assert assessment is not None
     assert axial is not None
     assert torsional is not None
-    stresses = {limit.name: key for key, limit in assessment.limits.items() if of_stress(key)}
+    stresses = {limit.name: key for key, limit in assessment.limits.items() if limit.unit == "Pa"}
     # The worst comes first; the crankshaft's stress always has a limit.
     worst = next(check for check in assessment.verdict.checks if check.limit.name in stresses)
-    series = limited_series(stresses[worst.limit.name], run.engine_file, axial, torsional)
+    series = limited_series(run.engine_file, axial, torsional)[stresses[worst.limit.name]]
     return series, series.names.index(worst.curve.name), worst.limit
 
 
