@@ -215,11 +215,11 @@ def contents(cls: Any) -> dict[str, tuple[Quantity, Any]]:
     TypeError
         If a field has neither a declaration nor a type that JSON holds.
     """
-    return {name: entry for name, entry in _declared(cls).items() if entry[0] is not INTERNAL}
+    return _contents(cls)
 
 
 @cache
-def _declared(cls: Any) -> dict[str, tuple[Quantity, Any]]:
+def _contents(cls: Any) -> dict[str, tuple[Quantity, Any]]:
     hints = get_type_hints(cls, include_extras=True) if is_dataclass(cls) else {}
     known = {
         entry.name: _entry(f"{cls.__name__}.{entry.name}", hints[entry.name])
@@ -238,7 +238,7 @@ def _declared(cls: Any) -> dict[str, tuple[Quantity, Any]]:
                 continue
             kind = get_type_hints(getter, include_extras=True)["return"]
             known[name] = _entry(f"{cls.__name__}.{name}", kind)
-    return known
+    return {name: entry for name, entry in known.items() if entry[0] is not INTERNAL}
 
 
 def _entry(place: str, kind: Any) -> tuple[Quantity, Any]:
@@ -269,8 +269,7 @@ def _is_part(kind: Any) -> bool:
         return _quantity(kind) is not None or _is_part(get_args(kind)[0])
     if origin is not None:
         return all(part is Ellipsis or _is_part(part) for part in get_args(kind))
-    known = kind in (str, bool, int, NoneType, dict) or _is_result(kind)
-    return known or hasattr(kind, "model_fields")
+    return kind in (str, bool, int, NoneType, dict) or _is_result(kind) or _is_input(kind)
 
 
 def _is_result(kind: Any) -> bool:
@@ -278,6 +277,7 @@ def _is_result(kind: Any) -> bool:
 
 
 def _is_input(value: Any) -> bool:
+    """Return whether something is a model of input, or a class of such."""
     return hasattr(value, "model_dump")
 
 
@@ -380,7 +380,7 @@ def _by_field(kind: Any, content: Any) -> Any:
         return values
     inside = [part for part in get_args(kind) if _has_results(part)]
     # Of a choice between input and a result, the input is known by its fields.
-    inputs = [set(part.model_fields) for part in get_args(kind) if hasattr(part, "model_fields")]
+    inputs = [set(part.model_fields) for part in get_args(kind) if _is_input(part)]
     if not inside or content is None or any(set(content) <= known for known in inputs):
         return content
     if isinstance(content, list):
@@ -392,6 +392,7 @@ def _by_field(kind: Any, content: Any) -> Any:
 
 def _array(values: Any, size: float) -> Any:
     array = np.array(values)
-    if array.dtype == object:  # null is unbounded
-        array = np.where(array == None, np.inf, array).astype(float)  # noqa: E711
+    if array.dtype == object:
+        array = array.astype(float)  # in which null, that is unbounded, is NaN
+        array[np.isnan(array)] = np.inf
     return array if size == 1.0 else array / size

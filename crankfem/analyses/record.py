@@ -171,28 +171,25 @@ def with_units(content: Record | Result, within: str = "") -> Record:
     """
     if isinstance(content, dict) and "units" in content:
         return content
-    exact: dict[str, str] = {}
-    known = units_of(_undeclared(content, "", exact), within) | exact
+    known = units_of(_undeclared(content), within) | result_units(content)
     whole: Record = _plain(content)
     return whole | {"units": known} if known else whole
 
 
-def _undeclared(content: Any, path: str, known: dict[str, str]) -> Any:
-    """Return content without what results declare, whose units are added by their path."""
+def _undeclared(content: Any) -> Any:
+    """Return content without the values of which inputs and results declare the unit."""
     if isinstance(content, InputModel):
-        known |= result_units(content, path)
         return None
     if isinstance(content, Result):
-        known |= result_units(content, path)
         content = {
             quantity.key_of(name): getattr(content, name)
             for name, (quantity, _) in contents(type(content)).items()
             if not (quantity.unit or quantity.flat)
         }
     if isinstance(content, Mapping):
-        return {name: _undeclared(part, f"{path}{name}.", known) for name, part in content.items()}
+        return {name: _undeclared(part) for name, part in content.items()}
     if isinstance(content, list | tuple):
-        return [_undeclared(part, path, known) for part in content]
+        return [_undeclared(part) for part in content]
     return content
 
 
