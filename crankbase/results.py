@@ -356,31 +356,46 @@ def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
         yield from _not_finite(part, f"{path}.{name}" if path else str(name))
 
 
-def units(value: Any, path: str = "") -> dict[str, str]:
+def units(value: Any, path: str = "", around: tuple["Result", ...] = ()) -> dict[str, str]:
     """Return the units of the numbers in results, by their paths in JSON; lists are not counted.
 
     "*" stands for all names of a mapping of numbers.
+
+    Parameters
+    ----------
+    around : tuple of Result
+        Those that the value is a part of, the innermost first.
     """
     known: dict[str, str] = {}
     if isinstance(value, Result):
+        around = (value, *around)
         for name, (quantity, _) in contents(type(value)).items():
             content, place = getattr(value, name), f"{path}{quantity.key_of(name)}"
             if unit := quantity.exported or quantity.unit:
                 inside = f"{place}.*" if isinstance(content, Mapping) else place
-                hidden = unit[:1] == "." and unit[1:] not in contents(type(value))
-                known[inside] = getattr(value, unit[1:], unit) if hidden else unit
-            known |= units(content, path if quantity.flat else f"{place}.")
+                known[inside] = _told(unit, around)
+            known |= units(content, path if quantity.flat else f"{place}.", around)
     elif _is_input(value):
         from crankbase.model import model_units
 
         known = model_units(value, path)
     elif isinstance(value, Mapping):
         for name, part in value.items():
-            known |= units(part, f"{path}{name}.")
+            known |= units(part, f"{path}{name}.", around)
     elif isinstance(value, list | tuple):
         for part in value:
-            known |= units(part, path)
+            known |= units(part, path, around)
     return known
+
+
+def _told(unit: str, around: tuple[Result, ...]) -> str:
+    """Return the unit that an internal value tells; unchanged if JSON has what tells it."""
+    tells = (owner for owner in around if unit[:1] == "." and hasattr(owner, unit[1:]))
+    owner = next(tells, None)
+    if owner is None or unit[1:] in contents(type(owner)):
+        return unit
+    text: str = getattr(owner, unit[1:])
+    return text
 
 
 def _cells(source: Result, before: str) -> Iterator[tuple[str, tuple[Any, str]]]:

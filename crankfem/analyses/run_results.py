@@ -13,6 +13,7 @@ from crankfem.analyses.provenance import Provenance, Repetition
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.throw.throw_record import ThrowResults
+from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.reading.toml_file import InputRecord
 from dynamics.response.loads import LARGEST_POWER_ERROR
 from dynamics.torque import LARGEST_ENERGY_ERROR
@@ -94,7 +95,7 @@ class RunResults(Result):
     harmonics: TableHarmonics | None
     two_mass: Part[Any]
     shaft: Record
-    vibration: Record
+    vibration: EngineVibration
     strength: EngineStrength | None
     fatigue: EngineFatigue | None
     fatigue_note: str | None
@@ -166,8 +167,8 @@ def run_checks(
         *_fillet_checks(results.fillets),
         *_study_checks(results.study),
         *_mechanism_checks(results.mechanism),
-        *_power_checks(results.vibration["forced"]),
-        *_chain_checks(results.vibration["whole"]),
+        *_power_checks(results.vibration),
+        *_chain_checks(results.vibration.whole_crankshaft),
     )
 
 
@@ -316,16 +317,16 @@ def _mechanism_checks(mechanism: Mapping[str, Any] | None) -> list[Check]:
     ]
 
 
-def _power_checks(forced: Mapping[str, Any] | None) -> list[Check]:
+def _power_checks(vibration: EngineVibration) -> list[Check]:
     return [
         _check(
             f"Power of the {kind} vibration",
-            own["power"]["error"],
+            forced.largest_power.error,
             "Power of the exciting forces compared with the heat in all damping, at speeds with bounded "
             "vibration.",
             allowed=LARGEST_POWER_ERROR,
         )
-        for kind, own in (forced or {}).items()
+        for kind, forced in (vibration.forced_by_kind or {}).items()
     ]
 
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from markupsafe import Markup, escape
 
 from crankbase.quantity import (
+    RPM,
     UNBOUNDED,
     fixed,
     format_quantity,
@@ -22,6 +23,7 @@ from crankbase.table import Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.run_results import Check
 from crankfem.analyses.shaft.chains import MOTION
+from dynamics.assessment.barred_ranges import BarredRange
 
 # What the sources of compliances are called in results.json, and in words.
 SOURCE_WORDS = {
@@ -47,7 +49,7 @@ def quantity(value: float | None, unit: str, digits: int = TABLE_DIGITS) -> str:
     >>> quantity(12.3456, "m")
     '12300 mm'
     """
-    if value is None:
+    if value is None or math.isinf(value):
         return UNBOUNDED
     return format_quantity(value, unit, digits) if unit else f"{value:g}"
 
@@ -182,9 +184,9 @@ def table_cells(table: Table) -> list[list[str]]:
     ]
 
 
-def range_sentence(barred: Record) -> str:
+def range_sentence(barred: BarredRange) -> str:
     """Write whether a range of speeds may be barred or passed, and why not; without its full stop."""
-    return with_three_digits(barred["sentence"])
+    return with_three_digits(barred.sentence)
 
 
 def with_three_digits(text: str) -> str:
@@ -214,6 +216,7 @@ def keep_units_together(text: str) -> str:
 FILTERS = {
     "cells": table_cells,
     "sig": lambda value, digits=TABLE_DIGITS: significant(value, digits),
+    "rpm": lambda speed: speed * RPM,
     "plain": lambda value: f"{value:g}",
     "count": lambda value: f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}"),
     "nano": lambda value: nano(value, TABLE_DIGITS),

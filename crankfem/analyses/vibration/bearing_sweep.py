@@ -11,6 +11,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.frames import table
 from crankbase.quantity import compact
 from crankbase.results import result
+from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.shaft.chains import BearingStiffness, bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
@@ -274,6 +275,19 @@ def bearing_sweep(
             if any(not at_most(c.worst_speed, c.highest_running) for c in checks)
         ),
     )
+
+
+def sweep_record(sweep: BearingSweep) -> Record:
+    """Return the effect of the range of the main bearings' stiffness, in SI units."""
+    names = ("stiffness", "used", "statuses", "flips", "sentences")
+    frequencies = {  # null where there is no such mode
+        name: {
+            kind: np.where(np.isnan(frequencies_of_kind), np.inf, frequencies_of_kind)
+            for kind, frequencies_of_kind in getattr(sweep, name).items()
+        }
+        for name in ("chains", "shaft", "further")
+    }
+    return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names), **plain(frequencies)}
 
 
 def in_bearings(shaft: AssembledShaft, added: float) -> AssembledShaft:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison, not_comparable, whole_shaft_remark
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
@@ -137,6 +138,46 @@ def whole_criticals(
         quantities = whole_torques(coupled, cranks) if torsional else coupled.axial_motions
         criticals[verdict.kind] = shaft_criticals(coupled, quantities, (ends[0], ends[-1]))
     return criticals
+
+
+def whole_criticals_record(
+    engine_file: EngineFile, comparison: ShaftComparison, cranks: EngineChain
+) -> Record:
+    """Return the whole crankshaft's critical speeds of each kind whose chain is inadequate."""
+    highest = engine_file.engine.highest_speed
+    return plain(
+        {
+            kind: {
+                "left_out": left_out,
+                "peaks": [
+                    {
+                        **attributes(critical, "order", "place"),
+                        "value": critical.amplitude,
+                        **_mode_at_resonance(critical, comparison.coupled),
+                        "share": critical.severity,
+                        "speed_rpm": critical.speed_rpm,
+                        "in_running_range": critical.speed <= highest * (1.0 + 1e-9),
+                        "unit": "m" if kind == "axial" else "N m",
+                    }
+                    for critical in criticals
+                ],
+            }
+            for kind, (criticals, left_out) in whole_criticals(
+                engine_file, comparison, cranks
+            ).items()
+        }
+    )
+
+
+def _mode_at_resonance(critical: DampedCritical, coupled: CoupledResponse | None) -> Record:
+    """Return number, undamped frequency [Hz] and damping ratio of the mode that makes a peak, if one does."""
+    if coupled is None or not critical.in_band:
+        return {"mode": 0, "frequency": None, "damping_ratio": None}
+    return {
+        "mode": critical.mode,
+        "frequency": coupled.total.system.elastic_frequencies[critical.mode - 1],
+        "damping_ratio": critical.damping_ratio,
+    }
 
 
 def whole_torques(coupled: CoupledResponse, cranks: EngineChain) -> LinearQuantities:
