@@ -124,8 +124,6 @@ _PLACES = {
     "W": "dampers.* power.largest",
     "s": "seconds.*",
     "Hz": "bearings.chains.* bearings.further.* bearings.shaft.* causes.* "
-    ""
-    ""
     "frequencies.high frequencies.low frequencies.nominal",
     "m/N": "errors.axial_compliance errors.influence_coefficient "
     "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value",
