@@ -10,10 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.results import Part, Quantity, Result, result
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
+from crankfem.analyses.shaft.whole_records import ShaftBalance, ThrowsInShaft
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.analyses.vibration.whole_verdict import WholeVibration
 from crankfem.files.reading.toml_file import InputRecord
 from dynamics.response.loads import LARGEST_POWER_ERROR
 from dynamics.torque import LARGEST_ENERGY_ERROR
@@ -87,14 +89,14 @@ class RunResults(Result):
     throw: ThrowResults
     formulas: Record
     angle_law: Record
-    balance: Record
+    balance: ShaftBalance
     fillets: Optional
     fillet_note: str | None
     mechanism: Optional
     study: Optional
     harmonics: TableHarmonics | None
     two_mass: Part[Any]
-    shaft: Record
+    shaft: ThrowsInShaft
     vibration: EngineVibration
     strength: EngineStrength | None
     fatigue: EngineFatigue | None
@@ -330,11 +332,12 @@ def _power_checks(vibration: EngineVibration) -> list[Check]:
     ]
 
 
-def _chain_checks(whole: Mapping[str, Any] | None) -> list[Check]:
+def _chain_checks(whole: WholeVibration | None) -> list[Check]:
     chain_checks = []
-    for kind, chain in (whole or {"chains": {}})["chains"].items():
-        modes = chain["modes"]
-        figure = modes[0]["chain_frequency"] / modes[0]["shaft_frequency"] - 1.0 if modes else None
+    for kind, chain in ({} if whole is None else whole.comparison.chains).items():
+        first = chain.modes[0] if chain.modes else None
+        shaft = None if first is None else first.shaft_frequency
+        figure = None if first is None or shaft is None else first.chain_frequency / shaft - 1.0
         chain_checks.append(
             _check(
                 f"The {kind} chain compared with the whole crankshaft",
@@ -342,12 +345,12 @@ def _chain_checks(whole: Mapping[str, Any] | None) -> list[Check]:
                 f"First {kind} frequency of the chain compared with that of the whole crankshaft. "
                 + (
                     "The lumped model is adequate."
-                    if chain["suffices"]
+                    if chain.suffices
                     else "Lumped model inadequate; the section on the whole crankshaft gives the reasons."
                 ),
                 shown_unit="%",
                 # Frequencies, shares of the energy and amplitudes decide together.
-                met=chain["suffices"],
+                met=chain.suffices,
             )
         )
     return chain_checks

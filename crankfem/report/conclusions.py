@@ -22,8 +22,8 @@ from crankfem.report.text_filters import (
 )
 from dynamics.assessment.limits import LimitUse
 from dynamics.assessment.verdict import LimitCheck
-from dynamics.assessment.wording import VERDICTS, limit_at
 from dynamics.indices import within
+from dynamics.wording import VERDICTS, limit_at
 
 if TYPE_CHECKING:
     from crankfem.analyses.strength.engine_strength import EngineStrength
@@ -266,25 +266,29 @@ def _by_whole(vibration: EngineVibration, assessment: Assessment) -> str:
     force = vibration.thrust or {}
     models = list(filter(None, (force.get(name) for name in ("running", "running_whole"))))
     if found and len(models) == 2:
-        chain, whole = (
+        chain, shaft = (
             f"{quantity(one['amplitude'], 'N', DIGITS)} at {significant(one['speed_rpm'], DIGITS)} 1/min"
             for one in models
         )
         found.append(
-            f"Largest force amplitude on the thrust bearing at running speeds: {whole} by the whole "
+            f"Largest force amplitude on the thrust bearing at running speeds: {shaft} by the whole "
             f"crankshaft, {chain} by the chain."
         )
-    criticals = (vibration.whole_crankshaft or {"criticals": {}})["criticals"]
-    for kind, told in criticals.items():
-        running = [one for one in told["peaks"] if one["in_running_range"] and one["value"]]
+    whole = vibration.whole_crankshaft
+    for kind, criticals in ({} if whole is None else whole.criticals).items():
+        running = [
+            peak
+            for peak in criticals.peaks
+            if peak.in_running_range and peak.value and not math.isinf(peak.value)
+        ]
         if not running:
             continue
-        worst = max(running, key=lambda one: float(one["value"]))
-        damping = worst["damping_ratio"]
+        worst = max(running, key=lambda peak: peak.value)
+        damping = worst.damping_ratio
         found.append(
-            f"Its largest {kind} critical speed in the running range: order {worst['order']:g} at "
-            f"{significant(worst['speed_rpm'], DIGITS)} 1/min, "
-            f"{quantity(worst['value'], worst['unit'], DIGITS)} at {worst['place']}"
+            f"Its largest {kind} critical speed in the running range: order {worst.order:g} at "
+            f"{significant(worst.speed * RPM, DIGITS)} 1/min, "
+            f"{quantity(worst.value, worst.unit, DIGITS)} at {worst.place}"
             + (f", damping {100.0 * damping:.2g} %." if damping else ".")
         )
     return with_three_digits(" ".join(found))

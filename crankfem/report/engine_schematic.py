@@ -1,7 +1,7 @@
 """A schematic of the engine: cylinders and cranks, flywheel, damper and line along the shaft, and a star."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from markupsafe import Markup, escape

@@ -167,8 +167,8 @@ def worst_of_each(checks: Iterable[LimitCheck]) -> list[WorstPlace]:
         by_limit.setdefault(check.limit.name, []).append(check)
     places = []
     for same in by_limit.values():
-        worst = max(same, key=lambda check: check.at_running.used)
-        passed = all(check.passed for check in same[same.index(worst) :])
+        first = max(range(len(same)), key=lambda place: same[place].at_running.used)
+        worst, passed = same[first], all(check.passed for check in same[first:])
         uses = [(check.above, check.place) for check in same if check.above is not None]
         above, place = max(uses, key=lambda use: use[0].used, default=(None, ""))
         if above is not None and above.used <= worst.at_running.used:
@@ -245,13 +245,14 @@ def _frequency(vibration: EngineVibration, kind: str) -> Record:
     if assessment is not None and shown is not None:
         bounds = assessment.uncertainty[kind].frequencies[shown.number - 1]
         details[0] = f"uncertainty range of the chain {_bounds(bounds.lowest, bounds.highest)}"
-    if whole is not None and kind in whole["chains"] and whole["chains"][kind]["modes"]:
-        mode = whole["chains"][kind]["modes"][0]
-        alike = (mode["shaft_frequency"], mode["further_frequency"])
+    chain = None if whole is None else whole.comparison.chains.get(kind)
+    if chain is not None and chain.modes:
+        mode = chain.modes[0]
+        alike = (mode.shaft_frequency, mode.further_frequency)
         shaft = " and ".join(_hertz(frequency) for frequency in sorted(filter(None, alike)))
         shaft = f"{shaft} Hz" if shaft else "no mode like it"
         # The range over the bearings is that of one mode, the one most alike.
-        swept = "" if mode["further_frequency"] else _swept(vibration, kind)
+        swept = "" if mode.further_frequency else _swept(vibration, kind)
         details.append(f"whole crankshaft in its bearings: {shaft}{f' ({swept})' if swept else ''}")
     beside = elastic.index(shown) if shown is not None else len(elastic)
     if beside:

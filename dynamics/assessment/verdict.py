@@ -39,7 +39,10 @@ from dynamics.assessment.limits import (
     usage,
     worst_use,
 )
-from dynamics.assessment.wording import (
+from dynamics.indices import at_most, within
+from dynamics.plots.curves import SPEED_LABEL, draw_barred, in_unit, set_speed_axis
+from dynamics.response.peak_cause import PeakCause
+from dynamics.wording import (
     check_sentence,
     limit_at,
     shown_range,
@@ -48,9 +51,6 @@ from dynamics.assessment.wording import (
     values_sentence,
     verdict_headline,
 )
-from dynamics.indices import at_most, within
-from dynamics.plots.curves import SPEED_LABEL, draw_barred, in_unit, set_speed_axis
-from dynamics.response.peak_cause import PeakCause
 
 # Checks that a diagram of the verdict draws: those of which most is used.
 WORST_DRAWN, SAME = 5, 1e-9  # speeds this near, as a share, are one
@@ -170,14 +170,21 @@ class LimitCheck(Result):
     @property
     def sentence(self) -> str:
         """The finding with its numbers and the limit's source."""
-        running = None if at_most(self.worst_speed, self.highest_running) else self.running
-        reasons = "" if self.cause is None else self.cause.reasons
-        return check_sentence(self.limit, self.curve.name, self.at_worst, running, reasons)
+        at_running = self.at_running_speeds
+        return check_sentence(
+            self.limit.name,
+            self.place,
+            self.limit.source + (", assumed" if self.limit.assumed else ""),
+            self.worst_speed,
+            self.use,
+            "" if at_running is self else at_running.use,
+            "" if self.cause is None else self.cause.reasons,
+        )
 
     @property
     def use(self) -> str:
         """What is reached at the worst speed, and what is permitted there."""
-        return use_in_words(self.limit, self.worst_speed, self.worst_value, self.permitted)
+        return use_in_words(self.limit.unit, self.worst_speed, self.worst_value, self.permitted)
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude and the permitted value over the speed, with a dot at the worst speed.

@@ -13,12 +13,12 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.results import plain as plain_content
+from crankfem.analyses.engine_optimum import engine_frequencies
 from crankfem.analyses.file_check import check_file
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
-from crankfem.analyses.study.nominal_throw import engine_frequencies
 from crankfem.analyses.vibration.modes import axial_vibration
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
@@ -296,13 +296,13 @@ def alike(one, other):
 
 @pytest.mark.further
 def test_one_throw_by_name_gives_the_vibration_of_a_plain_file(both, lightly):
+
     from crankfem.analyses.record import with_units
-    from crankfem.analyses.vibration.records import run_record
 
     plain, named, analysis = both
     ours = engine_vibration(named, analysis={"a": analysis}, coupled=True)
     theirs = engine_vibration(plain, analysis=analysis, coupled=True)
-    records = [json.loads(json.dumps(with_units(run_record(run)))) for run in (theirs, ours)]
+    records = [json.loads(json.dumps(with_units(run))) for run in (theirs, ours)]
     for record in records:
         for one in record["assumed"]:  # the same values, in fields of the throw's own name
             one["field"] = one["field"].replace("throws.a.", "throw.")

@@ -9,13 +9,11 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.record import plain
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
 from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
 from crankfem.analyses.vibration.misfiring import _ranges
-from crankfem.analyses.vibration.records import forced_columns, forced_record, run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration
 from crankfem.cli.console import write_columns
@@ -23,12 +21,12 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
-from dynamics.assessment.wording import shown_range
 from dynamics.chains.chain import Chain
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.torque import engine_torque
+from dynamics.wording import shown_range
 from fem.analysis import analyze_throw
 
 ADDED = """
@@ -156,6 +154,34 @@ def test_an_assumed_magnifier_does_not_damp_a_coupling_whose_damping_is_given(tm
     assert both[0] == close(0.5 * loss + 0.0125, rel=0.01)
 
 
+def test_a_coupling_over_the_mean_torque_carries_the_load_of_the_engine(tmp_path):
+    engine = load_engine(
+        written(
+            tmp_path,
+            """[driven]
+inertia = "60 kg m^2"
+coupling_stiffness = "40 kN m/rad"
+
+[driven.variation]
+torque = ["0 N m", "100 kN m"]
+stiffness = [1.0, 3.0]
+
+[load]
+law = "propeller"
+
+[gas]
+""",
+        )
+    )
+    engine = engine.changed(engine={"rated_power": 6e5})
+    (spring,) = engine_torsional_chain(engine, np.full(6, 1e-9), np.full(6, 8.0)).chain.varying
+    speeds = np.array([0.3, 0.7, 1.0]) * engine.engine.rated_speed
+    rated = 6e5 / engine.engine.rated_speed
+    assert spring.law.added(speeds, speeds).real == close(
+        4e4 * 2.0 * rated * np.array([0.09, 0.49, 1.0]) / 1e5, rel=1e-4
+    )
+
+
 @pytest.mark.slow
 def test_forced_vibration_of_an_engine(run):
     torsional, axial = run.forced_torsional, run.forced_axial
@@ -219,15 +245,13 @@ def test_resonances_are_listed_at_all_speeds_judged(run):
     assert {one.order for one in above} == expected
     assert speeds == sorted(speeds)
     criticals = run.torsional.criticals
-    assert [one.critical.speed for one in criticals] == close(
-        [one.undamped_speed for one in resonances]
-    )
+    assert [one.speed for one in criticals] == close([one.undamped_speed for one in resonances])
     # A magnifier of 40 hardly moves the peaks, at whatever place they are told of.
     assert speeds == close([one.undamped_speed for one in resonances], rel=2e-3)
     assert [one.in_running_range for one in criticals] == [
         one.in_running_range for one in resonances
     ]
-    record = forced_record(found)
+    record = found.to_record()
     assert [one["in_running_range"] for one in record["resonances"] if one["in_band"]].count(
         False
     ) == len(above)
@@ -250,7 +274,7 @@ def test_resonances_are_listed_at_all_speeds_judged(run):
 
 @pytest.mark.slow
 def test_records_pictures_and_columns(run, tmp_path):
-    record = plain(run_record(run))
+    record = run.to_record()
     text = json.dumps(record, allow_nan=False)
     assert json.loads(text)["assessment"]["status"] == run.assessment.verdict.status
     assert record["whole"] is None
@@ -265,7 +289,7 @@ def test_records_pictures_and_columns(run, tmp_path):
         "misfiring_stress",
     }
     assert all(path.read_text(encoding="utf-8").startswith("<?xml") for path in made)
-    write_columns(tmp_path / "torsional.csv", *forced_columns(run.forced_torsional))
+    write_columns(tmp_path / "torsional.csv", *run.forced_torsional.columns())
     head, names, first = (tmp_path / "torsional.csv").read_text("utf-8").splitlines()[:3]
     assert head.startswith("# torsional vibration")
     assert len(names.split(",")) == len(first.split(",")) == 3 + 24 + 7
@@ -273,7 +297,7 @@ def test_records_pictures_and_columns(run, tmp_path):
 
 @pytest.mark.slow
 def test_axial_force_over_the_cycle_in_the_record(run):
-    found, record = run.axial_force, run_record(run)["axial_force"]
+    found, record = run.axial_force, run.to_record()["axial_force"]
     said = " ".join(record["sentences"])
     for name, force in (("thrust_bearing", found.thrust_bearing), ("held", found.held)):
         assert (record[name]["lowest"], record[name]["highest"]) == (force.min(), force.max())
@@ -300,7 +324,7 @@ def test_unbounded_vibration_is_null_in_records(run):
     nothing = np.zeros_like(forced.response.unbounded)
     nothing[23, 10] = True
     response = replace(forced.response, unbounded=nothing)
-    record = forced_record(replace(forced, response=response))
+    record = replace(forced, response=response).to_record()
     assert record["free_end"]["synthesis"][10] is None
     assert record["free_end"]["orders"][23]["amplitude"] is None
     assert record["free_end"]["synthesis"][11] is not None
@@ -447,13 +471,13 @@ def test_normal_firing_stands_beside_each_misfiring_cylinder(coarse, run):
     assert found.sentence.startswith(
         f"With cylinder {stress.cylinders[0]} misfiring, torsional stress"
     )
-    record = run_record(run)
+    record = run.to_record()
     assert record["misfiring"].to_record()["checks"][0]["cylinders"] == list(stress.cylinders)
 
 
 @pytest.mark.slow
 def test_running_speeds_stand_first(run):
-    record = plain(run_record(run))
+    record = run.to_record()
     engine, forced = run.engine_file.engine, run.forced_torsional
     rpm = 30.0 / math.pi
     ends = [engine.lowest_speed * rpm, engine.highest_speed * rpm]

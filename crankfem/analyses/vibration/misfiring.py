@@ -34,11 +34,11 @@ from dynamics.assessment.response_curves import (
     refined_maxima,
     speeds_above,
 )
-from dynamics.assessment.wording import limit_at, shown_range, use_in_words
 from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics, forces_at_speeds
 from dynamics.indices import within
 from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
+from dynamics.wording import limit_at, shown_range, use_in_words
 
 DIGITS = 3
 # Numbers of cylinders that fail together, from 1.
@@ -198,7 +198,7 @@ class FiringCheck(Result):
         if limit is None or np.isinf(reached.permitted):
             use = f"at most {self._amount(reached)}"
         else:
-            use = use_in_words(limit, reached.speed, reached.value, reached.permitted, DIGITS)
+            use = use_in_words(limit.unit, reached.speed, reached.value, reached.permitted, DIGITS)
             use += self._by_the_other(limit, reached)
         elsewhere = "" if normal.place == reached.place else f", {normal.place}"
         return (

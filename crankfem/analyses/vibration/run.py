@@ -15,7 +15,6 @@ from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.record import Record, assumed_values
 from crankfem.analyses.shaft.sources import compliances_in_shaft, usable_model
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
-from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     WholeShaft,
@@ -45,7 +44,8 @@ from crankfem.analyses.vibration.forced import EngineChains, ForcedVibration, fo
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Kind, Vibration, axial_vibration, torsional_vibration
 from crankfem.analyses.vibration.whole_verdict import (
-    whole_criticals_record,
+    WholeVibration,
+    whole_criticals,
     with_bearings,
     with_whole_shaft,
 )
@@ -169,16 +169,12 @@ class EngineVibration(Result):
         return axial_cycle_record(self.axial_force, self.forced_axial, self.engine_file, coupled)
 
     @cached_property
-    def whole_crankshaft(self) -> Annotated[Record | None, Quantity(key="whole")]:
+    def whole_crankshaft(self) -> Annotated[WholeVibration | None, Quantity(key="whole")]:
         """Modes of the whole crankshaft, its comparison with the chains, and its critical speeds."""
-        if self.whole is None:
+        if self.whole is None or self.comparison is None:
             return None
-        engine, criticals = self.engine_file.engine, {}
-        if self.comparison is not None:
-            cranks = self.torsional.chosen.chain
-            criticals = whole_criticals_record(self.engine_file, self.comparison, cranks)
-        running = (engine.lowest_speed, engine.highest_speed)
-        return whole_record(self.whole, self.comparison, running) | {"criticals": criticals}
+        criticals = whole_criticals(self.engine_file, self.comparison, self.torsional.chosen.chain)
+        return WholeVibration(self.whole, self.comparison, criticals)
 
     @cached_property
     def swept(self) -> Annotated[Record | None, Quantity(key="bearings")]:
@@ -371,8 +367,9 @@ def engine_vibration(
             misfiring = misfiring.outside(assessment.verdict.ranges_to_bar)
     if whole is not None:
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
+        running = (read.engine.lowest_speed, read.engine.highest_speed)
         comparison = (
-            ShaftComparison(answer)
+            ShaftComparison(answer, running_range=running)
             if not_comparable(read)
             else compare_with_chains(
                 whole,
@@ -381,7 +378,7 @@ def engine_vibration(
                 answer,
                 None if lengthened is None else lengthened.response,
                 None if twisted is None else twisted.response,
-                (read.engine.lowest_speed, read.engine.highest_speed),
+                running,
             )
         )
         rigid = held_chains(read, analyses, model, math.inf)

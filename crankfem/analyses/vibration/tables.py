@@ -6,17 +6,17 @@ from dataclasses import dataclass, replace
 
 from crankbase.quantity import RPM, UNBOUNDED
 from crankbase.table import SI, Cell, Column, OutputUnits, Table
-from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.assessment import ROWS_SHOWN, Assessment
 from crankfem.analyses.vibration.forced import ForcedVibration, PlacePeak
 from crankfem.analyses.vibration.misfiring import FiringCheck, Misfiring, Reached
 from crankfem.analyses.vibration.modes import TOGETHER, WeightedCritical
 from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.analyses.vibration.whole_verdict import WholeVibration
 from dynamics.assessment.separation import CriticalRange
 from dynamics.assessment.verdict import LimitCheck
-from dynamics.assessment.wording import VERDICTS, limit_at
 from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical
+from dynamics.wording import VERDICTS, limit_at
 
 # Quantities of which there is one place, which they name.
 LONE_PLACE = ("free end", "torsional damper", "coupling")
@@ -346,42 +346,36 @@ def _used(reached: Reached) -> float | None:
     return None if used is None or math.isinf(used) else used
 
 
-def whole_table(record: Record) -> Table:
-    """Return the modes of a `whole_record`."""
+def whole_table(whole: WholeVibration) -> Table:
+    """Return the modes of the whole crankshaft."""
     return Table.of_records(
         "Modes of the whole crankshaft in its bearings",
-        record["modes"],
+        whole.shaft.listed_modes,
         (Column("mode", words=True), "name"),
         (FREQUENCY, "frequency"),
         (Column("motion", words=True), "label"),
     )
 
 
-def whole_critical_table(record: Record, kind: str) -> Table:
-    """Return critical speeds of one kind in a `whole_record`: the largest of each place, then the largest."""
-    criticals = record["criticals"][kind]
-    largest = sorted(
-        criticals["peaks"],
-        key=lambda peak: (
-            peak["share"] < 1.0,
-            -math.inf if peak["value"] is None else -peak["value"],
-        ),
-    )
-    shown = sorted(largest[:ROWS_SHOWN], key=lambda one: one["speed_rpm"])
-    left = criticals["left_out"] + len(largest) - len(shown)
+def whole_critical_table(whole: WholeVibration, kind: str) -> Table:
+    """Return critical speeds of one kind: the largest of each place, then the largest."""
+    criticals = whole.criticals[kind]
+    largest = sorted(criticals.peaks, key=lambda peak: (peak.share < 1.0, -peak.value))
+    shown = sorted(largest[:ROWS_SHOWN], key=lambda peak: peak.speed)
+    left = criticals.left_out + len(largest) - len(shown)
     return Table.of_records(
         f"Critical speeds of the whole crankshaft: {kind} "
         f"{'motion' if kind == 'axial' else 'torque'} by one order",
         shown,
-        (SPEED, lambda peak: peak["speed_rpm"] / RPM),
+        (SPEED, "speed"),
         (Column("order", digits=None), "order"),
         (Column("at", words=True), "place"),
-        (Column("amplitude", "um" if kind == "axial" else "kN m", 3, missing=UNBOUNDED), "value"),
-        (Column("mode", missing="none"), lambda peak: peak["mode"] or None),
+        (Column("amplitude", "um" if kind == "axial" else "kN m", 3), "value"),
+        (Column("mode", missing="none"), lambda peak: peak.mode or None),
         (Column("damping", "%", decimals=2, missing="-"), "damping_ratio"),
         (
             Column("range", words=True),
-            lambda peak: "running" if peak["in_running_range"] else "above",
+            lambda peak: "running" if peak.in_running_range else "above",
         ),
         note=f"{left} smaller {'one is' if left == 1 else 'ones are'} left out."
         if left
@@ -389,45 +383,42 @@ def whole_critical_table(record: Record, kind: str) -> Table:
     )
 
 
-def whole_parts(record: Record, units: OutputUnits = SI) -> Iterator[Table | str]:
-    """Return modes and comparison of the whole crankshaft."""
-    length = units.of("um")
-    yield whole_table(record)
-    yield from (units.text(f"Note: {remark}") for remark in record["remarks"])
-    for kind in record["criticals"]:
-        yield whole_critical_table(record, kind)
-    for kind, chain in record["chains"].items():
+def whole_parts(whole: WholeVibration, units: OutputUnits = SI) -> Iterator[Table | str]:
+    """Return modes of the whole crankshaft, and its comparison with the chains."""
+    compared, length = whole.comparison, units.of("um")
+    yield whole_table(whole)
+    yield from (units.text(f"Note: {remark}") for remark in whole.shaft.remarks)
+    for kind in whole.criticals:
+        yield whole_critical_table(whole, kind)
+    for kind, chain in compared.chains.items():
         motion = units.of(MOTION[kind].printed)
-        if chain["chain_amplitude"] is not None or chain["shaft_amplitude"] is not None:
+        if chain.chain_amplitude is not None or chain.shaft_amplitude is not None:
             yield (
                 f"{kind.capitalize()} amplitude of the free end, largest at running speeds: chain "
-                f"{motion.number(chain['chain_amplitude'])}, whole crankshaft "
-                f"{motion.number(chain['shaft_amplitude'])} {motion.name}"
+                f"{motion.number(chain.chain_amplitude)}, whole crankshaft "
+                f"{motion.number(chain.shaft_amplitude)} {motion.name}"
             )
-        if chain["suffices"]:
-            yield (f"The {kind} chain is an adequate lumped model of the whole crankshaft.")
+        if chain.suffices:
+            yield f"The {kind} chain is an adequate lumped model of the whole crankshaft."
         else:
-            reasons = " ".join(chain["reasons"])
-            yield (units.text(f"Lumped model inadequate ({kind} chain): {reasons}"))
-    for difference in record["differences"]:
-        yield (f"{difference['sentence'][0].upper()}{difference['sentence'][1:]}.")
-    if record["flywheel_tilt"] is not None:
-        yield (units.text(record["flywheel_tilt"]["sentence"]))
-    split = record["axial_split"]
+            yield units.text(f"Lumped model inadequate ({kind} chain): {' '.join(chain.reasons)}")
+    for difference in compared.differences:
+        yield f"{difference.sentence[0].upper()}{difference.sentence[1:]}."
+    if compared.flywheel_tilt is not None:
+        yield units.text(compared.flywheel_tilt.sentence)
+    split = compared.axial_split
     if split is not None:
-        causes = {
-            "tangential": "tangential forces alone (torsion)",
-            "radial": "radial forces alone",
-            "both": "both",
-        }
-        words = [
-            f"{length.number(split[name])} {length.name} by {cause} at "
-            + units.text(f"{split[f'{name}_speed_rpm']:.0f} 1/min")
-            for name, cause in causes.items()
-        ]
-        yield (
-            f"Axial amplitude of the free end, each at its own worst running speed: {', '.join(words)}"
+        causes = (
+            (split.tangential, split.tangential_speed, "tangential forces alone (torsion)"),
+            (split.radial, split.radial_speed, "radial forces alone"),
+            (split.both, split.both_speed, "both"),
         )
+        words = [
+            f"{length.number(amplitude)} {length.name} by {cause} at "
+            + units.text(f"{RPM * speed:.0f} 1/min")
+            for amplitude, speed, cause in causes
+        ]
+        yield f"Axial amplitude of the free end, each at its own worst running speed: {', '.join(words)}"
 
 
 # Of what there is none, or none is known, such as amplitudes beyond the speeds judged.
@@ -465,7 +456,7 @@ class CriticalLine:
     def speed(self) -> float | None:
         """Of the peak if there is one, else with its uncertainty [rad/s]."""
         if self.peak is not None:
-            return self.peak.speed
+            return self.peak.speed if self.peak.has_peak else None
         if self.margin is not None:
             return self.margin.nominal
         return None if self.critical is None else self.critical.speed

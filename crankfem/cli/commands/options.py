@@ -206,7 +206,7 @@ def exit_unless_acceptable(run: "EngineVibration") -> None:
     SystemExit
         With code 4 if the verdict is "not acceptable" for all assumptions, with 5 if it is undecided.
     """
-    from dynamics.assessment.wording import undecided_sentence  # here: numpy takes its time
+    from dynamics.wording import undecided_sentence  # here: numpy takes its time
 
     assert run.assessment is not None
     decision, verdict = run.assessment.decision, run.assessment.verdict
