@@ -49,7 +49,8 @@ class Quantity:
     ----------
     unit : str
         In SI; "1" of plain numbers, "" of words and parts, ".name" if the value of that name
-        beside it tells, which may be internal, or one of the result around it.
+        beside it tells, which may be internal, or one of the result around it; ".." if it is
+        declared where the part is used.
     meaning : str, optional
         In words.
     exported : str, optional
@@ -60,6 +61,8 @@ class Quantity:
         Whether JSON leaves the value out where it is None.
     flat : bool, optional
         Whether the content of this part stands in JSON beside the part's neighbors.
+    around : bool, optional
+        Whether JSON has the value in a result around this one alone, under the same key.
     """
 
     unit: str = ""
@@ -68,6 +71,7 @@ class Quantity:
     key: str = ""
     left_out: bool = False
     flat: bool = False
+    around: bool = False
 
     def key_of(self, name: str) -> str:
         """Return the key in JSON of a field."""
@@ -79,6 +83,8 @@ class Quantity:
         size = EXPORTED[self.exported][0] if self.exported else 1.0
         if get_origin(source) is np.ndarray:
             return core_schema.no_info_plain_validator_function(lambda values: _array(values, size))
+        if source is complex:
+            return core_schema.no_info_plain_validator_function(lambda parts: complex(*parts))
         if source is not float or not self.unit:
             return handler(source)
         # JSON knows no infinity: null is unbounded.
@@ -88,6 +94,7 @@ class Quantity:
 
 
 INTERNAL = Quantity("internal")
+NO_CONTENT: Mapping[str, Any] = {}
 Internal: TypeAlias = Annotated[T, INTERNAL]
 # Plain numbers and parts; quantities declare their meaning besides: Annotated[float, Quantity("N", "...")].
 Number: TypeAlias = Annotated[float, Quantity("1")]
@@ -282,12 +289,12 @@ def _is_input(value: Any) -> bool:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON content: arrays as lists, infinities as None."""
+    """Return a value as JSON content: arrays and complex numbers as lists, infinities as None."""
     if isinstance(value, Result):
         record: dict[str, Any] = {}
         for name, (quantity, _) in contents(type(value)).items():
             content = getattr(value, name)
-            if quantity.left_out and content is None:
+            if quantity.around or (quantity.left_out and content is None):
                 continue
             if quantity.flat:
                 record |= plain(content)
@@ -300,6 +307,8 @@ def plain(value: Any) -> Any:
         value = value.model_dump(mode="json")
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
+    if isinstance(value, complex):
+        return [value.real, value.imag]
     if isinstance(value, Mapping):
         return {str(name): plain(part) for name, part in value.items()}
     if isinstance(value, list | tuple):
@@ -322,30 +331,33 @@ def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
         yield from _not_finite(part, f"{path}.{name}" if path else str(name))
 
 
-def units(value: Any, path: str = "") -> dict[str, str]:
+def units(value: Any, path: str = "", of_part: str = "") -> dict[str, str]:
     """Return the units of the numbers in results, by their paths in JSON; lists are not counted.
 
-    "*" stands for all names of a mapping of numbers.
+    "*" stands for all names of a mapping of numbers, `of_part` is the unit declared for the value.
     """
     known: dict[str, str] = {}
     if isinstance(value, Result):
-        for name, (quantity, _) in contents(type(value)).items():
+        for name, (quantity, kind) in contents(type(value)).items():
+            if quantity.around:
+                continue
             content, place = getattr(value, name), f"{path}{quantity.key_of(name)}"
-            if unit := quantity.exported or quantity.unit:
+            unit = of_part if quantity.unit == ".." else quantity.exported or quantity.unit
+            if unit and not _has_results(kind):
                 inside = f"{place}.*" if isinstance(content, Mapping) else place
                 hidden = unit[:1] == "." and unit[1:] not in contents(type(value))
                 known[inside] = getattr(value, unit[1:], unit) if hidden else unit
-            known |= units(content, path if quantity.flat else f"{place}.")
+            known |= units(content, path if quantity.flat else f"{place}.", unit)
     elif _is_input(value):
         from crankbase.model import model_units
 
         known = model_units(value, path)
     elif isinstance(value, Mapping):
         for name, part in value.items():
-            known |= units(part, f"{path}{name}.")
+            known |= units(part, f"{path}{name}.", of_part)
     elif isinstance(value, list | tuple):
         for part in value:
-            known |= units(part, path)
+            known |= units(part, path, of_part)
     return known
 
 
@@ -354,29 +366,33 @@ def _has_results(kind: Any) -> bool:
     return _is_result(kind) or any(map(_has_results, get_args(kind)))
 
 
-def _cells(source: Result, before: str) -> Iterator[tuple[str, tuple[Any, str]]]:
+def _cells(source: Result, before: str, of_part: str = "") -> Iterator[tuple[str, tuple[Any, str]]]:
     for name, (quantity, _) in contents(type(source)).items():
         value = getattr(source, name)
+        unit = of_part if quantity.unit == ".." else quantity.unit
         if isinstance(value, Result):
-            yield from _cells(value, f"{before}{name}.")
+            yield from _cells(value, f"{before}{name}.", unit)
         elif not (isinstance(value, Mapping | tuple | list | np.ndarray) or _is_input(value)):
-            unit = quantity.unit
             yield f"{before}{name}", (value, getattr(source, unit[1:]) if unit[:1] == "." else unit)
 
 
-def _by_field(kind: Any, content: Any) -> Any:
+def _by_field(kind: Any, content: Any, around: Mapping[str, Any] = NO_CONTENT) -> Any:
     """Return JSON content with the names of fields in place of keys, as far as results go."""
     if _is_result(kind) and isinstance(content, Mapping):
         values, names = {}, {field.name for field in fields(kind) if field.init}
+        around = {**around, **content}
         for name, (quantity, part) in contents(kind).items():
             key = quantity.key_of(name)
             if name not in names:
+                continue
+            if quantity.around:
+                values[name] = around.get(key)
                 continue
             if key not in content and not (quantity.flat or quantity.left_out):
                 raise InputError(
                     f"{kind.__name__}: the result has no {key}; it is not of this release."
                 )
-            values[name] = _by_field(part, content if quantity.flat else content.get(key))
+            values[name] = _by_field(part, content if quantity.flat else content.get(key), around)
         return values
     inside = [part for part in get_args(kind) if _has_results(part)]
     # Of a choice between input and a result, the input is known by its fields.
@@ -384,10 +400,10 @@ def _by_field(kind: Any, content: Any) -> Any:
     if not inside or content is None or any(set(content) <= known for known in inputs):
         return content
     if isinstance(content, list):
-        return [_by_field(inside[0], part) for part in content]
+        return [_by_field(inside[0], part, around) for part in content]
     if isinstance(content, Mapping) and get_origin(kind) in (dict, Mapping):
-        return {name: _by_field(inside[-1], part) for name, part in content.items()}
-    return _by_field(inside[0], content)
+        return {name: _by_field(inside[-1], part, around) for name, part in content.items()}
+    return _by_field(inside[0], content, around)
 
 
 def _array(values: Any, size: float) -> Any:

@@ -8,13 +8,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.results import plain as plain_content
 from crankfem.analyses.file_check import check_file
-from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
@@ -313,9 +313,9 @@ def test_one_throw_by_name_gives_the_vibration_of_a_plain_file(both, lightly):
 def test_one_throw_by_name_gives_the_mechanism_of_a_plain_file(both):
     records = []
     for engine in both[:2]:
-        record = mechanism_record(run_mechanism(engine))
+        record = mechanism_results(run_mechanism(engine)).to_record()
         del record["assumed"]
-        records.append(json.loads(json.dumps(plain_content(record))))
+        records.append(record)
     alike(*records)
 
 
@@ -402,9 +402,9 @@ def test_a_search_for_one_throw_wants_an_engine_of_one():
 
 
 def test_bearings_are_as_long_as_the_throws_beside_them_make_them():
-    record = mechanism_record(run_mechanism(load_engine(UNEQUAL)))
-    assert [own["length"] for own in record["main_bearings"]] == close([0.036, 0.035, 0.034, 0.034])
-    assert [own["length"] for own in record["crankpins"]] == close([0.038, 0.036, 0.036])
+    results = mechanism_results(run_mechanism(load_engine(UNEQUAL)))
+    assert [own.length for own in results.main_bearings] == close([0.036, 0.035, 0.034, 0.034])
+    assert [own.length for own in results.crankpins] == close([0.038, 0.036, 0.036])
 
 
 @pytest.mark.slow

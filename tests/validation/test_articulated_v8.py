@@ -16,9 +16,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from crankfem.analyses.mechanism.hinged_rods import piston_accelerations
 
 from comparing import close
-from crankfem.analyses.mechanism.mechanism_records import acceleration_record
 from dynamics.balance import balance, hinged_rod_effects, hodograph_change, moving_masses
 from dynamics.engine.forces import acceleration_orders, cylinder_motion, piston_acceleration
 from dynamics.engine.layout import EngineLayout, RotatingMass, SlavePin
@@ -142,7 +142,7 @@ def test_orders_of_the_accelerations():
 
 def test_accelerations_as_mechanism_tells_them(figure):
     """Against (1) to (4), differentiated numerically and summed by quadrature, as the paper did."""
-    record = acceleration_record(eight_cylinders(), SPEED, (1, 5))
+    record = piston_accelerations(eight_cylinders(), SPEED, (1, 5))
     step, count = 1e-2, 720
     alpha = np.arange(count) * 2.0 * np.pi / count
     weights = np.array([1 / 90, -3 / 20, 3 / 2, -49 / 18, 3 / 2, -3 / 20, 1 / 90]) / step**2
@@ -322,7 +322,7 @@ def test_what_the_slave_pin_beside_the_main_rod_adds():
         balance(engine, SPEED, model=model).of(2).force for model in ("rigid", "two-mass")
     )
     # Across: S i (1 - lambda^2 sin^2(alpha) / 2 ...), whose second order is S lambda^2 w^2 nearly.
-    side = balance(engine, SPEED).of(2).lateral.force
+    side = balance(engine, SPEED).of(2).parts.lateral.force
     assert side.major == close(4 * static * (RADIUS / LENGTH * SPEED) ** 2, rel=0.02)
     change = hodograph_change(exact, plain)
     assert 100 * change.major == close(0.6, abs=0.05)
