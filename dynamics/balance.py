@@ -4,6 +4,7 @@ import cmath
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
@@ -65,7 +66,7 @@ class Hodograph(Result):
     (200.0, 0.0, 0, 0.0)
     """
 
-    order: Annotated[int, Quantity("1", around=True)]
+    order: Internal[int]
     forward: Annotated[complex, Quantity("..")]
     backward: Annotated[complex, Quantity("..")]
 
@@ -108,7 +109,7 @@ class Hodograph(Result):
         half = cmath.phase(_unit(self.forward) * _unit(self.backward)) / 2.0
         return 90.0 if half < FOLD - 0.5 * math.pi else math.degrees(half)
 
-    @property
+    @cached_property
     def largest_at_deg(self) -> Annotated[float | None, Quantity("deg")]:
         """First shaft angle from zero at which the vector is along the major axis [deg].
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -17,7 +18,7 @@ from crankbase.array_checks import (
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.quantity import RPM
-from crankbase.results import Internal, Number, Quantity, Result, Speed, result
+from crankbase.results import Internal, Number, Part, Quantity, Result, Speed, result
 from crankbase.summaries import summarized
 from dynamics.cycle import order_step
 from dynamics.harmonics import Harmonics
@@ -30,17 +31,14 @@ class TwoMassCheck(Result):
 
     Parameters
     ----------
-    statement : str
-        Whether the given torque can resolve the order.
-    resolved : bool or None
-        Whether its samples do; None if no torque was given.
+    harmonics : Harmonics or None
+        Those of the exciting torque [N m], if given.
     """
 
     stiffness: Annotated[float, Quantity("N m/rad", "C_np, torsional stiffness of the shaft")]
     angular_frequency: Annotated[float, Quantity("rad/s", "w_c1, natural angular frequency")]
     order: Number
-    statement: str
-    resolved: Internal[bool | None] = None
+    harmonics: Internal[Harmonics | None] = None
 
     @property
     def frequency(self) -> Annotated[float, Quantity("Hz")]:
@@ -62,20 +60,28 @@ class TwoMassCheck(Result):
         """Crankshaft speed at which the order meets the natural frequency [1/min]."""
         return self.vibrations_per_minute / self.order
 
+    @property
+    def resolved(self) -> bool | None:
+        """Whether the torque's samples resolve the order; None if no torque was given."""
+        return None if self.harmonics is None else self.harmonics.resolves(self.order)
 
-def _statement(order: float, torque: Harmonics | None) -> str:
-    if torque is None:
-        return f"No torque table is given: how strongly order {order:g} excites is open."
-    revolutions = "two revolutions" if torque.strokes == 4 else "one revolution"
-    known = (
-        f"{torque.samples} samples over {revolutions} resolve orders up to {torque.highest_order:g}"
-    )
-    if torque.resolves(order):
-        amplitude = torque.amplitude[torque.index_of(order)]
-        return f"{known}: this table excites order {order:g} with {amplitude:.4g} N m."
-    if order < torque.highest_order:
-        known += f" in steps of {order_step(torque.strokes):g}"
-    return f"{known}: this table cannot excite order {order:g}."
+    @cached_property
+    def statement(self) -> Part[str]:
+        """One sentence on whether the given torque can resolve the order."""
+        if self.harmonics is None:
+            return f"No torque table is given: how strongly order {self.order:g} excites is open."
+        table = self.harmonics
+        revolutions = "two revolutions" if table.strokes == 4 else "one revolution"
+        known = (
+            f"{table.samples} samples over {revolutions} resolve orders up to "
+            f"{table.highest_order:g}"
+        )
+        if table.resolves(self.order):
+            amplitude = table.amplitude[table.index_of(self.order)]
+            return f"{known}: this table excites order {self.order:g} with {amplitude:.4g} N m."
+        if self.order < table.highest_order:
+            known += f" in steps of {order_step(table.strokes):g}"
+        return f"{known}: this table cannot excite order {self.order:g}."
 
 
 def solid_shaft_stiffness(diameter: float, length: float, shear_modulus: float) -> float:
@@ -156,13 +162,11 @@ def two_mass_check(
     (10) to (14) in Makushev, Polyakova 2024, doi 10.25206/1813-8225-2024-191-39-47.
     """
     stiffness = solid_shaft_stiffness(diameter, length, shear_modulus)
-    order = positive_number("order", order, "", "it counts cycles per revolution")
     return TwoMassCheck(
         stiffness=stiffness,
         angular_frequency=two_mass_frequency(stiffness, inertia_1, inertia_2),
-        order=order,
-        statement=_statement(order, harmonics),
-        resolved=None if harmonics is None else harmonics.resolves(order),
+        order=positive_number("order", order, "", "it counts cycles per revolution"),
+        harmonics=harmonics,
     )
 
 

@@ -8,13 +8,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.results import plain as plain_content
 from crankfem.analyses.file_check import check_file
+from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import crank_analyses

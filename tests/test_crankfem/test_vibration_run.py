@@ -23,12 +23,12 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
-from dynamics.assessment.wording import shown_range
 from dynamics.chains.chain import Chain
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.torque import engine_torque
+from dynamics.wording import shown_range
 from fem.analysis import analyze_throw
 
 ADDED = """

@@ -13,10 +13,10 @@ docs/mechanism.md states.
 
 import numpy as np
 import pytest
-from crankfem.analyses.mechanism.rod_models import model_difference, rod_masses
 
 from comparing import close
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.mechanism.rod_models import model_difference, rod_masses
 from crankfem.files.engine.mechanism_file import load_mechanism
 from geometry.mass import cylinder_mass_properties
 

@@ -24,7 +24,6 @@ from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
-from dynamics.assessment.wording import shown_range
 from dynamics.response.loads import section_modulus
 from dynamics.strength.concentration import (
     COEFFICIENTS,
@@ -54,6 +53,7 @@ from dynamics.strength.fatigue import (
     hole_equivalent,
 )
 from dynamics.strength.shrink_fit import ShrinkFit
+from dynamics.wording import shown_range
 from fem.fillet_peaks import FilletPeak, FilletStresses, largest_principal, principal_stresses
 from fem.fillet_stress import FilletMesh, fillet_stresses
 from geometry.throw import CrankThrow

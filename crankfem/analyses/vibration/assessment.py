@@ -44,13 +44,13 @@ from dynamics.assessment.uncertainty import (
     scaled_chain,
 )
 from dynamics.assessment.verdict import Decision, Status, Trial, Verdict, changes, decide
-from dynamics.assessment.wording import conclusion_sentence
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import within
 from dynamics.response.forced import forced_response
 from dynamics.response.series import synthesis
+from dynamics.wording import conclusion_sentence
 from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 

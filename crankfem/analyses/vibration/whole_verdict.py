@@ -19,13 +19,13 @@ from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.response_curves import curves_of
 from dynamics.assessment.verdict import Decision, LimitCheck, Verdict, decide
-from dynamics.assessment.wording import limit_at, use_in_words
 from dynamics.chains.engine_chains import FLYWHEEL, FREE_END, EngineChain
 from dynamics.chains.varying import VaryingSpring
 from dynamics.crankshaft.coupled_response import CoupledResponse, shaft_criticals
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.loads import ElementLoads, LinearQuantities
 from dynamics.response.series import OrderSeries
+from dynamics.wording import limit_at, use_in_words
 
 DIGITS = 3
 REMEDY = (
@@ -257,7 +257,9 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
 
 
 def _use(check: LimitCheck) -> str:
-    return use_in_words(check.limit, check.worst_speed, check.worst_value, check.permitted, DIGITS)
+    return use_in_words(
+        check.limit.unit, check.worst_speed, check.worst_value, check.permitted, DIGITS
+    )
 
 
 def decision_by_both(decision: Decision, whole: Verdict, chains: Verdict) -> Decision:
