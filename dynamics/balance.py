@@ -80,24 +80,24 @@ class Hodograph(Result):
                     "them."
                 )
 
-    @property
+    @cached_property
     def major(self) -> Component:
         """Major semi-axis, |P| + |Q|: the largest value of the vector."""
         return abs(self.forward) + abs(self.backward)
 
-    @property
+    @cached_property
     def minor(self) -> Component:
         """Minor semi-axis, ||P| - |Q||: the least value of the vector."""
         return abs(abs(self.forward) - abs(self.backward))
 
-    @property
+    @cached_property
     def sense(self) -> Annotated[int, Quantity("1")]:
         """1 where the vector turns with the shaft, -1 against it, 0 for a line (or nothing)."""
         if self.minor <= ROUND_OFF * self.major:
             return 0
         return 1 if abs(self.forward) > abs(self.backward) else -1
 
-    @property
+    @cached_property
     def angle_deg(self) -> Annotated[float | None, Quantity("deg")]:
         """Direction of the major axis [deg], above -90 to 90; none for a circle or a point.
 
@@ -124,12 +124,12 @@ class Hodograph(Result):
     def _is_round(self) -> bool:
         return self.major - self.minor <= ROUND_OFF * self.major
 
-    @property
+    @cached_property
     def x(self) -> Component:
         """Amplitude of the component along x, across the engine."""
         return self.amplitude_along(angle_deg=-90.0)
 
-    @property
+    @cached_property
     def y(self) -> Component:
         """Amplitude of the component along y, up and down."""
         return self.amplitude_along(angle_deg=0.0)
@@ -521,12 +521,12 @@ class OrderBalance(Result):
         """The whole moment [N m]."""
         return self.total.moment
 
-    @property
+    @cached_property
     def force_balanced(self) -> Part[bool]:
         """Whether the force is zero within round-off."""
         return self.force.major <= BALANCED * self.force_scale
 
-    @property
+    @cached_property
     def moment_balanced(self) -> Part[bool]:
         """Whether the moment is zero within round-off."""
         return self.moment.major <= BALANCED * self.moment_scale

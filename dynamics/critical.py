@@ -50,7 +50,7 @@ class TwoMassCheck(Result):
         """Natural vibrations per minute."""
         return self.angular_frequency * RPM
 
-    @property
+    @cached_property
     def resonant_speed(self) -> Speed:
         """Crankshaft speed at which the order meets the natural frequency."""
         return self.angular_frequency / self.order

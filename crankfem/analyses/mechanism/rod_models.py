@@ -238,16 +238,12 @@ def rod_masses(layout: EngineLayout) -> tuple[RodOfCylinders, ...]:
         rows = []
         for model in map(rod.model, ROD_MODELS):
             masses = dict(zip(model.places, model.masses, strict=True))
-            rows.append(
-                RodMasses(
-                    model.name,
-                    *(
-                        _without_round_off(masses.get(place), rod.mass)
-                        for place in (0j, complex(rod.length), rod.center)
-                    ),
-                    _without_round_off(model.added_inertia, rod.inertia),
-                )
+            at_foot, at_pin, at_center = (
+                _without_round_off(masses.get(place), rod.mass)
+                for place in (0j, complex(rod.length), rod.center)
             )
+            added = _without_round_off(model.added_inertia, rod.inertia)
+            rows.append(RodMasses(model.name, at_foot, at_pin, at_center, added))
         alike = tuple(number for number, other in enumerate(rods, start=1) if other == rod)
         different.append(RodOfCylinders(alike, tuple(rows)))
     return tuple(different)
