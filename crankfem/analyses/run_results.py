@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.results import Part, Quantity, Result, result
+from crankfem.analyses.mechanism.engine_balance import ShaftBalance
 from crankfem.analyses.mechanism.mechanism_results import MechanismResults
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
@@ -88,7 +89,7 @@ class RunResults(Result):
     throw: ThrowResults
     formulas: Record
     angle_law: Record
-    balance: Record
+    balance: ShaftBalance
     fillets: Optional
     fillet_note: str | None
     mechanism: MechanismResults | None

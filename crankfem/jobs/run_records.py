@@ -9,6 +9,7 @@ import numpy as np
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
+from crankfem.analyses.mechanism.engine_balance import shaft_balance
 from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
@@ -16,7 +17,7 @@ from crankfem.analyses.provenance import Repetition, provenance
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.run_results import NamedThrow, RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
-from crankfem.analyses.shaft.whole_records import shaft_balance_record, shaft_record
+from crankfem.analyses.shaft.whole_records import shaft_record
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
@@ -53,7 +54,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         fillet_note=first.fillet_note,
         angle_law=_angle_record(engine_file, computed.throw.analysis)
         | {"law": first.formulas["fe"]["angle_law"]},
-        balance=shaft_balance_record(engine_file),
+        balance=shaft_balance(engine_file),
         mechanism=None if mechanism is None else mechanism_results(mechanism),
         study=None if study is None else study_record(study.table, study.fits, study.model),
         harmonics=None
