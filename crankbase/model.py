@@ -397,9 +397,12 @@ def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) 
         return text
     limits = limits_of(info)
     if isinstance(text, list) and _holds_several(info):
+        # Rows of pure numbers are those of a table.
         return tuple(
-            parse_quantity(item, unit, f"{name}[{number}]", range_text(info), limits)
-            for number, item in enumerate(text)
+            _value_from_text(kind, key, entry, f"{name}[{number}]")
+            if isinstance(entry, list) and not unit
+            else parse_quantity(entry, unit, f"{name}[{number}]", range_text(info), limits)
+            for number, entry in enumerate(text)
         )
     value = parse_quantity(text, unit, name, range_text(info), limits)
     if meant := other_unit(text, unit, value, limits):

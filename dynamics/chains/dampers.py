@@ -10,7 +10,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import add_node, find_node, with_ground, with_inertia, with_varying
-from dynamics.chains.varying import Variation, VaryingPart
+from dynamics.chains.varying import Variation, VaryingPart, varied
 
 
 @dataclass(frozen=True)
@@ -57,24 +57,22 @@ class TorsionalRing:
             )
 
     @property
-    def law(self) -> VaryingPart | None:
-        """How the connection varies; None if it does not."""
-        if self.variation is None:
-            return None
-        return self.variation.of(self.stiffness, self.loss_factor, self.damping)
+    def connection(self) -> tuple[float, float, float, VaryingPart | None]:
+        """Stiffness, loss factor and damping, and the law by which they vary, if they do."""
+        return varied(self.variation, self.stiffness, self.loss_factor, self.damping)
 
     def attached(self, chain: Chain, node: str | int, name: str) -> Chain:
         """Return the chain with this body on a node, as its last node, of the given name."""
+        stiffness, loss_factor, damping, law = self.connection
         wider = add_node(
             chain,
             name,
             self.inertia,
             to=node,
-            stiffness=self.stiffness or None,
-            damping=self.damping,
-            loss_factor=self.loss_factor,
+            stiffness=stiffness or None,
+            damping=damping,
+            loss_factor=loss_factor,
         )
-        law = self.law
         return wider if law is None else with_varying(wider, len(wider.stiffness) - 1, law)
 
 

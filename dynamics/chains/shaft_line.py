@@ -14,7 +14,7 @@ from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.editing import with_ground
-from dynamics.chains.varying import Variation, Varying
+from dynamics.chains.varying import Variation, Varying, varied
 
 # Shares of the dry propeller that designers often take before they know better; assumed here, no
 # published table stands behind them. D. M. MacPherson, V. R. Puleo, M. B. Packard, Estimation of
@@ -649,10 +649,12 @@ class _Row:
         self.inertia[-1] += piece.left_inertia if torsional else piece.left_mass
         right = piece.right_inertia if torsional else piece.right_mass
         damping = piece.torsional_damping if torsional else piece.axial_damping
-        if piece.variation is not None:
-            law = piece.variation.of(piece.stiffness(kind), piece.loss_factor, damping)
+        stiffness, loss, damping, law = varied(
+            piece.variation, piece.stiffness(kind), piece.loss_factor, damping
+        )
+        if law is not None:
             self.varying.append(Varying(len(self.elements), law))
-        self._element(piece.stiffness(kind), damping, piece.loss_factor, 0.0, right)
+        self._element(stiffness, damping, loss, 0.0, right)
 
     def add_body(self, piece: RigidBody | Propeller, kind: Motion) -> None:
         self.inertia[-1] += piece.inertia if kind == "torsional" else piece.mass
