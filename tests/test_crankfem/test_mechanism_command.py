@@ -17,6 +17,7 @@ from crankfem.analyses.mechanism.balance_records import (
     mechanism_balance_record,
     throw_mass_table,
 )
+from crankfem.analyses.mechanism.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.mechanism_records import compare_rod_models, mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.mechanism.plots import (
@@ -26,7 +27,6 @@ from crankfem.analyses.mechanism.plots import (
     plot_polar_loads,
 )
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.outputs import check_outputs
 from crankfem.report.interactive.mechanism import MECHANISM
