@@ -156,6 +156,34 @@ def test_an_assumed_magnifier_does_not_damp_a_coupling_whose_damping_is_given(tm
     assert both[0] == close(0.5 * loss + 0.0125, rel=0.01)
 
 
+def test_a_coupling_over_the_mean_torque_carries_the_load_of_the_engine(tmp_path):
+    engine = load_engine(
+        written(
+            tmp_path,
+            """[driven]
+inertia = "60 kg m^2"
+coupling_stiffness = "40 kN m/rad"
+
+[driven.variation]
+torque = ["0 N m", "100 kN m"]
+stiffness = [1.0, 3.0]
+
+[load]
+law = "propeller"
+
+[gas]
+""",
+        )
+    )
+    engine = engine.changed(engine={"rated_power": 6e5})
+    (spring,) = engine_torsional_chain(engine, np.full(6, 1e-9), np.full(6, 8.0)).chain.varying
+    speeds = np.array([0.3, 0.7, 1.0]) * engine.engine.rated_speed
+    rated = 6e5 / engine.engine.rated_speed
+    assert spring.law.added(speeds, speeds).real == close(
+        4e4 * 2.0 * rated * np.array([0.09, 0.49, 1.0]) / 1e5, rel=1e-4
+    )
+
+
 @pytest.mark.slow
 def test_forced_vibration_of_an_engine(run):
     torsional, axial = run.forced_torsional, run.forced_axial

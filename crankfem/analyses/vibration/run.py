@@ -303,8 +303,9 @@ def engine_vibration(
             misfiring = misfiring.outside(assessment.verdict.ranges_to_bar)
     if whole is not None:
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
+        running = (read.engine.lowest_speed, read.engine.highest_speed)
         comparison = (
-            ShaftComparison(answer)
+            ShaftComparison(answer, running_range=running)
             if not_comparable(read)
             else compare_with_chains(
                 whole,
@@ -313,7 +314,7 @@ def engine_vibration(
                 answer,
                 None if lengthened is None else lengthened.response,
                 None if twisted is None else twisted.response,
-                (read.engine.lowest_speed, read.engine.highest_speed),
+                running,
             )
         )
         rigid = held_chains(read, analyses, model, math.inf)
