@@ -1,10 +1,10 @@
 """Sentences of limits, verdicts and findings, made from their fields."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from crankbase.quantity import format_quantity, format_usage, quantities_apart
+from crankbase.quantity import format_quantity, format_usage, quantities_apart, significant
 
 # What a verdict is called; "undecided" and "not judged" are those of a run, not of a `Verdict`.
 VERDICTS = {
@@ -212,6 +212,121 @@ def peak_text(amplitude: float, unit: str) -> str:
         return "unbounded"
     text = format_quantity(amplitude, unit, 3)
     return format_quantity(amplitude, unit, 4) if "e+" in text else text
+
+
+def chain_mode(kind: str, frequency: float) -> str:
+    """Name a mode of a chain by its frequency [Hz]."""
+    return f"{kind} mode of the chain at {frequency:.1f} Hz"
+
+
+def no_mode_alike(name: str) -> str:
+    """State that the whole crankshaft lacks a chain's mode."""
+    return f"The whole shaft has no mode like the {name}."
+
+
+def two_modes_alike(name: str, kind: str, modes: Sequence[tuple[float, float]]) -> str:
+    """State between which modes a chain's mode is divided: frequencies [Hz] and shares of its kind."""
+    both = " and ".join(
+        f"{frequency:.1f} Hz ({100.0 * share:.0f} % {kind})" for frequency, share in modes
+    )
+    return f"The whole shaft has two modes like the {name}: {both}."
+
+
+def other_frequency(name: str, shaft: float, difference: float, limit: float) -> str:
+    """State how far a chain's frequency is from that of the whole crankshaft [Hz]."""
+    return (
+        f"The {name} differs from that of the whole shaft, at {shaft:.1f} Hz, by "
+        f"{100.0 * difference:+.1f} %, more than {100.0 * limit:.0f} %."
+    )
+
+
+def mixed_mode(kind: str, shaft: float, share: float, limit: float) -> str:
+    """State how little of a mode of the whole crankshaft [Hz] is of a chain's kind."""
+    return (
+        f"The whole shaft's mode at {shaft:.1f} Hz is only {100.0 * share:.3g} % {kind}, less than "
+        f"{100.0 * limit:.0f} %."
+    )
+
+
+def other_amplitude(kind: str, difference: float, limit: float) -> str:
+    """State how far a chain's amplitude is from that of the whole crankshaft."""
+    return (
+        f"The largest {kind} amplitude of the free end at running speeds differs by "
+        f"{100.0 * difference:+.0f} % from that of the whole shaft, more than {100.0 * limit:.0f} %."
+    )
+
+
+def frequency_steps(
+    kind: str, mode: int, shaft: float, chain: float, steps: Mapping[str, float], least: float
+) -> str:
+    """State both frequencies of a mode [Hz] and the steps between them; small ones are told together."""
+    text = (
+        f"{kind} mode {mode}: {shaft:.1f} Hz by the whole crankshaft, {chain:.1f} Hz by the chain"
+    )
+    shown = {name: f"{by:+.1f}" for name, by in steps.items() if abs(by) >= least}
+    if not shown:
+        return text
+    difference = round(round(shaft, 1) - round(chain, 1), 1)
+    rest = difference - sum(map(float, shown.values()))
+    told = [f"{name} {by} Hz" for name, by in shown.items()]
+    if abs(rest) >= least:
+        told.append(f"rounding and smaller steps {rest:+.1f} Hz")
+    return f"{text} ({difference:+.1f} Hz, step by step: {', '.join(told)})"
+
+
+def tilted_mode(
+    kind: str, mode: int, without: float, frequencies: Sequence[float], passed: bool
+) -> str:
+    """State to which frequencies [Hz] the flywheel's diametral inertia moves a mode."""
+    listed = " and ".join(f"{frequency:.1f}" for frequency in frequencies)
+    below = " (which brings another mode below it)" if passed else ""
+    return f"{kind} mode {mode} from {without:.1f} Hz without to {listed} Hz with it{below}"
+
+
+def flywheel_tilts(inertia: float, half: bool, moved: Sequence[str]) -> str:
+    """State the flywheel's diametral inertia [kg m^2], half of the polar one or not, and what it moves."""
+    about = ", half of that about the shaft" if half else ""
+    return (
+        f"The last step is the flywheel's inertia about a diameter ({significant(inertia, 3)} kg m^2{about}"
+        f"); it moves {', '.join(moved) or 'the first frequencies by less than 0.05 Hz'}. In another order "
+        "the steps share the same difference otherwise."
+    )
+
+
+def differing_chains(differences: Sequence[str], kind: str) -> str:
+    """State how the whole crankshaft differs from its inadequate chains, `kind` being that of the first."""
+    which = "which are" if len(differences) > 1 else f"of which the {kind} one is"
+    return (
+        f"The verdict uses lumped models (chains), {which} inadequate here; the whole crankshaft differs: "
+        f"{'; '.join(differences)}."
+    )
+
+
+def chains_alone(reason: str) -> str:
+    """State why no whole crankshaft stands beside a verdict."""
+    return f"The verdict uses lumped models (chains) alone: {reason}."
+
+
+def differing_amplitude(kind: str, shaft: str, chain: str) -> str:
+    """State both amplitudes of the free end."""
+    return f"largest {kind} amplitude of the free end at running speeds {shaft} instead of {chain}"
+
+
+def differing_mode(
+    kind: str, mode: int, chain: float, shaft: float | None, divided: Sequence[float]
+) -> str:
+    """State what the whole crankshaft has in place of a chain's mode [Hz]."""
+    if shaft is None:
+        return f"it has no mode like {kind} mode {mode}"
+    if divided:
+        both = " and ".join(f"{frequency:.1f}" for frequency in divided)
+        return f"two modes at {both} Hz instead of {kind} mode {mode} at {chain:.1f} Hz"
+    return f"{kind} mode {mode} at {shaft:.1f} instead of {chain:.1f} Hz"
+
+
+def impure_mode(kind: str, shaft: float | None, share: float) -> str:
+    """State the share of its energy that is of a kind."""
+    return f"its {kind} mode at {shaft:.1f} Hz is only {100.0 * share:.3g} % {kind}"
 
 
 def undecided_sentence(why: str) -> str:

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.results import Part, Quantity, Result, result
-from crankfem.analyses.mechanism.engine_balance import ShaftBalance
 from crankfem.analyses.mechanism.mechanism_results import MechanismResults
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
+from crankfem.analyses.shaft.whole_records import ShaftBalance, ThrowsInShaft
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.throw.throw_record import ThrowResults
@@ -96,7 +96,7 @@ class RunResults(Result):
     study: Optional
     harmonics: TableHarmonics | None
     two_mass: TwoMassCheck | None
-    shaft: Record
+    shaft: ThrowsInShaft
     vibration: Record
     strength: EngineStrength | None
     fatigue: EngineFatigue | None

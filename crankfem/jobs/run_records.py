@@ -9,7 +9,6 @@ import numpy as np
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.mechanism.engine_balance import shaft_balance
 from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
@@ -17,7 +16,7 @@ from crankfem.analyses.provenance import Repetition, provenance
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.run_results import NamedThrow, RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
-from crankfem.analyses.shaft.whole_records import shaft_record
+from crankfem.analyses.shaft.whole_records import shaft_balance, throws_in_shaft
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
@@ -63,7 +62,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         two_mass=None
         if engine_file.two_mass is None
         else checked(engine_file.two_mass, computed.harmonics),
-        shaft=shaft_record(computed.vibration.shaft, computed.crank_analyses),
+        shaft=throws_in_shaft(computed.vibration.shaft, computed.crank_analyses),
         vibration=plain(run_record(computed.vibration)),
         strength=computed.strength,
         fatigue=computed.fatigue,

@@ -14,6 +14,7 @@ from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankbase.table import merged_rows
 from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance
+from crankfem.analyses.mechanism.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.mechanism.plots import (
@@ -24,7 +25,6 @@ from crankfem.analyses.mechanism.plots import (
 )
 from crankfem.analyses.mechanism.rod_models import compare_rod_models
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.outputs import check_outputs
 from crankfem.report.interactive.mechanism import MECHANISM

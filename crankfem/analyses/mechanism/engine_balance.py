@@ -9,15 +9,12 @@ from typing import Annotated
 from crankbase.results import Flat, Quantity, Result, result
 from crankbase.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
-from crankfem.files.engine.engine_file import EngineFile
 from dynamics.balance import (
     BALANCED,
     Balance,
     Hodograph,
     balance,
 )
-from geometry.crankshaft import Crankshaft
-from geometry.mass import unbalance
 from geometry.parts import counterweight_moment
 
 BALANCED_TEXT = "balanced"
@@ -246,41 +243,8 @@ def _throws(run: MechanismRun) -> Iterator[ThrowBalance]:
         yield ThrowBalance(number + 1, *(_without_round_off(moment, scale) for moment in moments))
 
 
-def _without_round_off(
-    moment: complex, scale: float, least: float = ROUND_OFF
-) -> tuple[float, float]:
+def _without_round_off(moment: complex, scale: float) -> tuple[float, float]:
     along, across = (
-        0.0 if abs(part) < least * scale else float(part) for part in (moment.real, moment.imag)
+        0.0 if abs(part) < ROUND_OFF * scale else part for part in (moment.real, moment.imag)
     )
     return along, across
-
-
-@result("mass", "static", "dynamic", eq=True)
-class ShaftBalance(Result):
-    """Masses and unbalance of the whole crankshaft, about the middle of its throws; without rods."""
-
-    mass: Annotated[float, Quantity("kg")]
-    length: Annotated[float, Quantity("m")]
-    inertia_about_shaft: Annotated[float, Quantity("kg m^2")]
-    static: StaticMoment
-    dynamic: Annotated[tuple[float, float], Quantity("kg m^2")]
-
-
-def shaft_balance(engine_file: EngineFile) -> ShaftBalance:
-    """Return the balance of an engine's crankshaft."""
-    shaft = Crankshaft(
-        engine_file.crank_throws,
-        crank_angles_deg=engine_file.throw_angles_deg,
-        ends=engine_file.shaft_ends,
-    )
-    masses = shaft.masses(engine_file.material.density)
-    left = unbalance(masses, 0.5 * float(shaft.starts[-1]))
-    # If all throws pointed one way.
-    most = engine_file.throw.crank_radius * masses.mass
-    return ShaftBalance(
-        masses.mass,
-        shaft.length,
-        masses.inertia_about_shaft,
-        static=_without_round_off(complex(*left.static), most, 1e-9),
-        dynamic=_without_round_off(complex(*left.dynamic), most * shaft.length, 1e-9),
-    )

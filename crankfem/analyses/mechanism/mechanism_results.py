@@ -13,6 +13,7 @@ from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, Sp
 from crankbase.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance
+from crankfem.analyses.mechanism.engine_mechanism import MechanismFile
 from crankfem.analyses.mechanism.hinged_rods import (
     PistonAccelerations,
     acceleration_columns,
@@ -31,7 +32,6 @@ from crankfem.analyses.mechanism.rod_models import (
     rod_masses,
 )
 from crankfem.analyses.record import assumed_values
-from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.balance import HingedRodEffects
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
