@@ -334,7 +334,11 @@ def units(value: Any, path: str = "") -> dict[str, str]:
             if unit := quantity.exported or quantity.unit:
                 inside = f"{place}.*" if isinstance(content, Mapping) else place
                 hidden = unit[:1] == "." and unit[1:] not in contents(type(value))
-                known[inside] = getattr(value, unit[1:], unit) if hidden else unit
+                named = getattr(value, unit[1:], unit) if hidden else unit
+                if isinstance(named, Mapping):  # a unit for each name
+                    known |= {f"{place}.{key}": own for key, own in named.items()}
+                else:
+                    known[inside] = named
             known |= units(content, path if quantity.flat else f"{place}.")
     elif _is_input(value):
         from crankbase.model import model_units
