@@ -57,7 +57,7 @@ def test_the_key_of_a_files_study(read, tmp_path):
         for name, value in THROW.model_dump(exclude_defaults=True).items()
     }
     plan = read(f"[throw]\n{''.join(lengths.values())}{study()}")
-    assert study_key(tmp_path / "study.toml") == plan.key
+    assert study_key(str(tmp_path / "study.toml")) == plan.key
 
 
 def test_what_is_not_said(read):
