@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 
 
 Array = NDArray[np.float64]
+Figure = Annotated[float | None, Quantity("1")]
 
 
 def checked_runs(
@@ -112,34 +113,25 @@ class FitErrors(Result):
     coefficient_count: int
     # Of the response itself at the runs, also for a form in logarithms; 1 for a constant response.
     r_squared: Number
-    adjusted_r_squared: Annotated[float | None, Quantity("1", "None without degrees of freedom")]
-    # Each run is left out of the selection of the terms too, except in large studies (runs^2 times terms
-    # above `LARGEST_SELECTION`), where one run of hundreds hardly changes it.
-    q_squared: Annotated[
-        float | None,
-        Quantity(
-            "1",
-            "leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself; None if a single "
-            "run determines a coefficient before the selection",
-        ),
-    ]
+    # None without degrees of freedom.
+    adjusted_r_squared: Figure
+    # Leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself. Each run is left out of
+    # the selection of the terms too, except in large studies (runs^2 times terms above
+    # `LARGEST_SELECTION`), where one run of hundreds hardly changes it. None if a single run determines a
+    # coefficient before the selection.
+    q_squared: Figure
     largest_error: Annotated[float, Quantity("1", "at the runs", key="largest_error_at_runs")]
     mean_error: Annotated[float, Quantity("1", "at the runs", key="mean_error_at_runs")]
-    largest_heldout_error: Annotated[
-        float | None, Quantity("1", "None without held-out designs", key="largest_error_held_out")
-    ]
+    # None without held-out designs.
+    largest_heldout_error: Annotated[float | None, Quantity("1", key="largest_error_held_out")]
     mean_heldout_error: Annotated[float | None, Quantity("1", key="mean_error_held_out")]
-    band_error: Annotated[
-        float | None,
-        Quantity(
-            "1",
-            "not exceeded by 95 % of new designs (`regression.fits.selection.tolerance_limit`): of the runs, "
-            "each left out in turn, and of the held-out designs, the larger; None without either",
-        ),
-    ]
-    band_designs: Annotated[int, Quantity("1", "that it is based on")]
-    undetermined: Annotated[tuple[str, ...], Quantity("", "terms that the levels do not determine")]
-    dropped: Annotated[tuple[str, ...], Quantity("", "terms without which PRESS did not grow")]
+    # Not exceeded by 95 % of new designs (`regression.fits.selection.tolerance_limit`), by so many: of the
+    # runs, each left out in turn, and of the held-out designs, the larger; None without either.
+    band_error: Figure
+    band_designs: int
+    # Terms that the runs' levels do not determine, and those without which PRESS did not grow.
+    undetermined: tuple[str, ...]
+    dropped: tuple[str, ...]
 
 
 @result(

@@ -24,46 +24,33 @@ SOBOL_SEED = 1
 CONSTANT = 1e-9
 
 
+Shares = Annotated[Mapping[str, float], Quantity("1")]
+
+
 @result("first", "total", "shapley")
 class SobolIndices(Result):
     """Shares of a response's variance by factor, over the ranges or the part within the constraints."""
 
-    first: Annotated[
-        Mapping[str, float],
-        Quantity(
-            "1",
-            "share that a factor causes alone, Var E(y | x_i) / Var y; the rest several cause together",
-        ),
-    ]
-    # Under constraints a factor also contains information on others, and this may be less than the first.
-    total: Annotated[
-        Mapping[str, float],
-        Quantity(
-            "1",
-            "share that a factor causes alone and together with others, E Var(y | all but x_i) / Var y",
-        ),
-    ]
-    points: Annotated[int, Quantity("1", "of each of the samples that they are estimated from")]
-    # Without constraints they are between first and total and are not calculated.
-    shapley: Annotated[
-        Mapping[str, float] | None,
-        Quantity(
-            "1",
-            "under constraints, the shares that add up to 1: means, over all orders in which the factors may "
-            "become known, of the reduction of variance by each",
-        ),
-    ] = None
+    # What a factor causes alone, Var E(y | x_i) / Var y; the rest several cause together.
+    first: Shares
+    # Alone and together with others, E Var(y | all but x_i) / Var y. Under constraints a factor also
+    # contains information on others, and this may be less than the first.
+    total: Shares
+    # Of each of the samples that they are estimated from.
+    points: int
+    # Under constraints, the shares that add up to 1: means, over all orders in which the factors may become
+    # known, of the reduction of variance by each. Without, they lie between first and total: not calculated.
+    shapley: Shares | None = None
 
 
 @result("elasticity", "sobol.first", "sobol.total")
 class Sensitivities(Result):
     """Effect of each factor on a response, by its chosen equation."""
 
-    nominal: Annotated[
-        Mapping[str, float | str],
-        Quantity(".units", "at which the elasticities are valid; of a category its label"),
-    ]
-    elasticity: Annotated[Mapping[str, float], Quantity("1", "d ln y / d ln p")]
+    # At which the elasticities are valid; of a category its label.
+    nominal: Annotated[Mapping[str, float | str], Quantity(".units")]
+    # d ln y / d ln p.
+    elasticity: Shares
     # None for a response that does not vary, and if the constraints leave too little.
     sobol: SobolIndices | None
     units: Mapping[str, str]

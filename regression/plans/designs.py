@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankbase.results import Quantity, Result, result
+from crankbase.results import Number, Quantity, Result, result
 from regression.plans.factors import Factor, rounded
 
 # Latin hypercubes tried, of which the one with the largest smallest distance is taken; fewer of large
@@ -160,22 +160,14 @@ NONE = 1e-12
 class DesignQuality(Result):
     """Quality of runs before any has a result, in coordinates 0 to 1 over each range."""
 
-    distance: Annotated[
-        float | None,
-        Quantity("1", "of the two nearest runs; labels of a choice of q are 1/q apart"),
-    ]
-    discrepancy: Annotated[
-        float,
-        Quantity("1", "centered L2, squared (Hickernell 1998), of the factors that are numbers"),
-    ]
-    random_discrepancy: Annotated[
-        float,
-        Quantity("1", "its mean for as many random points: ((5/4)^k - (13/12)^k) / n"),
-    ]
-    correlation: Annotated[
-        float | None,
-        Quantity("1", "largest absolute one of two factors, choices of two labels among them"),
-    ]
+    # Of the two nearest runs; labels of a choice of q are 1/q apart.
+    distance: Annotated[float | None, Quantity("1")]
+    # Centered L2, squared (Hickernell 1998), of the factors that are numbers, and its mean for as many random
+    # points: ((5/4)^k - (13/12)^k) / n.
+    discrepancy: Number
+    random_discrepancy: Number
+    # Largest absolute one of two factors, choices of two labels among them.
+    correlation: Annotated[float | None, Quantity("1")]
     correlated: tuple[str, ...]
 
 
