@@ -114,16 +114,15 @@ _PLACES = {
     "m": "meshings.size dimensions.value rotating.position",
     "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
     "pistons.amplitude pistons.largest pistons.left",
-    "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
+    "N": "axial_forces.alone "
     "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean",
     "N m": "torque.largest torque.smallest",
-    "N/m": "bearings.stiffness",
     "kg": "masses.reciprocating masses.rotating",
     "kg m": "balance.static throws.counterweights throws.rods throws.solid throws.sum unbalance.static",
     "kg m^2": "balance.dynamic unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",
-    "Hz": "bearings.chains.* bearings.further.* bearings.shaft.* causes.* "
+    "Hz": "causes.* "
     "frequencies.high frequencies.low frequencies.nominal",
     "m/N": "errors.axial_compliance errors.influence_coefficient "
     "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value",
@@ -150,9 +149,6 @@ _HODOGRAPH, _HARMONICS = "major minor x y forward backward", "mean cosine sine a
 _GROUPS = {
     (_HODOGRAPH, "N"): ("force", "side_by_side", "kinematics", "masses", "hinged"),
     (_HODOGRAPH, "N m"): ("moment",),
-    ("lowest highest", "N"): tuple(
-        f"axial_force.{end}" for end in ("thrust_bearing", "held", "throws")
-    ),
     (_HARMONICS, "N m"): ("torque",),
 }
 
