@@ -122,8 +122,7 @@ _PLACES = {
     "kg m^2": "balance.dynamic unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",
-    "Hz": "causes.* "
-    "frequencies.high frequencies.low frequencies.nominal",
+    "Hz": "causes.* frequencies.high frequencies.low frequencies.nominal",
     "m/N": "errors.axial_compliance errors.influence_coefficient "
     "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value",
     "rad/(N m)": "errors.torsional_compliance fe.torsional regression.torsional.value",
