@@ -12,12 +12,12 @@ from comparing import close
 from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankbase.table import merged_rows
+from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.balance_records import (
     balance_contents,
     mechanism_balance_record,
     throw_mass_table,
 )
-from crankfem.analyses.mechanism.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.mechanism_records import compare_rod_models, mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.mechanism.plots import (

@@ -13,9 +13,9 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.results import plain as plain_content
+from crankfem.analyses.engine_mechanism import load_mechanism, with_throws
 from crankfem.analyses.engine_optimum import engine_frequencies
 from crankfem.analyses.file_check import check_file
-from crankfem.analyses.mechanism.engine_mechanism import load_mechanism, with_throws
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.sources import compliances_in_shaft

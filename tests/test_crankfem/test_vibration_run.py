@@ -9,7 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.mechanism.engine_mechanism import load_mechanism, mechanism_of
+from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.record import plain
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics

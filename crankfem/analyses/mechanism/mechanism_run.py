@@ -10,7 +10,7 @@ from crankbase.choices import check_choice, check_kind, check_not_given, is_whol
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.summaries import summarized
-from crankfem.analyses.mechanism.engine_mechanism import (
+from crankfem.analyses.engine_mechanism import (
     MechanismFile,
     by_gas,
     full_load_only,

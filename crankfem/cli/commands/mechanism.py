@@ -48,13 +48,13 @@ def mechanism(
     out: Output,
 ) -> None:
     """Calculate forces in the crank mechanism, bearing loads, and the balance of the engine."""
+    from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_inputs
     from crankfem.analyses.mechanism.balance_records import (
         balance_parts,
         hinged_rod_table,
         hinged_rods_record,
         mechanism_balance_record,
     )
-    from crankfem.analyses.mechanism.engine_mechanism import load_mechanism, mechanism_inputs
     from crankfem.analyses.mechanism.mechanism_records import (
         acceleration_parts,
         acceleration_record,
@@ -259,7 +259,7 @@ def _torque_table_harmonics(source: str, asked: _Request) -> "TableHarmonics":
 
 def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
     from crankfem.analyses import titles
-    from crankfem.analyses.mechanism.engine_mechanism import (
+    from crankfem.analyses.engine_mechanism import (
         full_load_only,
         load_mechanism,
         mechanism_inputs,
