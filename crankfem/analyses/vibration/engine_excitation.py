@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -10,6 +11,15 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
+from crankfem.analyses.engine_mechanism import (
+    MechanismFile,
+    curve_at,
+    full_load_only,
+    mechanism_of,
+    motored_for_misfire,
+    pressure_maps,
+    pressures_at,
+)
 from crankfem.analyses.shaft.chains import (
     damped_engine_chain,
     engine_axial_chain,
@@ -32,19 +42,7 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import (
-    MechanismFile,
-    curve_at,
-    full_load_only,
-    mechanism_of,
-    pressure_maps,
-    pressures_at,
-)
-from crankfem.files.sections.excitation_sections import (
-    gas_map_load,
-    gas_map_pressure,
-    motored_for_misfire,
-)
+from crankfem.files.sections.excitation_sections import gas_map_load, gas_map_pressure
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.critical import engine_orders
 from dynamics.excitation.chain_excitation import (
@@ -130,7 +128,7 @@ class EngineLoad(Result):
     friction_pressure: Internal[float]
     rated: EnginePower
 
-    @property
+    @cached_property
     def points(self) -> Annotated[tuple[LoadPoint, ...], Quantity(key="speeds")]:
         """The load at each speed."""
         values = (self.speeds, self.power, self.mean_pressure, self.peak_pressure)
@@ -138,7 +136,7 @@ class EngineLoad(Result):
         known = [None] * self.speeds.size if intake is None else intake.tolist()
         return tuple(map(LoadPoint, *(each.tolist() for each in values), known))
 
-    @property
+    @cached_property
     def sentence(self) -> Part[str]:
         """The load as a function of the speed, in words."""
         if self.law == "constant":
