@@ -25,8 +25,8 @@ from crankfem import studies as studies
 from crankfem import throws as throws
 from crankfem import torque as torque
 from crankfem import transient as transient
-from crankfem.analyses.mechanism.engine_mechanism import MechanismFile as MechanismFile
-from crankfem.analyses.mechanism.engine_mechanism import load_mechanism as load_mechanism
+from crankfem.analyses.engine_mechanism import MechanismFile as MechanismFile
+from crankfem.analyses.engine_mechanism import load_mechanism as load_mechanism
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun as MechanismRun
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism as run_mechanism
 from crankfem.analyses.shaft.whole_shaft import WholeShaft as WholeShaft

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 import matplotlib as mpl
 
 import crankfem as cf
-from crankfem.analyses.mechanism.engine_mechanism import load_mechanism
+from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.hinged_rods import piston_names
 from crankfem.analyses.mechanism.plots import picture_torque_table, plot_model_difference
 from crankfem.analyses.mechanism.rod_models import model_difference

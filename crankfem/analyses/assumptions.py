@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from crankbase.model import field_extra
 from crankbase.quantity import compact, format_quantity
-from crankfem.analyses.mechanism.engine_mechanism import MechanismFile, by_gas, mechanism_of
+from crankfem.analyses.engine_mechanism import MechanismFile, by_gas, mechanism_of
 from crankfem.analyses.shaft.chains import bearing_stiffness, flywheel_overhang
 from crankfem.files.engine.engine_file import SECTIONS, EngineFile
 from crankfem.files.reading.toml_file import InputRecord

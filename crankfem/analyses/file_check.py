@@ -10,7 +10,7 @@ import numpy as np
 from crankbase.model import field_extra
 from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.mechanism.engine_mechanism import MechanismFile, load_any, mechanism_of
+from crankfem.analyses.engine_mechanism import MechanismFile, load_any, mechanism_of
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.shaft.sources import chosen_regressions, refused
 from crankfem.analyses.study.nominal_throw import outside_study

@@ -108,15 +108,13 @@ _PLACES = {
     "quality.* "
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
     "m": "meshings.size dimensions.value",
-    "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
-    "axial_forces.in_shaft",
+    "N": "axial_forces.alone axial_forces.in_shaft",
     "N/m": "bearings.stiffness",
     "kg m": "unbalance.static",
     "kg m^2": "unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",
-    "Hz": "bearings.chains.* bearings.further.* bearings.shaft.* causes.* "
-    "frequencies.high frequencies.low frequencies.nominal",
+    "Hz": "causes.* frequencies.high frequencies.low frequencies.nominal",
     "m/N": "errors.axial_compliance errors.influence_coefficient "
     "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value",
     "rad/(N m)": "errors.torsional_compliance fe.torsional regression.torsional.value",
@@ -140,9 +138,6 @@ _KINDS = {
 _HARMONICS = "mean cosine sine amplitude"
 # Of what is a force here and a moment there: parts and unit, and what has them.
 _GROUPS = {
-    ("lowest highest", "N"): tuple(
-        f"axial_force.{end}" for end in ("thrust_bearing", "held", "throws")
-    ),
     (_HARMONICS, "N m"): ("torque",),
 }
 

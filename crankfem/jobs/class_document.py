@@ -16,8 +16,8 @@ from crankbase.outputs import (
     write_text,
 )
 from crankbase.table import Table
+from crankfem.analyses.engine_mechanism import engine_inputs
 from crankfem.analyses.file_check import refuse_what_cannot_run
-from crankfem.analyses.mechanism.engine_mechanism import engine_inputs
 from crankfem.analyses.provenance import provenance
 from crankfem.analyses.submission.document import DocumentPart, check_submission, class_document
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from crankfem.analyses.engine_mechanism import MechanismFile, engine_inputs, mechanism_of
 from crankfem.analyses.file_check import refuse_what_cannot_run
-from crankfem.analyses.mechanism.engine_mechanism import MechanismFile, engine_inputs, mechanism_of
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.provenance import UsedFile, used_files
 from crankfem.analyses.shaft.sources import saved_model, with_model

@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, given, settings
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.file_check import check_file
-from crankfem.analyses.mechanism.engine_mechanism import load_mechanism
 from crankfem.analyses.shaft.chains import shaft_surroundings
 from crankfem.analyses.strength.cycle_loads import supported_throws
 from crankfem.analyses.strength.engine_strength import shrink_fit, throw_webs

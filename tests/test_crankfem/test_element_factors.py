@@ -8,7 +8,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.mechanism.engine_mechanism import mechanism_of
+from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.strength import engine_strength
 from crankfem.analyses.strength.cycle_loads import shaft_loads
 from crankfem.analyses.strength.engine_strength import (

@@ -12,8 +12,8 @@ from crankbase.array_checks import finite_array, positive_number
 from crankbase.choices import whole_number
 from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
+from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.file_check import refuse_what_cannot_run
-from crankfem.analyses.mechanism.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.shaft.chains import engine_throw_inertias
 from crankfem.analyses.vibration.engine_limits import engine_limits, rule_of
 from crankfem.analyses.vibration.run import engine_vibration
@@ -235,7 +235,7 @@ def test_refusals_are_one_clear_sentence(changes, fragments, tmp_path, six_cylin
     assert answer.err == f"Error: {message}\n"
 
 
-@pytest.mark.parametrize("command", [("check",), ("run",), ("doe", "--plan"), ("doe",)])
+@pytest.mark.parametrize("command", [("check",), ("run",), ("plan",), ("doe",)])
 def test_a_study_of_which_nothing_can_be_built(
     tmp_path, monkeypatch, six_cylinders, edit, call, command
 ):

@@ -9,7 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.mechanism.engine_mechanism import load_any, mechanism_of
+from crankfem.analyses.engine_mechanism import load_any, mechanism_of
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.files.engine import usual_sizes
 from crankfem.files.engine.engine_file import EngineFile

@@ -13,8 +13,8 @@ from comparing import close
 from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankbase.table import merged_rows
+from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance
-from crankfem.analyses.mechanism.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.mechanism.plots import (

@@ -10,7 +10,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.mechanism.engine_mechanism import (
+from crankfem.analyses.engine_mechanism import (
     MechanismFile,
     load_any,
     load_mechanism,

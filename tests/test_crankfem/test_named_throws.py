@@ -12,9 +12,9 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_mechanism import load_mechanism, with_throws
 from crankfem.analyses.engine_optimum import engine_frequencies
 from crankfem.analyses.file_check import check_file
-from crankfem.analyses.mechanism.engine_mechanism import load_mechanism, with_throws
 from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.sources import compliances_in_shaft

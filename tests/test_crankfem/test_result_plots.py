@@ -17,8 +17,8 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.results import Result
+from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.hinge.hinge_run import run_hinge
-from crankfem.analyses.mechanism.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.study.response_fits import predicted
 from crankfem.analyses.study.studies import fitted

@@ -12,7 +12,7 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
-from crankfem.analyses.mechanism.engine_mechanism import mechanism_of
+from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.strength import engine_strength
 from crankfem.analyses.strength.cycle_loads import shaft_loads
 from crankfem.analyses.strength.engine_strength import shown_factor

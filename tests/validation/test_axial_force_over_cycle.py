@@ -14,7 +14,7 @@ import pytest
 from scipy.linalg import eigh
 
 from comparing import close
-from crankfem.analyses.mechanism.engine_mechanism import mechanism_of
+from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.shaft.chains import bearing_stiffness, magnifier_of
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.vibration.axial_cycle import axial_cycle

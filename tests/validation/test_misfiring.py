@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import crankfem as cf
-from crankfem.analyses.mechanism.engine_mechanism import mechanism_of, motored_for_misfire
+from crankfem.analyses.engine_mechanism import mechanism_of, motored_for_misfire
 from dynamics.torque import DEFAULT_SAMPLES
 
 FOLDER = Path(__file__).parents[1] / "data" / "engines"

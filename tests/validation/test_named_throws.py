@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crankfem.analyses.mechanism.engine_mechanism import mechanism_of, with_throws
+from crankfem.analyses.engine_mechanism import mechanism_of, with_throws
 from crankfem.analyses.shaft.whole_records import shaft_balance
 from crankfem.analyses.shaft.whole_shaft import highest_exciting_frequency, whole_shaft
 from crankfem.analyses.vibration.run import engine_vibration

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.mechanism.engine_mechanism import load_mechanism
+from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.mechanism.rod_models import model_difference, rod_masses
 from geometry.mass import cylinder_mass_properties

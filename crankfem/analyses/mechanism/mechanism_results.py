@@ -12,8 +12,8 @@ from crankbase.quantity import RPM
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, Speed, result
 from crankbase.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.assumptions import input_values
+from crankfem.analyses.engine_mechanism import MechanismFile
 from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance
-from crankfem.analyses.mechanism.engine_mechanism import MechanismFile
 from crankfem.analyses.mechanism.hinged_rods import (
     PistonAccelerations,
     acceleration_columns,

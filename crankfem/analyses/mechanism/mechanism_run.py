@@ -11,7 +11,7 @@ from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Quantity, Result, result
 from crankbase.summaries import summarized
-from crankfem.analyses.mechanism.engine_mechanism import (
+from crankfem.analyses.engine_mechanism import (
     MechanismFile,
     by_gas,
     full_load_only,

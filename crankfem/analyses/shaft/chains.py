@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.errors import InputError
 from crankbase.quantity import UNITS, VIBRATING, compact, format_quantity, significant, unit_symbol
 from crankbase.summaries import summarized
-from crankfem.analyses.mechanism.engine_mechanism import layout_of
+from crankfem.analyses.engine_mechanism import layout_of
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile

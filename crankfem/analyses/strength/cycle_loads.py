@@ -16,7 +16,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Quantity, Result, result
-from crankfem.analyses.mechanism.engine_mechanism import MechanismFile, mechanism_of
+from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.vibration.engine_excitation import (

@@ -13,7 +13,7 @@ from crankbase.frames import DataFrame, table_of
 from crankbase.quantity import RPM, UNBOUNDED
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table
-from crankfem.analyses.mechanism.engine_mechanism import MechanismFile, mechanism_of
+from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.strength.cycle_loads import (
     HIGHEST_ORDER,
     LargestLoad,

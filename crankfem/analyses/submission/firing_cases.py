@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankfem.analyses.mechanism.engine_mechanism import MechanismFile, mechanism_of
+from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     engine_harmonics,

@@ -12,7 +12,7 @@ from crankbase.array_checks import ComplexArray, FloatArray
 from crankbase.quantity import UNBOUNDED, format_quantity
 from crankbase.summaries import summarized
 from crankbase.table import Cell, Column, OutputUnit, Table
-from crankfem.analyses.mechanism.engine_mechanism import (
+from crankfem.analyses.engine_mechanism import (
     MechanismFile,
     curve_at,
     full_load_only,

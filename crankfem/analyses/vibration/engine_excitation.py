@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
-from crankfem.analyses.mechanism.engine_mechanism import (
+from crankfem.analyses.engine_mechanism import (
     MechanismFile,
     curve_at,
     full_load_only,

@@ -13,7 +13,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Row, table_of
 from crankbase.quantity import format_quantity, format_usage
 from crankbase.results import Flat, InItsUnit, Internal, Part, Quantity, Result, Speed, result
-from crankfem.analyses.mechanism.engine_mechanism import MechanismFile
+from crankfem.analyses.engine_mechanism import MechanismFile
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     failing_harmonics,

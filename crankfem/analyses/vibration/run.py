@@ -11,7 +11,7 @@ from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.summaries import summarized
-from crankfem.analyses.mechanism.engine_mechanism import MechanismFile, layout_of, mechanism_of
+from crankfem.analyses.engine_mechanism import MechanismFile, layout_of, mechanism_of
 from crankfem.analyses.shaft.sources import compliances_in_shaft, usable_model
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
 from crankfem.analyses.shaft.whole_shaft import (

@@ -48,7 +48,7 @@ def mechanism(
     out: Output,
 ) -> None:
     """Calculate forces in the crank mechanism, bearing loads, and the balance of the engine."""
-    from crankfem.analyses.mechanism.engine_mechanism import load_mechanism, mechanism_inputs
+    from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_inputs
     from crankfem.analyses.mechanism.mechanism_results import force_columns, mechanism_details
     from crankfem.analyses.mechanism.mechanism_run import run_mechanism
     from crankfem.analyses.mechanism.plots import plot_model_difference
@@ -224,7 +224,7 @@ def _torque_table_harmonics(source: str, asked: _Request) -> "TableHarmonics":
 
 def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
     from crankfem.analyses import titles
-    from crankfem.analyses.mechanism.engine_mechanism import (
+    from crankfem.analyses.engine_mechanism import (
         full_load_only,
         load_mechanism,
         mechanism_inputs,

@@ -71,7 +71,7 @@ def vibration(
         _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
         return
     from crankbase.outputs import protect
-    from crankfem.analyses.mechanism.engine_mechanism import engine_inputs, mechanism_of
+    from crankfem.analyses.engine_mechanism import engine_inputs, mechanism_of
     from crankfem.analyses.record import plain, with_units
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
