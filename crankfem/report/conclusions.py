@@ -262,13 +262,12 @@ def failed_checks(checks: Sequence[Check]) -> str:
 
 def _by_whole(vibration: EngineVibration, assessment: Assessment) -> str:
     """State how the whole crankshaft differs from the chains, also in the force on the thrust bearing."""
-    found = [*assessment.by_whole]
-    force = vibration.thrust or {}
-    models = list(filter(None, (force.get(name) for name in ("running", "running_whole"))))
-    if found and len(models) == 2:
+    found, force = [*assessment.by_whole], vibration.thrust
+    if found and force is not None and force.running and force.running_whole:
         chain, shaft = (
-            f"{quantity(one['amplitude'], 'N', DIGITS)} at {significant(one['speed_rpm'], DIGITS)} 1/min"
-            for one in models
+            f"{quantity(largest.amplitude, 'N', DIGITS)} at "
+            f"{significant(largest.speed * RPM, DIGITS)} 1/min"
+            for largest in (force.running, force.running_whole)
         )
         found.append(
             f"Largest force amplitude on the thrust bearing at running speeds: {shaft} by the whole "
@@ -296,9 +295,9 @@ def _by_whole(vibration: EngineVibration, assessment: Assessment) -> str:
 
 def _other_models(vibration: EngineVibration, assessment: Assessment) -> str:
     """State what is not modeled, and whether the verdict hangs on the bearings."""
-    bearings = vibration.swept
+    bearings = vibration.bearings
     found = [text for text in assessment.all_beside if text not in assessment.by_whole]
-    found += bearings["sentences"] if bearings is not None and bearings["flips"] else ()
+    found += bearings.sentences if bearings is not None and bearings.flips else ()
     return with_three_digits(
         " ".join(dict.fromkeys(found))
     )  # the range of the bearings stands in both

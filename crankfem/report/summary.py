@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from crankbase.quantity import compact, format_number, nano, significant
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
@@ -75,8 +77,8 @@ def engine_facts(results: RunResults) -> list[str]:
     ]
     if mechanism is not None:
         facts.append(
-            f"indicated power {quantity(mechanism['power'], 'W', 3)}, mean indicated pressure "
-            f"{quantity(mechanism['mean_indicated_pressure'], 'Pa', 3)}"
+            f"indicated power {quantity(mechanism.power, 'W', 3)}, mean indicated pressure "
+            f"{quantity(mechanism.mean_indicated_pressure, 'Pa', 3)}"
         )
     if count > 1:
         order = f"firing order {'-'.join(map(str, engine['firing_order']))}"
@@ -99,9 +101,9 @@ def uncertain_sentence(vibration: EngineVibration, assessment: Assessment, kind:
     spreads = [
         f"{spread.name} {factor_range(spread)} the value used" for spread in uncertain.spreads
     ]
-    bearings = vibration.swept
+    bearings = vibration.bearings
     if bearings is not None:
-        low, high = min(bearings["stiffness"]), max(bearings["stiffness"])
+        low, high = float(min(bearings.stiffness)), float(max(bearings.stiffness))
         spreads.append(f"stiffness of the main bearings {compact(low)} to {compact(high)} N/m each")
     sentence = f"Uncertainty of {kind} vibration: {'; '.join(spreads) or 'not known'}."
     first = vibration.modes(kind).crankshaft_mode
@@ -125,14 +127,16 @@ def _bounds(lowest: float, highest: float) -> str:
 
 def _swept(vibration: EngineVibration, kind: str) -> str:
     """First frequency of the whole crankshaft over the stiffness of its bearings; empty if not calculated."""
-    swept = vibration.swept
-    if swept is None or kind not in swept["shaft"]:
+    swept = vibration.bearings
+    if swept is None or kind not in swept.shaft:
         return ""
-    modes = [swept["shaft"][kind], *swept["further"][kind]]
-    known = [[frequency for frequency in mode if frequency is not None] for mode in modes]
+    modes = [swept.shaft[kind], *swept.further[kind]]
+    known = [mode[np.isfinite(mode)] for mode in modes]
     if len(known[0]) < 2:
         return ""
-    return " and ".join(_bounds(min(frequency), max(frequency)) for frequency in known)
+    return " and ".join(
+        _bounds(float(min(frequency)), float(max(frequency))) for frequency in known
+    )
 
 
 def _hertz(value: float) -> str:

@@ -20,7 +20,7 @@ from crankbase.quantity import (
     tiny,
 )
 from crankbase.table import Table
-from crankfem.analyses.record import Record
+from crankfem.analyses.mechanism.mechanism_results import BearingLoad
 from crankfem.analyses.run_results import Check
 from crankfem.analyses.shaft.chains import MOTION
 from dynamics.assessment.barred_ranges import BarredRange
@@ -146,10 +146,10 @@ def _figure(value: float | None, unit: str) -> str:
     return f"{value:g} {unit}".strip()
 
 
-def loaded_most(bearings: Sequence[Record]) -> list[Record]:
+def loaded_most(bearings: Sequence[BearingLoad]) -> list[BearingLoad]:
     """Return the bearings with the largest load; several where they are alike but for round-off."""
-    largest = max(bearing["largest"] for bearing in bearings)
-    return [bearing for bearing in bearings if bearing["largest"] > (1.0 - ALIKE) * largest]
+    largest = max(bearing.largest for bearing in bearings)
+    return [bearing for bearing in bearings if bearing.largest > (1.0 - ALIKE) * largest]
 
 
 def capped_share(value: float) -> float:
@@ -216,7 +216,6 @@ def keep_units_together(text: str) -> str:
 FILTERS = {
     "cells": table_cells,
     "sig": lambda value, digits=TABLE_DIGITS: significant(value, digits),
-    "rpm": lambda speed: speed * RPM,
     "plain": lambda value: f"{value:g}",
     "count": lambda value: f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}"),
     "nano": lambda value: nano(value, TABLE_DIGITS),
@@ -243,6 +242,7 @@ FILTERS = {
     "range": range_sentence,
     "three": with_three_digits,
     "gpa": lambda value: f"{value / 1e9:.4g} GPa",
+    "rpm": lambda speed: speed * RPM,
     "length_of": lambda values: math.hypot(*values),
     "sig_or_zero": lambda value: significant(value, TABLE_DIGITS) if value else "0",
 }

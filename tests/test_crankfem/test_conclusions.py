@@ -38,8 +38,8 @@ from stand_ins import stored_results, typed
 
 NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e-?\d+)?")
 MOST_LINES = 34
-BEARINGS = {"flips": False, "sentences": [], "stiffness": [1e9, 2e9], "shaft": {}}
-BEARINGS["further"] = {"axial": [], "torsional": []}
+BEARINGS = {"flips": False, "sentences": [], "stiffness": [1e9, 2e9], "shaft": {}, "statuses": []}
+BEARINGS |= {"further": {"axial": [], "torsional": []}, "chains": {}, "used": {}, "assumed": True}
 POWER = ("speed_rpm", "indicated_power", "mean_indicated_pressure", "rated_power")
 LOAD = {
     "law": "constant",
@@ -445,7 +445,7 @@ def test_what_the_bearings_change_is_told_once(results):
     told = ["First frequencies.", "Over that range the verdict changes."]
     vibration = results["vibration"]
     vibration["assessment"]["beside"] = ["The whole crankshaft differs.", told[1]]
-    vibration["bearings"] = {"flips": True, "sentences": told}
+    vibration["bearings"] = BEARINGS | {"sentences": told, "statuses": ["fine", "not acceptable"]}
     said = " ".join(conclusions(typed(results)))
     assert "The whole crankshaft differs." in said
     assert [said.count(one) for one in told] == [1, 1]
@@ -487,7 +487,13 @@ def test_the_whole_crankshaft_stands_on_the_first_screen(results):
     """The verdict's box shows four findings; like is told beside like, each with its speed."""
     vibration = results["vibration"]
     vibration["assessment"] |= {"by_whole": ["It differs."], "beside": ["It differs.", "A note."]}
+    ends = {"lowest": 0.0, "lowest_angle_deg": 0.0, "highest": 1.0, "highest_angle_deg": 9.0}
     vibration["axial_force"] = {
+        "speed_rpm": 500.0,
+        "thrust_bearing": None,
+        "held": ends,
+        "throws": [],
+        "sentences": [],
         "running": {"amplitude": 116683.6, "speed_rpm": 500.6},
         "running_whole": {"amplitude": 55509.2, "speed_rpm": 496.9},
     }

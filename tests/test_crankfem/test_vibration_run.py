@@ -9,6 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
@@ -18,7 +19,6 @@ from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration
 from crankfem.cli.console import write_columns
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.chains.chain import Chain

@@ -185,7 +185,7 @@ def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibra
     )
     engine = runs[0].engine_file.engine
     running = (speeds >= engine.lowest_speed - 1e-9) & (speeds <= engine.highest_speed + 1e-9)
-    assert told["amplitude"] == close(8e8 * moved[running].max())
+    assert told.amplitude == close(8e8 * moved[running].max())
 
 
 @pytest.mark.slow

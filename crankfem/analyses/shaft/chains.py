@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.errors import InputError
 from crankbase.quantity import UNITS, VIBRATING, compact, format_quantity, significant, unit_symbol
 from crankbase.summaries import summarized
+from crankfem.analyses.engine_mechanism import layout_of
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import layout_of
 from crankfem.files.sections.mechanism_sections import load_points
 from dynamics.chains.dampers import TorsionalDamper
 from dynamics.chains.engine_chains import (
@@ -191,26 +191,30 @@ def driven_machine(engine_file: EngineFile) -> DrivenMachine | None:
     """
     if engine_file.driven is None:
         return None
-    machine, engine, load = engine_file.driven.machine(), engine_file.engine, engine_file.load
-    coupling = machine.coupling_variation
+    machine, engine, load = (
+        DrivenMachine(**dict(engine_file.driven)),
+        engine_file.engine,
+        engine_file.load,
+    )
+    coupling = machine.variation
     known = engine.rated_power is not None and engine_file.gas_map is None
     if coupling is None or coupling.torque is None or coupling.at_torque is not None or not known:
         return machine
     assert engine.rated_power is not None
     speeds = np.linspace(0.0, 1.2 * engine.highest_speed, TORQUES_OVER_SPEED)
     points = None if load is None else load_points(load)
-    shares = np.ones(speeds.size)
+    shares: Array = np.ones(speeds.size)
     if points is not None:
         mean, at_rated = (
             np.interp(at, points.speeds, points.mean_pressure)
             for at in (speeds, engine.rated_speed)
         )
-        shares = mean / at_rated
+        shares = np.asarray(mean / at_rated)
     elif load is not None and load.law == "propeller":
         shares = (speeds / engine.rated_speed) ** 2
     torques = engine.rated_power / engine.rated_speed * shares
     course = coupling.changed(at_speed=tuple(speeds.tolist()), at_torque=tuple(torques.tolist()))
-    return replace(machine, coupling_variation=course)
+    return machine.changed(variation=course)
 
 
 def torsional_damper(engine_file: EngineFile) -> TorsionalDamper | None:

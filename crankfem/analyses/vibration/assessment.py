@@ -22,6 +22,7 @@ from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_cha
 from crankfem.analyses.vibration.engine_limits import (
     Findings,
     engine_limits,
+    engine_ranges,
     engine_verdict,
     judges_axial,
     limit_findings,
@@ -55,6 +56,8 @@ from dynamics.assessment.verdict import (
     Verdict,
     changes,
     decide,
+    ranges_to_bar,
+    status_by,
 )
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
@@ -127,7 +130,8 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
         strong = strength is None and given.get(TENSILE, tensile) > CRANKSHAFT_STRENGTHS[False]
         changed = engine_file.changed(limits={**given, "alloy": limits.alloy or strong})
         own = {limit.name: limit for limit in engine_limits(changed)[0].values()}
-        return engine_verdict(changed, [(own[lim.name], curve) for lim, curve in findings]).status
+        judged_by = [(own[limit.name], curve) for limit, curve in findings]
+        return status_by(engine_ranges(changed, judged_by))
 
     ways: list[list[Trial]] = []
     strongest = {BASE_STRENGTH, *CRANKSHAFT_STRENGTHS.values()}
@@ -566,11 +570,11 @@ def assess(
         for vibration, series in (limited[check.limit.name, check.curve.name],)
     )
 
-    def again(changed: EngineFile, vibrations: Sequence[Vibration]) -> Verdict:
-        return engine_verdict(changed, limit_curves(changed, harmonics, vibrations, shaft))
+    def again(changed: EngineFile, vibrations: Sequence[Vibration]) -> tuple[BarredRange, ...]:
+        return engine_ranges(changed, limit_curves(changed, harmonics, vibrations, shaft))
 
     decision = engine_decision(
-        engine_file, verdict.status, findings, lambda changed: again(changed, chains).status
+        engine_file, verdict.status, findings, lambda changed: status_by(again(changed, chains))
     )
     trials, uncertain = decision.trials, dict[str, Uncertainty]()
     for vibration, answer in zip(chains, forced, strict=True):
@@ -591,9 +595,9 @@ def assess(
                 )
                 for factor in _factors(spread)
             }
-            tried = dict(sorted((tried | {1.0: verdict}).items()))
+            tried = dict(sorted((tried | {1.0: verdict.started_through + verdict.barred}).items()))
             trials += _source_trials(engine_file, vibration, tried)
-            barred = _joined([other.ranges_to_bar for other in tried.values()])
+            barred = _joined([ranges_to_bar(ranges) for ranges in tried.values()])
         uncertain[vibration.kind] = _uncertainty(engine_file, answer, spreads, held, barred)
     return Assessment(
         verdict=replace(verdict, checks=tuple(checks), worst=worst),
@@ -606,9 +610,9 @@ def assess(
 
 
 def _source_trials(
-    engine_file: EngineFile, vibration: Vibration, tried: Mapping[float, Verdict]
+    engine_file: EngineFile, vibration: Vibration, tried: Mapping[float, Sequence[BarredRange]]
 ) -> tuple[Trial, ...]:
-    """The verdicts by the factor on the compliances of one kind, 1 for those used."""
+    """The status by the factor on the compliances of one kind, 1 for those used."""
     kind, source = vibration.kind, vibration.chosen.source
     ranged = getattr(engine_file.ranges, f"{kind}_compliance", None) is not None
     return tuple(
@@ -617,11 +621,11 @@ def _source_trials(
             name=f"{kind} compliance, ratio to that by {SOURCES.get(source, source)}",
             value=factor,
             unit="",
-            status=verdict.status,
+            status=status_by(ranges),
             taken=factor == 1.0,
             why="the range given" if ranged else "the error of its source",
         )
-        for factor, verdict in tried.items()
+        for factor, ranges in tried.items()
     )
 
 

@@ -12,6 +12,7 @@ from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Internal, Part, Quantity, Result, result
 from crankfem.analyses.assumptions import input_values
+from crankfem.analyses.engine_mechanism import MechanismFile, layout_of, mechanism_of
 from crankfem.analyses.record import Record, assumed_values
 from crankfem.analyses.shaft.sources import compliances_in_shaft, usable_model
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
@@ -25,13 +26,12 @@ from crankfem.analyses.shaft.whole_shaft import (
     with_differences,
 )
 from crankfem.analyses.vibration.assessment import Assessment, assess
-from crankfem.analyses.vibration.axial_cycle import axial_cycle, axial_cycle_record
+from crankfem.analyses.vibration.axial_cycle import AxialForces, axial_cycle, axial_forces
 from crankfem.analyses.vibration.bearing_sweep import (
     BearingSweep,
     bearing_sweep,
     chains_over_bearings,
     held_chains,
-    sweep_record,
     with_answers,
 )
 from crankfem.analyses.vibration.engine_excitation import (
@@ -51,7 +51,6 @@ from crankfem.analyses.vibration.whole_verdict import (
 )
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.mechanism_cylinders import firing_evenness, firing_sentence
-from crankfem.files.engine.mechanism_file import MechanismFile, layout_of, mechanism_of
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
@@ -122,7 +121,7 @@ class EngineVibration(Result):
     misfiring: Misfiring | None = None
     misfiring_note: str | None = None
     load: EngineLoad | None = None
-    bearings: Internal[BearingSweep | None] = None
+    bearings: BearingSweep | None = None
     axial_force: Internal[AxialForceOverCycle | None] = None
 
     @cached_property
@@ -159,14 +158,14 @@ class EngineVibration(Result):
         return not_comparable(self.engine_file) or None
 
     @cached_property
-    def thrust(self) -> Annotated[Record | None, Quantity(key="axial_force")]:
+    def thrust(self) -> Annotated[AxialForces | None, Quantity(key="axial_force")]:
         """Axial force over the cycle, and largest at running speeds."""
         compared = self.comparison
         if self.axial_force is None or self.forced_axial is None:
             return None
         # Without a chain to compare with, the whole crankshaft lacks the plant.
         coupled = None if compared is None or compared.axial is None else compared.coupled
-        return axial_cycle_record(self.axial_force, self.forced_axial, self.engine_file, coupled)
+        return axial_forces(self.axial_force, self.forced_axial, self.engine_file, coupled)
 
     @cached_property
     def whole_crankshaft(self) -> Annotated[WholeVibration | None, Quantity(key="whole")]:
@@ -175,11 +174,6 @@ class EngineVibration(Result):
             return None
         criticals = whole_criticals(self.engine_file, self.comparison, self.torsional.chosen.chain)
         return WholeVibration(self.whole, self.comparison, criticals)
-
-    @cached_property
-    def swept(self) -> Annotated[Record | None, Quantity(key="bearings")]:
-        """Effect of the range of the main bearings' stiffness."""
-        return None if self.bearings is None else sweep_record(self.bearings)
 
     @property
     def analysis(self) -> ThrowAnalysis:

@@ -55,11 +55,11 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
             yield resonance_table(answer, units)
             yield element_table(answer)
         if vibration.kind == "axial" and run.thrust is not None:
-            yield from map(units.text, run.thrust["sentences"])
+            yield from map(units.text, run.thrust.sentences)
     if whole is not None:
         yield from whole_parts(whole, units)
-    if run.swept is not None:
-        yield from map(units.text, run.swept["sentences"])
+    if run.bearings is not None:
+        yield from map(units.text, run.bearings.sentences)
     if count := len(run.assumed):
         counted = "1 value is" if count == 1 else f"{count} values are"
         yield f"{counted} assumed, not given; crankfem check lists them with their reasons."

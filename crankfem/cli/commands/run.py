@@ -79,7 +79,7 @@ def run(
 def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> None:
     from crankfem.analyses.run_results import NamedThrow
     from crankfem.analyses.vibration.tables import vibration_parts
-    from crankfem.cli.tables import study_tables, throw_tables
+    from crankfem.cli.tables import throw_tables
     from crankfem.report.summary import summary_parts, worst_tables
 
     console.print_parts(summary_parts(results, units))
@@ -95,7 +95,7 @@ def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> Non
         throw_tables.print_throw(own.throw, units)
         throw_tables.print_one_throw(own.formulas, 180.0, units=units)
     if results.study is not None:
-        study_tables.print_main_fits(results.study["fits"])
+        console.print_parts(results.study.main_parts())
     console.print_parts(vibration_parts(results.vibration, units), units)
 
 

@@ -79,6 +79,7 @@ def vibration(
         return
     from crankbase.outputs import protect
     from crankbase.results import units as result_units
+    from crankfem.analyses.engine_mechanism import engine_inputs, mechanism_of
     from crankfem.analyses.record import with_units
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
@@ -88,7 +89,6 @@ def vibration(
     from crankfem.analyses.vibration.tables import vibration_parts
     from crankfem.cli.console import write_columns
     from crankfem.files.engine.engine_file import load_engine
-    from crankfem.files.engine.mechanism_file import engine_inputs, mechanism_of
     from crankfem.jobs.outputs import make_output_folder
     from crankfem.report.conclusions import verdict_line
 
@@ -119,7 +119,7 @@ def vibration(
         drawn = make_output_folder("--pictures", pictures, names)
     console.print_warnings(mechanism.warnings, out.units)
     with console.RunProgress(out.quiet) as progress:
-        run = engine_vibration(read, coupled=coupled, step=progress.step)
+        run = engine_vibration(read, mechanism=mechanism, coupled=coupled, step=progress.step)
         speed_up = None
         if duration is not None:
             progress.step("Running up")
