@@ -73,7 +73,7 @@ def engine_schematic(engine: Record, chain: Vibration) -> Markup:
     )
 
 
-def _places(nodes: Sequence[str]) -> tuple[list[str], list[int], set[str]]:
+def _places(nodes: Sequence[str]) -> tuple[Sequence[str], list[int], set[str]]:
     """Return the points' names, their places along the shaft, and those that ride on the free end."""
     rings = {name for name in nodes if "ring" in name.split() or "damper" in name}
     places, place = [], -1

@@ -134,7 +134,7 @@ ENDS = {
 def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     code, sentence = ENDS[status]
     results = stored_results()
-    decision = {"status": status, "sentence": "give this"}
+    decision = {"status": status, "sentence": "give this", "trials": []}
     results["vibration"]["assessment"] |= {"sentence": "The verdict.", "decision": decision}
     run = typed(results).vibration
     monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: run)
