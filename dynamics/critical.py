@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -49,7 +50,7 @@ class TwoMassCheck(Result):
         """Natural vibrations per minute."""
         return self.angular_frequency * RPM
 
-    @property
+    @cached_property
     def resonant_speed(self) -> Speed:
         """Crankshaft speed at which the order meets the natural frequency."""
         return self.angular_frequency / self.order
@@ -64,7 +65,7 @@ class TwoMassCheck(Result):
         """Whether the torque's samples resolve the order; None if no torque was given."""
         return None if self.harmonics is None else self.harmonics.resolves(self.order)
 
-    @property
+    @cached_property
     def statement(self) -> Part[str]:
         """One sentence on whether the given torque can resolve the order."""
         if self.harmonics is None:

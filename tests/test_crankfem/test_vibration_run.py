@@ -9,6 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.record import plain
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
@@ -20,7 +21,6 @@ from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration
 from crankfem.cli.console import write_columns
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.chains.chain import Chain
@@ -301,7 +301,7 @@ def test_records_pictures_and_columns(run, tmp_path):
 
 @pytest.mark.slow
 def test_axial_force_over_the_cycle_in_the_record(run):
-    found, record = run.axial_force, run_record(run)["axial_force"]
+    found, record = run.axial_force, run_record(run)["axial_force"].to_record()
     said = " ".join(record["sentences"])
     for name, force in (("thrust_bearing", found.thrust_bearing), ("held", found.held)):
         assert (record[name]["lowest"], record[name]["highest"]) == (force.min(), force.max())

@@ -19,11 +19,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from crankfem.analyses.engine_mechanism import mechanism_of, with_throws
 from crankfem.analyses.shaft.whole_records import shaft_balance
 from crankfem.analyses.shaft.whole_shaft import highest_exciting_frequency, whole_shaft
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.mechanism_file import mechanism_of, with_throws
 from fem.analysis import analyze_throw
 from geometry.crankshaft import throw_masses
 

@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.errors import InputError
 from crankbase.quantity import UNITS, VIBRATING, compact, format_quantity, significant, unit_symbol
 from crankbase.summaries import summarized
+from crankfem.analyses.engine_mechanism import layout_of
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import layout_of
 from crankfem.files.sections.mechanism_sections import load_points
 from dynamics.chains.dampers import TorsionalDamper
 from dynamics.chains.engine_chains import (
