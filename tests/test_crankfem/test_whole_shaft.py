@@ -178,7 +178,7 @@ def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibra
     for peaks in zip(*(_peaks(run) for run in runs), strict=True):
         assert peaks[1] == close(peaks[0], rel=1e-6)
     # The thrust bearing, here at the flywheel, by the whole shaft.
-    told = runs[0].to_record()["axial_force"]["running_whole"]
+    told = runs[0].thrust.running_whole
     speeds, moved = (
         getattr(runs[0].comparison.coupled.split("main bearing 7 uz"), name)
         for name in ("speeds", "both_sum")
