@@ -12,6 +12,7 @@ from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
+from crankfem.analyses.throw.formula_records import CompliancesOverAngle, Formulas
 from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.files.reading.toml_file import InputRecord
 from dynamics.response.loads import LARGEST_POWER_ERROR
@@ -59,7 +60,7 @@ class NamedThrow(Result):
 
     cranks: Annotated[tuple[int, ...], Quantity("1")]
     throw: ThrowResults
-    formulas: Record
+    formulas: Formulas
     fillets: Optional
     fillet_note: str | None
 
@@ -84,8 +85,8 @@ class RunResults(Result):
     input_warnings: tuple[str, ...]
     sources: dict[str, str]
     throw: ThrowResults
-    formulas: Record
-    angle_law: Record
+    formulas: Formulas
+    angle_law: CompliancesOverAngle
     balance: Record
     fillets: Optional
     fillet_note: str | None
@@ -162,7 +163,7 @@ def run_checks(
     """
     return (
         *throw_checks(results.throw, length, pin_center),
-        *_angle_checks(results.formulas["fe"], results.throw),
+        *_angle_checks(results.formulas, results.throw),
         *_fillet_checks(results.fillets),
         *_study_checks(results.study),
         *_mechanism_checks(results.mechanism),
@@ -253,14 +254,14 @@ def throw_checks(throw: ThrowResults, length: float, pin_center: Sequence[float]
     ]
 
 
-def _angle_checks(fe: Mapping[str, Any], throw: ThrowResults) -> list[Check]:
-    if fe["angle_law"] is None:
+def _angle_checks(formulas: Formulas, throw: ThrowResults) -> list[Check]:
+    if formulas.fe is None or formulas.fe.angle_law is None:
         return []
     pinned = throw.supports["pinned"].axial
     return [
         _check(
             "Opposite neighbors compared with pinned ends",
-            fe["axial_rigid_sections"] / pinned - 1.0,
+            formulas.fe.axial_rigid_sections / pinned - 1.0,
             "With equal webs and rigid sections, a throw between opposite cranks tilts as freely as one "
             "with pinned ends, so both compliances must agree as far as the webs are equal.",
             # What the angle law takes for equal webs.

@@ -20,12 +20,9 @@ from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
+from crankfem.analyses.throw.formula_records import Formulas, compared_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
-from crankfem.analyses.throw.throw_record import (
-    ThrowResults,
-    compliance_tables,
-    further_compliances,
-)
+from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.analyses.vibration.tables import (
     barred_within_error,
     element_table,
@@ -121,8 +118,11 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
             r=results,
             first=summary(results),
             schematic=engine_schematic(results.engine, results.vibration["torsional"]),
-            compliances=compliance_tables(results.throw, results.formulas, results.vibration),
-            further=further_compliances(results.throws),
+            compliances=compared_compliances(results.throw, results.formulas, results.vibration),
+            further={
+                name: compared_compliances(further.throw, further.formulas)
+                for name, further in [*(results.throws or {}).items()][1:]
+            },
             figures=figures,
             picture_notes=[text for text in (results.picture_note, note) if text],
             style=Markup(template_text(STYLE)),
@@ -182,7 +182,7 @@ def render_throw_report(results: dict[str, Any], folder: Path) -> str:
     Parameters
     ----------
     results : dict
-        "about": provenance; "throw": `ThrowResults`, or their record; "formulas", as `formula_records`;
+        "about": provenance; "throw": `ThrowResults` and "formulas": `Formulas`, or their records;
         "fillets", as `stress_record`, or None with "fillet_note".
     folder : Path
         Holds `THROW_VIEW` and `THROW_DRAWING`.
@@ -198,7 +198,11 @@ def render_throw_report(results: dict[str, Any], folder: Path) -> str:
         page_environment()
         .get_template(THROW_TEMPLATE)
         .render(
-            r=results | {"throw": ThrowResults.from_record(results["throw"])},
+            r=results
+            | {
+                "throw": ThrowResults.from_record(results["throw"]),
+                "formulas": Formulas.from_record(results["formulas"]),
+            },
             about=results["about"],
             figures=figures,
             style=Markup(template_text(STYLE)),

@@ -138,7 +138,7 @@ def run_job(
 def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldProgress) -> None:
     from crankfem.analyses.provenance import provenance
     from crankfem.analyses.record import with_units
-    from crankfem.analyses.throw.formula_records import formula_records
+    from crankfem.analyses.throw.formula_records import formulas_of
     from crankfem.analyses.throw.pictures.drawing import write_drawing
     from crankfem.analyses.throw.stress import stress_record, stresses_or_reason
     from crankfem.analyses.throw.throw_record import throw_results
@@ -161,7 +161,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
             gamma_deg=asked.gamma_deg,
             left_gamma_deg=asked.left_gamma_deg,
         ),
-        "formulas": formula_records(
+        "formulas": formulas_of(
             throw, material, 180.0 if asked.gamma_deg is None else asked.gamma_deg
         ),
         "fillets": None,

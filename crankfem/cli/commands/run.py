@@ -96,7 +96,7 @@ def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> Non
             cranks = "crank" if len(own.cranks) == 1 else "cranks"
             console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, own.cranks))}.")
         throw_tables.print_throw(own.throw, units)
-        throw_tables.print_one_throw(own.formulas, 180.0, units=units)
+        throw_tables.print_one_throw(own.formulas, units=units)
     if results.study is not None:
         study_tables.print_main_fits(results.study["fits"])
     print_run(results.vibration, units)
