@@ -13,6 +13,7 @@ from crankfem.analyses.provenance import Provenance, Repetition
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.throw.formula_records import CompliancesOverAngle, Formulas
+from crankfem.analyses.throw.stress import StressResults
 from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.files.reading.toml_file import InputRecord
 from dynamics.response.loads import LARGEST_POWER_ERROR
@@ -61,7 +62,7 @@ class NamedThrow(Result):
     cranks: Annotated[tuple[int, ...], Quantity("1")]
     throw: ThrowResults
     formulas: Formulas
-    fillets: Optional
+    fillets: StressResults | None
     fillet_note: str | None
 
 
@@ -88,7 +89,7 @@ class RunResults(Result):
     formulas: Formulas
     angle_law: CompliancesOverAngle
     balance: Record
-    fillets: Optional
+    fillets: StressResults | None
     fillet_note: str | None
     mechanism: Optional
     study: Optional
@@ -270,17 +271,17 @@ def _angle_checks(formulas: Formulas, throw: ThrowResults) -> list[Check]:
     ]
 
 
-def _fillet_checks(fillets: Mapping[str, Any] | None) -> list[Check]:
+def _fillet_checks(fillets: StressResults | None) -> list[Check]:
     if fillets is None:
         return []
     return [
         _check(
             "Error of the fillet stresses",
-            fillets["error_estimate"],
+            fillets.error_estimate,
             "Largest estimate from successive meshes.",
             shown_unit="%",
-            allowed=fillets["accuracy"],
-            met=fillets["accuracy_met"],
+            allowed=fillets.accuracy,
+            met=fillets.accuracy_met,
         )
     ]
 

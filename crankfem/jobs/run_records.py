@@ -24,7 +24,7 @@ from crankfem.analyses.throw.formula_records import (
     compliances_over_angle,
     formulas_of,
 )
-from crankfem.analyses.throw.stress import stress_record
+from crankfem.analyses.throw.stress import stress_results
 from crankfem.analyses.throw.throw_record import reciprocity, throw_results
 from crankfem.analyses.vibration.records import run_record
 from crankfem.files.engine.engine_file import EngineFile
@@ -111,7 +111,7 @@ def _throw_results(computed: RunComputation) -> dict[str, NamedThrow]:
                 reciprocity=reciprocity(throw.analysis),
             ),
             formulas=_formulas(computed, name, throw.analysis),
-            fillets=None if throw.stresses is None else stress_record(throw.stresses),
+            fillets=None if throw.stresses is None else stress_results(throw.stresses),
             fillet_note=throw.fillet_note,
         )
     return records

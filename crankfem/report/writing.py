@@ -21,7 +21,7 @@ from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.formula_records import Formulas, compared_compliances
-from crankfem.analyses.throw.stress import mirrored, stress_tables
+from crankfem.analyses.throw.stress import StressResults
 from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.analyses.vibration.tables import (
     barred_within_error,
@@ -64,13 +64,11 @@ TABLES = (
     whole_critical_table,
     whole_table,
     harmonics_table,
-    stress_tables,
     throw_mass_table,
     strength_table,
     fatigue_table,
     factor_table,
     torque_table,
-    mirrored,
     reached_and_permitted,
 )
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
@@ -182,8 +180,8 @@ def render_throw_report(results: dict[str, Any], folder: Path) -> str:
     Parameters
     ----------
     results : dict
-        "about": provenance; "throw": `ThrowResults` and "formulas": `Formulas`, or their records;
-        "fillets", as `stress_record`, or None with "fillet_note".
+        "about": provenance; "throw": `ThrowResults` "formulas": `Formulas` and "fillets":
+        `StressResults` or None with "fillet_note", or their records.
     folder : Path
         Holds `THROW_VIEW` and `THROW_DRAWING`.
 
@@ -192,6 +190,7 @@ def render_throw_report(results: dict[str, Any], folder: Path) -> str:
     str
         A page of HTML.
     """
+    fillets = results["fillets"]
     figures, _ = load_figures({"drawing": THROW_DRAWING}, {"throw_view": THROW_VIEW}, folder)
     shown = any(drawn.plot is not None for drawn in figures.values())
     return (
@@ -202,6 +201,7 @@ def render_throw_report(results: dict[str, Any], folder: Path) -> str:
             | {
                 "throw": ThrowResults.from_record(results["throw"]),
                 "formulas": Formulas.from_record(results["formulas"]),
+                "fillets": None if fillets is None else StressResults.from_record(fillets),
             },
             about=results["about"],
             figures=figures,

@@ -18,7 +18,6 @@ from crankfem.analyses.throw.formula_records import (
     Ratio,
     formula_spreads,
 )
-from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import (
     NOT_CORRECTED,
     ReactionResults,
@@ -27,14 +26,6 @@ from crankfem.analyses.throw.throw_record import (
 from crankfem.cli import console
 from crankfem.cli.arguments import angle_text
 from crankfem.cli.console import print_line, print_notes, print_table
-from fem.fillet_peaks import (
-    ACROSS_WEB,
-    LARGEST_NORMAL,
-    LARGEST_SIZE,
-    LARGEST_SPREAD,
-    LAYERS,
-    RULE_LOADS,
-)
 from regression.formulas.axial_formulas import (
     AXIAL_FORMULAS,
     FINITE_ELEMENTS,
@@ -70,97 +61,6 @@ _PARTS = {
     "half": "symmetric about the crank plane, half of it is solved",
     "full": "without planes of symmetry, all of it is solved",
 }
-
-
-def print_stresses(record: Record, units: OutputUnits = SI) -> None:
-    """Print a table for each load, and the remarks."""
-    for table in stress_tables(record, units):
-        print_table(table, units)
-    for sentence in _sentences(record):
-        print_line(sentence)
-
-
-def _up(value: float, decimals: int) -> str:
-    """Return a number rounded up, so that a value above its limit never appears to meet it."""
-    return f"{math.ceil(round(value * 10**decimals, 6)) / 10**decimals:.{decimals}f}"
-
-
-def _down(value: float, decimals: int) -> str:
-    """Return a number rounded down, so that a value below its limit never appears to meet it."""
-    return f"{math.floor(round(value * 10**decimals, 6)) / 10**decimals:.{decimals}f}"
-
-
-def _rule_sentences(record: Record) -> list[str]:
-    """The requirements of UR M53, Appendix III, on mesh and stresses, and the values reached."""
-    meshings = record["meshings"]
-    layers = [max(meshing["layers"][k] for meshing in meshings) for k in range(len(LAYERS))]
-    read = [
-        fillet["quality"]
-        for load in record["loads"]
-        if load["kind"] in RULE_LOADS
-        for fillet in load["fillets"]
-    ]
-
-    def verdict(checks: list[Record]) -> str:
-        return "met" if all(check["met"] for check in checks) else "not met"
-
-    return [
-        f"Mesh of UR M53, Appendix III, {verdict(meshings)}: largest element of the fillets "
-        f"{_up(max(one['size_share'] for one in meshings), 2)} of the radius (allowed {LARGEST_SIZE:g}), "
-        f"layers below {', '.join(_up(layer, 1) for layer in layers)} quarters of it (1, 2, 3), "
-        f"{_down(min(one['across_web'] for one in meshings), 1)} elements across the web "
-        f"({ACROSS_WEB:.0f} or more).",
-        "Its criteria where stresses are read under torque, bending in the crank plane and radial force, "
-        f"{verdict(read)}: smallest principal stress up to "
-        f"{100.0 * max(one['normal_share'] for one in read):.1f} % of the largest "
-        f"(below {100.0 * LARGEST_NORMAL:.0f} %), elements within "
-        f"{_up(100.0 * max(one['spread'] for one in read), 1)} % of their mean "
-        f"({100.0 * LARGEST_SPREAD:.0f} %).",
-    ]
-
-
-def _sentences(record: Record) -> list[str]:
-    """Remarks that the tables do not contain."""
-    sentences = [
-        f"Ends pinned, end sections {record['end_sections']}. Principal: the largest in magnitude, at the "
-        "location given; Mises: the largest equivalent stress by von Mises; factor: size of the principal "
-        "stress divided by the nominal one, which is a shear stress under a torque; M53: the factor as UR "
-        "M53 defines it, at fillets by the largest shear stress under a torque, by von Mises in bending."
-    ]
-    if mirrored(record):
-        sentences.append(
-            "The fillets at the right web have the same stresses, under a torque with the opposite sign."
-        )
-    if record["solved_part"] != "full":
-        sentences.append(
-            "Locations at -x have the same stresses, under a torque and bending across the crank plane "
-            "with the opposite sign."
-        )
-    if record["sharp_corners"]:
-        sentences.append(
-            f"No stress is given at {'; '.join(record['sharp_corners'])}: without a fillet the elastic "
-            "stress has no bound."
-        )
-    if any(load.get("oil_holes") for load in record["loads"]):
-        sentences.append(
-            "The exit of an oil hole is its rim and the hole to a depth of one diameter; nominal: the stress "
-            "of the pin or main journal without the hole, on its extreme fiber, wherever the hole points."
-        )
-    if record.get("mesh") == "m53":
-        sentences += _rule_sentences(record)
-    errors = [
-        peak["error_estimate"]
-        for load in record["loads"]
-        for peak in (*load["fillets"], *load.get("oil_holes", ()))
-    ]
-    met = (
-        "" if record["accuracy_met"] else f", not the {100.0 * record['accuracy']:.2g} % requested"
-    )
-    sentences.append(
-        f"Estimated errors of the stresses: {100.0 * min(errors):.2g} to {100.0 * max(errors):.2g} %{met}."
-    )
-    sentences += [f"{file} written." for file in record["pictures"]]
-    return sentences
 
 
 # What may stand behind a number.
