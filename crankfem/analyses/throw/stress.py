@@ -247,7 +247,8 @@ class StressResults(Result):
             f"Ends pinned, end sections {self.end_sections}. Principal: the largest in magnitude, at the "
             "location given; Mises: the largest equivalent stress by von Mises; factor: size of the "
             "principal stress divided by the nominal one, which is a shear stress under a torque; M53: the "
-            "factor as UR M53 defines it, at fillets by the largest shear stress under a torque, by von Mises in bending."
+            "factor as UR M53 defines it, at fillets by the largest shear stress under a torque, by von "
+            "Mises in bending."
         ]
         if self.mirrored:
             sentences.append(
@@ -266,7 +267,8 @@ class StressResults(Result):
         if any(load.oil_holes for load in self.loads):
             sentences.append(
                 "The exit of an oil hole is its rim and the hole to a depth of one diameter; nominal: the "
-                "stress of the pin or main journal without the hole, on its extreme fiber, wherever the hole points."
+                "stress of the pin or main journal without the hole, on its extreme fiber, wherever the "
+                "hole points."
             )
         if self.mesh == "m53":
             sentences += self.rule_sentences()
