@@ -83,7 +83,9 @@ class Quantity:
 
         size = EXPORTED[self.exported][0] if self.exported else 1.0
         if "numpy.ndarray" in str(source):  # also optional ones, and mappings to arrays
-            return core_schema.no_info_plain_validator_function(lambda values: _array(values, size))
+            return core_schema.no_info_plain_validator_function(
+                lambda values: _array(values, size, self.missing)
+            )
         if (source is not float and size == 1.0) or not self.unit:
             return handler(source)
 
@@ -324,8 +326,8 @@ def plain(value: Any) -> Any:
             if quantity.flat:
                 record |= plain(content)
                 continue
-            if math.isnan(quantity.missing) and isinstance(content, float) and math.isnan(content):
-                content = None
+            if math.isnan(quantity.missing):
+                content = _without_nan(content)
             if quantity.exported and content is not None:
                 content = np.asarray(content, dtype=float) * EXPORTED[quantity.exported][0]
             record[quantity.key_of(name)] = plain(content)
@@ -339,6 +341,13 @@ def plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [plain(part) for part in value]
     return None if isinstance(value, float) and math.isinf(value) else value
+
+
+def _without_nan(value: Any) -> Any:
+    """Return numbers with what JSON has as null, infinity, in place of NaN."""
+    if isinstance(value, Mapping):
+        return {name: _without_nan(part) for name, part in value.items()}
+    return None if value is None else np.where(np.isnan(value), np.inf, value)
 
 
 def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
@@ -368,7 +377,11 @@ def units(value: Any, path: str = "") -> dict[str, str]:
             if unit := quantity.exported or quantity.unit:
                 inside = f"{place}.*" if isinstance(content, Mapping) else place
                 hidden = unit[:1] == "." and unit[1:] not in contents(type(value))
-                known[inside] = getattr(value, unit[1:], unit) if hidden else unit
+                named = getattr(value, unit[1:], unit) if hidden else unit
+                if isinstance(named, Mapping):  # a unit for each name
+                    known |= {f"{place}.{key}": own for key, own in named.items()}
+                else:
+                    known[inside] = named
             known |= units(content, path if quantity.flat else f"{place}.")
     elif _is_input(value):
         from crankbase.model import model_units
@@ -401,11 +414,11 @@ def _adapter(kind: Any) -> "TypeAdapter[Any]":
     return TypeAdapter(kind)
 
 
-def _array(values: Any, size: float) -> Any:
+def _array(values: Any, size: float, missing: float) -> Any:
     if values is None or isinstance(values, Mapping):
-        return values and {name: _array(each, size) for name, each in values.items()}
+        return values and {name: _array(each, size, missing) for name, each in values.items()}
     array = np.array(values)
     if array.dtype == object:
-        array = array.astype(float)  # in which null, that is unbounded, is NaN
-        array[np.isnan(array)] = np.inf
+        array = array.astype(float)  # in which null is NaN
+        array[np.isnan(array)] = missing
     return array if size == 1.0 else array / size

@@ -1,10 +1,18 @@
 """Sentences of limits, verdicts and findings, made from their fields."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 
-from crankbase.quantity import format_quantity, format_usage, quantities_apart
+from crankbase.array_checks import FloatArray
+from crankbase.quantity import (
+    RPM,
+    compact,
+    format_quantity,
+    format_usage,
+    quantities_apart,
+    significant,
+)
 
 # What a verdict is called; "undecided" and "not judged" are those of a run, not of a `Verdict`.
 VERDICTS = {
@@ -212,6 +220,240 @@ def peak_text(amplitude: float, unit: str) -> str:
         return "unbounded"
     text = format_quantity(amplitude, unit, 3)
     return format_quantity(amplitude, unit, 4) if "e+" in text else text
+
+
+def chain_mode(kind: str, frequency: float) -> str:
+    """Name a mode of a chain by its frequency [Hz]."""
+    return f"{kind} mode of the chain at {frequency:.1f} Hz"
+
+
+def no_mode_alike(name: str) -> str:
+    """State that the whole crankshaft lacks a chain's mode."""
+    return f"The whole shaft has no mode like the {name}."
+
+
+def two_modes_alike(name: str, kind: str, modes: Sequence[tuple[float, float]]) -> str:
+    """State between which modes a chain's mode is divided: frequencies [Hz] and shares of its kind."""
+    both = " and ".join(
+        f"{frequency:.1f} Hz ({100.0 * share:.0f} % {kind})" for frequency, share in modes
+    )
+    return f"The whole shaft has two modes like the {name}: {both}."
+
+
+def other_frequency(name: str, shaft: float, difference: float, limit: float) -> str:
+    """State how far a chain's frequency is from that of the whole crankshaft [Hz]."""
+    return (
+        f"The {name} differs from that of the whole shaft, at {shaft:.1f} Hz, by "
+        f"{100.0 * difference:+.1f} %, more than {100.0 * limit:.0f} %."
+    )
+
+
+def mixed_mode(kind: str, shaft: float, share: float, limit: float) -> str:
+    """State how little of a mode of the whole crankshaft [Hz] is of a chain's kind."""
+    return (
+        f"The whole shaft's mode at {shaft:.1f} Hz is only {100.0 * share:.3g} % {kind}, less than "
+        f"{100.0 * limit:.0f} %."
+    )
+
+
+def other_amplitude(kind: str, difference: float, limit: float) -> str:
+    """State how far a chain's amplitude is from that of the whole crankshaft."""
+    return (
+        f"The largest {kind} amplitude of the free end at running speeds differs by "
+        f"{100.0 * difference:+.0f} % from that of the whole shaft, more than {100.0 * limit:.0f} %."
+    )
+
+
+def frequency_steps(
+    kind: str, mode: int, shaft: float, chain: float, steps: Mapping[str, float], least: float
+) -> str:
+    """State both frequencies of a mode [Hz] and the steps between them; small ones are told together."""
+    text = (
+        f"{kind} mode {mode}: {shaft:.1f} Hz by the whole crankshaft, {chain:.1f} Hz by the chain"
+    )
+    shown = {name: f"{by:+.1f}" for name, by in steps.items() if abs(by) >= least}
+    if not shown:
+        return text
+    difference = round(round(shaft, 1) - round(chain, 1), 1)
+    rest = difference - sum(map(float, shown.values()))
+    told = [f"{name} {by} Hz" for name, by in shown.items()]
+    if abs(rest) >= least:
+        told.append(f"rounding and smaller steps {rest:+.1f} Hz")
+    return f"{text} ({difference:+.1f} Hz, step by step: {', '.join(told)})"
+
+
+def tilted_mode(
+    kind: str, mode: int, without: float, frequencies: Sequence[float], passed: bool
+) -> str:
+    """State to which frequencies [Hz] the flywheel's diametral inertia moves a mode."""
+    listed = " and ".join(f"{frequency:.1f}" for frequency in frequencies)
+    below = " (which brings another mode below it)" if passed else ""
+    return f"{kind} mode {mode} from {without:.1f} Hz without to {listed} Hz with it{below}"
+
+
+def flywheel_tilts(inertia: float, half: bool, moved: Sequence[str]) -> str:
+    """State the flywheel's diametral inertia [kg m^2], half of the polar one or not, and what it moves."""
+    about = ", half of that about the shaft" if half else ""
+    return (
+        f"The last step is the flywheel's inertia about a diameter ({significant(inertia, 3)} kg m^2{about}"
+        f"); it moves {', '.join(moved) or 'the first frequencies by less than 0.05 Hz'}. In another order "
+        "the steps share the same difference otherwise."
+    )
+
+
+def differing_chains(differences: Sequence[str], kind: str) -> str:
+    """State how the whole crankshaft differs from its inadequate chains, `kind` being that of the first."""
+    which = "which are" if len(differences) > 1 else f"of which the {kind} one is"
+    return (
+        f"The verdict uses lumped models (chains), {which} inadequate here; the whole crankshaft differs: "
+        f"{'; '.join(differences)}."
+    )
+
+
+def chains_alone(reason: str) -> str:
+    """State why no whole crankshaft stands beside a verdict."""
+    return f"The verdict uses lumped models (chains) alone: {reason}."
+
+
+def differing_amplitude(kind: str, shaft: str, chain: str) -> str:
+    """State both amplitudes of the free end."""
+    return f"largest {kind} amplitude of the free end at running speeds {shaft} instead of {chain}"
+
+
+def differing_mode(
+    kind: str, mode: int, chain: float, shaft: float | None, divided: Sequence[float]
+) -> str:
+    """State what the whole crankshaft has in place of a chain's mode [Hz]."""
+    if shaft is None:
+        return f"it has no mode like {kind} mode {mode}"
+    if divided:
+        both = " and ".join(f"{frequency:.1f}" for frequency in divided)
+        return f"two modes at {both} Hz instead of {kind} mode {mode} at {chain:.1f} Hz"
+    return f"{kind} mode {mode} at {shaft:.1f} instead of {chain:.1f} Hz"
+
+
+def impure_mode(kind: str, shaft: float | None, share: float) -> str:
+    """State the share of its energy that is of a kind."""
+    return f"its {kind} mode at {shaft:.1f} Hz is only {100.0 * share:.3g} % {kind}"
+
+
+def whole_use(
+    use: str, apart: Iterable[str], beside: str, agrees: bool, status: str, ranges: Sequence[str]
+) -> str:
+    """State what the whole crankshaft uses of limits, `beside` what the chains use, and its status.
+
+    `apart` names limits that are judged by the axial chain alone.
+    """
+    told = "".join(f" ({name} by the axial chain alone)" for name in apart)
+    verdict = "the same verdict" if agrees else "another verdict"
+    return (
+        f"The whole crankshaft held against the same limits{told}: {use}"
+        f"{f' (by the chains {beside})' if beside else ''}; with the values used, {verdict}, "
+        f'"{status}"{"".join(f" ({shown})" for shown in ranges)}.'
+    )
+
+
+def by_one_model(by_chains: bool, further: str) -> str:
+    """State that a verdict is acceptable by the chains alone, or by the whole crankshaft alone."""
+    by = ("the lumped model", "the whole crankshaft")
+    yes, no = by if by_chains else by[::-1]
+    return (
+        f"acceptable by {yes}, not by {no}: rely on the whole crankshaft, and give bearings.stiffness and "
+        f"flywheel.diametral_inertia, which decide its modes{f'; {further}' if further else ''}"
+    )
+
+
+def _range_of(values: FloatArray, form: str) -> str:
+    low, high = (format(float(end), form) for end in (np.nanmin(values), np.nanmax(values)))
+    return low if low == high else f"{low} to {high}"
+
+
+def first_frequencies(
+    kind: str, chain: FloatArray | None, shaft: FloatArray | None, others: Iterable[FloatArray]
+) -> str:
+    """State the first frequencies of a kind over the bearings' range [Hz]; empty where there are none."""
+    moved = [
+        f"{_range_of(curve, '.1f')} Hz by the {by}"
+        for by, curve in (("chain", chain), ("whole crankshaft", shaft))
+        if curve is not None and np.any(np.isfinite(curve))
+    ]
+    if not moved:
+        return ""
+    parts = " and ".join(f"{_range_of(curve, '.1f')} Hz" for curve in others)
+    return (
+        f"first {kind} frequency of the crankshaft {', '.join(moved)}"
+        f"{f', and in part {parts}' if parts else ''}"
+    )
+
+
+def over_bearings(lowest: float, highest: float, assumed: bool, frequencies: Iterable[str]) -> str:
+    """State the range of the main bearings' stiffness [N/m] and what first frequencies do over it."""
+    return (
+        f"Main bearings of {compact(lowest)} to {compact(highest)} N/m{' (assumed)' if assumed else ''}: "
+        f"{'; '.join(filter(None, frequencies))}."
+    )
+
+
+def limits_over_bearings(
+    used: Mapping[str, FloatArray],
+    beyond: Collection[str],
+    statuses: Sequence[str],
+    stiffness: FloatArray,
+) -> str:
+    """State the shares of limits used over the bearings' range, and where the verdict changes."""
+    uses = ", ".join(
+        f"{_range_of(100.0 * shares, '.0f')} % "
+        f"({name}{', above the running range included' if name in beyond else ''})"
+        for name, shares in used.items()
+    )
+    places = range(len(statuses))
+    starts = [place for place in places if place == 0 or statuses[place] != statuses[place - 1]]
+    ends = [*(start - 1 for start in starts[1:]), len(statuses) - 1]
+    told = ", ".join(
+        f'"{statuses[start]}" at {compact(stiffness[start])}'
+        f"{f' to {compact(stiffness[end])}' if end > start else ''} N/m"
+        for start, end in zip(starts, ends, strict=True)
+    )
+    change = (
+        f"the verdict changes within this range: {told}"
+        if len(starts) > 1
+        else f'with all other values as used, the verdict is "{statuses[0]}" over all of it'
+    )
+    return f"Over that range, the share of the limit used is {uses}; {change}."
+
+
+def force_on_thrust_bearing(
+    speed: float, lowest: float, highest: float, mean_left_out: bool
+) -> str:
+    """State the axial force [N] on the thrust bearing over the cycle."""
+    left_out = ", without the propeller's mean thrust" if mean_left_out else ""
+    return (
+        f"Axial force on the thrust bearing at {RPM * speed:.4g} 1/min, with vibration: "
+        f"{_forces(lowest, highest)} over the cycle by the axial chain, positive towards the "
+        f"flywheel{left_out}."
+    )
+
+
+def largest_thrust(by_model: Mapping[str, tuple[float, float]]) -> str:
+    """State amplitude [N] and speed of the largest force on the thrust bearing, by each model's name."""
+    largest = "; ".join(
+        f"{force / 1e3:.3g} kN by the {model}, at {RPM * speed:.4g} 1/min"
+        for model, (force, speed) in by_model.items()
+    )
+    return f"Its largest amplitude at running speeds, for which the bearing is to be checked: {largest}."
+
+
+def force_on_held_ends(speed: float, lowest: float, highest: float) -> str:
+    """State the axial force [N] on held ends over the cycle."""
+    return (
+        "For comparison with static formulas only: with both ends of the crankshaft held and no vibration, "
+        f"the ends would carry {_forces(lowest, highest)} over the cycle at {RPM * speed:.4g} 1/min, "
+        "positive where the shaft pushes them apart. A single thrust bearing carries none of this force."
+    )
+
+
+def _forces(lowest: float, highest: float) -> str:
+    return f"{lowest / 1e3:.3g} kN to {highest / 1e3:.3g} kN"
 
 
 def undecided_sentence(why: str) -> str:

@@ -14,8 +14,8 @@ from crankfem.analyses.provenance import Repetition, provenance
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.run_results import NamedThrow, RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
-from crankfem.analyses.shaft.whole_records import shaft_balance_record, shaft_record
-from crankfem.analyses.study.fit_records import study_record
+from crankfem.analyses.shaft.whole_records import shaft_balance, throws_in_shaft
+from crankfem.analyses.study.fit_records import fitted_study
 from crankfem.analyses.throw.formula_records import (
     Formulas,
     LeftOut,
@@ -58,18 +58,18 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
             computed.throw.analysis,
             None if first.formulas.fe is None else first.formulas.fe.angle_law,
         ),
-        balance=shaft_balance_record(engine_file),
+        balance=shaft_balance(engine_file),
         mechanism=None
         if mechanism is None
         else mechanism_record(mechanism) | {"balance": mechanism_balance_record(mechanism)},
-        study=None if study is None else study_record(study.table, study.fits, study.model),
+        study=None if study is None else fitted_study(study.table, study.fits, study.model),
         harmonics=None
         if computed.torque is None or computed.harmonics is None
         else TableHarmonics(computed.harmonics, source=computed.torque.source),
         two_mass=None
         if engine_file.two_mass is None
         else checked(engine_file.two_mass, computed.harmonics),
-        shaft=shaft_record(computed.vibration.shaft, computed.crank_analyses),
+        shaft=throws_in_shaft(computed.vibration.shaft, computed.crank_analyses),
         vibration=plain(run_record(computed.vibration)),
         strength=computed.strength,
         fatigue=computed.fatigue,

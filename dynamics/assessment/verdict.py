@@ -274,7 +274,7 @@ class Verdict:
     @property
     def ranges_to_bar(self) -> list[tuple[float, float]]:
         """Speed ranges that may be barred, for any limit [rad/s]."""
-        return [(barred.low, barred.high) for barred in self.barred if barred.allowed]
+        return ranges_to_bar(self.barred)
 
     @property
     def sentence(self) -> str:
@@ -383,8 +383,6 @@ def judge(
     ranges = barred_ranges(findings, rule, (low, high), full_load)
     barred = tuple(span for span in ranges if span.position != "below")
     below = tuple(span for span in ranges if span.position == "below")
-    refused = any(not span.allowed for span in ranges)
-    status: Status = "not acceptable" if refused else "barred range needed" if barred else "fine"
     noted = [f"{check.curve.name}: {text}" for check in checks for text in check.remarks]
     noted += [f"{span.shown}: {text}" for span in ranges for text in span.remarks]
     for limit, _ in findings:
@@ -396,7 +394,7 @@ def judge(
     ranked = tuple(sorted(checks, key=lambda check: -check.used))
     at_running = max((check.at_running_speeds for check in ranked), key=lambda check: check.used)
     return Verdict(
-        status=status,
+        status=status_by(ranges),
         checks=ranked,
         barred=barred,
         started_through=below,
@@ -404,6 +402,18 @@ def judge(
         remarks=tuple(dict.fromkeys(noted)),
         worst=ranked[0] if at_running.passed and not ranked[0].passed else at_running,
     )
+
+
+def ranges_to_bar(ranges: Iterable[BarredRange]) -> list[tuple[float, float]]:
+    """Return which of the ranges of `barred_ranges` may be barred [rad/s]."""
+    return [(span.low, span.high) for span in ranges if span.allowed and span.position != "below"]
+
+
+def status_by(ranges: Sequence[BarredRange]) -> Status:
+    """Return the status by the ranges of `barred_ranges`."""
+    if any(not span.allowed for span in ranges):
+        return "not acceptable"
+    return "barred range needed" if any(span.position != "below" for span in ranges) else "fine"
 
 
 def _check(

@@ -3,10 +3,17 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
-from crankfem.analyses.shaft.whole_shaft import ShaftComparison, not_comparable, whole_shaft_remark
+from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, Speed, result
+from crankfem.analyses.shaft.whole_shaft import (
+    ShaftComparison,
+    WholeShaft,
+    not_comparable,
+    whole_shaft_remark,
+)
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.engine_limits import (
@@ -16,22 +23,17 @@ from crankfem.analyses.vibration.engine_limits import (
     limited_quantities,
 )
 from crankfem.files.engine.engine_file import EngineFile
+from dynamics import wording
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.response_curves import curves_of
 from dynamics.assessment.verdict import Decision, LimitCheck, Verdict, decide
 from dynamics.chains.engine_chains import FLYWHEEL, FREE_END, EngineChain
 from dynamics.chains.varying import VaryingSpring
 from dynamics.crankshaft.coupled_response import CoupledResponse, shaft_criticals
-from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.loads import ElementLoads, LinearQuantities
 from dynamics.response.series import OrderSeries
-from dynamics.wording import limit_at, use_in_words
 
 DIGITS = 3
-REMEDY = (
-    "rely on the whole crankshaft, and give bearings.stiffness and flywheel.diametral_inertia, which decide "
-    "its modes"
-)
 
 
 def with_bearings(assessment: Assessment, sweep: BearingSweep) -> Assessment:
@@ -58,7 +60,7 @@ def with_whole_shaft(
     """
     sentences = whole_shaft_remark(comparison)
     if reason := not_comparable(engine_file):
-        sentences = (f"The verdict uses lumped models (chains) alone: {reason}.",)
+        sentences = (wording.chains_alone(reason),)
     whole = whole_verdict(engine_file, comparison, cranks, moduli, assessment.verdict)
     if whole is None:
         return replace(assessment, by_whole=sentences)
@@ -117,25 +119,93 @@ class WholeTorsion:
         return ElementLoads(replace(elastic, values=total), elastic, ground=none, dashpots=none)
 
 
+@result("order", "place", "value", "speed")
+class WholeCritical(Result):
+    """A critical speed of the whole crankshaft.
+
+    Attributes
+    ----------
+    value : float
+        Amplitude of the order at its place; inf where unbounded.
+    mode : int
+        That makes the peak, with its undamped frequency [Hz] and share of critical damping; 0 for none.
+    share : float
+        Of the largest amplitude at the place.
+    """
+
+    order: Number
+    place: str
+    value: InItsUnit
+    mode: int
+    frequency: Annotated[float | None, Quantity("Hz")]
+    damping_ratio: Annotated[float | None, Quantity("1")]
+    share: Number
+    speed: Speed
+    in_running_range: bool
+    unit: str
+
+
+@result("peaks", "left_out")
+class WholeCriticals(Result):
+    """Critical speeds of the whole crankshaft in one kind of vibration, and how many are too small."""
+
+    left_out: int
+    peaks: tuple[WholeCritical, ...]
+
+
+@result("shaft", "comparison")
+class WholeVibration(Result):
+    """The whole crankshaft of an engine beside its chains.
+
+    Attributes
+    ----------
+    criticals : dict of str to WholeCriticals
+        By kind: of those whose chain is inadequate.
+    """
+
+    shaft: Flat[WholeShaft]
+    comparison: Flat[ShaftComparison]
+    criticals: dict[str, WholeCriticals]
+
+
 def whole_criticals(
     engine_file: EngineFile, comparison: ShaftComparison, cranks: EngineChain
-) -> dict[str, tuple[tuple[DampedCritical, ...], int]]:
-    """Return the whole crankshaft's critical speeds and the number of small ones left out, by kind.
+) -> dict[str, WholeCriticals]:
+    """Return the whole crankshaft's critical speeds, by the kinds of vibration whose chain is inadequate.
 
-    Of the kinds whose chain is inadequate: torques [N m] in the elements of the torsional chain, axial
-    motions [m] of the main bearings, from the lowest running speed to the highest one judged.
+    Torques [N m] in the elements of the torsional chain, axial motions [m] of the main bearings, from the
+    lowest running speed to the highest one judged.
     """
     coupled = comparison.coupled
     if coupled is None:
         return {}
-    criticals: dict[str, tuple[tuple[DampedCritical, ...], int]] = {}
-    ends = assessment_end_speeds(engine_file)
-    for verdict in comparison.verdicts:
+    ends, frequencies = assessment_end_speeds(engine_file), coupled.total.system.elastic_frequencies
+    highest = engine_file.engine.highest_speed * (1.0 + 1e-9)
+    criticals = {}
+    for kind, verdict in comparison.chains.items():
         if verdict.suffices:
             continue
-        torsional = verdict.kind == "torsional"
+        torsional = kind == "torsional"
         quantities = whole_torques(coupled, cranks) if torsional else coupled.axial_motions
-        criticals[verdict.kind] = shaft_criticals(coupled, quantities, (ends[0], ends[-1]))
+        peaks, left_out = shaft_criticals(coupled, quantities, (ends[0], ends[-1]))
+        criticals[kind] = WholeCriticals(
+            left_out,
+            tuple(
+                WholeCritical(
+                    order=peak.order,
+                    place=peak.place,
+                    value=peak.amplitude,
+                    mode=peak.mode if peak.in_band else 0,
+                    frequency=float(frequencies[peak.mode - 1]) if peak.in_band else None,
+                    damping_ratio=peak.damping_ratio if peak.in_band else None,
+                    share=peak.severity,
+                    speed=peak.speed,
+                    in_running_range=peak.speed <= highest,
+                    unit="N m" if torsional else "m",
+                )
+                for peak in peaks
+            ),
+        )
     return criticals
 
 
@@ -236,28 +306,25 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
     """
     by_chains = {id(check.curve) for check in chains.checks}
     worst = next(check for check in whole.checks if id(check.curve) not in by_chains)
-    use = _use(worst)
     same = next((check for check in chains.checks if check.limit.name == worst.limit.name), None)
-    if same is not None:
-        use += f" (by the chains {same.curve.name}, {_use(same)})"
-    agrees = "the same verdict" if whole.status == chains.status else "another verdict"
-    ranges = ""
+    shown: list[str] = []
     if whole.status == "barred range needed":
-        ranges = f" ({', '.join(barred.shown for barred in whole.barred)})"
+        shown = [", ".join(barred.shown for barred in whole.barred)]
     elif worst.passed:  # not acceptable by what is not told above
         refused = (*whole.barred, *whole.started_through)
-        ranges = "".join(f" ({barred.sentence})" for barred in refused if not barred.allowed)
-    by_chain = {check.limit.name for check in whole.checks if id(check.curve) in by_chains}
-    apart = "".join(f" ({name} by the axial chain alone)" for name in by_chain)
-    return (
-        f"The whole crankshaft held against the same limits{apart}: "
-        f"{limit_at(worst.limit.name, worst.curve.name)}, "
-        f'{use}; with the values used, {agrees}, "{whole.status}"{ranges}.'
+        shown = [barred.sentence for barred in refused if not barred.allowed]
+    return wording.whole_use(
+        f"{wording.limit_at(worst.limit.name, worst.curve.name)}, {_use(worst)}",
+        {check.limit.name for check in whole.checks if id(check.curve) in by_chains},
+        "" if same is None else f"{same.curve.name}, {_use(same)}",
+        whole.status == chains.status,
+        whole.status,
+        shown,
     )
 
 
 def _use(check: LimitCheck) -> str:
-    return use_in_words(
+    return wording.use_in_words(
         check.limit.unit, check.worst_speed, check.worst_value, check.permitted, DIGITS
     )
 
@@ -267,8 +334,5 @@ def decision_by_both(decision: Decision, whole: Verdict, chains: Verdict) -> Dec
     accepted = [verdict.status != "not acceptable" for verdict in (chains, whole)]
     if accepted[0] == accepted[1]:
         return decision
-    by = ("the lumped model", "the whole crankshaft")
-    yes, no = by if accepted[0] else by[::-1]
-    sentence = f"acceptable by {yes}, not by {no}: {REMEDY}"
-    also = f"; {decision.sentence}" if decision.sentence else ""
-    return replace(decision, status="undecided", sentence=f"{sentence}{also}")
+    sentence = wording.by_one_model(accepted[0], decision.sentence)
+    return replace(decision, status="undecided", sentence=sentence)
