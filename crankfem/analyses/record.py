@@ -78,7 +78,6 @@ _NAMES = {
     "1": "accuracy across_web added "
     "allowed asymmetry axial_correction "
     "axial_force_per_radial axial_reaction beside_chosen cases connections "
-    "crankpin_beside_mean side_force_beside_largest "
     "cranks cylinder cylinders designs detuning done elements elements_across_fillets "
     "evaluations exponent failed fluctuation held_out kept "
     "largest_error_held_out layers left_out "
@@ -88,12 +87,9 @@ _NAMES = {
     "misfiring resultant rho runs same_stars samples section_error sections "
     "sense severity shape "
     "strokes t throw unknowns used written",
-    "m": "about axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
+    "m": "axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
     "m^3": "volume",
     "rad": "crank_angles",
-    "N": "force_scale",
-    "N m": "moment moment_scale",
-    "kg": "at_center at_foot at_piston_pin",
     "kg m^2": "inertia_about_shaft",
     "m/s": "mean_piston_speed",
     "rad/s": "angular_frequency speed",
@@ -107,19 +103,13 @@ _NAMES = {
 # Of ends of paths, "*" being any name.
 _PLACES = {
     "1": "factors.* ratios.* "
-    "axial_forces.difference change.major change.minor constants.* "
-    "errors.* kinetic_shares.* "
-    "quality.* "
+    "axial_forces.difference constants.* errors.* kinetic_shares.* quality.* "
     "spreads.high spreads.low strain_shares.* surfaces.* used.*",
-    "m": "meshings.size dimensions.value rotating.position",
-    "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
-    "pistons.amplitude pistons.largest pistons.left",
-    "N": "axial_forces.alone "
-    "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean",
-    "N m": "torque.largest torque.smallest",
-    "kg": "masses.reciprocating masses.rotating",
-    "kg m": "balance.static throws.counterweights throws.rods throws.solid throws.sum unbalance.static",
-    "kg m^2": "balance.dynamic unbalance.dynamic",
+    "m": "meshings.size dimensions.value",
+    "N": "axial_forces.alone axial_forces.in_shaft",
+    "N/m": "bearings.stiffness",
+    "kg m": "unbalance.static",
+    "kg m^2": "unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",
     "Hz": "causes.* frequencies.high frequencies.low frequencies.nominal",
@@ -138,11 +128,9 @@ _KINDS = {
     "amplitudes.percentile_5 amplitudes.percentile_95 amplitudes.highest",
 }
 
-_HODOGRAPH, _HARMONICS = "major minor x y forward backward", "mean cosine sine amplitude"
+_HARMONICS = "mean cosine sine amplitude"
 # Of what is a force here and a moment there: parts and unit, and what has them.
 _GROUPS = {
-    (_HODOGRAPH, "N"): ("force", "side_by_side", "kinematics", "masses", "hinged"),
-    (_HODOGRAPH, "N m"): ("moment",),
     (_HARMONICS, "N m"): ("torque",),
 }
 

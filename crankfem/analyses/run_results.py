@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.results import Part, Quantity, Result, result
+from crankfem.analyses.mechanism.mechanism_results import MechanismResults
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
 from crankfem.analyses.shaft.whole_records import ShaftBalance, ThrowsInShaft
@@ -16,6 +17,7 @@ from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.study.study_results import FittedStudy
 from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.files.reading.toml_file import InputRecord
+from dynamics.critical import TwoMassCheck
 from dynamics.response.loads import LARGEST_POWER_ERROR
 from dynamics.torque import LARGEST_ENERGY_ERROR
 from fem.angle_law import SYMMETRIC
@@ -92,10 +94,10 @@ class RunResults(Result):
     balance: ShaftBalance
     fillets: Optional
     fillet_note: str | None
-    mechanism: Optional
+    mechanism: MechanismResults | None
     study: FittedStudy | None
     harmonics: TableHarmonics | None
-    two_mass: Part[Any]
+    two_mass: TwoMassCheck | None
     shaft: ThrowsInShaft
     vibration: Record
     strength: EngineStrength | None
@@ -304,13 +306,13 @@ def _study_checks(study: FittedStudy | None) -> list[Check]:
     ]
 
 
-def _mechanism_checks(mechanism: Mapping[str, Any] | None) -> list[Check]:
+def _mechanism_checks(mechanism: MechanismResults | None) -> list[Check]:
     if mechanism is None:
         return []
     return [
         _check(
             "Energy of the crank mechanism",
-            abs(mechanism["energy_error"]),
+            abs(mechanism.energy_error),
             "Difference between the work of the torque over a cycle and the work of the gas, relative to "
             "the work exchanged.",
             allowed=LARGEST_ENERGY_ERROR,

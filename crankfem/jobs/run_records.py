@@ -9,8 +9,7 @@ import numpy as np
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.mechanism.balance_records import mechanism_balance_record
-from crankfem.analyses.mechanism.mechanism_records import mechanism_record
+from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
 from crankfem.analyses.provenance import Repetition, provenance
@@ -55,9 +54,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         angle_law=_angle_record(engine_file, computed.throw.analysis)
         | {"law": first.formulas["fe"]["angle_law"]},
         balance=shaft_balance(engine_file),
-        mechanism=None
-        if mechanism is None
-        else mechanism_record(mechanism) | {"balance": mechanism_balance_record(mechanism)},
+        mechanism=None if mechanism is None else mechanism_results(mechanism),
         study=None if study is None else fitted_study(study.table, study.fits, study.model),
         harmonics=None
         if computed.torque is None or computed.harmonics is None
