@@ -135,17 +135,11 @@ _GROUPS = {
 }
 
 
-def with_units(content: Record | Result, within: str = "") -> Record:
-    """Return a record with the units of its numbers under "units"; unchanged if it has no numbers.
-
-    Parameters
-    ----------
-    within : str, optional
-        Name under which such content appears in other records, "torque" or "axial".
-    """
+def with_units(content: Record | Result) -> Record:
+    """Return a record with the units of its numbers under "units"; unchanged if it has no numbers."""
     if isinstance(content, dict) and "units" in content:
         return content
-    known = units_of(_undeclared(content), within) | result_units(content)
+    known = units_of(_undeclared(content)) | result_units(content)
     whole: Record = _plain(content)
     return whole | {"units": known} if known else whole
 
@@ -167,7 +161,7 @@ def _undeclared(content: Any) -> Any:
     return content
 
 
-def units_of(content: Record, within: str = "") -> dict[str, str]:
+def units_of(content: Record) -> dict[str, str]:
     """Return the units of all numbers in a record.
 
     Returns
@@ -181,10 +175,10 @@ def units_of(content: Record, within: str = "") -> dict[str, str]:
     """
     units = {}
     for path in dict.fromkeys(number_paths(content)):
-        known = _unit_at((within, *path) if within else path)
+        known = _unit_at(path)
         if known is not None:
             key, unit = known
-            units[key.removeprefix(f"{within}.")] = unit
+            units[key] = unit
     return units
 
 
