@@ -51,7 +51,8 @@ class Quantity:
     ----------
     unit : str
         In SI; "1" of plain numbers, "" of words and parts, ".name" if the value of that name
-        beside it tells, which may be internal, or one of the result around it.
+        beside it tells, which may be internal, or one of the result around it; ".." if it is
+        declared where the part is used.
     meaning : str, optional
         In words.
     exported : str, optional
@@ -86,6 +87,8 @@ class Quantity:
             return core_schema.no_info_plain_validator_function(
                 lambda values: _array(values, size, self.missing)
             )
+        if source is complex:
+            return core_schema.no_info_plain_validator_function(lambda parts: complex(*parts))
         if (source is not float and size == 1.0) or not self.unit:
             return handler(source)
 
@@ -316,7 +319,7 @@ def _is_input(value: Any) -> bool:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON content: arrays as lists, infinities as None."""
+    """Return a value as JSON content: arrays and complex numbers as lists, infinities as None."""
     if isinstance(value, Result):
         record: dict[str, Any] = {}
         for name, (quantity, _) in contents(type(value)).items():
@@ -336,6 +339,8 @@ def plain(value: Any) -> Any:
         value = value.model_dump(mode="json")
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
+    if isinstance(value, complex):
+        return [value.real, value.imag]
     if isinstance(value, Mapping):
         return {str(name): plain(part) for name, part in value.items()}
     if isinstance(value, list | tuple):
@@ -365,44 +370,67 @@ def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
         yield from _not_finite(part, f"{path}.{name}" if path else str(name))
 
 
-def units(value: Any, path: str = "") -> dict[str, str]:
+def units(
+    value: Any, path: str = "", around: tuple["Result", ...] = (), of_part: str = ""
+) -> dict[str, str]:
     """Return the units of the numbers in results, by their paths in JSON; lists are not counted.
 
     "*" stands for all names of a mapping of numbers.
+
+    Parameters
+    ----------
+    around : tuple of Result
+        Those that the value is a part of, the innermost first.
+    of_part : str
+        Unit declared for the value.
     """
     known: dict[str, str] = {}
     if isinstance(value, Result):
-        for name, (quantity, _) in contents(type(value)).items():
+        around = (value, *around)
+        for name, (quantity, kind) in contents(type(value)).items():
             content, place = getattr(value, name), f"{path}{quantity.key_of(name)}"
-            if unit := quantity.exported or quantity.unit:
+            unit = of_part if quantity.unit == ".." else quantity.exported or quantity.unit
+            if unit and not _has_results(kind):
                 inside = f"{place}.*" if isinstance(content, Mapping) else place
-                hidden = unit[:1] == "." and unit[1:] not in contents(type(value))
-                named = getattr(value, unit[1:], unit) if hidden else unit
+                named = _told(unit, around)
                 if isinstance(named, Mapping):  # a unit for each name
                     known |= {f"{place}.{key}": own for key, own in named.items()}
                 else:
                     known[inside] = named
-            known |= units(content, path if quantity.flat else f"{place}.")
+            known |= units(content, path if quantity.flat else f"{place}.", around, unit)
     elif _is_input(value):
         from crankbase.model import model_units
 
         known = model_units(value, path)
     elif isinstance(value, Mapping):
         for name, part in value.items():
-            known |= units(part, f"{path}{name}.")
+            known |= units(part, f"{path}{name}.", around, of_part)
     elif isinstance(value, list | tuple):
         for part in value:
-            known |= units(part, path)
+            known |= units(part, path, around, of_part)
     return known
 
 
-def _cells(source: Result, before: str) -> Iterator[tuple[str, tuple[Any, str]]]:
+def _told(unit: str, around: tuple[Result, ...]) -> Any:
+    """Return the unit that an internal value tells; unchanged if JSON has what tells it."""
+    tells = (owner for owner in around if unit[:1] == "." and hasattr(owner, unit[1:]))
+    owner = next(tells, None)
+    known = owner is None or unit[1:] in contents(type(owner))
+    return unit if known else getattr(owner, unit[1:])
+
+
+def _has_results(kind: Any) -> bool:
+    """Return whether a type is of results, or holds them."""
+    return _is_result(kind) or any(map(_has_results, get_args(kind)))
+
+
+def _cells(source: Result, before: str, of_part: str = "") -> Iterator[tuple[str, tuple[Any, str]]]:
     for name, (quantity, _) in contents(type(source)).items():
         value = getattr(source, name)
+        unit = of_part if quantity.unit == ".." else quantity.unit
         if isinstance(value, Result):
-            yield from _cells(value, f"{before}{name}.")
+            yield from _cells(value, f"{before}{name}.", unit)
         elif not (isinstance(value, Mapping | tuple | list | np.ndarray) or _is_input(value)):
-            unit = quantity.unit
             yield f"{before}{name}", (value, getattr(source, unit[1:]) if unit[:1] == "." else unit)
 
 

@@ -75,25 +75,21 @@ _WORDS = {
 }
 # Of whole names.
 _NAMES = {
-    "1": "accuracy across_web added adjusted_r_squared aic "
+    "1": "accuracy across_web added "
     "allowed asymmetry axial_correction "
-    "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
-    "crankpin_beside_mean side_force_beside_largest "
+    "axial_force_per_radial axial_reaction beside_chosen cases connections "
     "cranks cylinder cylinders designs detuning done elements elements_across_fillets "
-    "evaluations exponent f_value failed fe_scatter fluctuation held_out kept largest_error_at_runs "
-    "largest_error_held_out largest_leverage layers left_out "
+    "evaluations exponent failed fluctuation held_out kept "
+    "largest_error_held_out layers left_out "
     "first_mode likeness lost modes "
-    "magnifier mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements missing mode "
+    "magnifier mechanical_efficiency mended_elements missing mode "
     "node_positions nodes nonuniformity overlap_per_radius phase_sum pins points "
-    "misfiring q_squared r_squared resultant rho runs same_stars samples section_error sections "
+    "misfiring resultant rho runs same_stars samples section_error sections "
     "sense severity shape "
     "strokes t throw unknowns used written",
-    "m": "about axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
+    "m": "axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
     "m^3": "volume",
     "rad": "crank_angles",
-    "N": "force_scale",
-    "N m": "moment moment_scale",
-    "kg": "at_center at_foot at_piston_pin",
     "kg m^2": "inertia_about_shaft",
     "m/s": "mean_piston_speed",
     "rad/s": "angular_frequency speed",
@@ -107,32 +103,21 @@ _NAMES = {
 # Of ends of paths, "*" being any name.
 _PLACES = {
     "1": "factors.* ratios.* "
-    "axial_forces.difference change.major change.minor constants.* elasticity.* "
-    "errors.* first.* kinetic_shares.* "
-    "quality.* "
-    "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
-    "m": "meshings.size dimensions.value rotating.position",
-    "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
-    "pistons.amplitude pistons.largest pistons.left",
-    "N": "axial_forces.alone "
-    "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean",
-    "N m": "torque.largest torque.smallest",
-    "kg": "masses.reciprocating masses.rotating",
-    "kg m": "balance.static throws.counterweights throws.rods throws.solid throws.sum unbalance.static",
-    "kg m^2": "balance.dynamic unbalance.dynamic",
+    "axial_forces.difference constants.* errors.* kinetic_shares.* quality.* "
+    "spreads.high spreads.low strain_shares.* surfaces.* used.*",
+    "m": "meshings.size dimensions.value",
+    "N": "axial_forces.alone axial_forces.in_shaft",
+    "N/m": "bearings.stiffness",
+    "kg m": "unbalance.static",
+    "kg m^2": "unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",
     "Hz": "causes.* frequencies.high frequencies.low frequencies.nominal",
     "m/N": "errors.axial_compliance errors.influence_coefficient "
     "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value",
     "rad/(N m)": "errors.torsional_compliance fe.torsional regression.torsional.value",
-    ".unit": "cause.orders.amplitude compared.calculated compared.measured free_end.orders.amplitude "
-    "responses.first responses.second",
-    ".units": "nominal.*",
-    ".value_units": "excluded.values failures.values table.values",
+    ".unit": "cause.orders.amplitude free_end.orders.amplitude responses.first responses.second",
     ".stress_unit": "fillets.nominal oil_holes.nominal",
-    ".coefficient_units": "coefficients.* standard_errors.*",
-    ".coded_unit": "coded.coefficient coded.standard_error",
 }
 # Of ends of paths behind "axial" and "torsional": the units of both.
 _KINDS = {
@@ -143,26 +128,18 @@ _KINDS = {
     "amplitudes.percentile_5 amplitudes.percentile_95 amplitudes.highest",
 }
 
-_HODOGRAPH, _HARMONICS = "major minor x y forward backward", "mean cosine sine amplitude"
+_HARMONICS = "mean cosine sine amplitude"
 # Of what is a force here and a moment there: parts and unit, and what has them.
 _GROUPS = {
-    (_HODOGRAPH, "N"): ("force", "side_by_side", "kinematics", "masses", "hinged"),
-    (_HODOGRAPH, "N m"): ("moment",),
     (_HARMONICS, "N m"): ("torque",),
 }
 
 
-def with_units(content: Record | Result, within: str = "") -> Record:
-    """Return a record with the units of its numbers under "units"; unchanged if it has no numbers.
-
-    Parameters
-    ----------
-    within : str, optional
-        Name under which such content appears in other records, "torque" or "axial".
-    """
+def with_units(content: Record | Result) -> Record:
+    """Return a record with the units of its numbers under "units"; unchanged if it has no numbers."""
     if isinstance(content, dict) and "units" in content:
         return content
-    known = units_of(_undeclared(content), within) | result_units(content)
+    known = units_of(_undeclared(content)) | result_units(content)
     whole: Record = _plain(content)
     return whole | {"units": known} if known else whole
 
@@ -184,7 +161,7 @@ def _undeclared(content: Any) -> Any:
     return content
 
 
-def units_of(content: Record, within: str = "") -> dict[str, str]:
+def units_of(content: Record) -> dict[str, str]:
     """Return the units of all numbers in a record.
 
     Returns
@@ -198,10 +175,10 @@ def units_of(content: Record, within: str = "") -> dict[str, str]:
     """
     units = {}
     for path in dict.fromkeys(number_paths(content)):
-        known = _unit_at((within, *path) if within else path)
+        known = _unit_at(path)
         if known is not None:
             key, unit = known
-            units[key.removeprefix(f"{within}.")] = unit
+            units[key] = unit
     return units
 
 

@@ -6,12 +6,11 @@ from dataclasses import replace
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.mechanism.balance_records import mechanism_balance_record
-from crankfem.analyses.mechanism.mechanism_records import mechanism_record
+from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
 from crankfem.analyses.provenance import Repetition, provenance
-from crankfem.analyses.record import Record, attributes, plain
+from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.run_results import NamedThrow, RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.whole_records import shaft_balance, throws_in_shaft
@@ -26,7 +25,6 @@ from crankfem.analyses.throw.formula_records import (
 )
 from crankfem.analyses.throw.stress import stress_results
 from crankfem.analyses.throw.throw_record import reciprocity, throw_results
-from crankfem.analyses.vibration.records import run_record
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_computation import RunComputation, RunInputs
 from dynamics.critical import engine_orders, major_orders
@@ -59,9 +57,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
             None if first.formulas.fe is None else first.formulas.fe.angle_law,
         ),
         balance=shaft_balance(engine_file),
-        mechanism=None
-        if mechanism is None
-        else mechanism_record(mechanism) | {"balance": mechanism_balance_record(mechanism)},
+        mechanism=None if mechanism is None else mechanism_results(mechanism),
         study=None if study is None else fitted_study(study.table, study.fits, study.model),
         harmonics=None
         if computed.torque is None or computed.harmonics is None
@@ -70,7 +66,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         if engine_file.two_mass is None
         else checked(engine_file.two_mass, computed.harmonics),
         shaft=throws_in_shaft(computed.vibration.shaft, computed.crank_analyses),
-        vibration=plain(run_record(computed.vibration)),
+        vibration=computed.vibration,
         strength=computed.strength,
         fatigue=computed.fatigue,
         fatigue_note=computed.fatigue_note,

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from markupsafe import Markup, escape
 
 from crankbase.quantity import (
+    RPM,
     UNBOUNDED,
     fixed,
     format_quantity,
@@ -19,9 +20,10 @@ from crankbase.quantity import (
     tiny,
 )
 from crankbase.table import Table
-from crankfem.analyses.record import Record
+from crankfem.analyses.mechanism.mechanism_results import BearingLoad
 from crankfem.analyses.run_results import Check
 from crankfem.analyses.shaft.chains import MOTION
+from dynamics.assessment.barred_ranges import BarredRange
 
 # What the sources of compliances are called in results.json, and in words.
 SOURCE_WORDS = {
@@ -47,7 +49,7 @@ def quantity(value: float | None, unit: str, digits: int = TABLE_DIGITS) -> str:
     >>> quantity(12.3456, "m")
     '12300 mm'
     """
-    if value is None:
+    if value is None or math.isinf(value):
         return UNBOUNDED
     return format_quantity(value, unit, digits) if unit else f"{value:g}"
 
@@ -144,10 +146,10 @@ def _figure(value: float | None, unit: str) -> str:
     return f"{value:g} {unit}".strip()
 
 
-def loaded_most(bearings: Sequence[Record]) -> list[Record]:
+def loaded_most(bearings: Sequence[BearingLoad]) -> list[BearingLoad]:
     """Return the bearings with the largest load; several where they are alike but for round-off."""
-    largest = max(bearing["largest"] for bearing in bearings)
-    return [bearing for bearing in bearings if bearing["largest"] > (1.0 - ALIKE) * largest]
+    largest = max(bearing.largest for bearing in bearings)
+    return [bearing for bearing in bearings if bearing.largest > (1.0 - ALIKE) * largest]
 
 
 def capped_share(value: float) -> float:
@@ -182,9 +184,9 @@ def table_cells(table: Table) -> list[list[str]]:
     ]
 
 
-def range_sentence(barred: Record) -> str:
+def range_sentence(barred: BarredRange) -> str:
     """Write whether a range of speeds may be barred or passed, and why not; without its full stop."""
-    return with_three_digits(barred["sentence"])
+    return with_three_digits(barred.sentence)
 
 
 def with_three_digits(text: str) -> str:
@@ -240,6 +242,7 @@ FILTERS = {
     "range": range_sentence,
     "three": with_three_digits,
     "gpa": lambda value: f"{value / 1e9:.4g} GPa",
+    "rpm": lambda speed: speed * RPM,
     "length_of": lambda values: math.hypot(*values),
     "sig_or_zero": lambda value: significant(value, TABLE_DIGITS) if value else "0",
 }

@@ -9,13 +9,6 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from crankbase.outputs import recording_run_files, write_text
-from crankfem.analyses.mechanism.balance_records import (
-    balance_contents,
-    balance_table,
-    moving_mass_table,
-    throw_mass_table,
-)
-from crankfem.analyses.mechanism.mechanism_records import bearing_table
 from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
@@ -24,13 +17,9 @@ from crankfem.analyses.throw.formula_records import Formulas, compared_complianc
 from crankfem.analyses.throw.stress import StressResults
 from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.analyses.vibration.tables import (
-    barred_within_error,
     element_table,
     limit_table,
-    load_table,
     misfiring_table,
-    mode_table,
-    source_table,
     speed_table,
     whole_critical_table,
     whole_table,
@@ -49,22 +38,13 @@ if TYPE_CHECKING:
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
 # What makes tables, or their cells, of the results.
 TABLES = (
-    balance_contents,
-    balance_table,
-    barred_within_error,
-    bearing_table,
     element_table,
     limit_table,
-    load_table,
     misfiring_table,
-    mode_table,
-    moving_mass_table,
-    source_table,
     speed_table,
     whole_critical_table,
     whole_table,
     harmonics_table,
-    throw_mass_table,
     strength_table,
     fatigue_table,
     factor_table,
@@ -108,6 +88,7 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
         the same.
     """
     figures, unread = load_figures(results.pictures, results.interactive, pictures)
+    vibration = results.vibration
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
         page_environment()
@@ -115,8 +96,12 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
         .render(
             r=results,
             first=summary(results),
-            schematic=engine_schematic(results.engine, results.vibration["torsional"]),
-            compliances=compared_compliances(results.throw, results.formulas, results.vibration),
+            schematic=engine_schematic(results.engine, vibration.torsional),
+            compliances=compared_compliances(
+                results.throw,
+                results.formulas,
+                {chain.kind: chain.sources for chain in (vibration.axial, vibration.torsional)},
+            ),
             further={
                 name: compared_compliances(further.throw, further.formulas)
                 for name, further in [*(results.throws or {}).items()][1:]

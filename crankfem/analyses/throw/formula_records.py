@@ -393,16 +393,23 @@ class ComparedCompliances:
 
 
 def compared_compliances(
-    throw: ThrowResults, formulas: Formulas, vibration: Mapping[str, Any] | None = None
+    throw: ThrowResults,
+    formulas: Formulas,
+    sources_in_shaft: Mapping[str, Sequence[Any]] | None = None,
 ) -> ComparedCompliances:
-    """Compare the compliances of a throw by all sources; with the vibration also those in the shaft."""
+    """Compare the compliances of a throw by all sources.
+
+    Parameters
+    ----------
+    sources_in_shaft : mapping, optional
+        `SourceFrequencies` by kind of vibration.
+    """
     numbers: dict[str, int] = {}
     tables: dict[str, list[ComparedRow]] = {}
     ranges: dict[str, tuple[float, float] | None] = {}
     for kind in KINDS:
         fe = getattr(throw.supports["pinned"], kind)
-        in_shaft = () if vibration is None else vibration[kind]["sources"]
-        chains = {chain["source"]: chain for chain in in_shaft}
+        chains = {chain.source: chain for chain in (sources_in_shaft or {}).get(kind, ())}
         rows: list[ComparedRow] = []
 
         def add(
@@ -416,12 +423,8 @@ def compared_compliances(
             rows: list[ComparedRow] = rows,
         ) -> None:
             chain = chains.get(source)
-            mean = None if chain is None else chain["mean_compliance"]
-            first = (
-                None
-                if chain is None
-                else chain.get("first_frequency", chain["first_frequencies"][0])
-            )
+            mean = None if chain is None else chain.mean_compliance
+            first = None if chain is None else chain.first_frequency
             notes = sorted(numbers.setdefault(text, len(numbers) + 1) for text in remarks)
             rows.append(ComparedRow(name, value, value / fe, mean, first, applies, notes))
 
