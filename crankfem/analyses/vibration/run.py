@@ -12,6 +12,7 @@ from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.summaries import summarized
 from crankfem.analyses.engine_mechanism import MechanismFile, layout_of, mechanism_of
+from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft, usable_model
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
 from crankfem.analyses.shaft.whole_shaft import (
@@ -27,6 +28,7 @@ from crankfem.analyses.vibration.assessment import Assessment, assess
 from crankfem.analyses.vibration.axial_cycle import axial_cycle
 from crankfem.analyses.vibration.bearing_sweep import (
     BearingSweep,
+    HeldChains,
     bearing_sweep,
     chains_over_bearings,
     held_chains,
@@ -276,7 +278,8 @@ def engine_vibration(
     shaft = compliances_in_shaft(read, analyses)
     axial = axial_vibration(read, analyses, shaft, model)
     torsional = torsional_vibration(read, analyses, shaft, model)
-    held = chains_over_bearings(read, analyses, model)
+    nominal = HeldChains(bearing_stiffness(read).nominal, shaft, axial, torsional)
+    held = chains_over_bearings(read, analyses, model, nominal)
     lengthened = twisted = assessment = whole = comparison = misfiring = axial_force = None
     note = ""
     if coupled:
