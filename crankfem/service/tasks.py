@@ -196,7 +196,7 @@ def _stress(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldPro
 
 def _study(question: Mapping[str, Any], folder: Path, workers: int, reporter: ToldProgress) -> None:
     from crankfem.analyses.record import with_units
-    from crankfem.analyses.study.fit_records import study_record
+    from crankfem.analyses.study.fit_records import fitted_study
     from crankfem.analyses.study.studies import run_study
 
     content = read_upload(FileQuestion(**question))
@@ -206,7 +206,7 @@ def _study(question: Mapping[str, Any], folder: Path, workers: int, reporter: To
         content, folder / "study.sqlite", workers, reporter.design, note=reporter.note
     )
     study.model.save(folder / MODEL)
-    _write(folder, with_units(study_record(study.table, study.fits, study.model)))
+    _write(folder, with_units(fitted_study(study.table, study.fits, study.model)))
 
 
 def _engine(
