@@ -109,7 +109,6 @@ _PLACES = {
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
     "m": "meshings.size dimensions.value",
     "N": "axial_forces.alone axial_forces.in_shaft",
-    "N/m": "bearings.stiffness",
     "kg m": "unbalance.static",
     "kg m^2": "unbalance.dynamic",
     "W": "dampers.* power.largest",
