@@ -14,6 +14,7 @@ from crankbase.quantity import (
     significant,
 )
 
+SpeedRanges = Sequence[tuple[float, float]]
 # What a verdict is called; "undecided" and "not judged" are those of a run, not of a `Verdict`.
 VERDICTS = {
     "fine": "Fine",
@@ -454,6 +455,84 @@ def force_on_held_ends(speed: float, lowest: float, highest: float) -> str:
 
 def _forces(lowest: float, highest: float) -> str:
     return f"{lowest / 1e3:.3g} kN to {highest / 1e3:.3g} kN"
+
+
+def cylinders_named(cylinders: Sequence[int]) -> str:
+    """Name cylinders, such as "cylinder 4" or "cylinders 3, 5"."""
+    return f"cylinder{'' if len(cylinders) == 1 else 's'} {', '.join(map(str, cylinders))}"
+
+
+def amount_at(value: float, unit: str, speed: float) -> str:
+    """Write the value of a quantity, and its speed [rad/s]."""
+    amount = "unbounded" if np.isinf(value) else format_quantity(value, unit, 3)
+    return f"{amount} at {speed_text(speed)}"
+
+
+def use_while_misfiring(limit: str, cylinders: Sequence[int], use: str, normal: str) -> str:
+    """State the use of a limit at its place while cylinders misfire, beside that of normal firing."""
+    return f"With {cylinders_named(cylinders)} misfiring, {limit}: {use}; with all cylinders firing {normal}"
+
+
+def normal_share(used: float, permitted: float, beside: float, unit: str) -> str:
+    """Write the share of a limit used, with the limit where another one stands beside it; inf for none."""
+    shown, other = (format_quantity(value, unit, 3) for value in (permitted, beside))
+    return f", {format_usage(used)}{'' if shown == other else f' of the permitted {shown}'}"
+
+
+def other_limit(value: float, other: float, unit: str, basis: str) -> str:
+    """Write the share of the limit that does not decide, and on what basis that for passing does."""
+    share = "" if np.isinf(value) else f"{format_usage(value / other)} of "
+    shown = f"{share}the {format_quantity(other, unit, 3)}"
+    if basis:
+        return (
+            f" for passing, which serves while a cylinder misfires by {basis}, {shown} permitted "
+            "continuously"
+        )
+    return f", {shown} that may be passed"
+
+
+def exceeded_alone(use: str, kept_at: float | None, reasons: str) -> str:
+    """State what misfiring alone exceeds, and why; normal firing keeps the limit at that speed [rad/s]."""
+    kept = "" if kept_at is None else f", but within its limit at {speed_text(kept_at)}"
+    return f"{use}{kept}: exceeded by misfiring alone. {reasons[0].upper()}{reasons[1:]}."
+
+
+def speeds_while_misfiring(
+    cylinders: Sequence[int], exceeded: SpeedRanges, remaining: SpeedRanges
+) -> str:
+    """State where limits are exceeded while cylinders misfire, those named or any, and what remains."""
+    keeps = (
+        f"restrict running to {_ranges(remaining)} then"
+        if remaining
+        else "no running speed keeps them"
+    )
+    who = cylinders_named(cylinders) if cylinders else "a cylinder"
+    return f"While {who} misfires, limits are exceeded from {_ranges(exceeded)}: {keeps}."
+
+
+def _ranges(ranges: SpeedRanges) -> str:
+    shown = [shown_range(low, high) for low, high in ranges]
+    return " and ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
+
+
+def misfiring_assumed(
+    cases: Sequence[Sequence[int]], missing_share: float, compression: bool, basis: str
+) -> tuple[str, str]:
+    """State what misfires, and by which limits it is judged."""
+    turns = f"each of {len(cases)} cylinders in turn"
+    which = cylinders_named(cases[0]) if len(cases) == 1 else turns
+    still = "compression stays" if compression else "compression is missing as well"
+    deciding = (
+        f"the limit for passing serves where stated, by {basis}, elsewhere the continuous one"
+        if basis
+        else "the limits of continuous running decide; those for passing serve only where the class or the "
+        "maker says so, with limits.passing_while_misfiring"
+    )
+    return (
+        f"misfiring of {which}: {100.0 * missing_share:.3g} % of the combustion is missing, {still}; the "
+        "others fire as before, so the mean torque is lower",
+        f"while misfiring, {deciding}; only running speeds are judged",
+    )
 
 
 def undecided_sentence(why: str) -> str:

@@ -16,6 +16,8 @@ from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.study.study_results import FittedStudy
 from crankfem.analyses.throw.throw_record import ThrowResults
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.analyses.vibration.whole_verdict import WholeVibration
 from crankfem.files.reading.toml_file import InputRecord
 from dynamics.critical import TwoMassCheck
 from dynamics.response.loads import LARGEST_POWER_ERROR
@@ -99,7 +101,7 @@ class RunResults(Result):
     harmonics: TableHarmonics | None
     two_mass: TwoMassCheck | None
     shaft: ThrowsInShaft
-    vibration: Record
+    vibration: EngineVibration
     strength: EngineStrength | None
     fatigue: EngineFatigue | None
     fatigue_note: str | None
@@ -171,8 +173,8 @@ def run_checks(
         *_fillet_checks(results.fillets),
         *_study_checks(results.study),
         *_mechanism_checks(results.mechanism),
-        *_power_checks(results.vibration["forced"]),
-        *_chain_checks(results.vibration["whole"]),
+        *_power_checks(results.vibration),
+        *_chain_checks(results.vibration.whole_crankshaft),
     )
 
 
@@ -320,24 +322,25 @@ def _mechanism_checks(mechanism: MechanismResults | None) -> list[Check]:
     ]
 
 
-def _power_checks(forced: Mapping[str, Any] | None) -> list[Check]:
+def _power_checks(vibration: EngineVibration) -> list[Check]:
     return [
         _check(
             f"Power of the {kind} vibration",
-            own["power"]["error"],
+            forced.largest_power.error,
             "Power of the exciting forces compared with the heat in all damping, at speeds with bounded "
             "vibration.",
             allowed=LARGEST_POWER_ERROR,
         )
-        for kind, own in (forced or {}).items()
+        for kind, forced in (vibration.forced_by_kind or {}).items()
     ]
 
 
-def _chain_checks(whole: Mapping[str, Any] | None) -> list[Check]:
+def _chain_checks(whole: WholeVibration | None) -> list[Check]:
     chain_checks = []
-    for kind, chain in (whole or {"chains": {}})["chains"].items():
-        modes = chain["modes"]
-        figure = modes[0]["chain_frequency"] / modes[0]["shaft_frequency"] - 1.0 if modes else None
+    for kind, chain in ({} if whole is None else whole.comparison.chains).items():
+        first = chain.modes[0] if chain.modes else None
+        shaft = None if first is None else first.shaft_frequency
+        figure = None if first is None or shaft is None else first.chain_frequency / shaft - 1.0
         chain_checks.append(
             _check(
                 f"The {kind} chain compared with the whole crankshaft",
@@ -345,12 +348,12 @@ def _chain_checks(whole: Mapping[str, Any] | None) -> list[Check]:
                 f"First {kind} frequency of the chain compared with that of the whole crankshaft. "
                 + (
                     "The lumped model is adequate."
-                    if chain["suffices"]
+                    if chain.suffices
                     else "Lumped model inadequate; the section on the whole crankshaft gives the reasons."
                 ),
                 shown_unit="%",
                 # Frequencies, shares of the energy and amplitudes decide together.
-                met=chain["suffices"],
+                met=chain.suffices,
             )
         )
     return chain_checks

@@ -13,7 +13,7 @@ from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
 from crankfem.analyses.provenance import Repetition, provenance
-from crankfem.analyses.record import Record, attributes, plain
+from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.run_results import NamedThrow, RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.whole_records import shaft_balance, throws_in_shaft
@@ -21,7 +21,6 @@ from crankfem.analyses.study.fit_records import fitted_study
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
 from crankfem.analyses.throw.throw_record import reciprocity, regression_record, throw_results
-from crankfem.analyses.vibration.records import run_record
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_computation import RunComputation, RunInputs
 from dynamics.critical import engine_orders, major_orders
@@ -63,7 +62,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         if engine_file.two_mass is None
         else checked(engine_file.two_mass, computed.harmonics),
         shaft=throws_in_shaft(computed.vibration.shaft, computed.crank_analyses),
-        vibration=plain(run_record(computed.vibration)),
+        vibration=computed.vibration,
         strength=computed.strength,
         fatigue=computed.fatigue,
         fatigue_note=computed.fatigue_note,

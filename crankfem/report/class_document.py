@@ -27,10 +27,8 @@ def render_class_document(
     created : str
         When, in words.
     """
-    file, chain = run.engine_file, run.torsional_chain
-    engine = file.engine
+    file, engine = run.engine_file, run.engine_file.engine
     cranks = {"crank_angles": engine.crank_angles, "firing_order": engine.firing_order}
-    points = {"nodes": list(chain.names), "inertia": chain.inertia.tolist()}
     return (
         page_environment()
         .get_template(TEMPLATE)
@@ -39,7 +37,7 @@ def render_class_document(
             file=file.path.name,
             parts=parts,
             pictures={name: _embedded(path) for name, path in pictures.items()},
-            schematic=engine_schematic(cranks, points),
+            schematic=engine_schematic(cranks, run.torsional),
             sources=file.sources,
             created=created,
             version=program_version(),

@@ -1,10 +1,12 @@
 """A schematic of the engine: cylinders and cranks, flywheel, damper and line along the shaft, and a star."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from markupsafe import Markup, escape
+
+from crankfem.analyses.vibration.modes import Vibration
 
 Record = Mapping[str, Any]
 # Lengths of the drawing, without a unit.
@@ -14,14 +16,14 @@ PISTON, APART = 24.0, 11.0
 LINE, FILL, ACCENT = "#1d2733", "#e9f1f8", "#1f5f99"
 
 
-def engine_schematic(engine: Record, chain: Record) -> Markup:
+def engine_schematic(engine: Record, chain: Vibration) -> Markup:
     """Draw the engine as its torsional chain has it, from the free end, and the star of its cranks.
 
     Parameters
     ----------
     engine : mapping
         Its cranks by their angles.
-    chain : mapping
+    chain : Vibration
         The points of its torsional chain with their inertias.
 
     Returns
@@ -30,16 +32,16 @@ def engine_schematic(engine: Record, chain: Record) -> Markup:
         An SVG element.
     """
     angles = engine["crank_angles"]
-    names, places, rings = _places(chain["nodes"])
+    names, places, rings = _places(chain.nodes)
     width = STEP * (max(places) + 1.5)
-    largest = max(chain["inertia"]) or 1.0
+    largest = float(max(chain.inertia)) or 1.0
     drawn = [_line(STEP, SHAFT, width - STEP / 2.0, SHAFT, 4.0)]
-    own = zip(names, chain["inertia"], strict=True)
+    own = zip(names, chain.inertia.tolist(), strict=True)
     around = max(
         (_ring_radius(inertia, largest) for name, inertia in own if name in rings), default=0.0
     )
     crank, named_place, named_at = 0, -2, 0.0
-    for name, place, inertia in zip(names, places, chain["inertia"], strict=True):
+    for name, place, inertia in zip(names, places, chain.inertia.tolist(), strict=True):
         x = STEP * (place + 1.0)
         if name in rings:
             drawn.append(_disc(x, _ring_radius(inertia, largest), dashed=True))
@@ -71,7 +73,7 @@ def engine_schematic(engine: Record, chain: Record) -> Markup:
     )
 
 
-def _places(nodes: list[str]) -> tuple[list[str], list[int], set[str]]:
+def _places(nodes: Sequence[str]) -> tuple[Sequence[str], list[int], set[str]]:
     """Return the points' names, their places along the shaft, and those that ride on the free end."""
     rings = {name for name in nodes if "ring" in name.split() or "damper" in name}
     places, place = [], -1

@@ -20,13 +20,9 @@ from crankfem.analyses.throw.throw_record import (
     further_compliances,
 )
 from crankfem.analyses.vibration.tables import (
-    barred_within_error,
     element_table,
     limit_table,
-    load_table,
     misfiring_table,
-    mode_table,
-    source_table,
     speed_table,
     whole_critical_table,
     whole_table,
@@ -45,13 +41,9 @@ if TYPE_CHECKING:
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
 # What makes tables, or their cells, of the results.
 TABLES = (
-    barred_within_error,
     element_table,
     limit_table,
-    load_table,
     misfiring_table,
-    mode_table,
-    source_table,
     speed_table,
     whole_critical_table,
     whole_table,
@@ -101,6 +93,7 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
         the same.
     """
     figures, unread = load_figures(results.pictures, results.interactive, pictures)
+    vibration = results.vibration
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
         page_environment()
@@ -108,8 +101,12 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
         .render(
             r=results,
             first=summary(results),
-            schematic=engine_schematic(results.engine, results.vibration["torsional"]),
-            compliances=compliance_tables(results.throw, results.formulas, results.vibration),
+            schematic=engine_schematic(results.engine, vibration.torsional),
+            compliances=compliance_tables(
+                results.throw,
+                results.formulas,
+                {chain.kind: chain.sources for chain in (vibration.axial, vibration.torsional)},
+            ),
             further=further_compliances(results.throws),
             figures=figures,
             picture_notes=[text for text in (results.picture_note, note) if text],

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
+from functools import cached_property
+from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +12,16 @@ from crankbase.array_checks import ComplexArray, FloatArray, checked_range
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.quantity import RPM
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Number, Part, Quantity, Result, result
 from dynamics.chains.varying import over_amplitude
+from dynamics.critical import meetings
 from dynamics.indices import within
 from dynamics.response.complex_modes import ComplexModes, complex_modes, modes_at
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.loads import LinearQuantities, load_quantities, motion_rows
 from dynamics.response.order_excitation import OverSpeed
-from dynamics.response.resonance import LEAST_RATIO, refined_speeds
+from dynamics.response.resonance import LEAST_RATIO, speeds_about
 
 # Maxima below this share of the largest one are round-off of orders that nothing excites.
 LEAST_SHARE = 1e-9
@@ -39,12 +41,17 @@ VARYING = 8
 SECTION, STEPS = 0.5 * (np.sqrt(5.0) - 1.0), 29
 
 
-@summarized(
+# There may be no such speed, frequency or share: NaN.
+PeakSpeed: TypeAlias = Annotated[float, Quantity("rad/s", exported="1/min", missing=float("nan"))]
+Share: TypeAlias = Annotated[float, Quantity("1", missing=float("nan"))]
+
+
+@result(
     *("order", "mode", "has_peak", "speed_rpm [1/min]", "amplitude", "place", "damping_ratio"),
-    "undamped_speed [rad/s]",
+    "undamped_speed",
+    eq=True,
 )
-@dataclass(frozen=True)
-class DampedCritical:
+class DampedCritical(Result):
     """The speed at which one order alone makes a quantity largest, and the mode responsible.
 
     Parameters
@@ -87,34 +94,48 @@ class DampedCritical:
         Of the motion of the first node, a crankshaft's free end, by this order at this speed [rad or m].
     others : tuple of str
         Further places whose own peaks are at nearly this speed.
-    spread : tuple of two floats
-        Lowest and highest speed of the peaks of all these places [rad/s].
+    spread : tuple of two floats or None
+        Lowest and highest speed of the peaks of all these places [rad/s]; None without a maximum.
     modes : tuple of int
         All modes that make the peak at any of the places, the main one first; none for a peak of the forces.
+    unit : str
+        Of the amplitude, "N m", "N", "rad" or "m"; "SI" if the kind of the chain is not known.
     """
 
-    order: float
+    order: Number
     mode: int
-    speed: float
-    amplitude: float
+    speed: PeakSpeed
+    amplitude: Annotated[float, Quantity(".unit", key="value", missing=float("nan"))]
     place: str
-    mode_share: float
+    mode_share: Share
     in_band: bool
-    mode_frequency: float
-    damping_ratio: float
-    undamped_speed: float
-    locked_speed: float
-    severity: float
+    mode_frequency: Annotated[float, Quantity("Hz", missing=float("nan"))]
+    damping_ratio: Share
+    undamped_speed: Annotated[
+        float, Quantity("rad/s", exported="1/min", key="undamped_rpm", missing=float("nan"))
+    ]
+    locked_speed: Annotated[
+        float, Quantity("rad/s", exported="1/min", key="locked_rpm", missing=float("nan"))
+    ]
+    severity: Number
     kind: Literal["major", "minor"] = "minor"
     in_running_range: bool = True
-    of_load: bool = False
-    first_amplitude: float = float("nan")
+    of_load: Internal[bool] = False
+    first_amplitude: Annotated[
+        float, Quantity(".motion_unit", key="amplitude", missing=float("nan"))
+    ] = float("nan")
     others: tuple[str, ...] = ()
-    spread: tuple[float, float] = (float("nan"), float("nan"))
-    modes: tuple[int, ...] = ()
+    spread: Annotated[tuple[float, float] | None, Quantity("rad/s", exported="1/min")] = None
+    modes: Annotated[tuple[int, ...], Quantity("1")] = ()
+    unit: str = "SI"
 
     @property
-    def unbounded(self) -> bool:
+    def motion_unit(self) -> str:
+        """That of the first node's motion."""
+        return {"N m": "rad", "rad": "rad", "SI": "rad or m"}.get(self.unit, "m")
+
+    @cached_property
+    def unbounded(self) -> Part[bool]:
         """Whether it is undamped."""
         return bool(np.isinf(self.amplitude))
 
@@ -124,7 +145,7 @@ class DampedCritical:
         return not np.isnan(self.speed)
 
     @property
-    def frequency(self) -> float:
+    def frequency(self) -> Annotated[float, Quantity("Hz", missing=float("nan"))]:
         """Frequency of the order at the peak [Hz]; that of the mode without a peak."""
         peak = self.order * self.speed / (2.0 * np.pi)
         return peak if self.has_peak else self.mode_frequency
@@ -153,24 +174,7 @@ class DampedCritical:
 
     def row(self) -> Row:
         """Return the columns of a table of critical speeds, each value with its unit; see `table_of`."""
-        return {
-            "order": (self.order, "1"),
-            "mode": (self.mode, "1"),
-            "speed": (self.speed, "rad/s"),
-            "amplitude": (self.amplitude, "SI"),
-            "first_amplitude": (self.first_amplitude, "rad or m"),
-            "place": (self.place, ""),
-            "others": (len(self.others), "1"),
-            "mode_share": (self.mode_share, "1"),
-            "in_band": (self.in_band, ""),
-            "mode_frequency": (self.mode_frequency, "Hz"),
-            "damping_ratio": (self.damping_ratio, "1"),
-            "undamped_speed": (self.undamped_speed, "rad/s"),
-            "locked_speed": (self.locked_speed, "rad/s"),
-            "severity": (self.severity, "1"),
-            "kind": (self.kind, ""),
-            "in_running_range": (self.in_running_range, ""),
-        }
+        return super().row() | {"others": (len(self.others), "1")}
 
 
 def damped_criticals(
@@ -392,8 +396,9 @@ class _Vibration:
         # With a stiffness that varies, peaks are elsewhere than at the constant one.
         even = np.linspace(*ends, VARYING * known.size if self.response.system.varying else 0)
         added = [
-            np.setdiff1d(np.append(refined_speeds(frequencies, ratios, [order], ends), even), known)
-            for order in self.response.orders.tolist()
+            np.setdiff1d(np.append(speeds_about(crossings, ratios, ends), even), known)
+            for order in self.response.orders
+            for crossings in [meetings(frequencies, np.array([order]), *ends)]
         ]
         counts = [speeds.size for speeds in added]
         about = np.repeat(np.arange(len(added)), counts), np.concatenate(added)

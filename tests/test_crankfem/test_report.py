@@ -24,7 +24,7 @@ from crankfem.analyses.throw.throw_record import (
     compliance_tables,
     regression_record,
 )
-from crankfem.analyses.vibration import records
+from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.files.reading.data_files import data_folder
 from crankfem.report import text_filters
 from crankfem.report.figures import load_figures, script_text
@@ -221,14 +221,15 @@ def test_each_limit_stands_once_at_its_worst_place(results):
     checks = results["vibration"]["assessment"]["checks"]
     checks.append(checks[0] | {"limit": "axial force", "used": 0.5, "passed": True})
     shown = summary(typed(results))["limits"]
-    assert [own["limit"] for own in shown] == ["torsional stress of crankshaft", "axial force"]
-    assert shown[0]["used"] == max(check["used"] for check in checks)
+    names = [own.check.limit.name for own in shown]
+    assert names == ["torsional stress of crankshaft", "axial force"]
+    assert shown[0].use.used == close(max(check["used"] for check in checks), rel=1e-5)
 
 
 def test_compliances_of_all_sources_stand_side_by_side(results):
-    found = compliance_tables(
-        ThrowResults.from_record(results["throw"]), results["formulas"], results["vibration"]
-    )
+    read = typed(results)
+    sources = {kind: read.vibration.modes(kind).sources for kind in ("axial", "torsional")}
+    found = compliance_tables(read.throw, results["formulas"], sources)
     axial, torsional = (found["tables"][kind]["rows"] for kind in ("axial", "torsional"))
     assert [row["name"] for row in axial[:3]] == [
         "finite elements",
@@ -601,6 +602,8 @@ def changed(results):
     vibration["assessment"]["checks"][0] |= {"value": 2.449e9, "used": 115.45}
     vibration["assessment"]["uncertainty"]["axial"]["amplitudes"] = {
         "samples": 200,
+        "nominal": 400e-6,
+        "highest": 600e-6,
         "percentile_5": 341e-6,
         "percentile_95": 512e-6,
     }
@@ -633,7 +636,7 @@ def test_speeds_at_which_cylinders_act_together_are_marked(results, page):
     for kind in ("axial", "torsional"):
         results["vibration"][kind]["criticals"] = []
     results = without_gas(results)
-    first = {"speed_rpm": 300.0, "frequency": 15.0, "mode": 1}
+    first = {"speed_rpm": 300.0, "frequency": 15.0, "mode": 1, "in_running_range": True}
     sums = enumerate((0.2, 0.49, 0.51, 1.0))
     results["vibration"]["axial"]["criticals"] = [
         first | {"order": 3.0 + place, "phase_sum": one} for place, one in sums
@@ -811,9 +814,8 @@ def test_power_is_compared_where_vibration_is_bounded(unbounded, error):
         error=0.25,
         dashpot_names=(),
     )
-    response = SimpleNamespace(speeds=np.array([10.0, 20.0]))
-    found = records._power(SimpleNamespace(power=power, response=response))
-    assert found["error"] == error
+    forced = SimpleNamespace(power=power, speeds=np.array([10.0, 20.0]))
+    assert ForcedVibration.largest_power.func(forced).error == error
 
 
 def test_where_vibration_is_unbounded_at_all_speeds_its_power_is_not_judged(checks_stored):

@@ -447,14 +447,14 @@ UNITS = {"axial": "m/N", "torsional": "rad/(N m)"}
 def compliance_tables(
     throw: ThrowResults,
     formulas: Mapping[str, Any],
-    vibration: Mapping[str, Any] | None = None,
+    sources_in_shaft: Mapping[str, Sequence[Any]] | None = None,
 ) -> Record:
     """Return the content of the tables of compliances.
 
     Parameters
     ----------
-    results : mapping
-        Content of results.json.
+    sources_in_shaft : mapping, optional
+        `SourceFrequencies` by kind of vibration.
 
     Returns
     -------
@@ -473,8 +473,7 @@ def compliance_tables(
     tables, ranges = {}, {}
     for kind, unit in UNITS.items():
         fe = getattr(throw.supports["pinned"], kind)
-        in_shaft = () if vibration is None else vibration[kind]["sources"]
-        sources = {own["source"]: own for own in in_shaft}
+        sources = {other.source: other for other in (sources_in_shaft or {}).get(kind, ())}
 
         def row(
             name: str,
@@ -490,10 +489,8 @@ def compliance_tables(
                 "name": name,
                 "value": value,
                 "beside": value / fe,
-                "in_shaft": None if own is None else own["mean_compliance"],
-                "frequency": None
-                if own is None
-                else own.get("first_frequency", own["first_frequencies"][0]),
+                "in_shaft": None if own is None else own.mean_compliance,
+                "frequency": None if own is None else own.first_frequency,
                 "applies": applies,
                 "notes": sorted(note(text) for text in remarks),
             }

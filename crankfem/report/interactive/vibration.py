@@ -10,10 +10,10 @@ from crankbase.quantity import RPM
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.titles import at_speed, short_name
 from crankfem.analyses.vibration.engine_limits import limited_series
-from crankfem.analyses.vibration.misfiring import FiringCheck, named
-from crankfem.analyses.vibration.modes import SourceResult, Vibration
+from crankfem.analyses.vibration.misfiring import FiringCheck
+from crankfem.analyses.vibration.modes import Kind, SourceResult, Vibration
 from crankfem.analyses.vibration.plots import plot_shaft_modes
-from crankfem.analyses.vibration.run import EngineVibration, Kind
+from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.report.interactive.plot import Plot, Plots, picture, plot_of_curves
 from crankfem.report.interactive.style import (
     Figure,
@@ -32,6 +32,7 @@ from dynamics.plots.curves import SPEED_LABEL, Quantity, in_unit, quantity_displ
 from dynamics.plots.mode_shapes import chain_shapes, shaft_shape, shape_labels
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
+from dynamics.wording import cylinders_named
 
 # Modes that are drawn before anybody asks for the others, and all that are there.
 SHAPES_SHOWN, SHAPES = 3, 8
@@ -131,9 +132,6 @@ def _title(what: str) -> Callable[[EngineVibration], str]:
 
 
 def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
-    def vibration(run: EngineVibration) -> Vibration:
-        return run.axial if kind == "axial" else run.torsional
-
     shapes, itself = _title(f"{kind} mode shapes"), _title(kind)
     return (
         Plot(
@@ -141,7 +139,7 @@ def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
             f"First {kind} mode shapes",
             f"{kind.capitalize()}: first mode shapes; crosses mark the nodes.",
             picture(lambda axes, run: run.plot(axes, kind=kind, show="modes"), shapes, height=3.6),
-            lambda run: mode_shapes(vibration(run).chosen, shapes(run)),
+            lambda run: mode_shapes(run.modes(kind).chosen, shapes(run)),
         ),
         Plot(
             f"{kind}_campbell",
@@ -150,7 +148,7 @@ def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
             "larger dots have larger amplitudes and frequencies include damping; an overdamped mode is "
             "shown at its undamped frequency.",
             picture(lambda axes, run: run.plot(axes, kind=kind), itself, height=4.8),
-            lambda run: _campbell(run, vibration(run), itself(run)),
+            lambda run: _campbell(run, run.modes(kind), itself(run)),
         ),
         plot_of_curves(
             f"{kind}_amplitude",
@@ -235,7 +233,7 @@ def _misfiring_stress(run: EngineVibration) -> Curves:
         series=(
             Series("all cylinders firing", with_gaps(shown.factor * normal), color=BLUE),
             Series(
-                f"{named(check.cylinders)} not firing",
+                f"{cylinders_named(check.cylinders)} not firing",
                 with_gaps(shown.factor * failing),
                 color=ORANGE,
             ),
