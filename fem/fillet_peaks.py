@@ -26,7 +26,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.spatial import KDTree
 from skfem import MeshTri1
 from skfem.quadrature import get_quadrature
 
@@ -337,6 +336,8 @@ def refine_at(sizes: SizeMap, places: Sequence[tuple[Array, float]]) -> SizeMap:
     places : sequence of ((p, 3) array, float)
         Points [m], and the size of elements there [m].
     """
+    from scipy.spatial import KDTree  # here: no other analysis of a throw needs it
+
     wished = sizes.sizes
     for points, size in places:
         if len(points):

@@ -14,8 +14,6 @@ from geometry.throw import CrankThrow
 
 # Plain JSON content.
 Record = dict[str, Any]
-# How a remark begins that tells of a value nobody gave.
-ASSUMED = "Assumed: "
 
 
 def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
@@ -107,7 +105,6 @@ _PLACES = {
     "spreads.high spreads.low strain_shares.* surfaces.* used.*",
     "m": "meshings.size dimensions.value",
     "N": "axial_forces.alone axial_forces.in_shaft",
-    "N/m": "bearings.stiffness",
     "kg m": "unbalance.static",
     "kg m^2": "unbalance.dynamic",
     "W": "dampers.* power.largest",
