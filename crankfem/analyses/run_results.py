@@ -15,6 +15,8 @@ from crankfem.analyses.shaft.whole_records import ShaftBalance, ThrowsInShaft
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.study.study_results import FittedStudy
+from crankfem.analyses.throw.formula_records import CompliancesOverAngle, Formulas
+from crankfem.analyses.throw.stress import StressResults
 from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.whole_verdict import WholeVibration
@@ -66,8 +68,8 @@ class NamedThrow(Result):
 
     cranks: Annotated[tuple[int, ...], Quantity("1")]
     throw: ThrowResults
-    formulas: Record
-    fillets: Optional
+    formulas: Formulas
+    fillets: StressResults | None
     fillet_note: str | None
 
 
@@ -91,10 +93,10 @@ class RunResults(Result):
     input_warnings: tuple[str, ...]
     sources: dict[str, str]
     throw: ThrowResults
-    formulas: Record
-    angle_law: Record
+    formulas: Formulas
+    angle_law: CompliancesOverAngle
     balance: ShaftBalance
-    fillets: Optional
+    fillets: StressResults | None
     fillet_note: str | None
     mechanism: MechanismResults | None
     study: FittedStudy | None
@@ -169,7 +171,7 @@ def run_checks(
     """
     return (
         *throw_checks(results.throw, length, pin_center),
-        *_angle_checks(results.formulas["fe"], results.throw),
+        *_angle_checks(results.formulas, results.throw),
         *_fillet_checks(results.fillets),
         *_study_checks(results.study),
         *_mechanism_checks(results.mechanism),
@@ -260,14 +262,14 @@ def throw_checks(throw: ThrowResults, length: float, pin_center: Sequence[float]
     ]
 
 
-def _angle_checks(fe: Mapping[str, Any], throw: ThrowResults) -> list[Check]:
-    if fe["angle_law"] is None:
+def _angle_checks(formulas: Formulas, throw: ThrowResults) -> list[Check]:
+    if formulas.fe is None or formulas.fe.angle_law is None:
         return []
     pinned = throw.supports["pinned"].axial
     return [
         _check(
             "Opposite neighbors compared with pinned ends",
-            fe["axial_rigid_sections"] / pinned - 1.0,
+            formulas.fe.axial_rigid_sections / pinned - 1.0,
             "With equal webs and rigid sections, a throw between opposite cranks tilts as freely as one "
             "with pinned ends, so both compliances must agree as far as the webs are equal.",
             # What the angle law takes for equal webs.
@@ -276,17 +278,17 @@ def _angle_checks(fe: Mapping[str, Any], throw: ThrowResults) -> list[Check]:
     ]
 
 
-def _fillet_checks(fillets: Mapping[str, Any] | None) -> list[Check]:
+def _fillet_checks(fillets: StressResults | None) -> list[Check]:
     if fillets is None:
         return []
     return [
         _check(
             "Error of the fillet stresses",
-            fillets["error_estimate"],
+            fillets.error_estimate,
             "Largest estimate from successive meshes.",
             shown_unit="%",
-            allowed=fillets["accuracy"],
-            met=fillets["accuracy_met"],
+            allowed=fillets.accuracy,
+            met=fillets.accuracy_met,
         )
     ]
 

@@ -13,12 +13,9 @@ from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
-from crankfem.analyses.throw.stress import mirrored, stress_tables
-from crankfem.analyses.throw.throw_record import (
-    ThrowResults,
-    compliance_tables,
-    further_compliances,
-)
+from crankfem.analyses.throw.formula_records import Formulas, compared_compliances
+from crankfem.analyses.throw.stress import StressResults
+from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.analyses.vibration.tables import (
     element_table,
     limit_table,
@@ -48,12 +45,10 @@ TABLES = (
     whole_critical_table,
     whole_table,
     harmonics_table,
-    stress_tables,
     strength_table,
     fatigue_table,
     factor_table,
     torque_table,
-    mirrored,
     reached_and_permitted,
 )
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
@@ -102,12 +97,15 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
             r=results,
             first=summary(results),
             schematic=engine_schematic(results.engine, vibration.torsional),
-            compliances=compliance_tables(
+            compliances=compared_compliances(
                 results.throw,
                 results.formulas,
                 {chain.kind: chain.sources for chain in (vibration.axial, vibration.torsional)},
             ),
-            further=further_compliances(results.throws),
+            further={
+                name: compared_compliances(further.throw, further.formulas)
+                for name, further in [*(results.throws or {}).items()][1:]
+            },
             figures=figures,
             picture_notes=[text for text in (results.picture_note, note) if text],
             style=Markup(template_text(STYLE)),
@@ -167,8 +165,8 @@ def render_throw_report(results: dict[str, Any], folder: Path) -> str:
     Parameters
     ----------
     results : dict
-        "about": provenance; "throw": `ThrowResults`, or their record; "formulas", as `formula_records`;
-        "fillets", as `stress_record`, or None with "fillet_note".
+        "about": provenance; "throw": `ThrowResults` "formulas": `Formulas` and "fillets":
+        `StressResults` or None with "fillet_note", or their records.
     folder : Path
         Holds `THROW_VIEW` and `THROW_DRAWING`.
 
@@ -177,13 +175,19 @@ def render_throw_report(results: dict[str, Any], folder: Path) -> str:
     str
         A page of HTML.
     """
+    fillets = results["fillets"]
     figures, _ = load_figures({"drawing": THROW_DRAWING}, {"throw_view": THROW_VIEW}, folder)
     shown = any(drawn.plot is not None for drawn in figures.values())
     return (
         page_environment()
         .get_template(THROW_TEMPLATE)
         .render(
-            r=results | {"throw": ThrowResults.from_record(results["throw"])},
+            r=results
+            | {
+                "throw": ThrowResults.from_record(results["throw"]),
+                "formulas": Formulas.from_record(results["formulas"]),
+                "fillets": None if fillets is None else StressResults.from_record(fillets),
+            },
             about=results["about"],
             figures=figures,
             style=Markup(template_text(STYLE)),

@@ -399,9 +399,9 @@ def test_a_range_on_both_sides_of_the_value_used_shows_both(low, high, written):
 
 
 def test_bearings_that_are_alike_are_counted():
-    loads = [{"name": name, "largest": size} for name, size in (("a", 1.0), ("b", 2.0 - 1e-12))]
-    found = loaded_most([*loads, {"name": "c", "largest": 2.0}])
-    assert [one["name"] for one in found] == ["b", "c"]
+    sizes = {"a": 1.0, "b": 2.0 - 1e-12, "c": 2.0}
+    loads = [SimpleNamespace(name=name, largest=size) for name, size in sizes.items()]
+    assert [load.name for load in loaded_most(loads)] == ["b", "c"]
 
 
 def test_a_node_on_a_branch_is_told_by_its_branch(results):

@@ -205,6 +205,7 @@ def test_a_runs_formulas():
             "gamma_deg": [0.0, 180.0],
             "fe": [3e-10, 1.2e-9],
             "formulas": {"one": [None, 2e-9]},
+            "law": None,
         },
         "throw": stored,
     }

@@ -93,7 +93,7 @@ def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> Non
             cranks = "crank" if len(own.cranks) == 1 else "cranks"
             console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, own.cranks))}.")
         throw_tables.print_throw(own.throw, units)
-        throw_tables.print_one_throw(own.formulas, 180.0, units=units)
+        throw_tables.print_one_throw(own.formulas, units=units)
     if results.study is not None:
         console.print_parts(results.study.main_parts())
     console.print_parts(vibration_parts(results.vibration, units), units)
