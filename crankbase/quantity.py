@@ -272,6 +272,9 @@ _BRACKET = re.compile(rf"\(\s*1\s*(?:[*/]\s*1\s*)*\)\s*{_EXPONENT}")
 _PRODUCT = re.compile(r"\s*(?:1(?:\.0*)?\s*(?:[*/]\s*1(?:\.0*)?\s*)*)?")
 
 
+POUND = re.compile(r"\blbs?\b")
+
+
 class NoUnitError(ValueError):
     """Text that is no unit."""
 
@@ -530,6 +533,11 @@ def _evaluate(text: str, unit: str, fault: str, limits: Limits, remedy: str) -> 
         # "500 1/min" and "8.3 Hz" mean revolutions in a field of speeds.
         size = float(quantity.to("1/s" if turning else unit).magnitude)
     except PintError:  # of another dimension, or an offset unit such as degC
+        # Where pounds of mass make no sense they are pounds of force: "lb in s2", "lb in/rad".
+        force = POUND.sub("lbf", text)
+        if force != text:
+            with suppress(InputError):
+                return _evaluate(force, unit, fault, limits, remedy)
         raise InputError(
             f"{fault}, which is no {_kind(unit)}; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
             f"unit{remedy}."

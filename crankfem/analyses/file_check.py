@@ -28,6 +28,7 @@ from crankfem.files.hinge_file import HingeFile, load_hinge
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.files.sections.engine_sections import Engine
+from dynamics.chains.coupling_damping import in_all_conventions
 from dynamics.harmonics import read_torque_table
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
@@ -209,6 +210,7 @@ def _chain(read: ChainFile) -> CheckedFile:
         remarks=(
             f"a {read.kind} chain of {len(chain.names)} nodes and {len(chain.elements)} elements, from "
             f"{chain.names[0]} to {chain.names[-1]}",
+            *read.printed,
         ),
     )
 
@@ -267,6 +269,8 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     study = ("doe",) if read.study is not None else ()
     mechanism = mechanism_of(read)
     remarks = [_thrust_bearing(read), *mechanism.remarks, *_power(mechanism)]
+    if read.driven is not None and read.driven.loss_factor:
+        remarks.append(f"coupling: {in_all_conventions(read.driven.loss_factor)}")
     if read.gas is None:
         remarks.append(_without_gas())
     if read.limits is not None or read.strength is not None:

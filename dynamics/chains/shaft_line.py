@@ -14,6 +14,13 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
+from dynamics.chains.coupling_damping import (
+    LARGEST_PSI,
+    MAGNIFIER,
+    PSI,
+    SMALLEST_MAGNIFIER,
+    one_convention,
+)
 from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.editing import with_ground
 from dynamics.chains.varying import Variation, Varying, varied
@@ -39,10 +46,33 @@ class Driven(InputModel):
     coupling_loss_factor: float = quantity_field(
         "loss factor of the coupling", "", 0.0, 2.0, default=0.0
     )
+    coupling_relative_damping: float | None = quantity_field(
+        PSI, "", 0.0, LARGEST_PSI, default=None
+    )
+    coupling_magnifier: float | None = quantity_field(
+        MAGNIFIER, "", SMALLEST_MAGNIFIER, default=None
+    )
     coupling_damping: float = quantity_field(
         "viscous damping of the coupling", "N m s/rad", 0.0, 1e8, default=0.0, feature=True
     )
     variation: Variation | None = part_field("how the coupling varies", Variation)
+
+    @property
+    def loss_factor(self) -> float:
+        """Loss factor of the coupling, in whatever convention its damping is given."""
+        return one_convention(
+            "driven.coupling_",
+            {
+                "loss_factor": self.coupling_loss_factor,
+                "relative_damping": self.coupling_relative_damping,
+                "magnifier": self.coupling_magnifier,
+            },
+        )
+
+    @model_validator(mode="after")
+    def _has_one_convention(self) -> Self:
+        _ = self.loss_factor
+        return self
 
     @property
     def ring(self) -> TorsionalRing:
@@ -51,7 +81,7 @@ class Driven(InputModel):
             inertia=self.inertia,
             stiffness=self.coupling_stiffness,
             damping=self.coupling_damping,
-            loss_factor=self.coupling_loss_factor,
+            loss_factor=self.loss_factor,
             variation=self.variation,
         )
 

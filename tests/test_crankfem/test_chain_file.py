@@ -33,7 +33,13 @@ def load(tmp_path):
 
 
 def test_shipped_chains_tell_their_frequencies_and_sources():
-    assert shipped_names("chain") == ("5rt-flex50d-plant", "geared-example", "mwm-six")
+    assert shipped_names("chain") == (
+        "5rt-flex50d-plant",
+        "container-drive",
+        "geared-example",
+        "ieee-first-benchmark",
+        "mwm-six",
+    )
     for name in shipped_names("chain"):
         found = load_chain(name)
         head = found.path.read_text(encoding="utf-8").split("[chain]")[0]
@@ -356,7 +362,7 @@ def test_names_that_text_cannot_hold():
 
 
 def test_files_that_are_not_there():
-    with pytest.raises(InputError, match=r"does not exist; .*geared-example, mwm-six"):
+    with pytest.raises(InputError, match=r"does not exist; .*geared-example, .*mwm-six"):
         load_chain("nothing-here")
 
 
@@ -365,3 +371,109 @@ def test_text_that_is_too_large_is_no_chain(tmp_path):
     path.write_text("torsional\n" + "# remark\n" * 200_000, encoding="utf-8")
     with pytest.raises(InputError, match=r"given a file of 1\.8 MB; allowed is 1 MB at most"):
         load_chain(path)
+
+
+PLAIN = """
+    [chain]
+    name = "plain"
+    kind = "torsional"
+    [[chain.nodes]]
+    name = "a"
+    {a}
+    [[chain.nodes]]
+    name = "b"
+    inertia = "2 kg m^2"
+    [[chain.elements]]
+    {spring}
+    {more}
+"""
+BASE = """
+    [chain.base]
+    power = "100 MW"
+    speed = "3000 1/min"
+    frequency = "100 Hz"
+"""
+
+
+@pytest.mark.parametrize(
+    ("a", "spring", "more", "inertia", "stiffness", "loss"),
+    [
+        ('flywheel_effect = "8 kg m^2"', 'flexibility = "5e-6 rad/(N m)"', "", 2.0, 2e5, 0.0),
+        ('inertia = "1 lb ft2"', 'stiffness = "8 lb in/rad"', "", 0.0421401, 0.903879, 0.0),
+        (
+            'inertia = "1 lb in s2"',
+            'stiffness = "1 N m/rad"\nmagnifier = 5.0',
+            "",
+            0.1129848,
+            1.0,
+            0.2,
+        ),
+        (
+            'inertia_constant = "2 s"',
+            "per_unit_stiffness = 3.0\nrelative_damping = 1.0",
+            BASE,
+            4.0 * 1e8 / (100.0 * np.pi) ** 2,
+            3.0 * 1e8 / (100.0 * np.pi) * 2.0,
+            0.5 / np.pi,
+        ),
+    ],
+)
+def test_other_forms_of_a_value(load, a, spring, more, inertia, stiffness, loss):
+    chain = load(PLAIN.format(a=a, spring=spring, more=more)).chain
+    assert chain.inertia[0] == close(inertia, rel=1e-6)
+    assert chain.stiffness[0] == close(stiffness, rel=1e-6)
+    assert chain.loss_factor[0] == close(loss, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("a", "spring", "complaint"),
+    [
+        (
+            'inertia = "1 kg m^2"\nflywheel_effect = "4 kg m^2"',
+            'stiffness = "1 N m/rad"',
+            "GD2|inertia",
+        ),
+        ('inertia_constant = "1 s"', 'stiffness = "1 N m/rad"', "chain.base"),
+        (
+            'inertia = "1 kg m^2"',
+            'stiffness = "1 N m/rad"\nflexibility = "1 rad/(N m)"',
+            "one of the two",
+        ),
+        ('inertia = "1 kg m^2"', 'stiffness = "1 N m/rad"\nmagnifier = 0.1', "magnifier"),
+        ('inertia = "1 kg m^2"', 'flexibility = "0 rad/(N m)"', "stiffness|flexibility"),
+    ],
+)
+def test_other_forms_that_contradict(load, a, spring, complaint):
+    with pytest.raises(InputError, match=complaint):
+        load(PLAIN.format(a=a, spring=spring, more=""))
+
+
+LISTED = """
+    [chain]
+    name = "listed"
+    kind = "torsional"
+    names = ["a", "b", "c", "d"]
+    inertia = ["1 kg m^2", "2 kg m^2", "3 kg m^2", "4 kg m^2"]
+    flexibility = ["1e-5 rad/(N m)", "0 rad/(N m)", "2e-5 rad/(N m)"]
+    relative_damping = {damping}
+"""
+GEAR = '[[chain.gears]]\ndriver = "b"\ndriven = "c"\nratio = -3.0\n'
+
+
+def test_a_flexibility_of_zero_is_rigid_and_one_speed_leaves_the_frequencies(load):
+    rigid = load(LISTED.format(damping=1.0)).chain
+    plain = Chain([1.0, 5.0, 4.0], [1e5, 5e4])
+    assert rigid.modes().frequencies == close(plain.modes().frequencies, abs=1e-5)
+    assert rigid.loss_factor == close(0.5 / np.pi)
+    referred = LISTED.format(damping=1.0) + '    referred_to = "a"\n' + GEAR
+    geared = load(referred).chain
+    assert geared.modes().frequencies == close(plain.modes().frequencies, abs=1e-5)
+    assert geared.inertia[2:] == close(np.array([3.0, 4.0]) / 9.0)
+    with pytest.raises(InputError, match="referred_to"):
+        load(referred.replace('referred_to = "a"', 'referred_to = "e"'))
+    with pytest.raises(InputError, match="magnifier"):
+        load(
+            LISTED.format(damping=1.0)
+            .replace("relative_damping", "magnifier")
+            .replace("1.0", "0.0")
+        )

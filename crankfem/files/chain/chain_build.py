@@ -1,7 +1,9 @@
 """The sections of a chain file, and the chain that they make."""
 
+import math
+from collections.abc import Iterable
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import GenericAlias
 from typing import Any, ClassVar, Literal, cast
 
@@ -10,12 +12,20 @@ from pydantic import Field, create_model
 from crankbase.array_checks import positive_number
 from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, field_extra, part_field, quantity_field
+from crankfem.files.chain.maker_values import PerUnitBase, at_own_speeds, in_si
 from crankfem.files.sections.vibration_sections import (
     AxialDamperPart,
     TorsionalDamperPart,
     part_quantity,
 )
 from dynamics.chains.chain import Chain, Dashpot, Gear
+from dynamics.chains.coupling_damping import (
+    CONVENTIONS,
+    LARGEST_PSI,
+    MAGNIFIER,
+    PSI,
+    SMALLEST_MAGNIFIER,
+)
 from dynamics.chains.editing import with_damper
 from dynamics.chains.shaft_line import ShaftCone, shaft_cylinder, shaft_flange
 from dynamics.chains.varying import Variation, Varying, VaryingPart, varied
@@ -25,10 +35,18 @@ Numbers = float | tuple[float, ...]
 
 
 UNITS = {
-    "torsional": {"inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"},
-    "axial": {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m"},
+    "torsional": {
+        "inertia": "kg m^2",
+        "stiffness": "N m/rad",
+        "damping": "N m s/rad",
+        "flexibility": "rad/(N m)",
+    },
+    "axial": {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m", "flexibility": "m/N"},
 }
-INERTIA, STIFFNESS, DAMPING = UNITS["torsional"].values()
+INERTIA, STIFFNESS, DAMPING, FLEXIBILITY = UNITS["torsional"].values()
+GD2 = "GD2, mass times the square of the diameter of gyration: four times the inertia"
+H = "H, energy at rated speed per rated power"
+PER_UNIT = "rated torques per electrical radian"
 
 
 def _pair() -> Any:
@@ -56,6 +74,8 @@ class _Shape(_Varies):
 
     nodes: tuple[str, str] | None = _pair()
     loss_factor: float = _loss_factor()
+    relative_damping: float | None = quantity_field(PSI, "", 0.0, LARGEST_PSI, default=None)
+    magnifier: float | None = quantity_field(MAGNIFIER, "", SMALLEST_MAGNIFIER, default=None)
     shape: Literal["cylinder", "cone", "flange"] | None = Field(
         None, description="cylinder, cone or flange, in place of stiffness and inertia"
     )
@@ -89,6 +109,8 @@ class TorsionalNode(_Varies):
 
     name: str = Field(description="of the node")
     inertia: float = part_quantity("moment of inertia", INERTIA, 0.0)
+    flywheel_effect: float | None = quantity_field(GD2, INERTIA, 0.0, default=None)
+    inertia_constant: float | None = quantity_field(H, "s", 0.0, default=None)
     entrained_share: float = quantity_field(
         "share added by entrained water", "", minimum=0.0, default=0.0, feature=True
     )
@@ -100,6 +122,8 @@ class TorsionalElement(_Shape):
     """A spring of a torsional chain, or a piece of shaft."""
 
     stiffness: float | None = part_quantity("stiffness", STIFFNESS, None)
+    flexibility: float | None = part_quantity("1 over the stiffness", FLEXIBILITY, None)
+    per_unit_stiffness: float | None = part_quantity(PER_UNIT, "", None)
     damping: float = part_quantity("relative damping", DAMPING)
     distributed_inertia: float = part_quantity("inertia spread evenly along it", INERTIA)
 
@@ -133,13 +157,26 @@ class TorsionalChainSection(InputModel):
     loss_factor: Numbers = quantity_field(
         "loss factor of each value of stiffness, or of all", "", default=0.0, feature=True
     )
+    relative_damping: Numbers | None = quantity_field(PSI, "", default=None)
+    magnifier: Numbers | None = quantity_field(MAGNIFIER, "", default=None)
     gears: tuple[GearPair, ...] = part_field("gears", GearPair, many=True)
     kind: Literal["torsional"] = Field(description="torsional or axial")
     inertia: tuple[float, ...] | None = quantity_field(
         "inertias in a row, in place of nodes", INERTIA, default=None
     )
+    flywheel_effect: tuple[float, ...] | None = quantity_field(GD2, INERTIA, default=None)
+    inertia_constant: tuple[float, ...] | None = quantity_field(H, "s", default=None)
     stiffness: tuple[float, ...] | None = quantity_field(
         "stiffness between neighbors, in place of elements", STIFFNESS, default=None
+    )
+    flexibility: tuple[float, ...] | None = quantity_field(
+        "1 over the stiffness, 0 of a rigid joint or a gear", FLEXIBILITY, default=None
+    )
+    per_unit_stiffness: tuple[float, ...] | None = quantity_field(PER_UNIT, "", default=None)
+    base: PerUnitBase | None = part_field("what values per unit are multiples of", PerUnitBase)
+    referred_to: str | None = Field(
+        None,
+        description="name of the node at whose speed all values are; by default each is at its own",
     )
     damping: Numbers = quantity_field(
         "relative damping of each value of stiffness, or of all", DAMPING, default=0.0, feature=True
@@ -156,6 +193,15 @@ class TorsionalChainSection(InputModel):
     dampers: tuple[TorsionalDamperPart, ...] = part_field("dampers", TorsionalDamperPart, many=True)
 
 
+TORSIONAL_ONLY = (
+    "flywheel_effect",
+    "inertia_constant",
+    "per_unit_stiffness",
+    "base",
+    "referred_to",
+)
+
+
 def _axial(model: type[InputModel], title: str, **kinds: Any) -> Any:
     """Return the model of an axial chain that corresponds to a torsional one: masses, other units.
 
@@ -168,6 +214,8 @@ def _axial(model: type[InputModel], title: str, **kinds: Any) -> Any:
     words = {"moment of inertia": "mass", "inertia spread": "mass spread", "inertias": "masses"}
     fields: dict[str, Any] = {}
     for name, info in model.model_fields.items():
+        if name in TORSIONAL_ONLY:
+            continue
         axial, text = copy(info), info.description or ""
         if (unit := field_extra(info, "unit")) in units:
             axial.json_schema_extra = {**cast(Any, info.json_schema_extra), "unit": units[unit]}
@@ -231,21 +279,23 @@ def chain_of(section: Section, material: Material) -> Chain:
     material : Material
         Of its pieces of shaft.
     """
-    nodes = _nodes(section)
+    base = getattr(section, "base", None)
+    nodes = _nodes(section, base)
     names = tuple(nodes)
     errors = InputErrors()
     inner: dict[str | None, list[str]] = {}
     rows: list[_Row] = []
-    for number, element in enumerate(_elements(section, len(names))):
+    for number, element in _elements(section, names, base):
         with errors.noted():
             left, right = _ends(element, number, names)
             if element.shape is None:
-                rows.append(_spring(section, number, element, left, right))
+                rows.append(_spring(section, number, element, left, right, base))
                 continue
             _check_shape(number, element, element.shape)
             between = [f"{left} - {right} {k}" for k in range(1, element.parts)]
             pieces = _piece(element, element.shape, material).divided(element.parts)
-            rows += _shaft(section, element, pieces, [left, *between, right])
+            loss = in_si(element, f"chain.elements[{number}]", "loss_factor", base)
+            rows += _shaft(section, loss, pieces, [left, *between, right])
             # Between neighbors the inner nodes stand in their place of the row, otherwise at its end.
             places = names.index(left), names.index(right)
             host = names[min(places)] if abs(places[0] - places[1]) == 1 else None
@@ -269,6 +319,13 @@ def chain_of(section: Section, material: Material) -> Chain:
         with errors.noted():
             driver = place(f"gears[{k}].driver", gear.driver)
             gears.append(Gear(driver, place(f"gears[{k}].driven", gear.driven), gear.ratio))
+    joined = {frozenset((gear.driver, gear.driven)) for gear in section.gears}
+    rigid = zip(names, names[1:], in_si(section, "chain", "stiffness", base) or (), strict=False)
+    gears += [
+        Gear(number_of[left], number_of[right], 1.0)
+        for left, right, stiffness in rigid
+        if math.isinf(stiffness) and {left, right} not in joined
+    ]
     for k, part in enumerate(section.dampers):
         with errors.noted():
             place(f"dampers[{k}].node", part.node)
@@ -279,8 +336,9 @@ def chain_of(section: Section, material: Material) -> Chain:
     ]
     laws = [Varying(k, row.law) for k, row in enumerate(rows) if row.law is not None]
     laws += [Varying(k, law, True) for k, (*_, law) in enumerate(grounds) if law is not None]
+    places_of = {name: f"chain.nodes[{k}]" for k, name in enumerate(names)}
     chain = Chain(
-        [_inertia(node) for node in values],
+        [_inertia(node, places_of.get(node.name, "chain"), base) for node in values],
         [row.stiffness for row in rows],
         [ground[0] for ground in grounds],
         connections=[(number_of[row.left], number_of[row.right]) for row in rows],
@@ -293,15 +351,17 @@ def chain_of(section: Section, material: Material) -> Chain:
         varying=laws,
         names=order,
     )
+    if reference := getattr(section, "referred_to", None):
+        chain = replace(chain, **at_own_speeds(chain, reference, section))
     for k, part in enumerate(section.dampers):
         chain = with_damper(chain, part.node, part.damper(f"chain.dampers[{k}]"))
     return chain
 
 
-def _nodes(section: Section) -> dict[str, Node]:
+def _nodes(section: Section, base: PerUnitBase | None) -> dict[str, Node]:
     torsional = section.kind == "torsional"
     field = "inertia" if torsional else "mass"
-    listed = getattr(section, field)
+    listed = in_si(section, "chain", field, base)
     if (listed is None) == (not section.nodes):
         raise InputError(
             f"chain.{field}: given {'neither it nor' if listed is None else 'both it and'} [[chain.nodes]]; "
@@ -347,40 +407,43 @@ def _of_each_node(section: Section, field: str, count: int) -> tuple[float, ...]
     return values or (0.0,) * count
 
 
-def _inertia(node: Node) -> float:
-    dry: float = getattr(node, "inertia" if isinstance(node, TorsionalNode) else "mass")
+def _inertia(node: Node, where: str, base: PerUnitBase | None) -> float:
+    dry: float = in_si(node, where, "inertia" if isinstance(node, TorsionalNode) else "mass", base)
     return dry * (1.0 + node.entrained_share)
 
 
-def _elements(section: Section, nodes: int) -> tuple[Element, ...]:
-    if section.stiffness is None:
-        for field in ("damping", "loss_factor"):
-            if getattr(section, field) != 0.0:
+def _elements(
+    section: Section, names: tuple[str, ...], base: PerUnitBase | None
+) -> Iterable[tuple[int, Element]]:
+    listed = in_si(section, "chain", "stiffness", base)
+    losses = in_si(section, "chain", "loss_factor", base)
+    if listed is None:
+        for field in ("damping", "loss_factor", *CONVENTIONS):
+            if getattr(section, field):
                 raise InputError(
                     f"chain.{field}: given without a list of stiffness; allowed is {field} of each of "
                     "[[chain.elements]], because it belongs to an element."
                 )
-        return section.elements
+        return enumerate(section.elements)
     if section.elements:
         raise InputError(
             "chain.stiffness: given both it and [[chain.elements]]; allowed is one of the two, because both "
             "define the elements."
         )
-    count = len(section.stiffness)
+    count, nodes = len(listed), len(names)
     if count != nodes - 1:
         raise InputError(
             f"chain.stiffness: given {count} values for {nodes} nodes; allowed are exactly {nodes - 1}, "
             "because one spring joins each two neighbors."
         )
-    damping, loss = (
-        _of_each(f"chain.{field}", getattr(section, field), count)
-        for field in ("damping", "loss_factor")
-    )
+    damping = _of_each("chain.damping", section.damping, count)
+    loss = _of_each("chain.loss_factor", losses, count)
     kind: Any = TorsionalElement if section.kind == "torsional" else AxialElement
-    return tuple(
-        kind(stiffness=stiffness, damping=c, loss_factor=h)
-        for stiffness, c, h in zip(section.stiffness, damping, loss, strict=True)
-    )
+    return [
+        (k, kind(stiffness=stiffness, damping=c, loss_factor=h))
+        for k, (stiffness, c, h) in enumerate(zip(listed, damping, loss, strict=True))
+        if not math.isinf(stiffness)
+    ]
 
 
 def _of_each(field: str, values: float | tuple[float, ...], count: int) -> tuple[float, ...]:
@@ -418,9 +481,18 @@ def _check_known(field: str, name: str, nodes: tuple[str, ...]) -> None:
         )
 
 
-def _spring(section: Section, number: int, element: Element, left: str, right: str) -> _Row:
+def _spring(
+    section: Section,
+    number: int,
+    element: Element,
+    left: str,
+    right: str,
+    base: PerUnitBase | None,
+) -> _Row:
     field = f"chain.elements[{number}].stiffness"
-    if element.stiffness is None:
+    where = f"chain.elements[{number}]"
+    given = in_si(element, where, "stiffness", base)
+    if given is None:
         raise InputError(
             f"{field}: given neither it nor shape; allowed is one of the two, because both define the "
             "stiffness of the element."
@@ -429,19 +501,31 @@ def _spring(section: Section, number: int, element: Element, left: str, right: s
         _link_error(number, element, name, "stiffness")
     stiffness = positive_number(
         field,
-        element.stiffness,
+        given,
         UNITS[section.kind]["stiffness"],
         "a spring without stiffness cuts the chain in two",
     )
     stiffness, loss_factor, damping, law = varied(
-        element.variation, stiffness, element.loss_factor, element.damping
+        element.variation,
+        stiffness,
+        in_si(element, where, "loss_factor", base),
+        element.damping,
     )
     return _Row(left, right, stiffness, damping, loss_factor, element.distributed_inertia, law)
 
 
 def _check_shape(number: int, element: Element, shape: str) -> None:
-    for name in ("stiffness", "damping", "distributed_inertia", "variation"):
-        _link_error(number, element, name, "shape")
+    springs = (
+        "stiffness",
+        "flexibility",
+        "per_unit_stiffness",
+        "damping",
+        "distributed_inertia",
+        "variation",
+    )
+    for name in springs:
+        if name in type(element).model_fields:
+            _link_error(number, element, name, "shape")
     for name in SHAPE_FIELDS:
         if name not in SHAPES[shape]:
             _link_error(number, element, name, f"shape {shape}")
@@ -470,12 +554,12 @@ def _piece(element: Element, shape: str, material: Material) -> ShaftCone:
 
 
 def _shaft(
-    section: Section, element: Element, pieces: tuple[ShaftCone, ...], names: list[str]
+    section: Section, loss_factor: float, pieces: tuple[ShaftCone, ...], names: list[str]
 ) -> list[_Row]:
     torsional = section.kind == "torsional"
     rows = []
     for piece, left, right in zip(pieces, names[:-1], names[1:], strict=True):
         compliance = piece.torsional_compliance if torsional else piece.axial_compliance
         spread = piece.polar_inertia if torsional else piece.mass
-        rows.append(_Row(left, right, 1.0 / compliance, 0.0, element.loss_factor, spread))
+        rows.append(_Row(left, right, 1.0 / compliance, 0.0, loss_factor, spread))
     return rows

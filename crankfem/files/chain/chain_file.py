@@ -18,6 +18,7 @@ from crankfem.files.chain.chain_build import (
     TorsionalChainSection,
     chain_of,
 )
+from crankfem.files.chain.maker_values import as_printed
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from crankfem.files.sections.vibration_sections import ShaftLineFiles
@@ -336,6 +337,8 @@ class ChainFile:
         Every value with its source; empty for plain text, whose comments state it.
     sources : dict
         Short name to full citation.
+    printed : tuple of str
+        The values as a maker prints them, where they are given so, and in SI.
     """
 
     path: Path
@@ -344,6 +347,7 @@ class ChainFile:
     chain: Chain
     records: tuple[InputRecord, ...]
     sources: dict[str, str]
+    printed: tuple[str, ...] = ()
 
 
 def load_chain(path: str | Path | InputFile | TomlFile) -> ChainFile:
@@ -398,7 +402,13 @@ def _read_chain(content: TomlFile) -> ChainFile:
         ) from None
     _check_sizes(path.name, chain)
     return ChainFile(
-        path, section.name, section.kind, chain, tuple(content.records), content.sources
+        path,
+        section.name,
+        section.kind,
+        chain,
+        tuple(content.records),
+        content.sources,
+        as_printed(chain, content.sections["chain"], UNITS[section.kind]),
     )
 
 
