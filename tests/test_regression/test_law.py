@@ -74,6 +74,13 @@ def test_the_band_lies_about_the_value():
     assert high - low == close(2.0 * law.errors["pinned"] * law.pinned)
 
 
+def test_the_band_of_a_nearly_plain_throw_is_nearly_that_of_the_plain_one():
+    plain, nearly = axial_law(THROW), axial_law(THROW.changed(web_tip_thickness=0.0679))
+    assert (plain.tier, nearly.tier) == ("plain", "real")
+    for name, error in plain.errors.items():
+        assert nearly.errors[name] == close(error, rel=0.05)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
