@@ -3,6 +3,7 @@
 JSON both ways, its units, data frames, the texts of the console and of notebooks follow from the declaration.
 """
 
+import inspect
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -13,7 +14,6 @@ from typing import (
     TYPE_CHECKING,
     Annotated,
     Any,
-    ClassVar,
     Literal,
     Self,
     TypeAlias,
@@ -27,12 +27,14 @@ from typing import (
 
 import numpy as np
 
-from crankbase.errors import InputError, SolveError
+from crankbase.errors import InputError, SolveError, quoted
 from crankbase.frames import Row, table_of
 from crankbase.quantity import RPM
 from crankbase.summaries import summarized
 
 if TYPE_CHECKING:
+    from pydantic import TypeAdapter
+
     from crankbase.frames import DataFrame
 
 T = TypeVar("T")
@@ -60,6 +62,8 @@ class Quantity:
         Whether JSON leaves the value out where it is None.
     flat : bool, optional
         Whether the content of this part stands in JSON beside the part's neighbors.
+    missing : float, optional
+        What null in JSON stands for: without bound, or NaN for what there is not.
     """
 
     unit: str = ""
@@ -68,6 +72,7 @@ class Quantity:
     key: str = ""
     left_out: bool = False
     flat: bool = False
+    missing: float = math.inf
 
     def key_of(self, name: str) -> str:
         """Return the key in JSON of a field."""
@@ -77,13 +82,20 @@ class Quantity:
         from pydantic_core import core_schema
 
         size = EXPORTED[self.exported][0] if self.exported else 1.0
-        if get_origin(source) is np.ndarray:
+        if "numpy.ndarray" in str(source):  # also optional ones, and mappings to arrays
             return core_schema.no_info_plain_validator_function(lambda values: _array(values, size))
-        if source is not float or not self.unit:
+        if (source is not float and size == 1.0) or not self.unit:
             return handler(source)
+
+        def internal(value: Any, missing: float | None = self.missing) -> Any:
+            if isinstance(value, list):
+                return [internal(part) for part in value]
+            return missing if value is None else value / size
+
         # JSON knows no infinity: null is unbounded.
+        top = self.missing if source is float else None
         return core_schema.no_info_before_validator_function(
-            lambda value: math.inf if value is None else value / size, handler(source)
+            lambda value: internal(value, top), handler(source)
         )
 
 
@@ -133,10 +145,10 @@ def _unit_of(source: object, path: str) -> str:
 class Result:
     """Base of results: fields are their content, but for those that are `Internal`.
 
-    Properties whose return type holds a `Quantity` belong to the content, too.
+    Properties whose return type holds a `Quantity` belong to the content, too. A result that is read from
+    JSON has its content and the defaults alone: of properties, those cached have what was written, and
+    others follow from the content again. What is internal is not there.
     """
-
-    __pydantic_config__: ClassVar[dict[str, Any]] = {"arbitrary_types_allowed": True}
 
     def to_json(self, indent: int | None = None) -> str:
         """Return content and units of its numbers; None where a value is unbounded.
@@ -167,17 +179,37 @@ class Result:
     @classmethod
     def from_record(cls, content: "Mapping[str, Any] | Self") -> Self:
         """Read content of JSON; a result is returned as it is."""
-        from pydantic import TypeAdapter, ValidationError
+        from pydantic import ValidationError
 
         if isinstance(content, cls):
             return content
-        try:
-            made: Self = TypeAdapter(cls).validate_python(_by_field(cls, content))
-        except ValidationError as error:
-            first = error.errors()[0]
-            place = ".".join(map(str, first["loc"]))
-            raise InputError(f"{cls.__name__}.{place}: {first['msg']}.") from None
+        if not isinstance(content, Mapping):
+            raise InputError(f"{cls.__name__}: given {quoted(content)}; allowed is its content.")
+        made = object.__new__(cls)
+        for name, (quantity, kind) in contents(cls).items():
+            key = quantity.key_of(name)
+            if isinstance(inspect.getattr_static(cls, name, None), property):
+                continue
+            if key not in content and not (quantity.flat or quantity.left_out):
+                raise InputError(
+                    f"{cls.__name__}: the result has no {key}; it is not of this release."
+                )
+            part = content if quantity.flat else content.get(key)
+            try:
+                vars(made)[name] = _adapter(kind).validate_python(part)
+            except ValidationError as error:
+                first = error.errors()[0]
+                if isinstance(inner := first.get("ctx", {}).get("error"), InputError):
+                    raise inner from None
+                place = ".".join(map(str, (name, *first["loc"])))
+                raise InputError(f"{cls.__name__}.{place}: {first['msg']}.") from None
         return made
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_plain_validator_function(cls.from_record)
 
     def row(self) -> Row:
         """Return the single values by column, each with its SI unit."""
@@ -292,6 +324,8 @@ def plain(value: Any) -> Any:
             if quantity.flat:
                 record |= plain(content)
                 continue
+            if math.isnan(quantity.missing) and isinstance(content, float) and math.isnan(content):
+                content = None
             if quantity.exported and content is not None:
                 content = np.asarray(content, dtype=float) * EXPORTED[quantity.exported][0]
             record[quantity.key_of(name)] = plain(content)
@@ -349,11 +383,6 @@ def units(value: Any, path: str = "") -> dict[str, str]:
     return known
 
 
-def _has_results(kind: Any) -> bool:
-    """Return whether a type is of results, or holds them."""
-    return _is_result(kind) or any(map(_has_results, get_args(kind)))
-
-
 def _cells(source: Result, before: str) -> Iterator[tuple[str, tuple[Any, str]]]:
     for name, (quantity, _) in contents(type(source)).items():
         value = getattr(source, name)
@@ -364,33 +393,17 @@ def _cells(source: Result, before: str) -> Iterator[tuple[str, tuple[Any, str]]]
             yield f"{before}{name}", (value, getattr(source, unit[1:]) if unit[:1] == "." else unit)
 
 
-def _by_field(kind: Any, content: Any) -> Any:
-    """Return JSON content with the names of fields in place of keys, as far as results go."""
-    if _is_result(kind) and isinstance(content, Mapping):
-        values, names = {}, {field.name for field in fields(kind) if field.init}
-        for name, (quantity, part) in contents(kind).items():
-            key = quantity.key_of(name)
-            if name not in names:
-                continue
-            if key not in content and not (quantity.flat or quantity.left_out):
-                raise InputError(
-                    f"{kind.__name__}: the result has no {key}; it is not of this release."
-                )
-            values[name] = _by_field(part, content if quantity.flat else content.get(key))
-        return values
-    inside = [part for part in get_args(kind) if _has_results(part)]
-    # Of a choice between input and a result, the input is known by its fields.
-    inputs = [set(part.model_fields) for part in get_args(kind) if _is_input(part)]
-    if not inside or content is None or any(set(content) <= known for known in inputs):
-        return content
-    if isinstance(content, list):
-        return [_by_field(inside[0], part) for part in content]
-    if isinstance(content, Mapping) and get_origin(kind) in (dict, Mapping):
-        return {name: _by_field(inside[-1], part) for name, part in content.items()}
-    return _by_field(inside[0], content)
+@cache
+def _adapter(kind: Any) -> "TypeAdapter[Any]":
+    """Return what reads a value of a type from JSON."""
+    from pydantic import TypeAdapter
+
+    return TypeAdapter(kind)
 
 
 def _array(values: Any, size: float) -> Any:
+    if values is None or isinstance(values, Mapping):
+        return values and {name: _array(each, size) for name, each in values.items()}
     array = np.array(values)
     if array.dtype == object:
         array = array.astype(float)  # in which null, that is unbounded, is NaN

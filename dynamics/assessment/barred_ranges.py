@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -53,17 +54,17 @@ class BarredRange(Result):
     ends: str = ""
     full_load: Internal[bool] = False
 
-    @property
+    @cached_property
     def allowed(self) -> Part[bool]:
         """Whether it may be barred, or passed on starting."""
         return not self.refusals
 
-    @property
+    @cached_property
     def shown(self) -> Part[str]:
         """Such as "700 to 800 1/min"."""
         return shown_range(self.low, self.high)
 
-    @property
+    @cached_property
     def sentence(self) -> Part[str]:
         """Whether it may be barred or passed, and why not; without its full stop."""
         return barred_sentence(self.low, self.high, self.position, self.refusals, self.full_load)

@@ -1,6 +1,7 @@
 """Permitted vibration over the speed: limits with their source, given or from rules."""
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -114,7 +115,7 @@ class VibrationLimit(Result):
                 "value comes from, because a verdict depends on its limits."
             )
 
-    @property
+    @cached_property
     def name(self) -> Annotated[str, Quantity(key="limit")]:
         """Quantity and place, such as "torsional stress of crankshaft"."""
         return f"{self.quantity} of {self.applies_to}"
@@ -262,7 +263,7 @@ class LimitUse(Result):
     value: InItsUnit
     permitted: InItsUnit
 
-    @property
+    @cached_property
     def used(self) -> Number:
         """Share of the permitted value."""
         return self.value / self.permitted

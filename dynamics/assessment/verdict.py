@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Annotated, Literal
 
@@ -96,29 +97,29 @@ class LimitCheck(Result):
     cause: PeakCause | None = None
     highest_running: Internal[float] = np.inf
 
-    @property
+    @cached_property
     def place(self) -> Part[str]:
         """Where the amplitude is."""
         return self.curve.name
 
-    @property
+    @cached_property
     def in_running_range(self) -> Part[bool]:
         """Whether the engine runs at the worst speed."""
         return self.worst_speed <= self.highest_running
 
-    @property
+    @cached_property
     def below(self) -> Part[LimitUse | None]:
         """Largest use below the speeds judged."""
         return worst_use(self.limit, self.curve, 0.0, (1.0 - SAME) * self.judged[0])
 
-    @property
+    @cached_property
     def running(self) -> Part[LimitUse | None]:
         """Largest use at running speeds."""
         return worst_use(
             self.limit, self.curve, self.judged[0], min(self.judged[1], self.highest_running)
         )
 
-    @property
+    @cached_property
     def above(self) -> Part[LimitUse | None]:
         """The same above the running range, as far as the limit is judged."""
         if at_most(self.judged[1], self.highest_running):
@@ -141,7 +142,7 @@ class LimitCheck(Result):
             cause=None,
         )
 
-    @property
+    @cached_property
     def used(self) -> Number:
         """Share of the permitted amplitude that is used at the worst speed."""
         return self.worst_value / self.permitted
@@ -151,7 +152,7 @@ class LimitCheck(Result):
         """Share of the permitted amplitude that is left at the worst speed; negative if exceeded."""
         return 1.0 - self.used
 
-    @property
+    @cached_property
     def passed(self) -> Part[bool]:
         """Whether the limit is kept at all speeds judged."""
         return self.used <= 1.0

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Annotated
 
@@ -296,7 +297,7 @@ class FrequencyDifference(Result):
     causes: Annotated[dict[str, float], Quantity("Hz")]
     further: Internal[float | None] = None
 
-    @property
+    @cached_property
     def sentence(self) -> Part[str]:
         """Such as "axial mode 1: 81.0 Hz by the whole crankshaft, 75.0 Hz by the chain (+6.0 Hz, ...)"."""
         name = f"{self.kind} mode {self.mode}"

@@ -914,14 +914,14 @@ class EnginePower(Result):
     mean_indicated_pressure: Annotated[float, Quantity("Pa", "mean of all cylinders")]
     rated: Annotated[float | None, Quantity("W", "at the flywheel, if given", key="rated_power")]
 
-    @property
+    @cached_property
     def mechanical_efficiency(self) -> Number | None:
         """Rated over indicated power; None without a rated power, or if the gas does no work."""
         if self.rated is None or self.indicated <= 0.0:
             return None
         return self.rated / self.indicated
 
-    @property
+    @cached_property
     def mean_effective_pressure(self) -> Annotated[float, Quantity("Pa")] | None:
         """Mean effective pressure of the rated power; None if the file does not give it."""
         efficiency = self.mechanical_efficiency
@@ -934,7 +934,7 @@ class EnginePower(Result):
             return 0.0
         return self.mean_indicated_pressure - self.mean_effective_pressure
 
-    @property
+    @cached_property
     def consistent(self) -> Part[bool]:
         """Whether the mechanical efficiency is plausible; True if it is unknown."""
         if self.rated is None:
@@ -942,7 +942,7 @@ class EnginePower(Result):
         efficiency = self.mechanical_efficiency
         return efficiency is not None and LOWEST_EFFICIENCY <= efficiency <= HIGHEST_EFFICIENCY
 
-    @property
+    @cached_property
     def sentence(self) -> Part[str]:
         """Indicated power and its ratio to the rated power."""
         speed = format_quantity(self.speed, "rad/s", 5)

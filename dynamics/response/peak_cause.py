@@ -1,6 +1,7 @@
 """Cause of a peak: the contribution of each order, and whether a resonance makes that order large."""
 
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
@@ -123,7 +124,7 @@ class PeakCause(Result):
         """The amplitude, its speed, and the main orders with their shares."""
         return f"{self._quantity(self.amplitude)} at {self._speed}: {self.reasons}."
 
-    @property
+    @cached_property
     def reasons(self) -> Annotated[str, Quantity(key="sentence")]:
         """The main orders of the amplitude with their shares, the largest first."""
         if np.isinf(self.amplitude):

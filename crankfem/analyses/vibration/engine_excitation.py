@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -130,7 +131,7 @@ class EngineLoad(Result):
     friction_pressure: Internal[float]
     rated: EnginePower
 
-    @property
+    @cached_property
     def points(self) -> Annotated[tuple[LoadPoint, ...], Quantity(key="speeds")]:
         """The load at each speed."""
         values = (self.speeds, self.power, self.mean_pressure, self.peak_pressure)
@@ -138,7 +139,7 @@ class EngineLoad(Result):
         known = [None] * self.speeds.size if intake is None else intake.tolist()
         return tuple(map(LoadPoint, *(each.tolist() for each in values), known))
 
-    @property
+    @cached_property
     def sentence(self) -> Part[str]:
         """The load as a function of the speed, in words."""
         if self.law == "constant":

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
@@ -71,7 +72,7 @@ class Reached(Result):
         """Share of the permitted amplitude; 0 where no limit is stated."""
         return self.used_share or 0.0
 
-    @property
+    @cached_property
     def used_share(self) -> Annotated[float | None, Quantity("1", key="used")]:
         """The same; None where no limit is stated."""
         return None if np.isinf(self.permitted) else self.value / self.permitted
@@ -96,7 +97,7 @@ class NewlyExceeded(Failing):
 
     cause: Internal[PeakCause]
 
-    @property
+    @cached_property
     def reasons(self) -> Annotated[str, Quantity(key="cause")]:
         """The cause in words."""
         return self.cause.reasons
@@ -137,27 +138,27 @@ class FiringCheck(Result):
     over_speed: Internal[tuple[FloatArray, FloatArray, FloatArray] | None] = None
     new: NewlyExceeded | None = None
 
-    @property
+    @cached_property
     def source(self) -> Part[str | None]:
         """That of the limit, if any."""
         return None if self.limit is None else self.limit.source
 
-    @property
+    @cached_property
     def assumed(self) -> Part[bool]:
         """Whether the limit is assumed."""
         return self.limit is not None and self.limit.assumed
 
-    @property
+    @cached_property
     def verdict(self) -> Annotated[bool | None, Quantity(key="passed")]:
         """As `passed`; None without a limit."""
         return None if self.limit is None else self.passed
 
-    @property
+    @cached_property
     def basis(self) -> Part[str | None]:
         """Why the limit for passing serves while a cylinder misfires; empty if it does not."""
         return None if self.limit is None else self.limit.misfiring_basis
 
-    @property
+    @cached_property
     def cases(self) -> Annotated[list[Failing], Quantity(key="each")]:
         """The worst of each case."""
         return [Failing(*case) for case in self.each.items()]
@@ -343,12 +344,12 @@ class Misfiring(Result):
         """That of the stress, of crankshaft or shaft line, of whose limit most is used."""
         return next((check for check in self.checks if check.over_speed is not None), None)
 
-    @property
+    @cached_property
     def passed(self) -> Part[bool]:
         """Whether all limits while misfiring are kept at running speeds."""
         return self.worst.passed
 
-    @property
+    @cached_property
     def sentence(self) -> Part[str]:
         """What misfiring alone exceeds, the largest use of a limit, and the speeds that remain."""
         if not self.exceeded:
@@ -370,7 +371,7 @@ class Misfiring(Result):
         )
         return " ".join(filter(None, sentences))
 
-    @property
+    @cached_property
     def remarks(self) -> Part[tuple[str, ...]]:
         """Assumptions, a sentence each."""
         one = len(self.cases) == 1
