@@ -468,8 +468,19 @@ def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
     for note in diagram.notes:
         _draw_note(axes, note)
     for dots in diagram.dots:
-        if dots.main:
-            _draw_dots(axes, dots)
+        if not dots.main:
+            continue
+        x, y = np.atleast_1d(dots.x), np.atleast_1d(dots.y)
+        symbols = dots.symbols * x.size if len(dots.symbols) == 1 else dots.symbols
+        edge: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5}
+        for place, symbol in enumerate(symbols):
+            size = DOT_SIZES.get(symbol, 4.0)
+            if dots.weights is not None:
+                size = LEAST_DOT + DOT_GROWTH * dots.weights[place]
+            look = {"color": dots.color, "markersize": size, **({} if symbol == "x" else edge)}
+            axes.plot(x[place], y[place], symbol, zorder=3, **look)
+        if x.size and "x" not in symbols:
+            axes.plot([], [], "o", color=dots.color, label=dots.name)
     axes.set_xlabel(diagram.x.label)
     axes.set_ylabel(diagram.y.label)
     if diagram.x.ticks is not None:
@@ -486,20 +497,6 @@ def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
         axes.set_xlim(*diagram.x.ends)
     if diagram.y.ends is not None:
         axes.set_ylim(*diagram.y.ends)
-
-
-def _draw_dots(axes: "Axes", dots: Dots) -> None:
-    x, y = np.atleast_1d(dots.x), np.atleast_1d(dots.y)
-    symbols = dots.symbols * x.size if len(dots.symbols) == 1 else dots.symbols
-    edge: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5}
-    for place, symbol in enumerate(symbols):
-        size = DOT_SIZES.get(symbol, 4.0)
-        if dots.weights is not None:
-            size = LEAST_DOT + DOT_GROWTH * dots.weights[place]
-        look = {"color": dots.color, "markersize": size, **({} if symbol == "x" else edge)}
-        axes.plot(x[place], y[place], symbol, zorder=3, **look)
-    if x.size and "x" not in symbols:
-        axes.plot([], [], "o", color=dots.color, label=dots.name)
 
 
 def _draw_note(axes: "Axes", note: Note) -> None:

@@ -1,7 +1,5 @@
 """The crank mechanism at one speed: loads of crankpin and main bearing, forces of a piston."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,7 +19,6 @@ from crankfem.report.interactive.style import (
     Figure,
     Part,
     axis,
-    degrees_of,
     dots,
     layout,
     level,
@@ -131,7 +128,7 @@ def polar_load(load: LoadDiagram, frame: Frame, title: str) -> Figure:
 def piston_forces(run: MechanismRun, cylinder: int) -> Curves:
     """Describe gas force, side force and tangential force of a cylinder over the cycle."""
     forces, firing = run.forces, np.radians(run.layout.firing_deg[cylinder - 1])
-    degrees = degrees_of(
+    degrees = np.degrees(
         (np.radians(forces.shaft_angles_deg) - firing) % cycle_radians(run.layout.strokes)
     )
     order = np.argsort(degrees)
@@ -230,11 +227,6 @@ def _has(run: MechanismRun) -> list[str]:
     return [*([] if balanced else ["unbalanced"]), *(["hinged rods"] if run.hinged_rods else [])]
 
 
-def _draw_accelerations(path: Path, run: MechanismRun) -> None:
-    names = piston_names(run.layout, hinged_group(run.layout))
-    plot_accelerations(path, run.layout, run.speed, names, title=_engine(run))
-
-
 MECHANISM: Plots[MechanismRun] = Plots(
     (
         *_of_bearing(
@@ -291,7 +283,13 @@ MECHANISM: Plots[MechanismRun] = Plots(
             "accelerations",
             "Accelerations of the pistons of main and hinged rods, by order",
             "Pistons on the first crankpin with hinged rods, each at the same angle from its own top.",
-            _draw_accelerations,
+            lambda path, run: plot_accelerations(
+                path,
+                run.layout,
+                run.speed,
+                piston_names(run.layout, hinged_group(run.layout)),
+                title=_engine(run),
+            ),
             needs="hinged rods",
         ),
     ),

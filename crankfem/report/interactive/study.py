@@ -52,11 +52,18 @@ def response_over_factors(table: StudyTable, response: ResponseFits) -> Figure:
     unit, size = display_unit(response.unit)
     factors = table.plan.factors
     texts = design_texts(factors, table.values)
-    forms = _forms(response)
+    # The chosen form, then some to compare it with.
+    others = [fit for fit in response.fits if fit is not response.chosen]
+    forms = [response.chosen, *others[:COMPARED]]
     traces: list[Part] = []
     owners: list[int] = []
     for place, factor in enumerate(factors):
-        section = factor_sweep(table, response, place, forms, _sweep(factor))
+        sweep = (
+            np.arange(len(factor.labels), dtype=np.float64)
+            if factor.labels
+            else np.linspace(factor.lowest, factor.highest, POINTS)
+        )
+        section = factor_sweep(table, response, place, forms, sweep)
         x, on_line = display_values(factor, section.values), section.on_line
         panel = [
             _curve(factor, x, curve / size, fit, number, unit)
@@ -86,12 +93,17 @@ def response_over_factors(table: StudyTable, response: ResponseFits) -> Figure:
         [{"visible": visible}, {"xaxis.title.text": factor_title(factor), **_ticks(factor)}]
         for visible, factor in zip(visibility_by_choice(owners, len(factors)), factors, strict=True)
     ]
+    # A menu knows no markup.
+    menu_texts = [
+        unescape(factor_text(factor).replace("<sub>", "_").replace("</sub>", ""))
+        for factor in factors
+    ]
     ticks = {name.removeprefix("xaxis."): value for name, value in _ticks(factors[0]).items()}
     return traces, layout(
         axis(factor_title(factors[0]), **ticks),
         axis(f"{symbol_text(response.symbol)} [{unit}]"),
         title=f"{response.response.replace('_', ' ')} over one factor",
-        updatemenus=[choice("over", [_plain(factor_text(f)) for f in factors], changes)],
+        updatemenus=[choice("over", menu_texts, changes)],
     )
 
 
@@ -160,12 +172,6 @@ def parity(table: StudyTable, response: ResponseFits) -> Figure:
     return traces, made | lower
 
 
-def _forms(response: ResponseFits) -> list[Fit]:
-    """Return the chosen form, then some to compare it with."""
-    others = [fit for fit in response.fits if fit is not response.chosen]
-    return [response.chosen, *others[:COMPARED]]
-
-
 def _curve(factor: Factor, x: Array, y: Array, fit: Fit, number: int, unit: str) -> Part:
     """Return a form's curve over a factor, of a choice its marks; the chosen one comes first."""
     chosen = number == 0
@@ -183,12 +189,6 @@ def _curve(factor: Factor, x: Array, y: Array, fit: Fit, number: int, unit: str)
     return made
 
 
-def _sweep(factor: Factor) -> Array:
-    if factor.labels:
-        return np.arange(len(factor.labels), dtype=np.float64)
-    return np.linspace(factor.lowest, factor.highest, POINTS)
-
-
 def _ticks(factor: Factor) -> Part:
     """Return how the axis of a factor differs from others, as changes of the layout."""
     if not factor.labels:
@@ -199,8 +199,3 @@ def _ticks(factor: Factor) -> Part:
         "xaxis.ticktext": choice_labels(factor),
         "xaxis.autorange": True,
     }
-
-
-def _plain(text: str) -> str:
-    """Write a label for a menu, which knows no markup."""
-    return unescape(text.replace("<sub>", "_").replace("</sub>", ""))
