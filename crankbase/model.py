@@ -3,7 +3,7 @@
 import inspect
 import re
 from collections.abc import Collection, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Self, get_args, get_origin
+from typing import TYPE_CHECKING, Any, ClassVar, Self, cast, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
@@ -166,6 +166,20 @@ def part_field(meaning: str, kind: type["InputModel"], *, many: bool = False) ->
     )
 
 
+def field_of(model: type["InputModel"], name: str, **changed: Any) -> Any:
+    """Declare a field as another record does, with another default, description or feature."""
+    info = model.model_fields[name]
+    low, high = limits_of(info)
+    extra = {**cast(Any, info.json_schema_extra or {})}
+    return Field(
+        changed.get("default", info.default),
+        ge=low,
+        le=high,
+        description=changed.get("description", info.description),
+        json_schema_extra=extra | {"feature": changed.get("feature", extra.get("feature", False))},
+    )
+
+
 def part_kind(info: FieldInfo) -> type["InputModel"] | None:
     """Return the record that a field of parts holds, or None for any other field."""
     if field_extra(info, "part") is None:
@@ -232,10 +246,13 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
     section: ClassVar[str] = ""
     # Fields that choose how to calculate: their defaults assume nothing of what is calculated.
     choices: ClassVar[frozenset[str]] = frozenset()
+    # Fields that Python takes by position, too: those of a short record.
+    positional: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, *unnamed: Any, **values: Any) -> None:
         """Take and check the values of the fields, by name, in SI units."""
-        if unnamed:
+        values = dict(zip(self.positional, unnamed, strict=False)) | values
+        if len(unnamed) > len(self.positional):
             name = next(iter(type(self).model_fields))
             raise InputError(
                 f"{type(self).__name__}: given values without names; allowed are fields by name, such as "
@@ -399,9 +416,12 @@ def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) 
         return text
     limits = limits_of(info)
     if isinstance(text, list) and _holds_several(info):
+        # Rows of pure numbers are those of a table.
         return tuple(
-            parse_quantity(item, unit, f"{name}[{number}]", range_text(info), limits)
-            for number, item in enumerate(text)
+            _value_from_text(kind, key, entry, f"{name}[{number}]")
+            if isinstance(entry, list) and not unit
+            else parse_quantity(entry, unit, f"{name}[{number}]", range_text(info), limits)
+            for number, entry in enumerate(text)
         )
     value = parse_quantity(text, unit, name, range_text(info), limits)
     if meant := other_unit(text, unit, value, limits):

@@ -79,7 +79,6 @@ from fem.material import STEEL, Material
 from fem.superelement import EndSections
 from fem.symmetry import radial_directions
 from fem.wished_accuracy import STRESS_ACCURACY
-from geometry.imported import ImportedThrow, imported_parts
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw, mesh_isolated
 from geometry.parts import Cylinder, DrillingExit, ThrowParts, WebPlate
@@ -273,10 +272,10 @@ def fillet_stresses(
     check_choice("mesh", mesh, FILLET_MESHES, "these meshes are known")
     mesh_with = mesher or mesh_isolated
     usual = mesh_with(throw, BULK, "auto", None)
-    parts = throw.parts if isinstance(throw, CrankThrow) else imported_parts(throw, usual)
+    parts = throw.parts if isinstance(throw, CrankThrow) else throw.parts_by(usual)
     webs = parts.webs if mesh == "m53" else ()
     fillets = throw_fillets(parts)
-    if isinstance(throw, ImportedThrow):
+    if not isinstance(throw, CrankThrow):
         points = fillet_points(usual)
         fillets = tuple(fillet for fillet in fillets if fillet.holds(points).any())
     outlets = [outlet for hole in parts.drillings for outlet in hole.exits]
@@ -514,7 +513,7 @@ def _too_small(sites: Sequence[Site]) -> InputError:
 
 
 def _check(throw: Throw, material: Material, accuracy: float) -> None:
-    if not isinstance(throw, CrankThrow | ImportedThrow):
+    if not isinstance(throw, Throw):
         raise InputError(
             f"throw: given a {type(throw).__name__}; allowed is a CrankThrow, or an ImportedThrow of a "
             "STEP file."
@@ -522,7 +521,7 @@ def _check(throw: Throw, material: Material, accuracy: float) -> None:
     if not isinstance(material, Material):
         raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
     STRESS_ACCURACY.checked("accuracy", accuracy)
-    if isinstance(throw, ImportedThrow):
+    if not isinstance(throw, CrankThrow):
         if not throw.fillets:
             raise InputError(
                 f"{throw.path}: given a part without a fillet at its main journals and pins; allowed is at "

@@ -9,7 +9,7 @@ motions those of bending sections can be included (`fem.symmetry`) with one fact
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +21,7 @@ from crankbase.choices import check_choice
 from crankbase.diagrams import display_unit, draw_groups, draw_matrix, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import grid, table
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Quantity, Result, result
 from fem.solver import (
     SharedSolver,
     Stopwatch,
@@ -638,9 +638,8 @@ SHOWN: Mapping[str, tuple[str, str]] = {
 }
 
 
-@summarized("axial [m/N]", "torsional [rad/(N m)]", "influence [m/N]")
-@dataclass(frozen=True)
-class ShaftCompliances:
+@result("axial", "torsional", "influence")
+class ShaftCompliances(Result):
     """Compliances and influence coefficients of each throw in a shaft.
 
     Each section is in its main bearing, laterally rigid or elastic, and tilts freely; the first one is
@@ -664,11 +663,11 @@ class ShaftCompliances:
         [1/N].
     """
 
-    axial: Array
-    torsional: Array
-    influence: Array
-    tangential: Array
-    through: Array
+    axial: Annotated[Array, Quantity("m/N")]
+    torsional: Annotated[Array, Quantity("rad/(N m)")]
+    influence: Annotated[Array, Quantity("m/N")]
+    tangential: Internal[Array]
+    through: Internal[Array]
 
     def plot(
         self,

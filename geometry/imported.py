@@ -1,9 +1,11 @@
-"""A throw from a STEP file, and the names of its ends and pins."""
+"""A throw from a STEP file: what its shape is, and how it is meshed."""
 
 import hashlib
-import re
+import math
+import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from itertools import count, pairwise, takewhile
 from pathlib import Path
 from typing import Any
@@ -12,368 +14,47 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.calls import ProcessLostError
-from crankbase.errors import InputError
+from crankbase.errors import InputError, MeshError
 from crankbase.input_file import not_a_file
 from crankbase.summaries import summarized
-from geometry.gmsh_session import IsolatedProcess, shared_process
-from geometry.mesh import ThrowMesh, flat_triangles
+from geometry.gmsh_session import IsolatedProcess, gmsh_errors, gmsh_session, shared_process
+from geometry.mesh import (
+    MeshingStrategy,
+    OnRemark,
+    ThrowMesh,
+    check_budget,
+    checked_mesh,
+    flat_triangles,
+    solid_properties,
+    try_strategies,
+)
 from geometry.parts import Cylinder, Line, Outline, ThrowParts, WebPlate
-from geometry.sizes import SizePlan
-from geometry.solid import LEFT_END, PIN, RIGHT_END, Zone
-
-Point = tuple[float, float, float]
-PLANE = "PLANE"
-CYLINDER = "CYLINDRICAL_SURFACE"
-# Names that programs write where there is none.
-NO_NAME = ("", "none", "$")
-SOLIDS = ("MANIFOLD_SOLID_BREP", "BREP_WITH_VOIDS", "FACETED_BREP")
-FACES = ("ADVANCED_FACE", "FACE_SURFACE")
-# What leads from a face to its corners; curves and surfaces do not.
-BOUNDARIES = (
-    "FACE_OUTER_BOUND",
-    "FACE_BOUND",
-    "EDGE_LOOP",
-    "VERTEX_LOOP",
-    "ORIENTED_EDGE",
-    "EDGE_CURVE",
+from geometry.sizes import (
+    GROWTH,
+    ROOT_PER_FILLET,
+    SIZE_PER_BORE,
+    SizeMap,
+    SizePlan,
+    set_face_sizes,
+    set_size_map,
 )
-PREFIXES = {
-    "$": 1.0,
-    ".KILO.": 1e3,
-    ".DECI.": 1e-1,
-    ".CENTI.": 1e-2,
-    ".MILLI.": 1e-3,
-    ".MICRO.": 1e-6,
-}
-STRING = r"'(?:[^']|'')*'"
-STATEMENT_TOKEN = re.compile(rf"{STRING}|/\*.*?\*/|;", re.DOTALL)
-RECORD = re.compile(r"#(\d+)\s*=\s*(.*)", re.DOTALL)
-KEYWORD = re.compile(r"\(?\s*([A-Z]\w*)", re.IGNORECASE)
-VALUE_TOKEN = re.compile(
-    rf"{STRING}|\"[^\"]*\"|#\d+|\.\w+\.|[-+]?\d[\d.]*(?:E[-+]?\d+)?|!?[A-Z]\w*|[(),$*]",
-    re.IGNORECASE,
-)
-DIRECTIVE = re.compile(
-    r"\\X2\\(?P<two>(?:[0-9A-F]{4})*)\\X0\\|\\X4\\(?P<four>(?:[0-9A-F]{8})*)\\X0\\"
-    r"|\\X\\(?P<one>[0-9A-F]{2})|\\P(?P<page>[A-I])\\|\\S\\(?P<upper>.)|(?P<back>\\\\)",
-    re.IGNORECASE | re.DOTALL,
-)
+from geometry.solid import BORE, LEFT_END, PIN, RIGHT_END, Zone
+from geometry.step_file import CYLINDER, PLANE, StepFace, read_step
 
-
-@dataclass(frozen=True)
-class StepFace:
-    """A named face of a STEP file.
-
-    Attributes
-    ----------
-    kind : str
-        Type of its surface as STEP calls it, such as PLANE.
-    point, axis : (x, y, z)
-        Of a plane a point and the normal, of a cylinder a point on the axis and its direction [m];
-        zeros for other surfaces.
-    radius : float
-        Of a cylinder [m], 0 for others.
-    corners : tuple of (x, y, z)
-        Ends of its edges [m].
-    """
-
-    name: str
-    kind: str
-    point: Point
-    axis: Point
-    radius: float
-    corners: tuple[Point, ...]
-
-
-@dataclass(frozen=True)
-class StepFile:
-    """Content of the text.
-
-    Attributes
-    ----------
-    unit : float
-        Unit of length [m].
-    faces : tuple of StepFace
-        Faces with a name.
-    """
-
-    unit: float
-    faces: tuple[StepFace, ...]
-
-
-class Reference(int):
-    """The number of an entity that another one refers to."""
-
-
-def read_step(content: bytes, source: str) -> StepFile:
-    """Read the names of faces and the unit.
-
-    Parameters
-    ----------
-    content : bytes
-        The file.
-    source : str
-        Its name in errors.
-
-    Raises
-    ------
-    InputError
-        If it is not a STEP file, has no solid or no known unit, or its faces cannot be understood.
-    """
-    text = _decoded(content)
-    if not text.lstrip("\ufeff \t\r\n").startswith("ISO-10303-21"):
-        raise InputError(
-            f"{source}: given a file that does not begin with ISO-10303-21; allowed is a STEP file."
-        )
-    entities = _Entities(text)
-    if not any(entities.of_kind(*SOLIDS)):
-        raise InputError(
-            f"{source}: given a STEP file without a solid; allowed is one with one closed solid, not "
-            "only surfaces, curves or facets."
-        )
-    try:
-        unit = _file_unit(entities, source)
-        return StepFile(unit, tuple(_named_faces(entities, unit)))
-    except (LookupError, TypeError, ValueError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            f"{source}: given a STEP file whose entity #{entities.last_read} cannot be understood; "
-            "allowed is one by ISO 10303-21."
-        ) from None
-
-
-def decode_string(text: str) -> str:
-    r"""Decode the inside of a STEP string: '' and the \X2\, \X4\, \X\, \S\ and \P\ directives."""
-    page = "A"
-
-    def replacement(escape: re.Match[str]) -> str:
-        nonlocal page
-        if escape["page"] is not None:
-            page = escape["page"].upper()
-            return ""
-        if escape["two"] is not None:
-            return bytes.fromhex(escape["two"]).decode("utf-16-be", "replace")
-        if escape["four"] is not None:
-            return bytes.fromhex(escape["four"]).decode("utf-32-be", "replace")
-        if escape["one"] is not None:
-            return chr(int(escape["one"], 16))
-        if escape["upper"] is not None:
-            code = (ord(escape["upper"]) + 128) % 256
-            return bytes([code]).decode(f"iso8859_{ord(page) - ord('A') + 1}", "replace")
-        return "\\"
-
-    return DIRECTIVE.sub(replacement, text.replace("''", "'"))
-
-
-def _decoded(content: bytes) -> str:
-    """The newest edition is in UTF-8; older files with bytes beyond ASCII mostly in Latin-1."""
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:
-        return content.decode("latin-1")
-
-
-class _Entities:
-    """The entities of a file by number, understood when requested."""
-
-    def __init__(self, text: str) -> None:
-        self._records: dict[int, str] = {}
-        self.last_read = 0
-        for statement in _statements(text):
-            record_match = RECORD.match(statement)
-            if record_match:
-                self._records[int(record_match[1])] = record_match[2]
-
-    def of_kind(self, *keywords: str) -> Iterator[int]:
-        """Numbers of the entities of these types; of a compound one the first type counts."""
-        for number, record in self._records.items():
-            keyword = KEYWORD.match(record)
-            if keyword and keyword[1].upper() in keywords:
-                yield number
-
-    def with_text(self, text: str) -> Iterator[int]:
-        """Numbers of the entities that have this text somewhere."""
-        return (number for number, record in self._records.items() if text in record)
-
-    def read(self, number: int) -> dict[str, list[Any]]:
-        """Types and their arguments; several types if the entity is a compound one."""
-        self.last_read = number
-        tokens = VALUE_TOKEN.findall(self._records[number])
-        values, _ = _values(tokens, 0)
-        if len(values) == 1 and isinstance(values[0], list):
-            values = values[0]
-        return {value[0]: value[1] for value in values if isinstance(value, tuple)}
-
-
-def _statements(text: str) -> Iterator[str]:
-    """Split at semicolons outside strings, without comments."""
-    pieces: list[str] = []
-    begin = 0
-    for token in STATEMENT_TOKEN.finditer(text):
-        if token[0].startswith("'"):
-            continue
-        pieces.append(text[begin : token.start()])
-        begin = token.end()
-        if token[0] == ";":
-            yield "".join(pieces).strip()
-            pieces = []
-
-
-def _values(tokens: list[str], place: int) -> tuple[list[Any], int]:
-    """Read values up to the closing bracket; a typed value or an entity is (keyword, arguments)."""
-    values: list[Any] = []
-    while place < len(tokens):
-        token = tokens[place]
-        place += 1
-        if token == ")":
-            break
-        if token == "(":
-            inner, place = _values(tokens, place)
-            if values and isinstance(values[-1], _Keyword):
-                values[-1] = (str(values[-1]), inner)
-            else:
-                values.append(inner)
-        elif token != ",":
-            values.append(_value(token))
-    return values, place
-
-
-class _Keyword(str):
-    """A type's name, whose arguments follow."""
-
-
-def _value(token: str) -> Any:
-    first = token[0]
-    if first == "'":
-        # Lines may break anywhere, also within a string, where the break means nothing.
-        return decode_string(re.sub(r"[\r\n]", "", token[1:-1]))
-    if first == "#":
-        return Reference(token[1:])
-    if first.isdigit() or first in "+-":
-        return float(token)
-    if first.isalpha() or first == "!":
-        return _Keyword(token.upper())
-    return token.upper()
-
-
-def _file_unit(entities: _Entities, source: str) -> float:
-    """The unit of length of the file's shapes [m]."""
-    units: dict[float, None] = {}
-    for number in entities.with_text("GLOBAL_UNIT_ASSIGNED_CONTEXT"):
-        for unit in entities.read(number)["GLOBAL_UNIT_ASSIGNED_CONTEXT"][0]:
-            if "LENGTH_UNIT" in entities.read(unit):
-                units[_unit(entities, unit, source)] = None
-    if len(units) != 1:
-        units_text = "no unit of length" if not units else f"{len(units)} different units of length"
-        raise InputError(f"{source}: given a STEP file with {units_text}; allowed is one with one.")
-    return next(iter(units))
-
-
-def _unit(entities: _Entities, number: int, source: str) -> float:
-    unit = entities.read(number)
-    unit_name = ", ".join(unit)
-    if "SI_UNIT" in unit:
-        size = _meter_part(unit)
-        if size is not None:
-            return size
-        unit_name = " ".join(unit["SI_UNIT"])
-    elif "CONVERSION_BASED_UNIT" in unit:
-        unit_name, measure_number = unit["CONVERSION_BASED_UNIT"]
-        measure = entities.read(measure_number)
-        value, base = measure.get("MEASURE_WITH_UNIT") or measure["LENGTH_MEASURE_WITH_UNIT"]
-        # As a plain number or as LENGTH_MEASURE(number).
-        factor = value[1][0] if isinstance(value, tuple) else value
-        size = _meter_part(entities.read(base))
-        # The kernel does not follow a unit defined by another one that is defined itself.
-        if size is not None and factor > 0.0:
-            return float(factor * size)
-    raise InputError(
-        f"{source}: given a STEP file with the unit of length {unit_name}; allowed are the meter and its "
-        "parts, and units that the file defines directly by them, like the inch."
-    )
-
-
-def _meter_part(unit: dict[str, list[Any]]) -> float | None:
-    """Size of an SI unit of length [m], None for other units."""
-    prefix, name = unit.get("SI_UNIT", ("", ""))
-    return PREFIXES.get(prefix) if name == ".METRE." else None
-
-
-def _named_faces(entities: _Entities, unit: float) -> Iterator[StepFace]:
-    for number in entities.of_kind(*FACES):
-        name, bounds, surface_number, _ = next(iter(entities.read(number).values()))
-        name = str(name).strip()
-        if name.lower() in NO_NAME:
-            continue
-        kind, point, axis, radius = _surface(entities, surface_number, unit)
-        corners = tuple(dict.fromkeys(_corners(entities, bounds, unit)))
-        yield StepFace(name, kind, point, axis, radius, corners)
-
-
-def _surface(entities: _Entities, number: int, unit: float) -> tuple[str, Point, Point, float]:
-    surface = entities.read(number)
-    kind = next(iter(surface))
-    if kind not in (PLANE, CYLINDER):
-        return kind, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
-    _, placement, *radius = surface[kind]
-    location, *directions = entities.read(placement)["AXIS2_PLACEMENT_3D"][1:]
-    point = _point(entities, location, unit)
-    axis = (0.0, 0.0, 1.0)
-    if directions and isinstance(directions[0], Reference):
-        x, y, z = entities.read(directions[0])["DIRECTION"][1]
-        size = (x * x + y * y + z * z) ** 0.5
-        axis = (x / size, y / size, z / size)
-    return kind, point, axis, unit * radius[0] if radius else 0.0
-
-
-def _point(entities: _Entities, number: int, unit: float) -> Point:
-    x, y, z = entities.read(number)["CARTESIAN_POINT"][1]
-    return (unit * x, unit * y, unit * z)
-
-
-def _corners(entities: _Entities, references: list[Any], unit: float) -> Iterator[Point]:
-    """Follow a face's bounds down to the ends of its edges."""
-    for reference in references:
-        if isinstance(reference, list):
-            yield from _corners(entities, reference, unit)
-        if not isinstance(reference, Reference):
-            continue
-        entity = entities.read(reference)
-        if "VERTEX_POINT" in entity:
-            yield _point(entities, entity["VERTEX_POINT"][1], unit)
-        for kind in BOUNDARIES:
-            if kind in entity:
-                yield from _corners(entities, entity[kind], unit)
-
-
+# The unit in which the kernel reads files, and the scale that gmsh applies then.
+UNIT_OPTION, SCALE_OPTION = "Geometry.OCCTargetUnit", "Geometry.OCCScaling"
+# Places are told apart to this share of the part's length, directions to this sine.
+PLACE_TOLERANCE = 1e-5
+# Nodes per volume of a cubed element size and per area of a squared one.
+NODES_PER_CELL = 8.0
+NODES_PER_FACE = 2.5
+# Of rounded edges, with the nodes that their small elements bring with them on both sides.
+NODES_PER_ROUNDED_FACE = 10.0
+LAYERS = 100
 Array = NDArray[np.float64]
 # Seconds for reading a part; one of a hundred faces takes a fifth of a second.
 TIME_LIMIT = 300.0
 MOST_NAMES = 20
-
-
-@dataclass(frozen=True)
-class ImportedPin:
-    """A crankpin of an imported throw.
-
-    Attributes
-    ----------
-    name : str
-        "pin", "pin 2" ... from the left.
-    axis : (x, y)
-        In the throw frame [m].
-    radius : float
-        [m]
-    start, end : float
-        Extent along z, fillets included [m].
-    """
-
-    name: str
-    axis: tuple[float, float]
-    radius: float
-    start: float
-    end: float
 
 
 @summarized("path", "length [m]", "pins", "volume [m^3]", "remarks")
@@ -389,10 +70,6 @@ class ImportedThrow:
         SHA-256 of its content.
     length : float
         Distance of the end planes [m].
-    pins : tuple of ImportedPin
-        From the left.
-    journal_radii : (left, right)
-        Of the main journals at the ends [m].
     volume, area : float
         Of the solid [m^3, m^2].
     filleted : bool
@@ -423,8 +100,6 @@ class ImportedThrow:
     path: str
     digest: str
     length: float
-    pins: tuple[ImportedPin, ...]
-    journal_radii: tuple[float, float]
     volume: float
     area: float
     filleted: bool
@@ -446,9 +121,111 @@ class ImportedThrow:
         return "full"
 
     @property
+    def pins(self) -> tuple[Cylinder, ...]:
+        """From the left: "pin", "pin 2" ..."""
+        return self.cylinders[1:-1]
+
+    @property
+    def journal_radii(self) -> tuple[float, float]:
+        """Of the main journals at the left and the right end [m]."""
+        return self.cylinders[0].radius, self.cylinders[-1].radius
+
+    @property
     def pin_axes(self) -> tuple[tuple[float, float], ...]:
         """Positions (x, y) of the pins' axes [m]."""
         return tuple(pin.axis for pin in self.pins)
+
+    def expected_unknowns(self, factor: float) -> int:
+        """Predict the number of displacement unknowns, as `predict_unknowns` does but more roughly.
+
+        Parameters
+        ----------
+        factor : float
+            Scales all element sizes.
+        """
+        plan = _scaled(self.plan, factor)
+        share = (np.arange(LAYERS) + 0.5) / LAYERS
+        cells, near, faces = 0.0, 0.0, self.area / plan.bulk**2
+        for zone in plan.zones:
+            distance = plan.reach(zone) * share
+            layers = (
+                (zone.area + 1.5 * math.pi * zone.length * distance) * plan.reach(zone) / LAYERS
+            )
+            cells += float(np.sum(layers / (zone.size + GROWTH * distance) ** 3))
+            near += float(np.sum(layers))
+            faces += zone.area / zone.size**2
+        cells += max(self.volume - near, 0.0) / plan.bulk**3
+        for radius, area in self.curved:
+            size = factor * max(ROOT_PER_FILLET * radius, self.smallest)
+            if size < plan.bulk:
+                faces += NODES_PER_ROUNDED_FACE / NODES_PER_FACE * area / size**2
+        return round(3.0 * (NODES_PER_CELL * cells + NODES_PER_FACE * faces))
+
+    def meshed(
+        self,
+        size_factor: float = 1.0,
+        sizes: SizeMap | None = None,
+        attempts: tuple[str, ...] = (),
+        on_remark: OnRemark | None = None,
+    ) -> ThrowMesh:
+        """Mesh it in this process.
+
+        Parameters
+        ----------
+        size_factor, sizes, attempts, on_remark
+            As for `mesh_throw`.
+
+        Returns
+        -------
+        ThrowMesh
+            Of the whole part, in the throw frame. All faces other than ends, pins, main journals,
+            fillets and bores are "web".
+
+        Raises
+        ------
+        InputError
+            If the file has changed since it was imported, or the mesh would have too many unknowns.
+        MeshError
+            If all strategies fail; the message states the last reason.
+        """
+        if hashlib.sha256(file_content(Path(self.path))).hexdigest() != self.digest:
+            raise InputError(
+                f"{self.path}: given a file that has changed since it was imported; allowed is the same, "
+                "or import it again."
+            )
+        check_budget(
+            self.expected_unknowns(size_factor)
+            if sizes is None
+            else sizes.expected_unknowns(size_factor),
+            size_factor,
+        )
+
+        def mesh_by(rung: MeshingStrategy, failed: tuple[str, ...]) -> ThrowMesh:
+            return _mesh_once(self, size_factor, sizes, rung, failed)
+
+        return try_strategies(mesh_by, attempts, on_remark)
+
+    def parts_by(self, mesh: ThrowMesh) -> ThrowParts:
+        """Return the journals, pins and webs.
+
+        Parameters
+        ----------
+        mesh : ThrowMesh
+            Of the throw; widths are measured on it.
+
+        Returns
+        -------
+        ThrowParts
+            Each web as a plate with the width that nominal stresses refer to.
+        """
+        corners = mesh.points[flat_triangles(mesh)]
+        rows = list(pairwise(self.cylinders))
+        names = ["left web", *(f"web {number}" for number in range(2, len(rows))), "right web"]
+        webs = tuple(
+            _web(name, before, after, corners)
+            for name, (before, after) in zip(names, rows, strict=True)
+        )
+        return ThrowParts(self.cylinders, webs)
 
 
 @dataclass(frozen=True)
@@ -583,29 +360,6 @@ def _named_pins(
     return tuple(_named(faces, "pins", name, CYLINDER) or () for name in names)
 
 
-def imported_parts(throw: ImportedThrow, mesh: ThrowMesh) -> ThrowParts:
-    """Parts of an imported throw.
-
-    Parameters
-    ----------
-    mesh : ThrowMesh
-        Of the throw; widths are measured on it.
-
-    Returns
-    -------
-    ThrowParts
-        Each web as a plate with the width that nominal stresses refer to.
-    """
-    corners = mesh.points[flat_triangles(mesh)]
-    rows = list(pairwise(throw.cylinders))
-    names = ["left web", *(f"web {number}" for number in range(2, len(rows))), "right web"]
-    webs = tuple(
-        _web(name, before, after, corners)
-        for name, (before, after) in zip(names, rows, strict=True)
-    )
-    return ThrowParts(throw.cylinders, webs)
-
-
 def _web(name: str, before: Cylinder, after: Cylinder, corners: Array) -> WebPlate:
     """Make a plate of what lies between two cylinders."""
     foot, tip = (before, after) if before.is_pin <= after.is_pin else (after, before)
@@ -636,3 +390,103 @@ def _width(web: WebPlate, height: float, corners: Array) -> float:
     shares = shares[met] / total[met, None]
     at = np.sum(shares * u[met], axis=1)[(shares >= 0.0).all(axis=1)]
     return float(np.ptp(at)) if len(at) else 0.0
+
+
+@contextmanager
+def opened_part(path: str) -> Iterator[tuple[Any, int]]:
+    """A gmsh session with the file's solid in meters, not yet synchronized.
+
+    The kernel reads it in mm and gmsh scales it: a unit set in the kernel persists for the
+    rest of the process, and would change files written later.
+    """
+    with gmsh_session("throw") as gmsh:
+        option = gmsh.option
+        before = option.getString(UNIT_OPTION), option.getNumber(SCALE_OPTION)
+        try:
+            option.setString(UNIT_OPTION, "MM")
+            option.setNumber(SCALE_OPTION, 1e-3)
+            made = gmsh.model.occ.importShapes(path, highestDimOnly=True)
+        except Exception as error:
+            if (
+                type(error) is not Exception
+            ):  # which gmsh raises; any other kind is not the file's fault
+                raise
+            raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
+        finally:
+            option.setString(UNIT_OPTION, before[0])
+            option.setNumber(SCALE_OPTION, before[1])
+        solids = [tag for dimension, tag in made if dimension == 3]
+        if len(solids) != 1:
+            raise InputError(f"{path}: given {len(solids)} solids; allowed is one.")
+        yield gmsh, solids[0]
+
+
+def _scaled(plan: SizePlan, factor: float) -> SizePlan:
+    """Sizes at another factor; elements larger than a hole's radius would not fill the part round it."""
+    zones = tuple(
+        replace(
+            zone,
+            size=zone.size * (min(factor, 1.0 / SIZE_PER_BORE) if zone.zone[1] == BORE else factor),
+        )
+        for zone in plan.zones
+    )
+    return SizePlan(factor * plan.bulk, zones)
+
+
+def _mesh_once(
+    throw: ImportedThrow,
+    size_factor: float,
+    sizes: SizeMap | None,
+    rung: MeshingStrategy,
+    attempts: tuple[str, ...],
+) -> ThrowMesh:
+    factor = size_factor * rung.share
+    surfaces = {name: list(tags) for name, tags in throw.surfaces}
+    opened = time.perf_counter()
+    with opened_part(throw.path) as (gmsh, tag):
+        for option, value in rung.options:
+            gmsh.option.setNumber(option, value)
+        with gmsh_errors("mesh the throw"):
+            occ = gmsh.model.occ
+            occ.rotate([(3, tag)], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, throw.turned)
+            occ.translate([(3, tag)], 0.0, 0.0, throw.shifted)
+            occ.synchronize()
+            solid = solid_properties(gmsh)
+            seconds = time.perf_counter() - opened
+            if sizes is None:
+                _set_sizes(gmsh, throw, factor)
+            else:
+                set_size_map(gmsh, sizes, factor)
+        mesh = checked_mesh(
+            gmsh,
+            surfaces,
+            solid,
+            part="full",
+            length=throw.length,
+            pins=tuple(pin.name for pin in throw.pins),
+            size_factor=factor,
+            attempts=attempts,
+            geometry_seconds=seconds,
+        )
+    _check_ends(mesh)
+    return mesh
+
+
+def _set_sizes(gmsh: Any, throw: ImportedThrow, factor: float) -> None:
+    """Sizes at fillets and corners by a field, elsewhere by curvature."""
+    plan = _scaled(throw.plan, factor)
+    # Elements round a circle, as long beside its radius as at fillets.
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 2.0 * math.pi / ROOT_PER_FILLET / factor)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", factor * throw.smallest)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", plan.bulk)
+    if not plan.zones:
+        return
+    set_face_sizes(gmsh, throw.holes, dict(throw.fillets), dict(throw.corners), plan)
+
+
+def _check_ends(mesh: ThrowMesh) -> None:
+    """The surfaces' numbers must mean what they did when the part was read."""
+    for name, place in ((LEFT_END, 0.0), (RIGHT_END, mesh.length)):
+        off = np.abs(mesh.points[mesh.surfaces[name], 2] - place)
+        if off.size == 0 or off.max() > 10.0 * PLACE_TOLERANCE * mesh.length:
+            raise MeshError(f"the surface {name!r} of the file is not where it was.")

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -12,15 +11,14 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
-from geometry.gmsh_session import gmsh_session, middle_point
-from geometry.imported import PLANE, ImportedPin, ImportedThrow, RequestedFaces, StepFace
+from geometry.gmsh_session import middle_point
+from geometry.imported import PLACE_TOLERANCE, ImportedThrow, RequestedFaces, opened_part
 from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder, Point
 from geometry.sizes import ROOT_PER_FILLET, SIZE_PER_BORE, SizePlan, bore_zone, root_size, root_zone
 from geometry.solid import BORE, FILLET, LEFT_END, MAIN_JOURNAL, PIN, RIGHT_END, WEB, Zone
+from geometry.step_file import PLANE, StepFace
 
 Array = NDArray[np.float64]
-# The unit in which the kernel reads files, and the scale that gmsh applies then.
-UNIT_OPTION, SCALE_OPTION = "Geometry.OCCTargetUnit", "Geometry.OCCScaling"
 DIRECTION_TOLERANCE = 1e-5
 
 
@@ -62,35 +60,6 @@ class Round:
     def whole(self) -> bool:
         """Whether it covers the whole circle."""
         return self.turn > 2.0 * math.pi * (1.0 - 1e-6)
-
-
-@contextmanager
-def opened_part(path: str) -> Iterator[tuple[Any, int]]:
-    """A gmsh session with the file's solid in meters, not yet synchronized.
-
-    The kernel reads it in mm and gmsh scales it: a unit set in the kernel persists for the
-    rest of the process, and would change files written later.
-    """
-    with gmsh_session("throw") as gmsh:
-        option = gmsh.option
-        before = option.getString(UNIT_OPTION), option.getNumber(SCALE_OPTION)
-        try:
-            option.setString(UNIT_OPTION, "MM")
-            option.setNumber(SCALE_OPTION, 1e-3)
-            made = gmsh.model.occ.importShapes(path, highestDimOnly=True)
-        except Exception as error:
-            if (
-                type(error) is not Exception
-            ):  # which gmsh raises; any other kind is not the file's fault
-                raise
-            raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
-        finally:
-            option.setString(UNIT_OPTION, before[0])
-            option.setNumber(SCALE_OPTION, before[1])
-        solids = [tag for dimension, tag in made if dimension == 3]
-        if len(solids) != 1:
-            raise InputError(f"{path}: given {len(solids)} solids; allowed is one.")
-        yield gmsh, solids[0]
 
 
 def measured_face(gmsh: Any, tag: int) -> Face:
@@ -248,8 +217,6 @@ def planned_sizes(
 
 # A length outside these is taken for an error of the unit [m].
 SHORTEST, LONGEST = 0.001, 20.0
-# Places are told apart to this share of the part's length, directions to this sine.
-PLACE_TOLERANCE = 1e-5
 # Of cylinders found by shape, those thinner than this share of the thickest are bolts and the like.
 THINNEST_PIN = 0.5
 # Faces that meet at less than this angle meet smoothly [rad].
@@ -319,26 +286,19 @@ class _Recognition:
             if item.radius < 0.0 and item.whole
         )
         plan = planned_sizes(row, reaches, fillets, corners, radii, holes)
-        pins = tuple(
-            ImportedPin(
-                _pin_name(number),
-                turned_place(pin.axis, turn) if number else (0.0, math.hypot(*pin.axis)),
-                pin.radius,
-                low + shift,
-                high + shift,
-            )
-            for number, (pin, (low, high)) in enumerate(zip(self._pins, reaches[1:-1], strict=True))
+        names = (LEFT_JOURNAL, *map(_pin_name, range(len(self._pins))), RIGHT_JOURNAL)
+        axes = (
+            (0.0, 0.0),
+            (0.0, math.hypot(x, y)),
+            *(turned_place(pin.axis, turn) for pin in self._pins[1:]),
+            (0.0, 0.0),
         )
-        names = (LEFT_JOURNAL, *(pin.name for pin in pins), RIGHT_JOURNAL)
-        axes = ((0.0, 0.0), *(pin.axis for pin in pins), (0.0, 0.0))
         spans = [(low + shift, high + shift) for low, high in reaches]
         cylinders = named_cylinders(names, axes, row, spans, radii, holes)
         return ImportedThrow(
             path=path,
             digest=digest,
             length=self._high - self._low,
-            pins=pins,
-            journal_radii=(self._journals[0].radius, self._journals[1].radius),
             volume=float(gmsh.model.occ.getMass(3, self._solid)),
             area=sum(float(gmsh.model.occ.getMass(2, face.tag)) for face in self._faces),
             filleted=not corners,

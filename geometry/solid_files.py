@@ -14,7 +14,6 @@ from crankbase.outputs import atomic_file, write_errors, write_text
 from crankbase.processes import scratch_folder
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session, shared_process
-from geometry.imported import CYLINDER, PLANE, StepFace, read_step
 from geometry.mesh import (
     GMSH_TO_SKFEM,
     ThrowMesh,
@@ -27,6 +26,7 @@ from geometry.mesh import (
 from geometry.mesher import TIME_LIMIT
 from geometry.parts import ThrowParts
 from geometry.solid import LEFT_END, RIGHT_END, make_solid, remove_loose
+from geometry.step_file import CYLINDER, PLANE, StepFace, read_step
 from geometry.throw import CrankThrow
 
 STEP_ENDINGS = (".step", ".stp")

@@ -4,11 +4,10 @@ from collections.abc import Iterable
 
 from crankbase.model import field_extra
 from crankbase.quantity import compact, format_quantity
+from crankfem.analyses.engine_mechanism import MechanismFile, by_gas, mechanism_of
 from crankfem.analyses.shaft.chains import bearing_stiffness, flywheel_overhang
 from crankfem.files.engine.engine_file import SECTIONS, EngineFile
-from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.reading.toml_file import InputRecord
-from crankfem.files.sections.mechanism_sections import assumed_cycle
 from dynamics.assessment.limit_rules import (
     BASE_STRENGTH,
     BASE_YIELD,
@@ -16,6 +15,7 @@ from dynamics.assessment.limit_rules import (
     RULE_OF_DRIVEN,
     crankshaft_material_factors,
 )
+from dynamics.engine.forces import full_load_parameters
 from dynamics.gas.gas_cycle import USUAL_PRESSURE_RISE, USUAL_VALUES, name_of_field
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 from fem.material import STEEL
@@ -147,7 +147,7 @@ def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]
     gas = file.gas
     if gas is None or gas.pressure_table is not None:
         return
-    cycle = assumed_cycle(gas, layout)
+    cycle = by_gas(gas, layout, full_load_parameters)[0]
     records = {*FIXED_IN_CYCLE}
     if gas.peak_pressure is not None and gas.mean_effective_pressure is not None:
         records.add("combustion_start_deg")  # it is solved for

@@ -10,6 +10,7 @@ import numpy as np
 from crankbase.model import field_extra
 from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
+from crankfem.analyses.engine_mechanism import MechanismFile, load_any, mechanism_of
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.shaft.sources import chosen_regressions, refused
 from crankfem.analyses.study.nominal_throw import outside_study
@@ -20,7 +21,6 @@ from crankfem.analyses.vibration.engine_limits import engine_limits, rule_reason
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import any_sections, file_kind
-from crankfem.files.engine.mechanism_file import MechanismFile, load_any, mechanism_of
 from crankfem.files.engine.throw_file import ThrowFile, load_study
 from crankfem.files.engine.usual_sizes import throw_warnings
 from crankfem.files.hinge_file import SECTIONS as HINGE_SECTIONS

@@ -76,7 +76,7 @@ _WORDS = {
 # Of whole names.
 _NAMES = {
     "1": "accuracy across_web added adjusted_r_squared aic "
-    "allowed asymmetry axial_beside_pinned axial_correction "
+    "allowed asymmetry axial_correction "
     "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
     "crankpin_beside_mean side_force_beside_largest "
     "cranks cylinder cylinders designs detuning done elements elements_across_fillets "
@@ -87,7 +87,7 @@ _NAMES = {
     "node_positions nodes nonuniformity overlap_per_radius phase_sum pins points "
     "misfiring q_squared r_squared resultant rho runs same_stars samples section_error sections "
     "sense severity shape "
-    "strokes t throw torsional_beside_pinned unknowns used written",
+    "strokes t throw unknowns used written",
     "m": "about axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
     "m^3": "volume",
     "rad": "crank_angles",
@@ -109,10 +109,9 @@ _PLACES = {
     "1": "factors.* ratios.* "
     "axial_forces.difference change.major change.minor constants.* elasticity.* "
     "errors.* first.* kinetic_shares.* "
-    "modes.axial modes.bending modes.torsional quality.* "
+    "quality.* "
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
-    "m": "meshings.size axial_split.both axial_split.radial axial_split.tangential dimensions.value "
-    "rotating.position",
+    "m": "meshings.size dimensions.value rotating.position",
     "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
     "pistons.amplitude pistons.largest pistons.left",
     "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
@@ -124,14 +123,11 @@ _PLACES = {
     "kg m^2": "balance.dynamic unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",
-    "Hz": "bearings.chains.* bearings.further.* bearings.shaft.* causes.* differences.chain "
-    "differences.rigid_chain differences.shaft flywheel_tilt.modes.further flywheel_tilt.modes.shaft "
-    "flywheel_tilt.modes.without "
+    "Hz": "bearings.chains.* bearings.further.* bearings.shaft.* causes.* "
     "frequencies.high frequencies.low frequencies.nominal",
     "m/N": "errors.axial_compliance errors.influence_coefficient "
-    "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",
-    "rad/(N m)": "errors.torsional_compliance "
-    "fe.torsional regression.torsional.value shaft.torsional",
+    "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value",
+    "rad/(N m)": "errors.torsional_compliance fe.torsional regression.torsional.value",
     ".unit": "cause.orders.amplitude compared.calculated compared.measured free_end.orders.amplitude "
     "responses.first responses.second",
     ".units": "nominal.*",
@@ -145,7 +141,7 @@ _KINDS = {
     ("m/N", "rad/(N m)"): "sources.mean_compliance",
     ("kg", "kg m^2"): "inertia modes.modal_inertia",
     ("N/m", "N m/rad"): "stiffness ground",
-    ("m", "rad"): "resonances.amplitude chain_amplitude shaft_amplitude amplitudes.nominal "
+    ("m", "rad"): "resonances.amplitude amplitudes.nominal "
     "amplitudes.percentile_5 amplitudes.percentile_95 amplitudes.highest",
 }
 

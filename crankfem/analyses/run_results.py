@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.results import Part, Quantity, Result, result
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
+from crankfem.analyses.shaft.whole_records import ShaftBalance, ThrowsInShaft
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.throw.throw_record import ThrowResults
@@ -86,14 +87,14 @@ class RunResults(Result):
     throw: ThrowResults
     formulas: Record
     angle_law: Record
-    balance: Record
+    balance: ShaftBalance
     fillets: Optional
     fillet_note: str | None
     mechanism: Optional
     study: Optional
     harmonics: TableHarmonics | None
     two_mass: Part[Any]
-    shaft: Record
+    shaft: ThrowsInShaft
     vibration: Record
     strength: EngineStrength | None
     fatigue: EngineFatigue | None

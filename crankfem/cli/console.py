@@ -141,8 +141,10 @@ def print_table(table: Table, units: OutputUnits = SI, *, plain: bool = False) -
 
 def print_drawn(drawn: RichTable) -> None:
     """Print a table; a terminal that is too narrow for its words breaks its lines, and none is left out."""
-    least = Measurement.get(output, output.options.update_width(LEAST_TABLE), drawn).minimum
-    options = output.options.update_width(max(output.width, least))
+    options = output.options
+    if output.width < LEAST_TABLE:  # which no least width is above
+        least = Measurement.get(output, options.update_width(LEAST_TABLE), drawn).minimum
+        options = options.update_width(max(output.width, least))
     output.print(Segments(output.render(drawn, options)), crop=False)
 
 

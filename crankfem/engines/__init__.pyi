@@ -1,10 +1,10 @@
 """Public names of this topic and their homes."""
 
 from crankfem.analyses.assumptions import assumed_values as assumed_values
+from crankfem.analyses.engine_mechanism import mechanism_of as mechanism_of
 from crankfem.analyses.vibration.assessment import Assessment as Assessment
 from crankfem.analyses.vibration.assessment import Uncertainty as Uncertainty
 from crankfem.analyses.vibration.engine_excitation import EngineLoad as EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration as ForcedVibration
 from crankfem.analyses.vibration.modes import Vibration as Vibration
-from crankfem.files.engine.mechanism_file import mechanism_of as mechanism_of
 from dynamics.excitation.pressure_map import EnginePower as EnginePower

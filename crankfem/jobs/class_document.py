@@ -13,12 +13,12 @@ from crankbase.outputs import (
     write_text,
 )
 from crankbase.table import Table
+from crankfem.analyses.engine_mechanism import engine_inputs
 from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.provenance import provenance
 from crankfem.analyses.submission.document import DocumentPart, check_submission, class_document
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
-from crankfem.files.engine.mechanism_file import engine_inputs
 from crankfem.jobs.outputs import write_rows
 from crankfem.jobs.run_files import Progress, SilentProgress, make_folders
 from crankfem.report.class_document import render_class_document

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from crankfem.analyses.engine_mechanism import MechanismFile, engine_inputs, mechanism_of
 from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.provenance import UsedFile, used_files
@@ -13,7 +14,6 @@ from crankfem.analyses.study.studies import StudyResult
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.file_kinds import engine_sections
-from crankfem.files.engine.mechanism_file import MechanismFile, engine_inputs, mechanism_of
 from crankfem.files.reading.toml_file import TomlFile
 from dynamics.harmonics import Harmonics, TorqueTable, read_torque_table
 from fem.analysis import ThrowAnalysis

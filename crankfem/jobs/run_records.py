@@ -17,7 +17,7 @@ from crankfem.analyses.provenance import Repetition, provenance
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.run_results import NamedThrow, RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
-from crankfem.analyses.shaft.whole_records import shaft_balance_record, shaft_record
+from crankfem.analyses.shaft.whole_records import shaft_balance, throws_in_shaft
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
@@ -54,7 +54,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         fillet_note=first.fillet_note,
         angle_law=_angle_record(engine_file, computed.throw.analysis)
         | {"law": first.formulas["fe"]["angle_law"]},
-        balance=shaft_balance_record(engine_file),
+        balance=shaft_balance(engine_file),
         mechanism=None
         if mechanism is None
         else mechanism_record(mechanism) | {"balance": mechanism_balance_record(mechanism)},
@@ -65,7 +65,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         two_mass=None
         if engine_file.two_mass is None
         else checked(engine_file.two_mass, computed.harmonics),
-        shaft=shaft_record(computed.vibration.shaft, computed.crank_analyses),
+        shaft=throws_in_shaft(computed.vibration.shaft, computed.crank_analyses),
         vibration=plain(run_record(computed.vibration)),
         strength=computed.strength,
         fatigue=computed.fatigue,

@@ -15,7 +15,7 @@ from crankfem.report.text_filters import (
     sentence,
     with_three_digits,
 )
-from dynamics.assessment.wording import VERDICTS, limit_at
+from dynamics.wording import VERDICTS, limit_at
 
 if TYPE_CHECKING:
     from crankfem.analyses.strength.engine_strength import EngineStrength

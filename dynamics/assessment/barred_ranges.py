@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.frames import Row
-from crankbase.quantity import format_quantity, format_usage
 from crankbase.results import Internal, Part, Result, Speed, result
+from dynamics import wording
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
-from dynamics.assessment.wording import barred_sentence, shown_range, speed_text
 from dynamics.indices import at_most, within
 
 Position = Literal["below", "running", "above"]
@@ -62,12 +61,14 @@ class BarredRange(Result):
     @cached_property
     def shown(self) -> Part[str]:
         """Such as "700 to 800 1/min"."""
-        return shown_range(self.low, self.high)
+        return wording.shown_range(self.low, self.high)
 
     @cached_property
     def sentence(self) -> Part[str]:
         """Whether it may be barred or passed, and why not; without its full stop."""
-        return barred_sentence(self.low, self.high, self.position, self.refusals, self.full_load)
+        return wording.barred_sentence(
+            self.low, self.high, self.position, self.refusals, self.full_load
+        )
 
     def row(self) -> Row:
         """Return what a table of ranges shows, each value with its unit; see `table_of`."""
@@ -301,30 +302,19 @@ def _barred(
         else "above"
     )
     refusals, remarks = [], []
-    too_much: list[tuple[bool, float, str]] = []
+    too_much: list[tuple[bool, float, str, float, float, str, float]] = []
     if at_most(low, running_range[0]) and at_most(running_range[1], high):
-        refusals.append("it leaves no speed to run at")
+        refusals.append(wording.NO_SPEED_LEFT)
     end = min(rule.highest_by(item.limit) for item in group)
     if position == "above":
         most = max(group, key=lambda item: item.exceeded.used)
-        refusals.append(
-            f"{most.limit.name} reaches {_used(most)} of its limit, which applies up to "
-            f"{speed_text(limit_end_speed(most.limit, running_range))}; the engine does not run there, so "
-            "that only less vibration or another critical speed helps"
-        )
+        applies_to = limit_end_speed(most.limit, running_range)
+        refusals.append(wording.above_running(most.limit.name, most.exceeded.used, applies_to))
     elif not at_most(high, end):
         # What counts is where the engine runs: a range goes on above it as far as a limit applies.
         top = min(high, running_range[1]) if at_most(end, running_range[1]) else high
-        rated = at_most(low, rule.rated_speed) and at_most(rule.rated_speed, top)
-        reaches = (
-            f"it holds the rated speed of {speed_text(rule.rated_speed)}"
-            if rated
-            else f"it reaches {top / rule.rated_speed:.2f} of the rated speed"
-        )
-        refusals.append(
-            f"{reaches}, and nothing may be barred above {end / rule.rated_speed:.2f} "
-            f"{'of it ' if rated else ''}({speed_text(end)})"
-        )
+        holds_rated = bool(at_most(low, rule.rated_speed) and at_most(rule.rated_speed, top))
+        refusals.append(wording.too_high(top, end, rule.rated_speed, holds_rated))
     unjudged = position == "above" or (position == "below" and full_load)
     for limit, curve in () if unjudged else findings:
         inside = within(curve.speeds, low, high)
@@ -333,8 +323,8 @@ def _barred(
             continue
         if limit.passing is None:
             if np.any(np.isinf(values)):
-                refusals.append(f"the {limit.name} is unbounded in it")
-            remarks.append(f"{limit.name}: no limit for passing is known")
+                refusals.append(wording.unbounded_inside(limit.name))
+            remarks.append(wording.no_passing(limit.name))
             continue
         passing = limit.passing.at(curve.speeds[inside])
         share = np.zeros(values.shape)
@@ -344,19 +334,13 @@ def _barred(
         runs = within(speeds, *running_range) & (share > 1.0)
         worst = int(np.argmax(np.where(runs, share, 0.0) if np.any(runs) else share))
         if share[worst] > 1.0:
-            sentence = (
-                f"{curve.name} reaches {_amount(values[worst], limit.unit)} at "
-                f"{speed_text(float(speeds[worst]))}, where "
-                f"{_amount(passing[worst], limit.unit)} may be passed"
-            )
-            too_much.append((bool(runs[worst]), float(share[worst]), sentence))
+            sizes = (float(values[worst]), float(passing[worst]))
+            reached = (curve.name, *sizes, limit.unit, float(speeds[worst]))
+            too_much.append((bool(runs[worst]), float(share[worst]), *reached))
     if too_much:
-        others = len(too_much) - 1
-        more = "location exceeds" if others == 1 else "locations exceed"
-        more = f"; {others} more {more} what may be passed" if others else ""
-        refusals.append(f"{max(too_much)[-1]}{more}")
+        refusals.append(wording.too_much(*max(too_much)[2:], others=len(too_much) - 1))
     if any(item.exceeded.cut_off for item in group):
-        remarks.append("the range reaches the end of the speeds calculated")
+        remarks.append(wording.CUT_OFF)
     return BarredRange(
         low=float(low),
         high=float(high),
@@ -378,32 +362,20 @@ def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
     spans = sorted((item.exceeded.low, item.exceeded.high) for item in group)
     reached = np.maximum.accumulate([high for _, high in spans])
     gaps = any(low > high for (low, _), high in zip(spans[1:], reached, strict=False))
-    parts = [
-        f"limits are exceeded from {speed_text(first.exceeded.low)} ({first.place}) to "
-        f"{speed_text(last.exceeded.high)} ({last.place}), {'not throughout, ' if gaps else ''}"
-        f"{_used(max(group, key=lambda item: item.exceeded.used))} is used at most"
-    ]
-    lowest = min(group, key=lambda item: item.low)
+    lowest, highest = min(group, key=lambda item: item.low), max(group, key=lambda item: item.high)
+    below = above = None
     if lowest.low < first.exceeded.low:
-        parts.append(
-            f"the range begins at 16 n/(18 - r) below the peak at n = {speed_text(lowest.exceeded.peaks[0])}"
-        )
-    highest = max(group, key=lambda item: item.high)
+        below = lowest.exceeded.peaks[0]
     if highest.high > last.exceeded.high:
-        peak = max(top for top in highest.exceeded.peaks if at_most(top, rule.rated_speed))
-        parts.append(f"it ends at (18 - r) n/16 above the peak at n = {speed_text(peak)}")
-    if len(parts) > 1:
-        parts.append(f"r is n divided by the rated speed of {speed_text(rule.rated_speed)}")
-    return "; ".join(parts)
-
-
-def _used(item: _Widened) -> str:
-    used = item.exceeded.used
-    return format_usage(None if np.isinf(used) else used)
-
-
-def _amount(value: float, unit: str) -> str:
-    return "no bounds" if np.isinf(value) else format_quantity(float(value), unit, 4)
+        above = max(top for top in highest.exceeded.peaks if at_most(top, rule.rated_speed))
+    return wording.range_ends(
+        (first.exceeded.low, first.place),
+        (last.exceeded.high, last.place),
+        gaps,
+        max(item.exceeded.used for item in group),
+        rule.rated_speed,
+        (below, above),
+    )
 
 
 def _widened(exceeded: ExceededRange, rule: BarredRangeRule) -> tuple[float, float]:

@@ -368,7 +368,8 @@ def size_viscous_damper(
         return [(dampings[0] / (per_size * size), dampings[1] / (per_size * size))]
 
     def make(size: float, settings: FloatArray) -> Damper:
-        return ViscousDamper(size, float(settings[0]) * per_size * size, hub_inertia)
+        damping = float(settings[0]) * per_size * size
+        return ViscousDamper(ring_inertia=size, damping=damping, hub_inertia=hub_inertia)
 
     rings = _Sizing(chain, node, result, limit, make, ranges)
     return rings.sized("ring inertia", "kg m^2", sizes, RING_SCAN, ("damping",))
@@ -417,7 +418,12 @@ def size_rubber_damper(
 
     def make(size: float, settings: FloatArray) -> Damper:
         frequency, loss = settings.tolist()
-        return RubberDamper(size, size * frequency**2, loss, hub_inertia=hub_inertia)
+        return RubberDamper(
+            ring_inertia=size,
+            stiffness=size * frequency**2,
+            loss_factor=loss,
+            hub_inertia=hub_inertia,
+        )
 
     rings = _Sizing(chain, node, result, limit, make, lambda _: [tunings, losses])
     return rings.sized("ring inertia", "kg m^2", sizes, RING_SCAN, ("tuning", "loss factor"))
@@ -459,7 +465,7 @@ def size_axial_damper(
     sizes = _checked_range("damping", damping, "N s/m")
 
     def make(size: float, _: FloatArray) -> Damper:
-        return AxialDamper(size, stiffness, mass)
+        return AxialDamper(damping=size, stiffness=stiffness, mass=mass)
 
     dampers = _Sizing(chain, node, result, limit, make, lambda _: [])
     return dampers.sized("damping", "N s/m", sizes, AXIAL_SCAN, ())

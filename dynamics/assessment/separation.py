@@ -14,10 +14,10 @@ from crankbase.results import Internal, Number, Quantity, Result, Speed, result
 from crankbase.summaries import summarized
 from dynamics.assessment.limits import checked_rated_speed, checked_running_range
 from dynamics.assessment.uncertainty import Spread, frequency_bounds
-from dynamics.assessment.wording import shown_range
 from dynamics.chains.chain import Chain
 from dynamics.critical import CriticalSpeed
 from dynamics.indices import within
+from dynamics.wording import shown_range
 
 # Share of the excitation's frequency by which a torsional natural frequency should differ from it: as
 # recommended by API 617, quoted by Q. Wang, T. D. Feese, B. C. Pettinato, Torsional natural frequencies:

@@ -39,7 +39,10 @@ from dynamics.assessment.limits import (
     usage,
     worst_use,
 )
-from dynamics.assessment.wording import (
+from dynamics.indices import at_most, within
+from dynamics.plots.curves import SPEED_LABEL, draw_barred, in_unit, set_speed_axis
+from dynamics.response.peak_cause import PeakCause
+from dynamics.wording import (
     check_sentence,
     limit_at,
     shown_range,
@@ -48,9 +51,6 @@ from dynamics.assessment.wording import (
     values_sentence,
     verdict_headline,
 )
-from dynamics.indices import at_most, within
-from dynamics.plots.curves import SPEED_LABEL, draw_barred, in_unit, set_speed_axis
-from dynamics.response.peak_cause import PeakCause
 
 # Checks that a diagram of the verdict draws: those of which most is used.
 WORST_DRAWN, SAME = 5, 1e-9  # speeds this near, as a share, are one
@@ -160,15 +160,21 @@ class LimitCheck(Result):
     @property
     def sentence(self) -> str:
         """The finding with its numbers and the limit's source."""
-        worst = LimitUse(self.worst_speed, self.worst_value, self.permitted)
-        running = None if at_most(self.worst_speed, self.highest_running) else self.running
-        reasons = "" if self.cause is None else self.cause.reasons
-        return check_sentence(self.limit, self.curve.name, worst, running, reasons)
+        at_running = self.at_running_speeds
+        return check_sentence(
+            self.limit.name,
+            self.place,
+            self.limit.source + (", assumed" if self.limit.assumed else ""),
+            self.worst_speed,
+            self.use,
+            "" if at_running is self else at_running.use,
+            "" if self.cause is None else self.cause.reasons,
+        )
 
     @property
     def use(self) -> str:
         """What is reached at the worst speed, and what is permitted there."""
-        return use_in_words(self.limit, self.worst_speed, self.worst_value, self.permitted)
+        return use_in_words(self.limit.unit, self.worst_speed, self.worst_value, self.permitted)
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude and the permitted value over the speed, with a dot at the worst speed.
@@ -268,7 +274,7 @@ class Verdict:
     @property
     def ranges_to_bar(self) -> list[tuple[float, float]]:
         """Speed ranges that may be barred, for any limit [rad/s]."""
-        return [(barred.low, barred.high) for barred in self.barred if barred.allowed]
+        return ranges_to_bar(self.barred)
 
     @property
     def sentence(self) -> str:
@@ -377,8 +383,6 @@ def judge(
     ranges = barred_ranges(findings, rule, (low, high), full_load)
     barred = tuple(span for span in ranges if span.position != "below")
     below = tuple(span for span in ranges if span.position == "below")
-    refused = any(not span.allowed for span in ranges)
-    status: Status = "not acceptable" if refused else "barred range needed" if barred else "fine"
     noted = [f"{check.curve.name}: {text}" for check in checks for text in check.remarks]
     noted += [f"{span.shown}: {text}" for span in ranges for text in span.remarks]
     for limit, _ in findings:
@@ -390,7 +394,7 @@ def judge(
     ranked = tuple(sorted(checks, key=lambda check: -check.used))
     at_running = max((check.at_running_speeds for check in ranked), key=lambda check: check.used)
     return Verdict(
-        status=status,
+        status=status_by(ranges),
         checks=ranked,
         barred=barred,
         started_through=below,
@@ -398,6 +402,18 @@ def judge(
         remarks=tuple(dict.fromkeys(noted)),
         worst=ranked[0] if at_running.passed and not ranked[0].passed else at_running,
     )
+
+
+def ranges_to_bar(ranges: Iterable[BarredRange]) -> list[tuple[float, float]]:
+    """Return which of the ranges of `barred_ranges` may be barred [rad/s]."""
+    return [(span.low, span.high) for span in ranges if span.allowed and span.position != "below"]
+
+
+def status_by(ranges: Sequence[BarredRange]) -> Status:
+    """Return the status by the ranges of `barred_ranges`."""
+    if any(not span.allowed for span in ranges):
+        return "not acceptable"
+    return "barred range needed" if any(span.position != "below" for span in ranges) else "fine"
 
 
 def _check(

@@ -4,13 +4,16 @@ import math
 from dataclasses import dataclass
 from typing import get_args
 
+from pydantic import Field
+
 from crankbase.array_checks import nonnegative_number, positive_number
 from crankbase.choices import whole_within
 from crankbase.errors import InputError
+from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import add_node, find_node, with_ground, with_inertia, with_varying
-from dynamics.chains.varying import Variation, VaryingPart
+from dynamics.chains.varying import Variation, VaryingPart, varied
 
 
 @dataclass(frozen=True)
@@ -57,150 +60,93 @@ class TorsionalRing:
             )
 
     @property
-    def law(self) -> VaryingPart | None:
-        """How the connection varies; None if it does not."""
-        if self.variation is None:
-            return None
-        return self.variation.of(self.stiffness, self.loss_factor, self.damping)
+    def connection(self) -> tuple[float, float, float, VaryingPart | None]:
+        """Stiffness, loss factor and damping, and the law by which they vary, if they do."""
+        return varied(self.variation, self.stiffness, self.loss_factor, self.damping)
 
     def attached(self, chain: Chain, node: str | int, name: str) -> Chain:
         """Return the chain with this body on a node, as its last node, of the given name."""
+        stiffness, loss_factor, damping, law = self.connection
         wider = add_node(
             chain,
             name,
             self.inertia,
             to=node,
-            stiffness=self.stiffness or None,
-            damping=self.damping,
-            loss_factor=self.loss_factor,
+            stiffness=stiffness or None,
+            damping=damping,
+            loss_factor=loss_factor,
         )
-        law = self.law
         return wider if law is None else with_varying(wider, len(wider.stiffness) - 1, law)
 
 
-@dataclass(frozen=True)
-class ViscousDamper:
-    """Viscous torsional damper: a ring that floats in silicone oil in a housing, without a spring.
+class _OnHub(InputModel):
+    """What all torsional dampers have: a hub or housing, which turns with the shaft, and a ring on it."""
 
-    Parameters
-    ----------
-    ring_inertia : float
-        Of the ring [kg m^2].
-    damping : float
-        Torque per relative speed of ring and housing [N m s/rad].
-    hub_inertia : float, optional
-        Of the housing, which turns with the shaft [kg m^2].
+    section = "damper"
 
-    Raises
-    ------
-    InputError
-        If ring inertia or damping are not above zero, or the hub's inertia is negative.
-    """
-
-    ring_inertia: float
-    damping: float
-    hub_inertia: float = 0.0
-    name: str = "damper ring"
-
-    def __post_init__(self) -> None:
-        _check_ring(self.ring_inertia, self.hub_inertia)
-        positive_number(
-            "damper.damping", self.damping, "N m s/rad", "oil alone joins the ring to the shaft"
-        )
+    ring_inertia: float = quantity_field("inertia of the ring", "kg m^2", 1e-10, 1e6)
+    hub_inertia: float = quantity_field(
+        "inertia of hub or housing", "kg m^2", 0.0, default=0.0, feature=True
+    )
+    name: str = Field(
+        "damper ring", description="of the ring's node", json_schema_extra={"feature": True}
+    )
 
     @property
     def ring(self) -> TorsionalRing:
-        """Ring and oil, without the hub."""
-        return TorsionalRing(self.ring_inertia, damping=self.damping)
+        """Ring and connection, without the hub."""
+        names = ("stiffness", "damping", "loss_factor", "variation")
+        return TorsionalRing(
+            self.ring_inertia,
+            **{name: getattr(self, name) for name in names if name in type(self).model_fields},
+        )
 
     def attached(self, chain: Chain, node: str | int) -> Chain:
         """Return the chain with this damper on a node; its ring is the last node."""
         return self.ring.attached(with_inertia(chain, node, self.hub_inertia), node, self.name)
 
 
-@dataclass(frozen=True)
-class RubberDamper:
-    """Tuned torsional damper: a ring on a rubber spring.
+class ViscousDamper(_OnHub):
+    """Viscous torsional damper: a ring that floats in silicone oil in a housing, without a spring."""
 
-    Parameters
-    ----------
-    ring_inertia : float
-        Of the ring [kg m^2].
-    stiffness : float
-        Of the rubber, dynamic, at the relevant frequency and strain [N m/rad].
-    loss_factor : float, optional
-        Of the rubber: its complex stiffness is k (1 + i loss_factor).
-    damping : float, optional
-        Viscous damping parallel to it [N m s/rad].
-    hub_inertia : float, optional
-        Of the hub, which turns with the shaft [kg m^2].
+    positional = ("ring_inertia", "damping", "hub_inertia", "name")
 
-    Raises
-    ------
-    InputError
-        If ring inertia or stiffness are not above zero, or another value is negative.
-    """
+    damping: float = quantity_field(
+        "torque per relative speed of ring and hub", "N m s/rad", 1e-6, 1e8
+    )
 
-    ring_inertia: float
-    stiffness: float
-    loss_factor: float = 0.0
-    damping: float = 0.0
-    hub_inertia: float = 0.0
-    name: str = "damper ring"
 
-    def __post_init__(self) -> None:
-        _check_ring(self.ring_inertia, self.hub_inertia)
-        positive_number(
-            "damper.stiffness", self.stiffness, "N m/rad", "rubber joins the ring to the shaft"
-        )
-        why = "damping takes energy away"
-        nonnegative_number("damper.loss_factor", self.loss_factor, "", why)
-        nonnegative_number("damper.damping", self.damping, "N m s/rad", why)
+class RubberDamper(_OnHub):
+    """Tuned torsional damper: a ring on a rubber spring, whose complex stiffness is k (1 + i loss_factor)."""
 
-    @property
-    def ring(self) -> TorsionalRing:
-        """Ring and rubber, without the hub."""
-        return TorsionalRing(self.ring_inertia, self.stiffness, self.damping, self.loss_factor)
+    positional = ("ring_inertia", "stiffness", "loss_factor", "damping", "hub_inertia", "name")
+
+    stiffness: float = quantity_field("torsional stiffness of the rubber", "N m/rad", 1e-3, 1e10)
+    loss_factor: float = quantity_field(
+        "loss factor of the rubber", "", 0.0, 2.0, default=0.0, feature=True
+    )
+    damping: float = quantity_field(
+        "viscous damping parallel to it", "N m s/rad", 0.0, 1e8, default=0.0, feature=True
+    )
+    variation: Variation | None = part_field("how the rubber varies", Variation)
 
     @property
     def angular_frequency(self) -> float:
         """Natural frequency of the ring with the shaft held [rad/s]."""
         return float((self.stiffness / self.ring_inertia) ** 0.5)
 
-    def attached(self, chain: Chain, node: str | int) -> Chain:
-        """Return the chain with this damper on a node; its ring is the last node."""
-        return self.ring.attached(with_inertia(chain, node, self.hub_inertia), node, self.name)
 
+class AxialDamper(InputModel):
+    """Axial damper at the free end: a collar of the shaft that displaces oil in a fixed housing."""
 
-@dataclass(frozen=True)
-class AxialDamper:
-    """Axial damper at the free end: a collar of the shaft that displaces oil in a fixed housing.
+    section = "axial_damper"
+    positional = ("damping", "stiffness", "mass")
 
-    Parameters
-    ----------
-    damping : float
-        Force per speed [N s/m].
-    stiffness : float, optional
-        Of oil and housing to ground [N/m].
-    mass : float, optional
-        Of the collar [kg].
-
-    Raises
-    ------
-    InputError
-        If the damping is not above zero, or another value is negative.
-    """
-
-    damping: float
-    stiffness: float = 0.0
-    mass: float = 0.0
-
-    def __post_init__(self) -> None:
-        positive_number("axial_damper.damping", self.damping, "N s/m", "the oil resists motion")
-        nonnegative_number(
-            "axial_damper.stiffness", self.stiffness, "N/m", "oil does not push the shaft away"
-        )
-        nonnegative_number("axial_damper.mass", self.mass, "kg", "it adds to that of the shaft")
+    damping: float = quantity_field("force per speed", "N s/m", 1e-6, 1e10)
+    stiffness: float = quantity_field(
+        "stiffness of oil and housing", "N/m", 0.0, 1e12, default=0.0, feature=True
+    )
+    mass: float = quantity_field("mass of the collar", "kg", 0.0, default=0.0, feature=True)
 
     def attached(self, chain: Chain, node: str | int) -> Chain:
         """Return the chain with this damper between a node and ground."""
@@ -226,11 +172,6 @@ def check_axial(damper: AxialDamper) -> None:
         raise InputError(
             f"damper: given {damper!r}; allowed is an AxialDamper, because the chain is axial."
         )
-
-
-def _check_ring(ring_inertia: float, hub_inertia: float) -> None:
-    positive_number("damper.ring_inertia", ring_inertia, "kg m^2", "the ring works by its inertia")
-    nonnegative_number("damper.hub_inertia", hub_inertia, "kg m^2", "it adds to that of the shaft")
 
 
 # A node that moves less than this share of the mode's largest motion cannot drive a damper.
@@ -399,7 +340,7 @@ def viscous_damper_for(
     ring = positive_number("ring_inertia", ring_inertia, "kg m^2", "it works by its inertia")
     best = untuned_optimum(ring / main)
     damping = 2.0 * best.damping_ratio * ring * frequency
-    return ViscousDamper(ring, damping, hub_inertia, name)
+    return ViscousDamper(ring_inertia=ring, damping=damping, hub_inertia=hub_inertia, name=name)
 
 
 def rubber_damper_for(
@@ -422,7 +363,13 @@ def rubber_damper_for(
     ring = positive_number("ring_inertia", ring_inertia, "kg m^2", "it works by its inertia")
     best = rubber_optimum(ring / main)
     stiffness = ring * (best.tuning * frequency) ** 2
-    return RubberDamper(ring, stiffness, best.loss_factor, 0.0, hub_inertia, name)
+    return RubberDamper(
+        ring_inertia=ring,
+        stiffness=stiffness,
+        loss_factor=best.loss_factor,
+        hub_inertia=hub_inertia,
+        name=name,
+    )
 
 
 def _checked_ratio(mass_ratio: float) -> float:

@@ -288,7 +288,7 @@ def torsional_chain(
     joined = np.array([*(halves[:-1] + halves[1:]), halves[-1]])
     if damper is not None:
         free_end += damper.hub_inertia
-        damper = replace(damper, hub_inertia=0.0)
+        damper = damper.changed(hub_inertia=0.0)
     ends = [free_end] if free_end > 0.0 else []
     if ends:
         joined = np.array([halves[0], *joined])

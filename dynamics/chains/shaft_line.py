@@ -10,11 +10,12 @@ import numpy as np
 from crankbase.array_checks import SMALLEST, nonnegative_number, positive_number
 from crankbase.choices import check_choice, whole_number, whole_within
 from crankbase.errors import InputError
+from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.editing import with_ground
-from dynamics.chains.varying import Variation, Varying
+from dynamics.chains.varying import Variation, Varying, varied
 
 # Shares of the dry propeller that designers often take before they know better; assumed here, no
 # published table stands behind them. D. M. MacPherson, V. R. Puleo, M. B. Packard, Estimation of
@@ -23,55 +24,24 @@ TYPICAL_ENTRAINED_INERTIA_SHARE = 0.25  # to 0.30, of the polar inertia
 TYPICAL_ENTRAINED_MASS_SHARE = 0.60
 
 
-@dataclass(frozen=True)
-class DrivenMachine:
-    """A driven machine: one inertia behind a coupling.
+class Driven(InputModel):
+    """Driven machine behind a coupling at the flywheel."""
 
-    Parameters
-    ----------
-    inertia : float
-        Moment of inertia, referred to the crankshaft speed [kg m^2].
-    coupling_stiffness : float
-        Torsional stiffness between flywheel and machine [N m/rad].
-    coupling_damping : float, optional
-        Viscous damping of the coupling [N m s/rad].
-    coupling_loss_factor : float, optional
-        Hysteretic damping of the coupling: its stiffness is k (1 + i loss factor).
-    damping : float, optional
-        Absolute damping of the machine, torque per speed of vibration [N m s/rad].
-    coupling_variation : Variation, optional
-        How the coupling varies with the frequency of vibration or the speed.
-    on : str, optional
-        Name of the node with the coupling; the flywheel by default.
+    section = "driven"
 
-    Raises
-    ------
-    InputError
-        If the inertia or the stiffness is not a finite number above zero, or a damping negative.
-    """
-
-    inertia: float
-    coupling_stiffness: float
-    coupling_damping: float = 0.0
-    coupling_loss_factor: float = 0.0
-    damping: float = 0.0
-    name: str = "driven machine"
-    on: str = "flywheel"
-    coupling_variation: Variation | None = None
-
-    def __post_init__(self) -> None:
-        positive_number("driven.inertia", self.inertia, "kg m^2", "a machine has inertia")
-        positive_number(
-            "driven.coupling_stiffness",
-            self.coupling_stiffness,
-            "N m/rad",
-            "without stiffness the machine is not coupled",
-        )
-        why = "damping takes energy away"
-        unit = "N m s/rad"
-        nonnegative_number("driven.coupling_damping", self.coupling_damping, unit, why)
-        nonnegative_number("driven.coupling_loss_factor", self.coupling_loss_factor, "", why)
-        nonnegative_number("driven.damping", self.damping, unit, why)
+    inertia: float = quantity_field(
+        "inertia of the driven machine, referred to the crankshaft", "kg m^2", 1e-9, 1e8
+    )
+    coupling_stiffness: float = quantity_field(
+        "torsional stiffness of the coupling", "N m/rad", 1e-4, 1e12
+    )
+    coupling_loss_factor: float = quantity_field(
+        "loss factor of the coupling", "", 0.0, 2.0, default=0.0
+    )
+    coupling_damping: float = quantity_field(
+        "viscous damping of the coupling", "N m s/rad", 0.0, 1e8, default=0.0, feature=True
+    )
+    variation: Variation | None = part_field("how the coupling varies", Variation)
 
     @property
     def ring(self) -> TorsionalRing:
@@ -81,8 +51,28 @@ class DrivenMachine:
             self.coupling_stiffness,
             self.coupling_damping,
             self.coupling_loss_factor,
-            self.coupling_variation,
+            self.variation,
         )
+
+
+class DrivenMachine(Driven):
+    """A driven machine: one inertia behind a coupling on any node of a chain, by default the flywheel."""
+
+    positional = (
+        "inertia",
+        "coupling_stiffness",
+        "coupling_damping",
+        "coupling_loss_factor",
+        "damping",
+        "name",
+        "on",
+    )
+
+    damping: float = quantity_field(
+        "absolute damping of the machine", "N m s/rad", 0.0, 1e8, default=0.0
+    )
+    name: str = "driven machine"
+    on: str = "flywheel"
 
     def attached(self, chain: Chain) -> Chain:
         """Return the chain with this machine on its node."""
@@ -649,10 +639,12 @@ class _Row:
         self.inertia[-1] += piece.left_inertia if torsional else piece.left_mass
         right = piece.right_inertia if torsional else piece.right_mass
         damping = piece.torsional_damping if torsional else piece.axial_damping
-        if piece.variation is not None:
-            law = piece.variation.of(piece.stiffness(kind), piece.loss_factor, damping)
+        stiffness, loss, damping, law = varied(
+            piece.variation, piece.stiffness(kind), piece.loss_factor, damping
+        )
+        if law is not None:
             self.varying.append(Varying(len(self.elements), law))
-        self._element(piece.stiffness(kind), damping, piece.loss_factor, 0.0, right)
+        self._element(stiffness, damping, loss, 0.0, right)
 
     def add_body(self, piece: RigidBody | Propeller, kind: Motion) -> None:
         self.inertia[-1] += piece.inertia if kind == "torsional" else piece.mass

@@ -18,7 +18,7 @@ from crankbase.errors import InputError
 from crankbase.results import result
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import Kind
-from dynamics.chains.varying import Variation, VaryingSpring
+from dynamics.chains.varying import Variation, VaryingSpring, varied
 from dynamics.crankshaft.surroundings import RX, RY, RZ, UX, UY, UZ, ShaftSurroundings, ShaftThrow
 
 # Of a node's motion about or along the shaft, behind its name, as those of the sections.
@@ -406,12 +406,13 @@ def assemble_crankshaft(
         variation: Variation | None = None,
     ) -> None:
         both = np.outer(row, row)
+        spring, loss_factor, dashpot, law = varied(variation, spring, loss_factor, dashpot)
         stiffness[:] += spring * both
         damping[:] += dashpot * both
         loss[:] += loss_factor * spring * both
-        if variation is not None:
-            varying.append(VaryingSpring(row, variation.of(spring, loss_factor, dashpot)))
-        if dashpot or loss_factor or variation is not None:
+        if law is not None:
+            varying.append(VaryingSpring(row, law))
+        if dashpot or loss_factor or law is not None:
             dashpots.append(row)
 
     for place, spring, dashpot, variation in _supports(around, count):
@@ -427,8 +428,9 @@ def assemble_crankshaft(
         beyond_first[row] += ring.inertia if section == 0 else 0.0
         twist = unit[row] - unit[6 * section + RZ]
         join(twist, ring.stiffness, ring.damping, ring.loss_factor, ring.variation)
-        added_springs.append(math.sqrt(ring.stiffness) * twist[np.newaxis])
-        damped_springs.append(ring.damping > 0.0 or ring.loss_factor > 0.0)
+        spring, loss_factor, dashpot, _ = ring.connection
+        added_springs.append(math.sqrt(spring) * twist[np.newaxis])
+        damped_springs.append(dashpot > 0.0 or loss_factor > 0.0)
     for line in lines:
         chain, moved = line.chain, line.motions
         added_mass[int(line.kind == "torsional")] += moved.T @ chain.mass_matrix() @ moved

@@ -1,7 +1,7 @@
 """A whole crankshaft compared with its chains: modes, causes of differences, whether chains suffice."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Annotated
@@ -14,7 +14,7 @@ from crankbase.array_checks import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.results import Hertz, Internal, Number, Part, Quantity, Result, result
-from crankbase.summaries import summarized
+from dynamics import wording
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FLYWHEEL, FREE_END, EngineChain, Kind
 from dynamics.crankshaft.assembly import CLASSES, MOTION_OF, AssembledShaft, Stations
 from dynamics.crankshaft.coupled_response import CoupledResponse
@@ -299,33 +299,13 @@ class FrequencyDifference(Result):
 
     @cached_property
     def sentence(self) -> Part[str]:
-        """Such as "axial mode 1: 81.0 Hz by the whole crankshaft, 75.0 Hz by the chain (+6.0 Hz, ...)"."""
-        name = f"{self.kind} mode {self.mode}"
-        text = (
-            f"{name}: {self.shaft:.1f} Hz by the whole crankshaft, {self.chain:.1f} Hz by the chain"
-        )
-        return f"{text} ({self.shown_causes})" if self.shown_causes else text
-
-    @property
-    def shown_causes(self) -> str:
-        """The difference between crankshaft and chain in the same bearings, and its causes step by step.
+        """Such as "axial mode 1: 81.0 Hz by the whole crankshaft, 75.0 Hz by the chain (+6.0 Hz, ...)".
 
         Causes of less than 0.05 Hz, and what rounding leaves, are told together, so that what is
         printed adds up.
         """
-        shown = {
-            name: f"{by:+.1f}"
-            for name, by in self.causes.items()
-            if name != CAUSES[0] and abs(by) >= SHOWN
-        }
-        if not shown:
-            return ""
-        difference = round(round(self.shaft, 1) - round(self.chain, 1), 1)
-        rest = difference - sum(map(float, shown.values()))
-        steps = [f"{name} {by} Hz" for name, by in shown.items()]
-        if abs(rest) >= SHOWN:
-            steps.append(f"rounding and smaller steps {rest:+.1f} Hz")
-        return f"{difference:+.1f} Hz, step by step: {', '.join(steps)}"
+        steps = {name: by for name, by in self.causes.items() if name != CAUSES[0]}
+        return wording.frequency_steps(self.kind, self.mode, self.shaft, self.chain, steps, SHOWN)
 
     @property
     def tilt(self) -> "FlywheelTilt":
@@ -413,14 +393,35 @@ class FlywheelTilt(Result):
     @property
     def sentence(self) -> str:
         """For example "torsional mode 1 from 75.0 Hz without to 84.0 Hz with it"."""
-        name = f"{self.kind} mode {self.mode}"
-        listed = " and ".join(
-            f"{frequency:.1f}" for frequency in sorted(filter(None, (self.shaft, self.further)))
-        )
+        frequencies = sorted(filter(None, (self.shaft, self.further)))
         # Inertia raises no frequency in its place of the row: a mode told higher has changed places.
         passed = self.shown and self.further is None and self.shaft > self.without
-        below = " (which brings another mode below it)" if passed else ""
-        return f"{name} from {self.without:.1f} Hz without to {listed} Hz with it{below}"
+        return wording.tilted_mode(self.kind, self.mode, self.without, frequencies, passed)
+
+
+@result("inertia", "modes", eq=True)
+class FlywheelTilts(Result):
+    """Effect of a flywheel's diametral inertia on the first modes.
+
+    Attributes
+    ----------
+    modes : tuple of FlywheelTilt
+        One or more.
+    polar : float
+        Inertia about the shaft [kg m^2].
+    """
+
+    inertia: Annotated[float, Quantity("kg m^2", "about a diameter")]
+    modes: tuple[FlywheelTilt, ...]
+    polar: Internal[float]
+
+    @cached_property
+    def sentence(self) -> Part[str]:
+        """The inertia and which modes it moves, without its unit's place."""
+        moved = [tilt.sentence for tilt in self.modes if tilt.shown]
+        return wording.flywheel_tilts(
+            self.inertia, bool(np.isclose(self.inertia, 0.5 * self.polar)), moved
+        )
 
 
 def _elastic(chain: EngineChain, mode: int) -> float:
@@ -544,25 +545,95 @@ class ResponseMatch:
         )
 
 
-@summarized("kind", "suffices", "reasons", "modes")
-@dataclass(frozen=True)
-class ChainVerdict:
+@result("kind", "suffices", "reasons", "modes")
+class ChainVerdict(Result):
     """Whether a chain is an adequate model of the whole shaft.
+
+    Every mode of the chain within the frequencies of interest has a match within 3 %, with at least 95 % of
+    its energy of the chain's kind, and the largest amplitude of the free end at running speeds agrees
+    within 10 %.
 
     Attributes
     ----------
-    kind : {"axial", "torsional"}
-    reasons : tuple of str
-        Why it is inadequate, a sentence each; empty if it is adequate.
     modes : tuple of ModeMatch
-        The modes compared.
+        The modes compared, one or more of one kind.
+    response : ResponseMatch or None
+        None if only modes are compared.
     """
 
-    kind: Kind
-    suffices: bool
-    reasons: tuple[str, ...]
     modes: tuple[ModeMatch, ...]
-    response: ResponseMatch | None
+    response: Internal[ResponseMatch | None] = None
+
+    def __post_init__(self) -> None:
+        if not self.modes:
+            raise InputError(
+                "modes: given none; allowed is one or more, because a chain is judged by its modes."
+            )
+
+    @property
+    def kind(self) -> Kind:
+        """Of the vibration, "axial" or "torsional"."""
+        return self.modes[0].kind
+
+    @property
+    def unit(self) -> str:
+        """Of the amplitudes."""
+        return "m" if self.kind == "axial" else "rad"
+
+    @cached_property
+    def reasons(self) -> Part[tuple[str, ...]]:
+        """Why it is inadequate, a sentence each; empty if it is adequate."""
+        reasons = []
+        for match in self.modes:
+            name, shaft = (
+                wording.chain_mode(self.kind, match.chain_frequency),
+                match.shaft_frequency,
+            )
+            if shaft is None:
+                reasons.append(wording.no_mode_alike(name))
+            elif match.divided:
+                reasons.append(wording.two_modes_alike(name, self.kind, match.divided))
+            else:
+                if abs(match.difference) > FREQUENCY_LIMIT:
+                    reasons.append(
+                        wording.other_frequency(name, shaft, match.difference, FREQUENCY_LIMIT)
+                    )
+                if match.share < SHARE_LIMIT:
+                    reasons.append(wording.mixed_mode(self.kind, shaft, match.share, SHARE_LIMIT))
+        if self.response is not None and abs(self.response.difference) > RESPONSE_LIMIT:
+            reasons.append(
+                wording.other_amplitude(self.kind, self.response.difference, RESPONSE_LIMIT)
+            )
+        return tuple(reasons)
+
+    @property
+    def suffices(self) -> Part[bool]:
+        """Whether it is adequate."""
+        return not self.reasons
+
+    def _peak(self, by: int, part: int) -> float | None:
+        peak = np.inf if self.response is None else self.response.peaks[by][part]
+        return peak if np.isfinite(peak) else None
+
+    @cached_property
+    def chain_amplitude(self) -> Annotated[float | None, Quantity(".unit")]:
+        """Largest of the free end at running speeds, by the chain; None where unbounded or unknown."""
+        return self._peak(0, 1)
+
+    @cached_property
+    def chain_speed(self) -> Annotated[float | None, Quantity("rad/s", exported="1/min")]:
+        """That of this amplitude."""
+        return self._peak(0, 0)
+
+    @cached_property
+    def shaft_amplitude(self) -> Annotated[float | None, Quantity(".unit")]:
+        """The same by the whole shaft."""
+        return self._peak(1, 1)
+
+    @cached_property
+    def shaft_speed(self) -> Annotated[float | None, Quantity("rad/s", exported="1/min")]:
+        """That of this amplitude."""
+        return self._peak(1, 0)
 
     def to_pandas(self) -> DataFrame:
         """Return a row for each mode that was compared; amplitudes are in ``response``.
@@ -607,56 +678,3 @@ def matching_response(
         shaft=coupled.split("main bearing 1 uz" if axial else "main bearing 1 rz").both_sum,
         running_range=running_range,
     )
-
-
-def chain_verdict(
-    modes: Sequence[ModeMatch], response: ResponseMatch | None = None
-) -> ChainVerdict:
-    """Decide whether a chain is adequate.
-
-    Parameters
-    ----------
-    modes : sequence of ModeMatch
-        From `matching_modes`, of one kind.
-
-    Notes
-    -----
-    The criterion: every mode of the chain within the frequencies of interest has a match within 3 %, with
-    at least 95 % of its energy of the chain's kind, and the largest amplitude of the free end at running
-    speeds agrees within 10 %.
-    """
-    if not modes:
-        raise InputError(
-            "modes: given none; allowed is one or more, because a chain is judged by its modes."
-        )
-    kind = modes[0].kind
-    reasons = []
-    for match in modes:
-        name = f"{kind} mode of the chain at {match.chain_frequency:.1f} Hz"
-        if match.shaft_frequency is None:
-            reasons.append(f"The whole shaft has no mode like the {name}.")
-            continue
-        if match.divided:
-            modes_told = " and ".join(
-                f"{frequency:.1f} Hz ({100.0 * share:.0f} % {kind})"
-                for frequency, share in match.divided
-            )
-            reasons.append(f"The whole shaft has two modes like the {name}: {modes_told}.")
-            continue
-        if abs(match.difference) > FREQUENCY_LIMIT:
-            reasons.append(
-                f"The {name} differs from that of the whole shaft, at {match.shaft_frequency:.1f} Hz, by "
-                f"{100.0 * match.difference:+.1f} %, more than {100.0 * FREQUENCY_LIMIT:.0f} %."
-            )
-        if match.share < SHARE_LIMIT:
-            reasons.append(
-                f"The whole shaft's mode at {match.shaft_frequency:.1f} Hz is only "
-                f"{100.0 * match.share:.3g} % {kind}, less than {100.0 * SHARE_LIMIT:.0f} %."
-            )
-    if response is not None and abs(response.difference) > RESPONSE_LIMIT:
-        reasons.append(
-            f"The largest {kind} amplitude of the free end at running speeds differs by "
-            f"{100.0 * response.difference:+.0f} % from that of the whole shaft, more than "
-            f"{100.0 * RESPONSE_LIMIT:.0f} %."
-        )
-    return ChainVerdict(kind, not reasons, tuple(reasons), tuple(modes), response)

@@ -9,7 +9,7 @@ from crankbase.choices import check_choice, whole_within
 from crankbase.diagrams import draw_diagram, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
-from crankbase.results import result
+from crankbase.results import Hertz, Number, Result, result
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.crankshaft.assembly import CLASSES, AssembledShaft
 from dynamics.crankshaft.surroundings import RZ, UZ
@@ -19,6 +19,20 @@ from dynamics.response.linear_system import LinearSystem, natural_modes
 
 # A mode is called pure above this share of one class.
 PURE = 0.95
+
+
+@result("name", "frequency", "label", eq=True)
+class ShaftMode(Result):
+    """A natural mode of a whole crankshaft, with the shares of its energy."""
+
+    name: str
+    frequency: Hertz
+    rigid: bool
+    kind: str
+    label: str
+    axial: Number
+    torsional: Number
+    bending: Number
 
 
 @result("frequencies [Hz]", "rigid", "names")
@@ -77,6 +91,17 @@ class ShaftModes:
         shares = self.shares[:, whole_within("mode", mode, 0, self.shares.shape[1] - 1, why)]
         shown = (kind for kind in np.argsort(-shares) if shares[kind] >= 1.0 - PURE)
         return ", ".join(f"{CLASSES[kind]} {100.0 * shares[kind]:.0f} %" for kind in shown)
+
+    def described(self, mode: int) -> ShaftMode:
+        """Return one of them, the lowest being 0."""
+        return ShaftMode(
+            self.names[mode],
+            float(self.frequencies[mode]),
+            mode < self.rigid,
+            self.kinds[mode],
+            self.label(mode),
+            *self.shares[:, mode].tolist(),
+        )
 
     def first(self, kind: str) -> int | None:
         """Return the lowest elastic mode of the crankshaft itself in which a class has the largest share.

@@ -12,6 +12,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.quantity import RPM
 from crankbase.summaries import summarized
+from dynamics.chains.varying import over_amplitude
 from dynamics.indices import within
 from dynamics.response.complex_modes import ComplexModes, complex_modes, modes_at
 from dynamics.response.forced import ForcedResponse
@@ -231,6 +232,12 @@ def damped_criticals(
         raise InputError(
             f"node: given {node!r} together with elements; allowed is one of both, because peaks are those "
             "of loads or of a motion."
+        )
+    if any(over_amplitude(spring.law) for spring in response.system.varying):
+        raise InputError(
+            "chain: given springs that vary with amplitude; allowed are others for critical speeds with "
+            "damping, because amplitudes are known at the speeds of the response alone: its synthesis shows "
+            "the peaks."
         )
     return criticals_of(
         response, _quantities(response, elements, node), speed_range, modes=modes, first=first

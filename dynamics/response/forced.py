@@ -1,6 +1,7 @@
 """Forced vibration of a chain, or of any linear system, by orders over a range of speeds."""
 
 import math
+from dataclasses import replace
 from functools import cached_property
 from typing import Unpack, get_args
 
@@ -9,11 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.array_checks import ComplexArray, FloatArray
 from crankbase.choices import check_choice
-from crankbase.errors import InputError
+from crankbase.errors import InputError, SolveError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.memory import check_memory
+from crankbase.quantity import format_quantity
 from crankbase.results import result
 from dynamics.chains.chain import Chain
+from dynamics.chains.varying import over_amplitude
 from dynamics.plots.curves import (
     Quantity,
     infinite_where_unbounded,
@@ -21,13 +24,15 @@ from dynamics.plots.curves import (
     orders_and_speeds,
     quantity_display,
 )
-from dynamics.response.harmonic import Method, harmonic_response
+from dynamics.response.harmonic import HarmonicResponse, Method, harmonic_response
 from dynamics.response.linear_system import DampedChain, LinearSystem, chain_system
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.series import DrawnBeside, OrderSeries, Synthesis
+from dynamics.response.series import DrawnBeside, OrderSeries, Synthesis, synthesis
 
 # Complex amplitudes of every order, speed, node and unknown are held so many times at once.
 COPIES = 3.0
+# Amplitudes that springs vary with are settled when they change by less than this share of theirs.
+SETTLED, AMPLITUDE_STEPS = 1e-11, 300
 
 
 @result("orders", "speeds [rad/s]", "amplitude", "names", "method")
@@ -219,7 +224,12 @@ def forced_response(
     speeds = np.tile(excitation.speeds, shape[0])
     frequencies = excitation.angular_frequencies.reshape(-1)
     check_choice("method", method, get_args(Method), "these are the ways to solve the equations")
-    answer = harmonic_response(system, frequencies, forces, method, speeds)
+    answer, system = _settled(system, excitation, frequencies, forces, method, speeds)
+    if chain is not None and any(over_amplitude(spring.law) for spring in chain.varying):
+        pairs = zip(chain.varying, system.varying, strict=True)
+        chain = replace(
+            chain, varying=tuple(replace(spring, law=known.law) for spring, known in pairs)
+        )
     motion = answer.motion if plain else answer.motion @ system.expand.T
     return ForcedResponse(
         orders=excitation.orders,
@@ -233,6 +243,47 @@ def forced_response(
         method=(
             f"{method}; {answer.directly} of {answer.unbounded.size} by the dynamic stiffness itself"
         ),
+    )
+
+
+def _settled(
+    system: LinearSystem,
+    excitation: OrderExcitation,
+    frequencies: FloatArray,
+    forces: ComplexArray,
+    method: Method,
+    speeds: FloatArray,
+) -> tuple[HarmonicResponse, LinearSystem]:
+    """Return the response, and the system whose springs know the amplitudes that they reach.
+
+    At each speed amplitudes are put in the place of those before, in smaller steps where they do not
+    come closer, until they stay.
+    """
+    asked = {k: spring.law for k, spring in enumerate(system.varying) if over_amplitude(spring.law)}
+    if not asked:
+        return harmonic_response(system, frequencies, forces, method, speeds), system
+    order = np.argsort(excitation.speeds)
+    known = np.zeros((len(asked), excitation.speeds.size))
+    step, last = np.ones(excitation.speeds.size), np.full(excitation.speeds.size, np.inf)
+    rows = np.array([system.varying[k].row for k in asked])
+    for _ in range(AMPLITUDE_STEPS):
+        springs = list(system.varying)
+        for (k, law), amplitude in zip(asked.items(), known, strict=True):
+            at_speeds = law.at_amplitude(excitation.speeds[order], amplitude[order])
+            springs[k] = replace(springs[k], law=at_speeds)
+        settled = replace(system, varying=tuple(springs))
+        answer = harmonic_response(settled, frequencies, forces, method, speeds)
+        twists = (answer.motion @ rows.T).reshape(*excitation.forces.shape[:2], -1)
+        reached = synthesis(excitation.orders, excitation.speeds, twists).amplitude.T
+        change = np.max(np.abs(reached - known), axis=0)
+        if np.all(change <= SETTLED * np.max(reached, axis=0)):
+            return answer, settled
+        step = np.where(change >= last, 0.5 * step, step)
+        known, last = known + step * (reached - known), change
+    left = format_quantity(float(excitation.speeds[int(np.argmax(change))]), "rad/s")
+    raise SolveError(
+        f"The amplitude that a spring varies with does not settle in {AMPLITUDE_STEPS} steps, at {left} and "
+        "elsewhere; give its stiffness at more amplitudes, or more damping."
     )
 
 

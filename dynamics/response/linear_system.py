@@ -374,8 +374,8 @@ def damped(
     if chain.varying:
         at = [(chain.names if s.to_ground else chain.elements)[s.place] for s in chain.varying]
         notes.append(
-            f"stiffness that varies with frequency or speed: {', '.join(at)}; forced vibration and "
-            "critical speeds have it, natural frequencies are those of the constant one"
+            f"stiffness that varies with frequency or the operating point: {', '.join(at)}; forced "
+            "vibration and critical speeds have it, natural frequencies are those of the constant one"
         )
     between = of_elements("relative", relative, chain)
     at_nodes = values_at_nodes(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 
 from crankbase.frames import table_of
-from crankbase.quantity import format_quantity
 from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, result
+from dynamics import wording
 from dynamics.indices import index_of_name
 from dynamics.response.complex_modes import ComplexModes, complex_modes, modes_at
 from dynamics.response.forced import ForcedResponse
@@ -122,14 +122,15 @@ class PeakCause(Result):
     @property
     def sentence(self) -> str:
         """The amplitude, its speed, and the main orders with their shares."""
-        return f"{self._quantity(self.amplitude)} at {self._speed}: {self.reasons}."
+        peak = wording.peak_text(self.amplitude, self.unit)
+        return f"{peak} at {wording.speed_text(self.speed)}: {self.reasons}."
 
     @cached_property
     def reasons(self) -> Annotated[str, Quantity(key="sentence")]:
         """The main orders of the amplitude with their shares, the largest first."""
         if np.isinf(self.amplitude):
             return "; ".join(
-                f"order {part.order:g} excites {_mode(part)}, which nothing damps"
+                wording.undamped_order(part.order, _mode(part))
                 for part in self.parts
                 if np.isinf(part.amplitude)
             )
@@ -137,12 +138,12 @@ class PeakCause(Result):
         groups = [self._runs(orders, least) for orders in self._together()]
         named = [part for runs in groups for run in runs for part in run]
         if not named:
-            return "no order makes a part of it worth naming"
+            return wording.NO_MAIN_ORDER
         groups = sorted((runs for runs in groups if runs), key=lambda runs: -abs(_total(runs)))
         texts = [self._group(runs) for runs in groups]
         rest = self.amplitude - sum(part.contribution for part in named)
         if abs(rest) >= least:
-            texts.append(f"all others {_verb(rest, many=True)} {self._quantity(abs(rest))}")
+            texts.append(wording.others_contribute(rest, self.unit))
         return "; ".join(texts)
 
     def to_pandas(self) -> "DataFrame":
@@ -182,37 +183,18 @@ class PeakCause(Result):
 
     def _group(self, runs: tuple[Orders, ...]) -> str:
         total, first = _total(runs), runs[0][0]
-        where = {
-            "at resonance": f"at the resonance of {_mode(first)}",
-            "near resonance": f"near the resonance of {_mode(first)}",
-            "amplified": f"amplified by {_mode(first) if first.mode else 'several modes'}",
-            "forced": "forced without resonance",
-        }[first.state]
         parts = [part for run in runs for part in run]
-        many = len(parts) > 1
-        texts = [
-            f"{run[0].order:g} to {run[-1].order:g}" if len(run) > 1 else f"{run[0].order:g}"
-            for run in runs
-        ]
-        listed = " and ".join([", ".join(texts[:-1]), texts[-1]] if len(texts) > 1 else texts)
-        text = (
-            f"order{'s' if many else ''} {listed}, {where}, {_verb(total, many)} "
-            f"{self._quantity(abs(total))} ({100.0 * abs(total) / self.amplitude:.0f} %)"
-        )
         most = max(parts, key=lambda part: part.contribution)
-        if many and 0.5 * total <= most.contribution <= total:
-            text += f", {self._quantity(most.contribution)} of it by order {most.order:g}"
-        return text
-
-    def _quantity(self, value: float) -> str:
-        if np.isinf(value):
-            return "unbounded"
-        text = format_quantity(value, self.unit, 3)
-        return format_quantity(value, self.unit, 4) if "e+" in text else text
-
-    @property
-    def _speed(self) -> str:
-        return format_quantity(self.speed, "rad/s", 4)
+        main = len(parts) > 1 and 0.5 * total <= most.contribution <= total
+        return wording.orders_contribute(
+            [(run[0].order, run[-1].order) for run in runs],
+            first.state,
+            _mode(first) if first.mode else "",
+            total,
+            abs(total) / self.amplitude,
+            self.unit,
+            (most.contribution, most.order) if main else None,
+        )
 
 
 def peak_cause(
@@ -360,8 +342,3 @@ def _mode(part: OrderPart) -> str:
 
 def _total(runs: tuple[Orders, ...]) -> float:
     return sum(part.contribution for run in runs for part in run)
-
-
-def _verb(value: float, many: bool) -> str:
-    verb = "contribute" if value >= 0.0 else "subtract"
-    return verb if many else f"{verb}s"

@@ -230,9 +230,9 @@ def viscous_system(
     chain, system = chain_and_system(chain_or_system)
     if system.varying:
         raise InputError(
-            "chain: given springs that vary with frequency or speed; allowed are constant ones for motion "
-            "over time, because one motion has many frequencies: replace(chain, varying=()) keeps the "
-            "constant stiffness."
+            "chain: given springs that vary with frequency, speed or amplitude; allowed are constant ones "
+            "for motion over time, because one motion has many frequencies: replace(chain, varying=()) keeps "
+            "the constant stiffness."
         )
     why = "these are the ways to put viscous damping in the place of loss factors"
     check_choice("loss_as", loss_as, get_args(LossAs), why)

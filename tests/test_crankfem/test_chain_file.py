@@ -126,6 +126,32 @@ def test_a_torsional_file_with_everything(load):
     ]
 
 
+def test_an_element_over_mean_torque_and_temperature_in_one_table(load):
+    chain = load("""
+        [chain]
+        name = "coupled"
+        kind = "torsional"
+        [[chain.nodes]]
+        name = "a"
+        inertia = "1 kg m^2"
+        [[chain.nodes]]
+        name = "b"
+        inertia = "2 kg m^2"
+        [[chain.elements]]
+        stiffness = "1000 N m/rad"
+        damping = "3 N m s/rad"
+        [chain.elements.variation]
+        torque = ["0 N m", "2 kN m"]
+        temperature = ["20 degC", "80 degC", "100 degC"]
+        stiffness = [[1.0, 0.8, 0.7], [2.0, 1.6, 1.4]]
+        at_torque = "500 N m"
+        at_temperature = "50 degC"
+        """).chain
+    assert chain.stiffness == close([1000.0 * 1.25 * 0.9])
+    assert chain.damping.tolist() == [3.0]
+    assert not chain.varying
+
+
 def test_an_axial_file_in_lists(load):
     found = load("""
         [chain]

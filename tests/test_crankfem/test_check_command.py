@@ -14,6 +14,7 @@ from hypothesis import HealthCheck, given, settings
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.file_check import check_file
 from crankfem.analyses.shaft.chains import shaft_surroundings
 from crankfem.analyses.strength.cycle_loads import supported_throws
@@ -33,7 +34,6 @@ from crankfem.analyses.vibration.engine_limits import (
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.engine_file import SECTIONS, load_engine
 from crankfem.files.engine.file_kinds import FIRING_ORDERS, engine_template
-from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.engine.throw_file import load_throw_file
 from crankfem.files.engine.usual_sizes import SHARP
 from crankfem.files.hinge_file import load_hinge

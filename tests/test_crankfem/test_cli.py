@@ -20,7 +20,7 @@ from crankfem.cli.console import RunProgress
 from crankfem.files.engine.engine_file import SECTIONS
 from crankfem.files.reading.data_files import shipped_names
 from crankfem.jobs.exit_codes import MEANINGS
-from dynamics.assessment import wording
+from dynamics import wording
 from fem.superelement import shaft_unknowns, solve_shaft
 
 ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]

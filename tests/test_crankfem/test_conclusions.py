@@ -30,9 +30,9 @@ from crankfem.report.conclusions import conclusions, failed_checks, headline, ve
 from crankfem.report.summary import engine_facts, summary, uncertain_sentence, worst_of_each
 from crankfem.report.text_filters import loaded_most
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
-from dynamics.assessment.wording import VERDICTS
 from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
 from dynamics.strength.fatigue import PlaceStrength
+from dynamics.wording import VERDICTS
 from stand_ins import stored_results, typed
 
 NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e-?\d+)?")

@@ -8,6 +8,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.strength import cycle_fatigue
 from crankfem.analyses.strength import cycle_loads as loads_module
 from crankfem.analyses.strength.cycle_fatigue import (
@@ -18,7 +19,6 @@ from crankfem.analyses.strength.cycle_fatigue import (
 )
 from crankfem.analyses.strength.cycle_loads import ShaftUnderForces, cycle_loads, judged_speeds
 from crankfem.analyses.vibration.misfiring import Superposition
-from crankfem.files.engine.mechanism_file import mechanism_of
 from dynamics.response.order_excitation import at_angles
 from dynamics.strength.fatigue import critical_plane, findley_factor, findley_limit
 from fem import fillet_stress

@@ -8,6 +8,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.strength import engine_strength
 from crankfem.analyses.strength.cycle_loads import shaft_loads
 from crankfem.analyses.strength.engine_strength import (
@@ -16,7 +17,6 @@ from crankfem.analyses.strength.engine_strength import (
     factor_table,
     throw_webs,
 )
-from crankfem.files.engine.mechanism_file import mechanism_of
 from dynamics.strength.concentration import ElementFactors, unsafe_formulas
 from fem import fillet_stress
 from stand_ins import COARSE_STRESSES

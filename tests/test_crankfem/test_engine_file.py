@@ -12,12 +12,12 @@ from crankbase.array_checks import finite_array, positive_number
 from crankbase.choices import whole_number
 from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
+from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.shaft.chains import engine_throw_inertias
 from crankfem.analyses.vibration.engine_limits import engine_limits, rule_of
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import SECTIONS, load_engine
-from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.engine.throw_file import load_crankshaft, load_study, load_throw
 from crankfem.files.reading import toml_file
 from crankfem.files.reading.data_files import input_path

@@ -9,6 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_mechanism import load_any, mechanism_of
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.files.engine import usual_sizes
 from crankfem.files.engine.engine_file import EngineFile
@@ -17,7 +18,6 @@ from crankfem.files.engine.mechanism_cylinders import (
     firing_evenness,
     firing_sentence,
 )
-from crankfem.files.engine.mechanism_file import load_any, mechanism_of
 from crankfem.files.engine.throw_file import ThrowFile
 from crankfem.files.engine.usual_sizes import UsualRange, throw_warnings
 from crankfem.files.reading.data_files import input_path, shipped_names

@@ -9,9 +9,10 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-import crankfem.analyses.study.nominal_throw
+import crankfem.analyses.engine_optimum
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_optimum import EngineFrequencies, frequency_limit
 from crankfem.analyses.shaft.chains import engine_torsional_chain
 from crankfem.analyses.shaft.sources import (
     axial_sources,
@@ -21,7 +22,6 @@ from crankfem.analyses.shaft.sources import (
     source_spread,
     torsional_sources,
 )
-from crankfem.analyses.study.nominal_throw import EngineFrequencies, frequency_limit
 from crankfem.analyses.throw.law_record import LawResults, law_answers, law_results
 from crankfem.cli.arguments import law_throw
 from crankfem.cli.commands import lookup as optimum_command
@@ -397,7 +397,7 @@ def test_the_first_torsional_frequency_is_no_couplings():
 @pytest.mark.slow
 def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):
     monkeypatch.setattr(
-        crankfem.analyses.study.nominal_throw, "engine_frequencies", lambda _: frequencies
+        crankfem.analyses.engine_optimum, "engine_frequencies", lambda _: frequencies
     )
     model = ComplianceModel.load(path)
     needed = frequencies.torsional(3.9e-8)

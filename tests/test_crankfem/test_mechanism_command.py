@@ -12,6 +12,7 @@ from comparing import close
 from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankbase.table import merged_rows
+from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.balance_records import (
     balance_contents,
     mechanism_balance_record,
@@ -26,7 +27,6 @@ from crankfem.analyses.mechanism.plots import (
     plot_polar_loads,
 )
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.outputs import check_outputs
 from crankfem.report.interactive.mechanism import MECHANISM

@@ -10,6 +10,14 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_mechanism import (
+    MechanismFile,
+    load_any,
+    load_mechanism,
+    motored_for_misfire,
+    pressures_at,
+    with_throws,
+)
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     engine_harmonics,
@@ -18,13 +26,6 @@ from crankfem.analyses.vibration.engine_excitation import (
 )
 from crankfem.cli.tables.vibration_tables import print_load
 from crankfem.files.engine.engine_file import EngineFile, load_engine
-from crankfem.files.engine.mechanism_file import (
-    MechanismFile,
-    load_any,
-    load_mechanism,
-    pressures_at,
-    with_throws,
-)
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.sections.excitation_sections import (
     GasMap,
@@ -32,7 +33,6 @@ from crankfem.files.sections.excitation_sections import (
     PropellerForcesSection,
     gas_map_load,
     gas_map_pressure,
-    motored_for_misfire,
 )
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
 from crankfem.files.sections.mechanism_sections import Gas, LoadSection

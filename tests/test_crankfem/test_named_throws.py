@@ -13,16 +13,16 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.results import plain as plain_content
+from crankfem.analyses.engine_mechanism import load_mechanism, with_throws
+from crankfem.analyses.engine_optimum import engine_frequencies
 from crankfem.analyses.file_check import check_file
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
-from crankfem.analyses.study.nominal_throw import engine_frequencies
 from crankfem.analyses.vibration.modes import axial_vibration
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.mechanism_file import load_mechanism, with_throws
 from crankfem.files.engine.throw_file import (
     load_crankshaft,
     load_study,

@@ -17,6 +17,7 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.results import Result
+from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.study.response_fits import predicted
@@ -29,7 +30,6 @@ from crankfem.analyses.throw.formula_records import (
 from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration import run as vibration_run
 from crankfem.analyses.vibration.run_up import run_up
-from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.report.interactive.vibration import VIBRATION

@@ -12,11 +12,11 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
+from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.strength import engine_strength
 from crankfem.analyses.strength.cycle_loads import shaft_loads
 from crankfem.analyses.strength.engine_strength import shown_factor
 from crankfem.analyses.vibration.engine_limits import engine_limits
-from crankfem.files.engine.mechanism_file import mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.response.series import synthesis
 

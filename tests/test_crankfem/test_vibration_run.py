@@ -9,6 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.record import plain
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
@@ -20,15 +21,14 @@ from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration
 from crankfem.cli.console import write_columns
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
-from dynamics.assessment.wording import shown_range
 from dynamics.chains.chain import Chain
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.torque import engine_torque
+from dynamics.wording import shown_range
 from fem.analysis import analyze_throw
 
 ADDED = """
@@ -154,6 +154,34 @@ def test_an_assumed_magnifier_does_not_damp_a_coupling_whose_damping_is_given(tm
     given = "[damping]\ntorsional_magnifier = 40\n\n"
     both = system(given + driven).system.damping_ratios()
     assert both[0] == close(0.5 * loss + 0.0125, rel=0.01)
+
+
+def test_a_coupling_over_the_mean_torque_carries_the_load_of_the_engine(tmp_path):
+    engine = load_engine(
+        written(
+            tmp_path,
+            """[driven]
+inertia = "60 kg m^2"
+coupling_stiffness = "40 kN m/rad"
+
+[driven.variation]
+torque = ["0 N m", "100 kN m"]
+stiffness = [1.0, 3.0]
+
+[load]
+law = "propeller"
+
+[gas]
+""",
+        )
+    )
+    engine = engine.changed(engine={"rated_power": 6e5})
+    (spring,) = engine_torsional_chain(engine, np.full(6, 1e-9), np.full(6, 8.0)).chain.varying
+    speeds = np.array([0.3, 0.7, 1.0]) * engine.engine.rated_speed
+    rated = 6e5 / engine.engine.rated_speed
+    assert spring.law.added(speeds, speeds).real == close(
+        4e4 * 2.0 * rated * np.array([0.09, 0.49, 1.0]) / 1e5, rel=1e-4
+    )
 
 
 @pytest.mark.slow

@@ -17,7 +17,6 @@ from crankfem.analyses.shaft.chains import (
     shaft_surroundings,
 )
 from crankfem.analyses.shaft.sources import compliances_in_shaft
-from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     damping_remarks,
@@ -45,10 +44,10 @@ from dynamics.assessment.verdict import decide
 from dynamics.chains.chain import Chain
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
+    ChainVerdict,
     FlywheelTilt,
     ModeMatch,
     ResponseMatch,
-    chain_verdict,
 )
 from dynamics.crankshaft.coupled_response import coupled_response
 from dynamics.crankshaft.shaft_modes import crankshaft_system
@@ -243,7 +242,7 @@ def test_a_makers_chain_of_the_plant_is_not_compared(six, monkeypatch):
     assert told["axial_force"]["running_whole"] is None
     assert told["not_comparable"] in told["assessment"]["by_whole"][0]
     running = (run.engine_file.engine.lowest_speed, run.engine_file.engine.highest_speed)
-    record = whole_record(run.whole, run.comparison, running)
+    record = told["whole"].to_record()
     assert record["chains"] == {}
     assert record["axial_split"]["both"] > 1e-6
     split = run.comparison.coupled.split("main bearing 1 uz")
@@ -261,7 +260,7 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
         speeds = np.array([10.0, 20.0])
         match = ModeMatch(kind, 1, frequencies[0], 6, frequencies[1], share, 1.0, 1, 6)
         peaks = [np.array([0.0, peak]) for peak in (chain_peak, shaft_peak)]
-        return chain_verdict([match], ResponseMatch(kind, speeds, *peaks))
+        return ChainVerdict((match,), ResponseMatch(kind, speeds, *peaks))
 
     good = verdict("axial", 1e-4, 1.01e-4)
     assert (
@@ -282,7 +281,7 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     assert divided.sentence == "axial mode 1 from 259.8 Hz without to 225.9 and 303.5 Hz with it"
     (match,) = other.modes
     two = replace(match, further_frequency=80.0, further_share=0.4)
-    (said,) = whole_shaft_remark(ShaftComparison(None, chain_verdict([two])))
+    (said,) = whole_shaft_remark(ShaftComparison(None, ChainVerdict((two,))))
     assert said.endswith("two modes at 80.0 and 115.0 Hz instead of axial mode 1 at 105.6 Hz.")
     (said,) = whole_shaft_remark(ShaftComparison(None, verdict("axial", 1.266e-3, np.inf)))
     assert "at running speeds unbounded instead of 1270 um at 191 1/min" in said

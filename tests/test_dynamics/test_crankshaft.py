@@ -18,9 +18,9 @@ from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.chains.varying import Variation
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
+    ChainVerdict,
     ModeMatch,
     ResponseMatch,
-    chain_verdict,
     followed_modes,
     match_modes,
     matching_modes,
@@ -383,10 +383,10 @@ def chains():
 def test_coupling_makes_chains_insufficient():
     axial, _ = chains()
     matches = matching_modes(straight(0.3), axial, 1e4)
-    verdict = chain_verdict(matches)
+    verdict = ChainVerdict(matches)
     assert not verdict.suffices
     assert any("%" in reason for reason in verdict.reasons)
-    nothing = chain_verdict([ModeMatch("axial", 0, 50.0, None, None, 0.0, 0.0)])
+    nothing = ChainVerdict((ModeMatch("axial", 0, 50.0, None, None, 0.0, 0.0),))
     assert nothing.reasons == (
         "The whole shaft has no mode like the axial mode of the chain at 50.0 Hz.",
     )
@@ -408,7 +408,7 @@ def test_a_mode_that_coupling_divides_is_told_by_both(monkeypatch):
     assert match.divided == tuple(
         (close(own * math.sqrt(1.0 + sign * 0.3)), close(0.5)) for sign in (-1.0, 1.0)
     )
-    (reason,) = chain_verdict([match]).reasons
+    (reason,) = ChainVerdict((match,)).reasons
     assert reason == (
         f"The whole shaft has two modes like the axial mode of the chain at {own:.1f} Hz: "
         f"{own * math.sqrt(0.7):.1f} Hz (50 % axial) and {own * math.sqrt(1.3):.1f} Hz (50 % axial)."
@@ -520,7 +520,7 @@ def test_torque_of_the_chain_is_that_of_the_pins(forces):
     coupled = coupled_response(shaft, forces, modal_damping=0.05)
     found = matching_response(coupled, torsional, by_chain)
     assert found.chain == close(found.shaft, rel=100.0 * LEFT)
-    assert chain_verdict(matches, found).suffices
+    assert ChainVerdict(matches, found).suffices
     other = OrderExcitation(forces.orders[:2], forces.speeds, torques[:2])
     shorter = forced_response(torsional.chain, other)
     with pytest.raises(InputError, match="answer: given"):

@@ -666,11 +666,141 @@ def test_a_coupling_over_the_frequency_and_a_bearing_over_the_speed():
     assert sum(part.contribution for part in cause.parts) == close(cause.amplitude)
 
 
+ENGINE = Chain([0.9, 1.5], [2e5], loss_factor=0.02, names=["a", "b"])
+ORDERS, SPEEDS = np.array([0.5, 1.0, 2.0]), np.linspace(50.0, 300.0, 101)
+FORCES = np.full((3, 101, 3), 30.0 + 20.0j) * [1.0, 2.0, 0.0]
+
+
+def coupled_by(stiffness, *, loss_factor=0.1, damping=2.0, variation=None):
+    """Two inertias and, behind a coupling, a third one."""
+    coupling = Coupling(
+        stiffness, torsional_damping=damping, loss_factor=loss_factor, variation=variation
+    )
+    line = ShaftLine([RigidBody(0.5, 1.0, "b"), coupling, RigidBody(1.5, 1.0, "c")])
+    return join_chains(ENGINE, "b", line.chain())
+
+
+def response_of(chain):
+    return forced_response(chain, OrderExcitation(ORDERS, SPEEDS, FORCES))
+
+
+def motion_with(order, speed, coupling):
+    """Motion by the dynamic stiffness with a complex stiffness of the coupling."""
+    first, w = 2e5 * (1.0 + 0.02j), order * speed
+    stiffness = np.array(
+        [[first, -first, 0], [-first, first + coupling, -coupling], [0, -coupling, coupling]]
+    )
+    return np.linalg.solve(stiffness - w**2 * np.diag([0.9, 2.0, 1.5]), FORCES[0, 0])
+
+
+def test_a_coupling_over_mean_torque_and_frequency_in_one_table():
+    table = np.array([[1.0, 1.3], [1.5, 1.6], [2.4, 3.0]])
+    losses = np.array([[0.1, 0.2], [0.15, 0.22], [0.12, 0.3]])
+    variation = Variation(
+        torque=(0.0, 400.0, 1000.0),
+        frequency=(5.0, 40.0),
+        stiffness=tuple(map(tuple, table.T.tolist())),
+        loss_factor=tuple(map(tuple, losses.T.tolist())),
+        at_speed=tuple(SPEEDS.tolist()),
+        at_torque=tuple((900.0 * (SPEEDS / 300.0) ** 2).tolist()),
+    )
+    answer = response_of(coupled_by(5e4, variation=variation))
+
+    def coupling(order, speed):
+        torque, w = 900.0 * (speed / 300.0) ** 2, order * speed
+        share = np.clip((w / (2.0 * np.pi) - 5.0) / 35.0, 0.0, 1.0)
+        stiff, loss = (
+            np.interp(torque, (0.0, 400.0, 1000.0), (1.0 - share) * of[:, 0] + share * of[:, 1])
+            for of in (table, losses)
+        )
+        return 5e4 * stiff * (1.0 + 1j * loss) + 2j * w
+
+    made = [[motion_with(o, s, coupling(o, s)) for s in SPEEDS] for o in ORDERS]
+    assert answer.motion == close(np.array(made), 1e-11)
+    assert power_balance(answer).error < 1e-11
+    twist = answer.motion[:, :, 2] - answer.motion[:, :, 1]
+    springs = np.array([[coupling(o, s) for s in SPEEDS] for o in ORDERS])
+    heat = 0.5 * answer.angular_frequencies * springs.imag * np.abs(twist) ** 2
+    assert power_balance(answer).elements[:, :, 1] == close(heat, 1e-11)
+    assert element_loads(answer).elements.values[:, :, 1] == close(springs * twist, 1e-11)
+    peaks = [c for c in damped_criticals(answer, elements=[1]) if c.order == 2.0]
+    finer = np.linspace(SPEEDS[0], SPEEDS[-1], 5001)
+    loads = [np.diff(motion_with(2.0, s, c := coupling(2.0, s)))[1] * c.real for s in finer]
+    top = finer[np.argmax(np.abs(loads))]
+    assert min(abs(peak.speed - top) for peak in peaks if peak.speed > 0.0) < 2e-3 * top
+
+
+@pytest.mark.parametrize("axes", [("frequency",), ("speed", "amplitude"), ("frequency", "torque")])
+def test_a_constant_table_is_a_constant_spring(axes):
+    ones = (1.0, 1.0) if len(axes) == 1 else ((1.0, 1.0), (1.0, 1.0))
+    over = dict.fromkeys(axes, (0.0, 10.0)) | ({"at_torque": 3.0} if "torque" in axes else {})
+    varying = response_of(coupled_by(5e4, variation=Variation(stiffness=ones, **over)))
+    constant = response_of(coupled_by(5e4))
+    assert np.max(np.abs(varying.motion - constant.motion)) < 1e-12 * np.max(
+        np.abs(constant.motion)
+    )
+
+
+def test_a_coupling_at_its_mean_torque_and_temperature_has_constant_values():
+    """So natural frequencies and motion over time are those of the values there."""
+    variation = Variation(
+        torque=(0.0, 100.0),
+        temperature=(300.0, 400.0),
+        stiffness=((1.0, 0.6), (3.0, 1.0)),
+        damping=((1.0, 2.0), (1.0, 2.0)),
+        at_torque=25.0,
+        at_temperature=350.0,
+    )
+    chain = coupled_by(5e4, variation=variation)
+    same = coupled_by(5e4 * (0.8 * 0.75 + 2.0 * 0.25), damping=3.0)
+    assert not chain.varying
+    assert chain.modes().frequencies == close(same.modes().frequencies, 1e-12)
+    assert chain.damping_matrix() == close(same.damping_matrix(), 1e-12)
+
+
+def test_a_coupling_over_its_amplitude_has_the_one_that_it_reaches():
+    variation = Variation(
+        amplitude=(0.0, 0.002, 0.01), stiffness=(1.0, 0.7, 0.5), loss_factor=(0.1, 0.3, 0.4)
+    )
+    chain = coupled_by(5e4, variation=variation)
+    answer = response_of(chain)
+    turns = np.exp(1j * ORDERS * np.linspace(0.0, 4.0 * np.pi, 40001)[:, np.newaxis])
+
+    def coupling(amplitude, order, speed):
+        stiff, loss = (
+            np.interp(amplitude, variation.amplitude, of)
+            for of in (variation.stiffness, variation.loss_factor)
+        )
+        return 5e4 * stiff * (1.0 + 1j * loss) + 2j * order * speed
+
+    for place in (0, 30, 60, 100):
+        amplitude, speed = 0.0, SPEEDS[place]
+        for _ in range(200):
+            x = np.array([motion_with(o, speed, coupling(amplitude, o, speed)) for o in ORDERS])
+            course = (turns @ (x[:, 2] - x[:, 1])).real
+            amplitude += 0.3 * (0.5 * np.ptp(course) - amplitude)
+        assert amplitude > 1e-4
+        assert answer.motion[:, place] == close(x, 1e-6)
+    assert power_balance(answer).error < 1e-9
+    loads = element_loads(answer).elements.synthesis.amplitude
+    small = forced_response(chain, OrderExcitation(ORDERS, SPEEDS, 1e-6 * FORCES))
+    assert small.motion * 1e6 == close(response_of(coupled_by(5e4)).motion, 1e-3)
+    assert np.all(loads[:, 1] > 0.0)
+    with pytest.raises(InputError, match="vary with amplitude"):
+        damped_criticals(answer)
+    with pytest.raises(
+        InputError, match=r"variation\.amplitude: given where no amplitude is known"
+    ):
+        chain_system(chain).frequencies_met(1.0)
+
+
 @pytest.mark.parametrize(
     ("given_values", "field"),
     [
-        ({"frequency": (0.0, 1.0), "speed": (0.0, 1.0)}, "variation.frequency"),
+        (dict.fromkeys(("frequency", "speed", "torque"), (0.0, 1.0)), "variation.frequency"),
         ({}, "variation.frequency"),
+        ({"frequency": (0.0, 1.0), "speed": (0.0, 1.0)}, "variation.stiffness"),
+        ({"torque": (0.0, 1.0), "at_torque": (1.0, 2.0)}, "variation.at_torque"),
         ({"speed": (1.0, 1.0)}, "variation.speed"),
         ({"frequency": (0.0, 1.0), "damping": (1.0,)}, "variation.damping"),
     ],

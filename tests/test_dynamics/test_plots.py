@@ -831,9 +831,7 @@ TABLES = {
         lambda o: {"shaft": (o.shaft, "m")},
     ),
     "ChainVerdict": (
-        lambda: ChainVerdict(
-            "axial", True, (), (ModeMatch("axial", 1, 50.0, 9, 51.0, 0.9, 0.99, 1, 6),), None
-        ),
+        lambda: ChainVerdict((ModeMatch("axial", 1, 50.0, 9, 51.0, 0.9, 0.99, 1, 6),)),
         lambda _: {
             "mode": ([1], "1"),
             "shaft_mode": ([4], "1"),

@@ -26,13 +26,13 @@ from dynamics.assessment.limits import (
 )
 from dynamics.assessment.response_curves import curves_of, refined_maxima
 from dynamics.assessment.verdict import Trial, changes, decide, judge
-from dynamics.assessment.wording import limit_at
 from dynamics.chains.chain import Chain
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import damped
 from dynamics.response.loads import alternating_stress, element_loads
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import refined_speeds
+from dynamics.wording import limit_at
 
 SPEEDS = np.linspace(10.0, 115.0, 2101)
 RUNNING = (30.0, 100.0)

@@ -30,9 +30,8 @@ from fem.material import STEEL, Material
 from fem.solver import assemble_stiffness, symmetric_product
 from fem.superelement import nodes_on
 from fem.symmetry import SymmetryClass, radial_directions
-from geometry.imported import import_throw, imported_parts
+from geometry.imported import import_throw
 from geometry.mesh import mesh_throw
-from geometry.mesher import mesh_imported_throw
 from geometry.sizes import SizeMap
 from geometry.solid import LEFT_END, RIGHT_END
 from geometry.solid_files import write_step
@@ -550,7 +549,7 @@ def test_nominal_section_lies_in_the_middle_of_the_overlap(dimensions):
 
 def test_parts_are_those_that_the_solid_was_made_of(cad_throw, part):
     """Lengths as the kernel has them; the width is measured on facets, which cut arcs short by 0.1 %."""
-    found = imported_parts(part, mesh_imported_throw(part, 1.5))
+    found = part.parts_by(part.meshed(1.5))
     fillets, expected = throw_fillets(found), throw_fillets(cad_throw.parts)
     assert [fillet.name for fillet in fillets] == [fillet.name for fillet in expected]
     for one, other in zip(fillets, expected, strict=True):

@@ -14,10 +14,9 @@ from fem.superelement import condense
 from fem.supports import class_axial_compliances
 from fem.symmetry import axial_class, unit_pin_loads
 from geometry.gmsh_session import IsolatedProcess, gmsh_session
-from geometry.imported import decode_string, import_throw, read_step
+from geometry.imported import import_throw
 from geometry.mass import mass_properties
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
-from geometry.mesher import mesh_imported_throw
 from geometry.shapes import element_volumes
 from geometry.solid import (
     BORE,
@@ -29,6 +28,7 @@ from geometry.solid import (
     make_solid,
     remove_loose,
 )
+from geometry.step_file import decode_string, read_step
 from geometry.throw import CrankThrow
 
 METER = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT($,.METRE.) )"
@@ -160,7 +160,7 @@ def imported(named, folder):
 
 @pytest.fixture(scope="module")
 def mesh(imported):
-    return mesh_imported_throw(imported, 1.5)
+    return imported.meshed(1.5)
 
 
 def assert_same_throw(imported, throw, tolerance=1e-6):
@@ -306,7 +306,7 @@ def test_a_turned_and_shifted_part_is_brought_back(throw, folder, with_names):
     assert imported.turned == close(-0.7, abs=1e-9)
     assert imported.shifted == close(1.25, abs=1e-9)
     assert "-40.107 deg" in imported.remarks[-1]
-    mesh = mesh_imported_throw(imported, 2.0)
+    mesh = imported.meshed(2.0)
     pin = mesh.points[np.unique(mesh.surfaces[PIN])]
     assert np.hypot(pin[:, 0], pin[:, 1] - throw.crank_radius) == close(0.09, rel=1e-9)
     masses = mass_properties(mesh, 1.0)
@@ -335,7 +335,7 @@ def test_bores_are_not_taken_for_pins_or_journals(bored, folder, with_names):
         text = name_faces(text, usual_names(bored))
     imported = import_throw(write(folder / f"bored{with_names}.step", text))
     assert_same_throw(imported, bored)
-    mesh = mesh_imported_throw(imported, 2.0)
+    mesh = imported.meshed(2.0)
     assert mesh.solid.volume == close(bored.volume, rel=1e-6)
     assert element_volumes(mesh.points, mesh.elements).sum() == close(bored.volume, 1e-3)
     bore = mesh.points[np.unique(mesh.surfaces[BORE])]
@@ -361,7 +361,7 @@ def test_two_pins_in_any_order(two_pins, folder):
     assert_same_throw(imported, two_pins)
     assert not imported.filleted
     assert_same_throw(import_throw(path, pins=None), two_pins)
-    mesh = mesh_imported_throw(imported, 2.0)
+    mesh = imported.meshed(2.0)
     assert mesh.pins == ("pin", "pin 2")
     second = mesh.points[np.unique(mesh.surfaces["pin 2"])]
     axis = two_pins.parts.pins[1].axis
@@ -409,7 +409,7 @@ def test_an_oil_hole_disturbs_nothing(throw, folder):
     assert imported.corners == ()
     assert len(dict(imported.surfaces)[FILLET]) == 4
     assert BORE not in dict(imported.surfaces)
-    mesh = mesh_imported_throw(imported, 1.5)
+    mesh = imported.meshed(1.5)
     assert mesh.attempts == ()
     assert element_volumes(mesh.points, mesh.elements).sum() == close(imported.volume, rel=1e-3)
 
@@ -556,16 +556,16 @@ def test_a_file_that_takes_the_process_down(imported):
 
 @pytest.mark.slow
 def test_failed_ways_are_passed_over_and_recorded(imported):
-    mesh = mesh_imported_throw(imported, 2.5, None, ("as planned: it took too long",))
+    mesh = imported.meshed(2.5, None, ("as planned: it took too long",))
     assert mesh.attempts == ("as planned: it took too long",)
     assert mesh.size_factor == close(2.5 * MESHING_STRATEGIES[1].share)
     with pytest.raises(MeshError, match="6 ways of meshing the throw failed"):
-        mesh_imported_throw(imported, 2.5, None, ("no",) * len(MESHING_STRATEGIES))
+        imported.meshed(2.5, None, ("no",) * len(MESHING_STRATEGIES))
 
 
 def test_too_fine_a_mesh_is_refused(imported):
     with pytest.raises(InputError, match=r"size_factor: given 0\.1, which would make about"):
-        mesh_imported_throw(imported, 0.1)
+        imported.meshed(0.1)
 
 
 def test_a_changed_file_is_refused(named, folder):
@@ -573,10 +573,10 @@ def test_a_changed_file_is_refused(named, folder):
     imported = import_throw(path)
     write(path, named.replace("Author", "Other"))
     with pytest.raises(InputError, match="a file that has changed since it was imported"):
-        mesh_imported_throw(imported)
+        imported.meshed()
     path.unlink()
     with pytest.raises(InputError, match="does not exist"):
-        mesh_imported_throw(imported)
+        imported.meshed()
 
 
 @pytest.mark.slow
@@ -585,7 +585,7 @@ def test_surfaces_that_are_elsewhere_are_noticed(imported):
     names |= {LEFT_END: names[RIGHT_END], RIGHT_END: names[LEFT_END]}
     wrong = replace(imported, surfaces=tuple(names.items()))
     with pytest.raises(MeshError, match="'left end' of the file is not where it was"):
-        mesh_imported_throw(wrong, 3.0, None, ("no",) * (len(MESHING_STRATEGIES) - 1))
+        wrong.meshed(3.0, None, ("no",) * (len(MESHING_STRATEGIES) - 1))
 
 
 # --- analysis -----------------------------------------------------------------------------------
@@ -612,7 +612,7 @@ def test_the_compliance_is_that_of_the_throw(dimensions, folder, change, order, 
     throw = CrankThrow(**{**dimensions, **change})
     imported = import_throw(write(folder / "analyzed.step", step_text(throw)))
     results = []
-    for make in (lambda f: mesh_imported_throw(imported, f), lambda f: mesh_throw(throw, f)):
+    for make in (lambda f: imported.meshed(f), lambda f: mesh_throw(throw, f)):
         coarse, fine = (axial_compliance(make(factor)) for factor in factors)
         ratio = coarse.factor / fine.factor
         results.append((fine.value, (fine.value - coarse.value) / (ratio**order - 1.0)))

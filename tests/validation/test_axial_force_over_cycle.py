@@ -14,6 +14,7 @@ import pytest
 from scipy.linalg import eigh
 
 from comparing import close
+from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.shaft.chains import bearing_stiffness, magnifier_of
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.vibration.axial_cycle import axial_cycle
@@ -21,7 +22,6 @@ from crankfem.analyses.vibration.engine_excitation import engine_harmonics, forc
 from crankfem.analyses.vibration.forced import EngineChains
 from crankfem.analyses.vibration.modes import axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.mechanism_file import mechanism_of
 from fem.analysis import analyze_throw
 from fem.superelement import RZ, UX, UY, UZ
 

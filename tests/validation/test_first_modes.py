@@ -12,7 +12,6 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankfem.analyses.record import plain
-from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.tables import mode_table
 from crankfem.jobs.run_records import _engine_record
@@ -79,8 +78,8 @@ def test_rotation_is_told_beside_the_lowest_bending_mode(run, figure):
     kinds, frequencies = modes.kinds, modes.frequencies
     first = next(n for n in range(modes.rigid, len(kinds)) if kinds[n] == "bending")
     assert first > modes.rigid  # The coupling's mode is lower.
-    bending = whole_record(run.whole, run.comparison, (0.0, math.inf))["bending"]
+    bending = run.whole.bending
     turns = run.engine_file.engine.highest_speed / (2.0 * math.pi)
-    figure("rotation over bending", bending["rotation_ratio"], turns / frequencies[first], 1e-9)
-    assert bending["frequency"] == frequencies[first]
-    assert bending["rotation_ratio"] < 0.2 < run.whole.rotation_ratios[0]
+    figure("rotation over bending", bending.rotation_ratio, turns / frequencies[first], 1e-9)
+    assert bending.frequency == frequencies[first]
+    assert bending.rotation_ratio < 0.2 < run.whole.rotation_ratios[0]

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import crankfem as cf
-from crankfem.files.engine.mechanism_file import mechanism_of
-from crankfem.files.sections.excitation_sections import motored_for_misfire
+from crankfem.analyses.engine_mechanism import mechanism_of, motored_for_misfire
 from dynamics.torque import DEFAULT_SAMPLES
 
 FOLDER = Path(__file__).parents[1] / "data" / "engines"

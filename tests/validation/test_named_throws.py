@@ -19,11 +19,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crankfem.analyses.shaft.whole_records import shaft_balance_record
+from crankfem.analyses.engine_mechanism import mechanism_of, with_throws
+from crankfem.analyses.shaft.whole_records import shaft_balance
 from crankfem.analyses.shaft.whole_shaft import highest_exciting_frequency, whole_shaft
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.mechanism_file import mechanism_of, with_throws
 from fem.analysis import analyze_throw
 from geometry.crankshaft import throw_masses
 
@@ -91,15 +91,15 @@ def by_hand(solids):
 
 def test_balance_of_the_crankshaft(engine, solids, figure):
     static, moment, mass, inertia = by_hand(solids)
-    found = shaft_balance_record(engine)
+    found = shaft_balance(engine)
     assert np.linalg.norm(static) > 0.05  # kg m: the shaft is out of balance
     for what, name, wanted, unit in (
         ("static unbalance", "static", static, "kg m"),
         ("moment about the middle", "dynamic", moment, "kg m^2"),
     ):
-        figure(what, complex(*found[name]), complex(*wanted), EXACT, unit)
-    figure("mass", found["mass"], mass, EXACT, "kg")
-    figure("inertia about the shaft", found["inertia_about_shaft"], inertia, EXACT, "kg m^2")
+        figure(what, complex(*getattr(found.unbalance, name)), complex(*wanted), EXACT, unit)
+    figure("mass", found.mass, mass, EXACT, "kg")
+    figure("inertia about the shaft", found.inertia_about_shaft, inertia, EXACT, "kg m^2")
 
 
 def test_balance_of_the_mechanism(engine, solids, figure):

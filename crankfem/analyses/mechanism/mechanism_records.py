@@ -11,9 +11,9 @@ from crankbase.quantity import RPM
 from crankbase.results import Internal, Number, Part, Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.assumptions import input_values
+from crankfem.analyses.engine_mechanism import MechanismFile
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
 from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes
-from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.cycle import cycle_radians
 from dynamics.engine import ROD_MODELS, RodModelName
 from dynamics.engine.forces import (

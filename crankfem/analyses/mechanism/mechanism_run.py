@@ -10,15 +10,15 @@ from crankbase.choices import check_choice, check_kind, check_not_given, is_whol
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.summaries import summarized
-from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import (
+from crankfem.analyses.engine_mechanism import (
     MechanismFile,
+    by_gas,
     full_load_only,
     mechanism_of,
     pressures_at,
     with_throws,
 )
-from crankfem.files.sections.mechanism_sections import motored_pressures
+from crankfem.files.engine.engine_file import EngineFile
 from dynamics.balance import Balance, HingedRodEffects, balance, hinged_rod_effects
 from dynamics.engine import RodModelName
 from dynamics.engine.forces import (
@@ -27,6 +27,7 @@ from dynamics.engine.forces import (
     crankpin_loads,
     main_bearing_loads,
     mechanism_forces,
+    motored_pressures,
     pin_groups,
     piston_ends,
 )
@@ -211,8 +212,10 @@ def run_mechanism(
     layout = with_throws(mechanism, masses)
     if not full_load_only(mechanism):
         pressure = pressures_at(mechanism, [turning], motored=motored)[0]
+    elif motored:
+        pressure = by_gas(mechanism.gas, layout, motored_pressures)
     else:
-        pressure = motored_pressures(mechanism.gas, layout) if motored else mechanism.pressure
+        pressure = mechanism.pressure
     angles, gas = samples_and_gas(layout, pressure, DEFAULT_SAMPLES, ATMOSPHERE)
     torque = engine_torque(layout, turning, gas, model=model, throws=mechanism.throws)
     check_energy(torque)

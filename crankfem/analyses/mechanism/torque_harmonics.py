@@ -11,7 +11,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
 from crankbase.results import Flat, Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table, table_unit
-from crankfem.files.engine.mechanism_file import MechanismFile
+from crankfem.analyses.engine_mechanism import MechanismFile
 from dynamics.harmonics import Harmonics, Spectrum, TorqueTable
 from dynamics.torque import (
     EngineTorque,

@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.errors import InputError
 from crankbase.quantity import UNITS, VIBRATING, compact, format_quantity, significant, unit_symbol
 from crankbase.summaries import summarized
+from crankfem.analyses.engine_mechanism import layout_of
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import layout_of
+from crankfem.files.sections.mechanism_sections import load_points
 from dynamics.chains.dampers import TorsionalDamper
 from dynamics.chains.engine_chains import (
     EngineChain,
@@ -21,6 +22,7 @@ from dynamics.chains.engine_chains import (
     throw_inertias,
     torsional_chain,
 )
+from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.crankshaft.surroundings import AxialSupport, EndBody, MainBearings, ShaftSurroundings
 from dynamics.response.linear_system import (
     DEFAULT_MAGNIFIER,
@@ -38,6 +40,8 @@ ASSUMED_PER_DIAMETER = 1e10  # N/m per m
 ASSUMED_RANGE = 10.0
 # Steps of the range on either side of the nominal value: seven values in all.
 STEPS = 3
+# Points of the mean torque of the load over the speed, linear between.
+TORQUES_OVER_SPEED = 241
 
 
 @summarized("nominal [N/m]", "lowest [N/m]", "highest [N/m]", "assumed")
@@ -171,13 +175,46 @@ def engine_torsional_chain(
         inertias,
         engine_file.flywheel.inertia,
         0.0 if free_end is None else free_end.inertia,
-        None if engine_file.driven is None else engine_file.driven.machine(),
+        driven_machine(engine_file),
         loss_factor=loss,
         throw_damping=absolute * on_each,
         cylinders=on_each.tolist(),
         damper=torsional_damper(engine_file),
         shaft_line=engine_file.shaft_lines.get("torsional"),
     )
+
+
+def driven_machine(engine_file: EngineFile) -> DrivenMachine | None:
+    """Return the driven machine; a coupling that varies over the mean torque carries that of the load.
+
+    This is the rated torque times the load's share of it at each speed, unless the file gives another.
+    """
+    if engine_file.driven is None:
+        return None
+    machine, engine, load = (
+        DrivenMachine(**dict(engine_file.driven)),
+        engine_file.engine,
+        engine_file.load,
+    )
+    coupling = machine.variation
+    known = engine.rated_power is not None and engine_file.gas_map is None
+    if coupling is None or coupling.torque is None or coupling.at_torque is not None or not known:
+        return machine
+    assert engine.rated_power is not None
+    speeds = np.linspace(0.0, 1.2 * engine.highest_speed, TORQUES_OVER_SPEED)
+    points = None if load is None else load_points(load)
+    shares: Array = np.ones(speeds.size)
+    if points is not None:
+        mean, at_rated = (
+            np.interp(at, points.speeds, points.mean_pressure)
+            for at in (speeds, engine.rated_speed)
+        )
+        shares = np.asarray(mean / at_rated)
+    elif load is not None and load.law == "propeller":
+        shares = (speeds / engine.rated_speed) ** 2
+    torques = engine.rated_power / engine.rated_speed * shares
+    course = coupling.changed(at_speed=tuple(speeds.tolist()), at_torque=tuple(torques.tolist()))
+    return machine.changed(variation=course)
 
 
 def torsional_damper(engine_file: EngineFile) -> TorsionalDamper | None:
@@ -301,7 +338,7 @@ def shaft_surroundings(
     rods = engine_throw_inertias(engine_file, solids) - solids
     at_each = np.repeat(rods / per_throw, per_throw) / engine_file.throw.crank_radius**2
     thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
-    torsional, driven = engine_file.torsional_damper, engine_file.driven
+    torsional, driven = engine_file.torsional_damper, driven_machine(engine_file)
     supports = [AxialSupport(thrust.section_index, thrust.stiffness)]
     if damper is not None:
         supports.append(AxialSupport(0, damper.stiffness, damper.damping))
@@ -314,7 +351,7 @@ def shaft_surroundings(
         flywheel=flywheel,
         free_end=free_end,
         ring=None if torsional is None else torsional.damper().ring,
-        machine=None if driven is None else driven.machine().ring,
+        machine=None if driven is None else driven.ring,
         pin_masses=tuple(at_each.tolist()),
         torsional_line=engine_file.shaft_lines.get("torsional"),
         axial_line=engine_file.shaft_lines.get("axial"),

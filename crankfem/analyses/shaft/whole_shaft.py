@@ -6,8 +6,10 @@ pins that the file names.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from contextlib import suppress
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -16,21 +18,21 @@ from crankbase.choices import check_choice, check_not_given
 from crankbase.errors import InputError
 from crankbase.frames import table_of
 from crankbase.quantity import RPM, UNBOUNDED, significant
-from crankbase.summaries import summarized
+from crankbase.results import Hertz, Internal, Number, Part, Quantity, Result, Speed, result
 from crankfem.analyses.shaft.chains import MOTION, magnifier_of, shaft_surroundings
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.excitation_sections import PropellerForcesSection
+from dynamics import wording
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.crankshaft.assembly import MOTION_OF, assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
     FREQUENCY_LIMIT,
     RESPONSE_LIMIT,
     ChainVerdict,
-    FlywheelTilt,
+    FlywheelTilts,
     FrequencyDifference,
-    chain_verdict,
     frequency_difference,
     matching_modes,
     matching_response,
@@ -38,6 +40,7 @@ from dynamics.crankshaft.chain_comparison import (
 from dynamics.crankshaft.coupled_response import CoupledResponse, coupled_response
 from dynamics.crankshaft.shaft_modes import (
     CrankshaftSystem,
+    ShaftMode,
     ShaftModes,
     crankshaft_system,
     rotation_ratio,
@@ -46,6 +49,7 @@ from dynamics.crankshaft.surroundings import MainBearings, ShaftThrow
 from dynamics.excitation.chain_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.propeller import propeller_excitation
+from dynamics.indices import within
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.loads import checked_power_balance
@@ -135,6 +139,7 @@ def _damping_ratios(engine_file: EngineFile) -> tuple[float, float, float]:
     return axial, torsional + 0.5 * (damping.loss_factor or 0.0), bending
 
 
+Meters: TypeAlias = Annotated[float, Quantity("m")]
 # Modes are kept up to this multiple of the highest exciting frequency, and so high superelements are
 # made for.
 KEPT_FACTOR = 2.0
@@ -144,9 +149,20 @@ LEAST_FREQUENCY = 200.0
 FREE_END = "main bearing 1 uz"
 
 
-@summarized("modes.frequencies [Hz]", "highest_frequency [Hz]", "rotation_ratios", "remarks")
-@dataclass(frozen=True, eq=False)
-class WholeShaft:
+# Elastic modes that are listed.
+MODES_SHOWN = 12
+
+
+@result("frequency", "rotation_ratio", eq=True)
+class FirstBending(Result):
+    """The lowest elastic mode in which bending has the largest share, and the speed over its frequency."""
+
+    frequency: Hertz
+    rotation_ratio: Number
+
+
+@result("modes.frequencies [Hz]", "highest_frequency", "rotation_ratios", "remarks")
+class WholeShaft(Result):
     """The whole crankshaft of an engine, its modes, and its assumptions.
 
     Attributes
@@ -162,10 +178,10 @@ class WholeShaft:
         Assumptions, a sentence each.
     """
 
-    crankshaft: CrankshaftSystem
-    highest_frequency: float
-    exciting_frequency: float
-    rotation_ratios: FloatArray
+    crankshaft: Internal[CrankshaftSystem]
+    highest_frequency: Hertz
+    exciting_frequency: Internal[float]
+    rotation_ratios: Internal[FloatArray]
     remarks: tuple[str, ...]
 
     @property
@@ -173,16 +189,25 @@ class WholeShaft:
         """Natural modes, classified by their shares."""
         return self.crankshaft.modes
 
-    @property
-    def first_bending(self) -> int | None:
-        """The lowest elastic mode in which bending has the largest share, by its index in the modes."""
-        return self.modes.first("bending")
+    @cached_property
+    def listed_modes(self) -> Annotated[tuple[ShaftMode, ...], Quantity(key="modes")]:
+        """The first ones, rigid ones included."""
+        shown = min(self.modes.rigid + MODES_SHOWN, len(self.modes.names))
+        return tuple(map(self.modes.described, range(shown)))
 
-    @property
-    def bending_ratio(self) -> float | None:
-        """Highest speed of rotation over the frequency of the lowest bending mode; None without one."""
-        first = self.first_bending
-        return None if first is None else float(self.rotation_ratios[first - self.modes.rigid])
+    @cached_property
+    def rotation_ratio(self) -> Number:
+        """That of the first elastic mode."""
+        return float(self.rotation_ratios[0])
+
+    @cached_property
+    def bending(self) -> Part[FirstBending | None]:
+        """The lowest bending mode, if there is one."""
+        first = self.modes.first("bending")
+        if first is None:
+            return None
+        ratio = self.rotation_ratios[first - self.modes.rigid]
+        return FirstBending(float(self.modes.frequencies[first]), float(ratio))
 
     def plot(
         self, axes: "Axes | None" = None, *, mode: int | None = None, radius: float | None = None
@@ -195,9 +220,25 @@ class WholeShaft:
         return self.modes.to_pandas()
 
 
-@summarized("verdicts")
-@dataclass(frozen=True, eq=False)
-class ShaftComparison:
+@result("tangential", "radial", "both", eq=True)
+class AxialSplit(Result):
+    """Largest axial amplitude of the free end [m] by either kind of force and by both, each at its speed."""
+
+    tangential: Meters
+    tangential_speed: Speed
+    radial: Meters
+    radial_speed: Speed
+    both: Meters
+    both_speed: Speed
+
+    @property
+    def speed(self) -> Speed:
+        """That of the largest by both."""
+        return self.both_speed
+
+
+@result("verdicts")
+class ShaftComparison(Result):
     """Coupled vibration of the whole shaft compared with the uncoupled chains of the same engine.
 
     Attributes
@@ -209,20 +250,40 @@ class ShaftComparison:
     differences : tuple of FrequencyDifference
         Causes of the difference between whole shaft and chains, for the first mode of the
         crankshaft itself of each kind, if the whole shaft has a similar one.
-    tilts : tuple of FlywheelTilt
+    flywheel_tilt : FlywheelTilts or None
         Effect of the flywheel's diametral inertia on the same modes.
+    running_range : tuple of two floats
+        Speeds [rad/s] within which amplitudes are compared.
     """
 
-    coupled: CoupledResponse | None
-    axial: ChainVerdict | None = None
-    torsional: ChainVerdict | None = None
+    coupled: Internal[CoupledResponse | None]
+    axial: Internal[ChainVerdict | None] = None
+    torsional: Internal[ChainVerdict | None] = None
     differences: tuple[FrequencyDifference, ...] = ()
-    tilts: tuple[FlywheelTilt, ...] = ()
+    flywheel_tilt: FlywheelTilts | None = None
+    running_range: Internal[tuple[float, float]] = (0.0, math.inf)
 
     @property
     def verdicts(self) -> tuple[ChainVerdict, ...]:
         """Of the compared chains."""
         return tuple(verdict for verdict in (self.axial, self.torsional) if verdict is not None)
+
+    @cached_property
+    def chains(self) -> Part[dict[str, ChainVerdict]]:
+        """The same by the kind of vibration."""
+        return {verdict.kind: verdict for verdict in self.verdicts}
+
+    @cached_property
+    def axial_split(self) -> Part[AxialSplit | None]:
+        """Causes of the axial motion; None if nothing is forced."""
+        if self.coupled is None:
+            return None
+        split, speeds = self.coupled.split(FREE_END), self.coupled.speeds
+        inside = np.flatnonzero(within(speeds, *self.running_range))
+        curves = (split.tangential_sum, split.radial_sum, split.both_sum)
+        worst = [int(inside[np.argmax(curve[inside])]) for curve in curves]
+        peaks = [(curve[at], speeds[at]) for curve, at in zip(curves, worst, strict=True)]
+        return AxialSplit(*(float(part) for peak in peaks for part in peak))
 
     def plot(
         self,
@@ -507,8 +568,9 @@ def compare_with_chains(
         response = None
         if coupled is not None and answer is not None:
             response = matching_response(coupled, chain, answer, running_range)
-        verdicts.append(chain_verdict(matches, response))
-    return ShaftComparison(coupled, verdicts[0], verdicts[1])
+        verdicts.append(ChainVerdict(matches, response))
+    axial_verdict, torsional_verdict = verdicts
+    return ShaftComparison(coupled, axial_verdict, torsional_verdict, running_range=running_range)
 
 
 def with_differences(
@@ -532,20 +594,22 @@ def with_differences(
     """
     if not comparison.verdicts:
         return comparison
-    shaft, found = whole.crankshaft.shaft, []
+    shaft, differences = whole.crankshaft.shaft, []
     for chain, rigid in zip(chains, rigid_chains, strict=True):
         modes = chain.chain.modes()
         first = chain.first_mode(modes)
         if first is None:
             continue
-        number = first - modes.rigid + 1
-        try:
-            found.append(frequency_difference(shaft, chain, rigid, number))
-        except InputError:
-            continue
+        with suppress(InputError):
+            differences.append(frequency_difference(shaft, chain, rigid, first - modes.rigid + 1))
+    flywheel = None
+    if differences:
+        inertias = (float(each[-1]) for each in (shaft.stations.diametral, shaft.stations.polar))
+        tilts = tuple(difference.tilt for difference in differences)
+        flywheel = FlywheelTilts(next(inertias), tilts, next(inertias))
     # Steps lead to one frequency, not to two.
-    whole_ones = tuple(one for one in found if one.further is None)
-    return replace(comparison, differences=whole_ones, tilts=tuple(one.tilt for one in found))
+    undivided = tuple(difference for difference in differences if difference.further is None)
+    return replace(comparison, differences=undivided, flywheel_tilt=flywheel)
 
 
 def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
@@ -559,12 +623,7 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
     differing = [verdict for verdict in comparison.verdicts[::-1] if not verdict.suffices]
     if not differing:
         return ()
-    told = "; ".join(map(_difference, differing))
-    which = "which are" if len(differing) > 1 else f"of which the {differing[0].kind} one is"
-    return (
-        f"The verdict uses lumped models (chains), {which} inadequate here; the whole crankshaft differs: "
-        f"{told}.",
-    )
+    return (wording.differing_chains(list(map(_difference, differing)), differing[0].kind),)
 
 
 def _difference(verdict: ChainVerdict) -> str:
@@ -577,27 +636,15 @@ def _difference(verdict: ChainVerdict) -> str:
             else UNBOUNDED
             for speed, peak in response.peaks
         )
-        return (
-            f"largest {verdict.kind} amplitude of the free end at running speeds {shaft} instead of "
-            f"{chain}"
-        )
+        return wording.differing_amplitude(verdict.kind, shaft, chain)
     for match in verdict.modes:
-        number = match.chain_mode - match.chain_rigid + 1
-        if match.shaft_frequency is None:
-            return f"it has no mode like {verdict.kind} mode {number}"
-        if match.divided:
-            told = " and ".join(f"{frequency:.1f}" for frequency, _ in match.divided)
-            return (
-                f"two modes at {told} Hz instead of {verdict.kind} mode {number} at "
-                f"{match.chain_frequency:.1f} Hz"
-            )
-        if abs(match.difference) > FREQUENCY_LIMIT:
-            return (
-                f"{verdict.kind} mode {number} at {match.shaft_frequency:.1f} instead of "
-                f"{match.chain_frequency:.1f} Hz"
+        if match.divided or not abs(match.difference) <= FREQUENCY_LIMIT:
+            return wording.differing_mode(
+                verdict.kind,
+                match.chain_mode - match.chain_rigid + 1,
+                match.chain_frequency,
+                match.shaft_frequency,
+                [frequency for frequency, _ in match.divided],
             )
     mixed = min(verdict.modes, key=lambda match: match.share)
-    return (
-        f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is only {100.0 * mixed.share:.3g} % "
-        f"{verdict.kind}"
-    )
+    return wording.impure_mode(verdict.kind, mixed.shaft_frequency, mixed.share)

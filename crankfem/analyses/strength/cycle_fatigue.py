@@ -20,11 +20,11 @@ from crankbase.frames import DataFrame, Row, table_of
 from crankbase.quantity import RPM
 from crankbase.results import Number, Part, Quantity, Result, Speed, result
 from crankbase.table import Column, Table
+from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.strength.cycle_loads import CycleLoads, cycle_loads, judged_speeds
 from crankfem.analyses.strength.engine_strength import EngineStrength, engine_strength
 from crankfem.analyses.vibration.misfiring import Cylinders, named
 from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.strength.fatigue import (
     FINDLEY_SOURCE,

@@ -16,6 +16,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Quantity, Result, result
+from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.vibration.engine_excitation import (
@@ -27,7 +28,6 @@ from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.misfiring import Cylinders, Series, Superposition, misfiring_cases
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.engine.forces import mechanism_forces
 from dynamics.gas.pressure import ATMOSPHERE

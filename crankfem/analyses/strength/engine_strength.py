@@ -13,6 +13,7 @@ from crankbase.frames import DataFrame, table_of
 from crankbase.quantity import RPM, UNBOUNDED
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table
+from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.strength.cycle_loads import (
     HIGHEST_ORDER,
     LargestLoad,
@@ -22,9 +23,7 @@ from crankfem.analyses.strength.cycle_loads import (
 )
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
-from dynamics.assessment.wording import shown_range
 from dynamics.response.loads import section_modulus
 from dynamics.strength.concentration import (
     COEFFICIENTS,
@@ -54,6 +53,7 @@ from dynamics.strength.fatigue import (
     hole_equivalent,
 )
 from dynamics.strength.shrink_fit import ShrinkFit
+from dynamics.wording import shown_range
 from fem.fillet_peaks import FilletPeak, FilletStresses, largest_principal, principal_stresses
 from fem.fillet_stress import FilletMesh, fillet_stresses
 from geometry.throw import CrankThrow

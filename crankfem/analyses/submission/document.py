@@ -32,11 +32,11 @@ from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.verdict import Verdict
-from dynamics.assessment.wording import undecided_sentence
 from dynamics.plots.curves import quantity_display
 from dynamics.plots.harmonics import draw_star, finish_stars
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from dynamics.torque import same_stars
+from dynamics.wording import undecided_sentence
 
 # Stars in a row of a picture, and mode shapes in one picture.
 STARS_IN_ROW, SHAPES = 5, 3

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
+from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     engine_harmonics,
@@ -31,7 +32,6 @@ from crankfem.analyses.vibration.misfiring import (
 )
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.sections.excitation_sections import Misfire
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.limits import VibrationLimit

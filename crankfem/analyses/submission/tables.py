@@ -12,6 +12,13 @@ from crankbase.array_checks import ComplexArray, FloatArray
 from crankbase.quantity import UNBOUNDED, format_quantity
 from crankbase.summaries import summarized
 from crankbase.table import Cell, Column, OutputUnit, Table
+from crankfem.analyses.engine_mechanism import (
+    MechanismFile,
+    curve_at,
+    full_load_only,
+    mechanism_of,
+    pressure_maps,
+)
 from crankfem.analyses.submission.firing_cases import (
     GEARS,
     GENERATOR,
@@ -28,13 +35,6 @@ from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import COUPLING
 from crankfem.analyses.vibration.misfiring import Reached
 from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.files.engine.mechanism_file import (
-    MechanismFile,
-    curve_at,
-    full_load_only,
-    mechanism_of,
-    pressure_maps,
-)
 from crankfem.files.sections.excitation_sections import gas_map_load
 from crankfem.files.sections.limits_sections import LimitsInput
 from crankfem.files.sections.mechanism_sections import LoadSection

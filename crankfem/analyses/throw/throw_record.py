@@ -433,8 +433,10 @@ def dimensions_of(throw: Throw) -> CrankThrow | ThrowInFile:
         file=throw.path,
         sha256=throw.digest,
         length=throw.length,
-        pins=tuple(PinInFile(pin.name, pin.axis, 2.0 * pin.radius) for pin in throw.pins),
-        main_journal_diameters=tuple(2.0 * radius for radius in throw.journal_radii),
+        pins=tuple(
+            PinInFile(pin.name, pin.axis, 2.0 * pin.radius) for pin in throw.cylinders[1:-1]
+        ),
+        main_journal_diameters=tuple(2.0 * throw.cylinders[end].radius for end in (0, -1)),
         remarks=throw.remarks,
     )
 

@@ -19,6 +19,7 @@ from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_cha
 from crankfem.analyses.vibration.engine_limits import (
     Findings,
     engine_limits,
+    engine_ranges,
     engine_verdict,
     judges_axial,
     limit_findings,
@@ -32,6 +33,7 @@ from crankfem.analyses.vibration.modes import Vibration
 from crankfem.files.chain.chain_file import PLANT
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
+from dynamics.assessment.barred_ranges import BarredRange
 from dynamics.assessment.limit_rules import BASE_STRENGTH, BASE_YIELD, CRANKSHAFT_STRENGTHS
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import with_resonances
@@ -43,14 +45,23 @@ from dynamics.assessment.uncertainty import (
     frequency_bounds,
     scaled_chain,
 )
-from dynamics.assessment.verdict import Decision, Status, Trial, Verdict, changes, decide
-from dynamics.assessment.wording import conclusion_sentence
+from dynamics.assessment.verdict import (
+    Decision,
+    Status,
+    Trial,
+    Verdict,
+    changes,
+    decide,
+    ranges_to_bar,
+    status_by,
+)
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import within
 from dynamics.response.forced import forced_response
 from dynamics.response.series import synthesis
+from dynamics.wording import conclusion_sentence
 from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
@@ -111,7 +122,8 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
         strong = strength is None and given.get(TENSILE, tensile) > CRANKSHAFT_STRENGTHS[False]
         changed = engine_file.changed(limits={**given, "alloy": limits.alloy or strong})
         own = {limit.name: limit for limit in engine_limits(changed)[0].values()}
-        return engine_verdict(changed, [(own[lim.name], curve) for lim, curve in findings]).status
+        judged_by = [(own[limit.name], curve) for limit, curve in findings]
+        return status_by(engine_ranges(changed, judged_by))
 
     ways: list[list[Trial]] = []
     strongest = {BASE_STRENGTH, *CRANKSHAFT_STRENGTHS.values()}
@@ -387,11 +399,11 @@ def assess(
         for vibration, series in (limited[check.limit.name, check.curve.name],)
     )
 
-    def again(changed: EngineFile, vibrations: Sequence[Vibration]) -> Verdict:
-        return engine_verdict(changed, limit_curves(changed, harmonics, vibrations, shaft))
+    def again(changed: EngineFile, vibrations: Sequence[Vibration]) -> tuple[BarredRange, ...]:
+        return engine_ranges(changed, limit_curves(changed, harmonics, vibrations, shaft))
 
     decision = engine_decision(
-        engine_file, verdict.status, findings, lambda changed: again(changed, chains).status
+        engine_file, verdict.status, findings, lambda changed: status_by(again(changed, chains))
     )
     trials, uncertain = decision.trials, {}
     for vibration, answer in zip(chains, forced, strict=True):
@@ -412,9 +424,9 @@ def assess(
                 )
                 for factor in _factors(spread)
             }
-            tried = dict(sorted((tried | {1.0: verdict}).items()))
+            tried = dict(sorted((tried | {1.0: verdict.started_through + verdict.barred}).items()))
             trials += _source_trials(engine_file, vibration, tried)
-            barred = _joined([other.ranges_to_bar for other in tried.values()])
+            barred = _joined([ranges_to_bar(ranges) for ranges in tried.values()])
         uncertain[vibration.kind] = _uncertainty(engine_file, answer, spreads, held, barred)
     return Assessment(
         verdict=replace(verdict, checks=tuple(checks), worst=worst),
@@ -428,9 +440,9 @@ def assess(
 
 
 def _source_trials(
-    engine_file: EngineFile, vibration: Vibration, tried: Mapping[float, Verdict]
+    engine_file: EngineFile, vibration: Vibration, tried: Mapping[float, Sequence[BarredRange]]
 ) -> tuple[Trial, ...]:
-    """The verdicts by the factor on the compliances of one kind, 1 for those used."""
+    """The status by the factor on the compliances of one kind, 1 for those used."""
     kind, source = vibration.kind, vibration.chosen.source
     ranged = getattr(engine_file.ranges, f"{kind}_compliance", None) is not None
     return tuple(
@@ -439,11 +451,11 @@ def _source_trials(
             name=f"{kind} compliance, ratio to that by {SOURCES.get(source, source)}",
             value=factor,
             unit="",
-            status=verdict.status,
+            status=status_by(ranges),
             taken=factor == 1.0,
             why="the range given" if ranged else "the error of its source",
         )
-        for factor, verdict in tried.items()
+        for factor, ranges in tried.items()
     )
 
 

@@ -11,6 +11,15 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
+from crankfem.analyses.engine_mechanism import (
+    MechanismFile,
+    curve_at,
+    full_load_only,
+    mechanism_of,
+    motored_for_misfire,
+    pressure_maps,
+    pressures_at,
+)
 from crankfem.analyses.shaft.chains import (
     damped_engine_chain,
     engine_axial_chain,
@@ -33,19 +42,7 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import (
-    MechanismFile,
-    curve_at,
-    full_load_only,
-    mechanism_of,
-    pressure_maps,
-    pressures_at,
-)
-from crankfem.files.sections.excitation_sections import (
-    gas_map_load,
-    gas_map_pressure,
-    motored_for_misfire,
-)
+from crankfem.files.sections.excitation_sections import gas_map_load, gas_map_pressure
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.critical import engine_orders
 from dynamics.excitation.chain_excitation import (

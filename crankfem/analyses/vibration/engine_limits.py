@@ -16,7 +16,12 @@ from crankfem.analyses.shaft.chains import engine_throw_inertias, engine_torsion
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.engine_sections import Engine
 from crankfem.files.sections.limits_sections import LimitsInput, ShaftLimitInput
-from dynamics.assessment.barred_ranges import limit_end_speed
+from dynamics.assessment.barred_ranges import (
+    BarredRange,
+    BarredRangeRule,
+    barred_ranges,
+    limit_end_speed,
+)
 from dynamics.assessment.limit_rules import (
     BASE_STRENGTH,
     BASE_YIELD,
@@ -322,12 +327,21 @@ def limit_findings(
 
 def engine_verdict(engine_file: EngineFile, findings: Findings) -> Verdict:
     """Compare an engine's vibration, as `limit_findings` returns it, with its limits."""
-    engine = engine_file.engine
+    return judge(findings, *_judged_by(engine_file))
+
+
+def engine_ranges(engine_file: EngineFile, findings: Findings) -> tuple[BarredRange, ...]:
+    """Return the ranges of an `engine_verdict` alone, which decide its status."""
+    running, rule, full_load = _judged_by(engine_file)
+    return barred_ranges(findings, rule, running, full_load)
+
+
+def _judged_by(engine_file: EngineFile) -> tuple[tuple[float, float], BarredRangeRule, bool]:
+    """Return running range, rule, and whether the load is full load at all speeds."""
+    engine, load = engine_file.engine, engine_file.load
     rule = (engine_file.limits or LimitsInput()).barred_rule(engine.rated_speed)
-    running = (engine.lowest_speed, engine.highest_speed)
-    load = engine_file.load
     full_load = engine_file.gas_map is None and (load is None or load.law == "constant")
-    return judge(findings, running, rule, full_load)
+    return (engine.lowest_speed, engine.highest_speed), rule, full_load
 
 
 def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float | None:

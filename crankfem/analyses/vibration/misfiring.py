@@ -13,6 +13,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Row, table_of
 from crankbase.quantity import format_quantity, format_usage
 from crankbase.results import Flat, InItsUnit, Internal, Part, Quantity, Result, Speed, result
+from crankfem.analyses.engine_mechanism import MechanismFile
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     failing_harmonics,
@@ -26,7 +27,6 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains, cause_at
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import (
     NEARLY_LARGEST,
@@ -34,11 +34,11 @@ from dynamics.assessment.response_curves import (
     refined_maxima,
     speeds_above,
 )
-from dynamics.assessment.wording import limit_at, shown_range, use_in_words
 from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics, forces_at_speeds
 from dynamics.indices import within
 from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
+from dynamics.wording import limit_at, shown_range, use_in_words
 
 DIGITS = 3
 # Numbers of cylinders that fail together, from 1.
@@ -198,7 +198,7 @@ class FiringCheck(Result):
         if limit is None or np.isinf(reached.permitted):
             use = f"at most {self._amount(reached)}"
         else:
-            use = use_in_words(limit, reached.speed, reached.value, reached.permitted, DIGITS)
+            use = use_in_words(limit.unit, reached.speed, reached.value, reached.permitted, DIGITS)
             use += self._by_the_other(limit, reached)
         elsewhere = "" if normal.place == reached.place else f", {normal.place}"
         return (
@@ -514,10 +514,13 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
     exceeded, unkept = none, none
     kept: dict[str, NDArray[np.bool_]] = {}
     alone: dict[str, tuple[Reached, Cylinders]] = {}
+    stresses: dict[tuple[str, Cylinders], OrderSeries] = {}
     for case, found in added.at(speeds, [(), *cases]):
         for key, series in found.items():
             limit = quantities[key].while_firing(case)
             each.setdefault(key, {})[case] = worst_of(series, limit)
+            if quantities[key].unit == "Pa":
+                stresses[key, case] = series
             if limit is None:
                 continue
             if not case:
@@ -532,8 +535,11 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
     worst = {
         key: max(cases, key=lambda case: by_case[case].severity) for key, by_case in each.items()
     }
-    stresses = (key for key in each if quantities[key].unit == "Pa")
-    drawn = max(stresses, key=lambda key: each[key][worst[key]].used, default=None)
+    drawn = max(
+        dict.fromkeys(key for key, _ in stresses),
+        key=lambda key: each[key][worst[key]].used,
+        default=None,
+    )
     checks = [
         FiringCheck(
             quantity=quantities[key].name,
@@ -543,9 +549,11 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
             cylinders=worst[key],
             misfiring=by_case[worst[key]],
             each={case: reached_in_case for case, reached_in_case in by_case.items() if case},
-            over_speed=_over_speed(added, speeds, key, worst[key], by_case[worst[key]].place)
-            if key == drawn
-            else None,
+            over_speed=None
+            if key != drawn
+            else _over_speed(
+                stresses[key, ()], stresses[key, worst[key]], by_case[worst[key]].place
+            ),
             new=_new(added, key, by_case, worst[key], alone.get(key)),
         )
         for key, by_case in each.items()
@@ -615,14 +623,13 @@ def _between(
 
 
 def _over_speed(
-    added: Superposition, speeds: FloatArray, key: str, case: Cylinders, place: str
+    firing: OrderSeries, failing: OrderSeries, place: str
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return speeds, and the amplitude at a place in normal firing and in one case of misfiring."""
-    normal, failing = (
-        at_place(series[key], place).synthesis.amplitude[:, 0]
-        for _, series in added.at(speeds, [(), case])
+    """Return speeds, and the amplitude at a place in normal firing and in a case of misfiring."""
+    normal, worst = (
+        at_place(series, place).synthesis.amplitude[:, 0] for series in (firing, failing)
     )
-    return speeds, normal, failing
+    return firing.speeds, normal, worst
 
 
 def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, float], ...]:

@@ -10,7 +10,6 @@ from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes, plain
 from crankfem.analyses.shaft.chains import MOTION
-from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.shaft.whole_shaft import not_comparable
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
 from crankfem.analyses.vibration.axial_cycle import axial_cycle_record
@@ -18,11 +17,10 @@ from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.analyses.vibration.whole_verdict import whole_criticals
+from crankfem.analyses.vibration.whole_verdict import WholeVibration, whole_criticals
 from crankfem.files.engine.mechanism_cylinders import firing_evenness, firing_sentence
 from dynamics.assessment.verdict import Verdict
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
-from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.excitation.chain_excitation import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
@@ -103,7 +101,6 @@ def run_record(run: EngineVibration) -> Record:
     Null for results that were not calculated.
     """
     forced = (run.forced_axial, run.forced_torsional)
-    running = (run.engine_file.engine.lowest_speed, run.engine_file.engine.highest_speed)
     evenness = firing_evenness(run.engine_file.engine)
     return {
         "firing": firing_sentence(run.engine_file.engine),
@@ -123,49 +120,14 @@ def run_record(run: EngineVibration) -> Record:
         "misfiring": run.misfiring,
         "misfiring_note": run.misfiring_note or None,
         "whole": None
-        if run.whole is None
-        else whole_record(run.whole, run.comparison, running)
-        | {"criticals": _whole_criticals(run, running[1])},
+        if run.whole is None or run.comparison is None
+        else WholeVibration(
+            run.whole,
+            run.comparison,
+            whole_criticals(run.engine_file, run.comparison, run.torsional.chosen.chain),
+        ),
         "not_comparable": not_comparable(run.engine_file) or None,
         "bearings": None if run.bearings is None else sweep_record(run.bearings),
-    }
-
-
-def _whole_criticals(run: EngineVibration, highest: float) -> Record:
-    """Return the whole crankshaft's critical speeds of each kind whose chain is inadequate."""
-    if run.comparison is None:
-        return {}
-    criticals_by_kind = whole_criticals(run.engine_file, run.comparison, run.torsional.chosen.chain)
-    return plain(
-        {
-            kind: {
-                "left_out": left_out,
-                "peaks": [
-                    {
-                        **attributes(critical, "order", "place"),
-                        "value": critical.amplitude,
-                        **_mode_at_resonance(critical, run.comparison.coupled),
-                        "share": critical.severity,
-                        "speed_rpm": critical.speed_rpm,
-                        "in_running_range": critical.speed <= highest * (1.0 + 1e-9),
-                        "unit": "m" if kind == "axial" else "N m",
-                    }
-                    for critical in criticals
-                ],
-            }
-            for kind, (criticals, left_out) in criticals_by_kind.items()
-        }
-    )
-
-
-def _mode_at_resonance(critical: DampedCritical, coupled: CoupledResponse | None) -> Record:
-    """Return number, undamped frequency [Hz] and damping ratio of the mode that makes a peak, if one does."""
-    if coupled is None or not critical.in_band:
-        return {"mode": 0, "frequency": None, "damping_ratio": None}
-    return {
-        "mode": critical.mode,
-        "frequency": coupled.total.system.elastic_frequencies[critical.mode - 1],
-        "damping_ratio": critical.damping_ratio,
     }
 
 

@@ -11,6 +11,7 @@ from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.summaries import summarized
+from crankfem.analyses.engine_mechanism import MechanismFile, layout_of, mechanism_of
 from crankfem.analyses.shaft.sources import compliances_in_shaft, usable_model
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
 from crankfem.analyses.shaft.whole_shaft import (
@@ -42,7 +43,6 @@ from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.analyses.vibration.whole_verdict import with_bearings, with_whole_shaft
 from crankfem.files.engine.engine_file import EngineFile, load_engine
-from crankfem.files.engine.mechanism_file import MechanismFile, layout_of, mechanism_of
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
@@ -303,8 +303,9 @@ def engine_vibration(
             misfiring = misfiring.outside(assessment.verdict.ranges_to_bar)
     if whole is not None:
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
+        running = (read.engine.lowest_speed, read.engine.highest_speed)
         comparison = (
-            ShaftComparison(answer)
+            ShaftComparison(answer, running_range=running)
             if not_comparable(read)
             else compare_with_chains(
                 whole,
@@ -313,7 +314,7 @@ def engine_vibration(
                 answer,
                 None if lengthened is None else lengthened.response,
                 None if twisted is None else twisted.response,
-                (read.engine.lowest_speed, read.engine.highest_speed),
+                running,
             )
         )
         rigid = held_chains(read, analyses, model, math.inf)

@@ -10,9 +10,9 @@ from crankbase.quantity import RPM, UNBOUNDED
 from crankbase.table import SI, Cell, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.chains import MOTION
-from dynamics.assessment.wording import limit_at
 from dynamics.chains.engine_chains import FREE_END
 from dynamics.response.damped_criticals import LEAST_PEAK
+from dynamics.wording import limit_at
 
 # What a table shows; files hold everything.
 ROWS_SHOWN = 12

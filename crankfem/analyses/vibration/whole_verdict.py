@@ -3,10 +3,17 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
-from crankfem.analyses.shaft.whole_shaft import ShaftComparison, not_comparable, whole_shaft_remark
+from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, Speed, result
+from crankfem.analyses.shaft.whole_shaft import (
+    ShaftComparison,
+    WholeShaft,
+    not_comparable,
+    whole_shaft_remark,
+)
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.engine_limits import (
@@ -19,13 +26,12 @@ from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.response_curves import curves_of
 from dynamics.assessment.verdict import Decision, LimitCheck, Verdict, decide
-from dynamics.assessment.wording import limit_at, use_in_words
 from dynamics.chains.engine_chains import FLYWHEEL, FREE_END, EngineChain
 from dynamics.chains.varying import VaryingSpring
 from dynamics.crankshaft.coupled_response import CoupledResponse, shaft_criticals
-from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.loads import ElementLoads, LinearQuantities
 from dynamics.response.series import OrderSeries
+from dynamics.wording import limit_at, use_in_words
 
 DIGITS = 3
 REMEDY = (
@@ -117,25 +123,93 @@ class WholeTorsion:
         return ElementLoads(replace(elastic, values=total), elastic, ground=none, dashpots=none)
 
 
+@result("order", "place", "value", "speed")
+class WholeCritical(Result):
+    """A critical speed of the whole crankshaft.
+
+    Attributes
+    ----------
+    value : float
+        Amplitude of the order at its place; inf where unbounded.
+    mode : int
+        That makes the peak, with its undamped frequency [Hz] and share of critical damping; 0 for none.
+    share : float
+        Of the largest amplitude at the place.
+    """
+
+    order: Number
+    place: str
+    value: InItsUnit
+    mode: int
+    frequency: Annotated[float | None, Quantity("Hz")]
+    damping_ratio: Annotated[float | None, Quantity("1")]
+    share: Number
+    speed: Speed
+    in_running_range: bool
+    unit: str
+
+
+@result("peaks", "left_out")
+class WholeCriticals(Result):
+    """Critical speeds of the whole crankshaft in one kind of vibration, and how many are too small."""
+
+    left_out: int
+    peaks: tuple[WholeCritical, ...]
+
+
+@result("shaft", "comparison")
+class WholeVibration(Result):
+    """The whole crankshaft of an engine beside its chains.
+
+    Attributes
+    ----------
+    criticals : dict of str to WholeCriticals
+        By kind: of those whose chain is inadequate.
+    """
+
+    shaft: Flat[WholeShaft]
+    comparison: Flat[ShaftComparison]
+    criticals: dict[str, WholeCriticals]
+
+
 def whole_criticals(
     engine_file: EngineFile, comparison: ShaftComparison, cranks: EngineChain
-) -> dict[str, tuple[tuple[DampedCritical, ...], int]]:
-    """Return the whole crankshaft's critical speeds and the number of small ones left out, by kind.
+) -> dict[str, WholeCriticals]:
+    """Return the whole crankshaft's critical speeds, by the kinds of vibration whose chain is inadequate.
 
-    Of the kinds whose chain is inadequate: torques [N m] in the elements of the torsional chain, axial
-    motions [m] of the main bearings, from the lowest running speed to the highest one judged.
+    Torques [N m] in the elements of the torsional chain, axial motions [m] of the main bearings, from the
+    lowest running speed to the highest one judged.
     """
     coupled = comparison.coupled
     if coupled is None:
         return {}
-    criticals: dict[str, tuple[tuple[DampedCritical, ...], int]] = {}
-    ends = assessment_end_speeds(engine_file)
-    for verdict in comparison.verdicts:
+    ends, frequencies = assessment_end_speeds(engine_file), coupled.total.system.elastic_frequencies
+    highest = engine_file.engine.highest_speed * (1.0 + 1e-9)
+    criticals = {}
+    for kind, verdict in comparison.chains.items():
         if verdict.suffices:
             continue
-        torsional = verdict.kind == "torsional"
+        torsional = kind == "torsional"
         quantities = whole_torques(coupled, cranks) if torsional else coupled.axial_motions
-        criticals[verdict.kind] = shaft_criticals(coupled, quantities, (ends[0], ends[-1]))
+        peaks, left_out = shaft_criticals(coupled, quantities, (ends[0], ends[-1]))
+        criticals[kind] = WholeCriticals(
+            left_out,
+            tuple(
+                WholeCritical(
+                    order=peak.order,
+                    place=peak.place,
+                    value=peak.amplitude,
+                    mode=peak.mode if peak.in_band else 0,
+                    frequency=float(frequencies[peak.mode - 1]) if peak.in_band else None,
+                    damping_ratio=peak.damping_ratio if peak.in_band else None,
+                    share=peak.severity,
+                    speed=peak.speed,
+                    in_running_range=peak.speed <= highest,
+                    unit="N m" if torsional else "m",
+                )
+                for peak in peaks
+            ),
+        )
     return criticals
 
 
@@ -257,7 +331,9 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
 
 
 def _use(check: LimitCheck) -> str:
-    return use_in_words(check.limit, check.worst_speed, check.worst_value, check.permitted, DIGITS)
+    return use_in_words(
+        check.limit.unit, check.worst_speed, check.worst_value, check.permitted, DIGITS
+    )
 
 
 def decision_by_both(decision: Decision, whole: Verdict, chains: Verdict) -> Decision:

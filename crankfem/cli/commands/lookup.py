@@ -14,7 +14,7 @@ from crankfem.cli.console import print_json, print_line, print_table
 
 if TYPE_CHECKING:
     from crankbase.table import OutputUnits
-    from crankfem.analyses.study.nominal_throw import Kind
+    from crankfem.analyses.engine_optimum import Kind
     from regression.models.compliance_model import ComplianceModel
     from regression.models.lookup import Lookup
     from regression.optimum import Limit, Optimum
@@ -324,7 +324,7 @@ def _frequency_limits(
                 f"--first-{kind}-frequency: given for a model without {kind}_compliance; allowed is a model "
                 "with it, because the frequency follows from it."
             )
-    from crankfem.analyses.study.nominal_throw import engine_frequencies, frequency_limit
+    from crankfem.analyses.engine_optimum import engine_frequencies, frequency_limit
     from crankfem.files.engine.engine_file import load_engine
 
     frequencies = engine_frequencies(load_engine(engine))

@@ -48,6 +48,7 @@ def mechanism(
     out: Output,
 ) -> None:
     """Calculate forces in the crank mechanism, bearing loads, and the balance of the engine."""
+    from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_inputs
     from crankfem.analyses.mechanism.balance_records import (
         balance_parts,
         hinged_rod_table,
@@ -69,7 +70,6 @@ def mechanism(
     from crankfem.analyses.titles import at_speed
     from crankfem.cli.arguments import parse_speed
     from crankfem.cli.console import write_columns
-    from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_inputs
     from crankfem.jobs.outputs import check_outputs
     from crankfem.report.interactive.mechanism import MECHANISM
 
@@ -259,15 +259,15 @@ def _torque_table_harmonics(source: str, asked: _Request) -> "TableHarmonics":
 
 def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
     from crankfem.analyses import titles
-    from crankfem.analyses.mechanism.plots import FILES, picture_torque
-    from crankfem.analyses.mechanism.torque_harmonics import engine_harmonics
-    from crankfem.cli.arguments import parse_speed
-    from crankfem.files.engine.mechanism_file import (
+    from crankfem.analyses.engine_mechanism import (
         full_load_only,
         load_mechanism,
         mechanism_inputs,
         pressures_at,
     )
+    from crankfem.analyses.mechanism.plots import FILES, picture_torque
+    from crankfem.analyses.mechanism.torque_harmonics import engine_harmonics
+    from crankfem.cli.arguments import parse_speed
     from crankfem.jobs.outputs import check_outputs
     from dynamics.torque import engine_torque, pin_force_harmonics
 

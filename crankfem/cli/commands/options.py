@@ -206,7 +206,7 @@ def exit_unless_acceptable(vibration: dict[str, Any]) -> None:
     SystemExit
         With code 4 if the verdict is "not acceptable" for all assumptions, with 5 if it is undecided.
     """
-    from dynamics.assessment.wording import undecided_sentence  # here: numpy takes its time
+    from dynamics.wording import undecided_sentence  # here: numpy takes its time
 
     assessment = vibration["assessment"]
     decision = assessment["decision"]

@@ -71,7 +71,8 @@ def vibration(
         _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
         return
     from crankbase.outputs import protect
-    from crankfem.analyses.record import with_units
+    from crankfem.analyses.engine_mechanism import engine_inputs, mechanism_of
+    from crankfem.analyses.record import plain, with_units
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
     from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
@@ -81,7 +82,6 @@ def vibration(
     from crankfem.cli.console import write_columns
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up, print_verdict
     from crankfem.files.engine.engine_file import load_engine
-    from crankfem.files.engine.mechanism_file import engine_inputs, mechanism_of
     from crankfem.jobs.outputs import make_output_folder
 
     if run_up is not None:
@@ -111,7 +111,7 @@ def vibration(
         drawn = make_output_folder("--pictures", pictures, names)
     console.print_warnings(mechanism.warnings, out.units)
     with console.RunProgress(out.quiet) as progress:
-        run = engine_vibration(read, coupled=coupled, step=progress.step)
+        run = engine_vibration(read, mechanism=mechanism, coupled=coupled, step=progress.step)
         speed_up = None
         if duration is not None:
             progress.step("Running up")
@@ -131,7 +131,8 @@ def vibration(
         if speed_up is not None:
             written.append(drawn / "run_up.svg")
             picture_run_up(written[-1], run, speed_up)
-    record = with_units(run_record(run) | ({} if speed_up is None else {"run_up": speed_up}))
+    results = run_record(run) | ({} if speed_up is None else {"run_up": speed_up})
+    record = with_units(results) if out.json else plain(results)
     if out.json:
         print_json(record | {"files": [str(path) for path in written]})
     else:

@@ -32,7 +32,7 @@ from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.chain.chain_file import ChainFile
 from crankfem.report.conclusions import conclusions, reached_and_permitted, verdict_line
 from crankfem.report.summary import engine_facts, worst_of_each
-from dynamics.assessment.wording import VERDICTS
+from dynamics.wording import VERDICTS
 
 if TYPE_CHECKING:
     from crankfem.analyses.strength.engine_strength import EngineStrength

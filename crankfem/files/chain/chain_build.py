@@ -1,7 +1,7 @@
 """The sections of a chain file, and the chain that they make."""
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import GenericAlias
 from typing import Any, ClassVar, Literal, cast
 
@@ -18,7 +18,7 @@ from crankfem.files.sections.vibration_sections import (
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.editing import with_damper
 from dynamics.chains.shaft_line import ShaftCone, shaft_cylinder, shaft_flange
-from dynamics.chains.varying import Variation, Varying
+from dynamics.chains.varying import Variation, Varying, VaryingPart, varied
 from fem.material import Material
 
 Numbers = float | tuple[float, ...]
@@ -220,7 +220,7 @@ class _Row:
     damping: float
     loss_factor: float
     distributed_inertia: float
-    variation: Variation | None = None
+    law: VaryingPart | None = None
 
 
 def chain_of(section: Section, material: Material) -> Chain:
@@ -273,32 +273,26 @@ def chain_of(section: Section, material: Material) -> Chain:
         with errors.noted():
             place(f"dampers[{k}].node", part.node)
     errors.tell()
+    grounds = [
+        varied(node.variation, node.ground_stiffness, damping=node.ground_damping)
+        for node in values
+    ]
+    laws = [Varying(k, row.law) for k, row in enumerate(rows) if row.law is not None]
+    laws += [Varying(k, law, True) for k, (*_, law) in enumerate(grounds) if law is not None]
     chain = Chain(
         [_inertia(node) for node in values],
         [row.stiffness for row in rows],
-        [node.ground_stiffness for node in values],
+        [ground[0] for ground in grounds],
         connections=[(number_of[row.left], number_of[row.right]) for row in rows],
         damping=[row.damping for row in rows],
         loss_factor=[row.loss_factor for row in rows],
-        ground_damping=[node.ground_damping for node in values],
+        ground_damping=[ground[2] for ground in grounds],
         distributed_inertia=[row.distributed_inertia for row in rows],
         dashpots=dashpots,
         gears=gears,
+        varying=laws,
         names=order,
     )
-    laws = [
-        Varying(k, row.variation.of(row.stiffness, row.loss_factor, row.damping))
-        for k, row in enumerate(rows)
-        if row.variation is not None
-    ]
-    laws += [
-        Varying(
-            k, node.variation.of(node.ground_stiffness, 0.0, node.ground_damping), to_ground=True
-        )
-        for k, node in enumerate(values)
-        if node.variation is not None
-    ]
-    chain = replace(chain, varying=tuple(laws))
     for k, part in enumerate(section.dampers):
         chain = with_damper(chain, part.node, part.damper(f"chain.dampers[{k}]"))
     return chain
@@ -439,15 +433,10 @@ def _spring(section: Section, number: int, element: Element, left: str, right: s
         UNITS[section.kind]["stiffness"],
         "a spring without stiffness cuts the chain in two",
     )
-    return _Row(
-        left,
-        right,
-        stiffness,
-        element.damping,
-        element.loss_factor,
-        element.distributed_inertia,
-        element.variation,
+    stiffness, loss_factor, damping, law = varied(
+        element.variation, stiffness, element.loss_factor, element.damping
     )
+    return _Row(left, right, stiffness, damping, loss_factor, element.distributed_inertia, law)
 
 
 def _check_shape(number: int, element: Element, shape: str) -> None:

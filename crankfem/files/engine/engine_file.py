@@ -56,12 +56,12 @@ from crankfem.files.sections.vibration_sections import (
     AxialDamperSection,
     Bearings,
     Damping,
-    Driven,
     ShaftLineFiles,
     TorsionalDamperSection,
 )
 from crankfem.files.study_file import StudySection, study_plan
 from dynamics.chains.chain import Chain
+from dynamics.chains.shaft_line import Driven
 from fem.material import STEEL, Material
 from geometry.crankshaft import ShaftEnds
 from geometry.throw import CrankThrow

@@ -1,6 +1,5 @@
 """Sections of engine files about excitation: pressure map, misfire and propeller forces."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
 
@@ -11,17 +10,9 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.quantity import PER_MINUTE
 from crankfem.files.reading.data_files import InputFiles, torque_path
-from crankfem.files.sections.mechanism_sections import Gas, motored_pressures
-from dynamics.engine.forces import piston_position
-from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.pressure_map import Load, PressureMap, pressure_map, propeller_load
 from dynamics.excitation.propeller import PropellerForces
-from dynamics.gas.pressure import (
-    GasPressure,
-    cylinder_volume,
-    motored_from_compression,
-    read_pressure_table,
-)
+from dynamics.gas.pressure import GasPressure, read_pressure_table
 from dynamics.harmonics import TorqueTable, read_torque_table
 
 
@@ -205,37 +196,6 @@ def gas_map_load(section: GasMap, rated_speed: float) -> Load | None:
     if section.law == "constant":
         return section.rated_load
     return propeller_load(rated_speed, section.rated_load, measure=section.measure)
-
-
-def motored_for_misfire(
-    gas: Gas, layout: EngineLayout, pressure: Sequence[GasPressure]
-) -> tuple[GasPressure, ...]:
-    """Return the pressure in each cylinder without combustion.
-
-    Parameters
-    ----------
-    gas : Gas
-        The section of the engine file.
-    pressure : sequence of n GasPressure
-        Of the firing cylinders.
-
-    Returns
-    -------
-    tuple of n GasPressure
-        Of the cycle model without heat, or from the compression of the pressure table with the
-        section's compression ratio.
-    """
-    if gas.pressure_table is None:
-        return motored_pressures(gas, layout)
-    return tuple(
-        motored_from_compression(
-            firing,
-            cylinder_volume(piston_position(layout, number), cylinder.area, gas.compression_ratio),
-        )
-        for number, (firing, cylinder) in enumerate(
-            zip(pressure, layout.cylinders, strict=True), start=1
-        )
-    )
 
 
 def load_torque_table(path: str | Path, *, strokes: int | None = None) -> TorqueTable:

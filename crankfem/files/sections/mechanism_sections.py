@@ -1,8 +1,7 @@
-"""Pistons, rods, gas and load of an engine file, and the pressure in each cylinder that they mean."""
+"""Pistons, rods, gas and load of an engine file."""
 
 import math
-from collections.abc import Callable
-from typing import Any, ClassVar, Literal, Self, TypeVar
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -10,19 +9,9 @@ from pydantic import Field, model_validator
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.quantity import PER_MINUTE, format_quantity
-from crankfem.files.reading.data_files import InputFiles
-from dynamics.engine import forces
-from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.pressure_map import LoadPoints
-from dynamics.gas.gas_cycle import (
-    USUAL_VALUES,
-    FullLoad,
-    GasCycle,
-    GasCycleResult,
-    name_fields,
-    name_of_field,
-)
-from dynamics.gas.pressure import ATMOSPHERE, HIGHEST_PEAK, GasPressure, read_pressure_table
+from dynamics.gas.gas_cycle import USUAL_VALUES, name_of_field
+from dynamics.gas.pressure import ATMOSPHERE
 
 
 def _check_share(section: str, share: float, whole: float) -> None:
@@ -208,34 +197,6 @@ class Gas(InputModel):
         return self
 
 
-Result = TypeVar("Result")
-
-
-def cylinder_pressures(
-    gas: Gas, layout: EngineLayout, files: InputFiles
-) -> tuple[GasPressure, ...]:
-    """Return the pressure in each cylinder over the angle from its firing top."""
-    if gas.pressure_table is not None:
-        table = files.named("gas.pressure_table", gas.pressure_table, "tables")
-        return (read_pressure_table(table, layout.strokes),) * len(layout.cylinders)
-    return tuple(cycle.pressure for cycle in full_load_cycles(gas, layout))
-
-
-def full_load_cycles(gas: Gas, layout: EngineLayout) -> tuple[GasCycleResult, ...]:
-    """Return the cycle in each cylinder that reaches what a section without a pressure table gives."""
-    return _of_section(gas, layout, forces.full_load_cycles)
-
-
-def motored_pressures(gas: Gas, layout: EngineLayout) -> tuple[GasPressure, ...]:
-    """Return the pressure in each cylinder of the engine turned without combustion."""
-    return _of_section(gas, layout, forces.motored_pressures)
-
-
-def assumed_cycle(gas: Gas, layout: EngineLayout) -> GasCycle:
-    """Return the parameters of the cycle model that a file's pressure comes from."""
-    return _of_section(gas, layout, forces.full_load_parameters)[0]
-
-
 def given_of_cycle(section: InputModel) -> dict[str, float]:
     """Return what a section gives of the cycle's parameters, angles in degrees."""
     fields = {name: getattr(section, name_of_field(name), None) for name in USUAL_VALUES}
@@ -244,31 +205,6 @@ def given_of_cycle(section: InputModel) -> dict[str, float]:
         for name, value in fields.items()
         if value is not None
     }
-
-
-def _of_section(
-    gas: Gas, layout: EngineLayout, calculate: Callable[[FullLoad, EngineLayout], Result]
-) -> Result:
-    """Calculate from the section's values; errors name its fields and pressures above ambient."""
-    peak = None if gas.peak_pressure is None else gas.peak_pressure + ATMOSPHERE
-    above = "" if gas.peak_pressure is None else format_quantity(gas.peak_pressure, "Pa")
-    if peak is not None and peak > HIGHEST_PEAK:
-        raise InputError(
-            f"gas.peak_pressure: given {above} above ambient; allowed is "
-            f"{format_quantity(HIGHEST_PEAK, 'Pa')} absolute at most, because no piston engine withstands "
-            "more."
-        )
-    load = FullLoad(gas.compression_ratio, given_of_cycle(gas), peak, gas.mean_effective_pressure)
-    try:
-        return calculate(load, layout)
-    except InputError as error:
-        text = name_fields(error)
-        if peak is not None and text.startswith("peak"):
-            absolute = format_quantity(peak, "Pa")
-            text = text.replace(
-                f"given {absolute}; allowed are", f"given {above} above ambient; allowed in all are"
-            )
-        raise InputError(f"gas.{text}") from None
 
 
 class LoadPoint(InputModel):

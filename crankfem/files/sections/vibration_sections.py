@@ -5,9 +5,8 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
-from crankbase.model import InputModel, part_field, quantity_field
+from crankbase.model import InputModel, field_of, part_field, quantity_field, range_text
 from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
-from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.chains.varying import Variation
 
 
@@ -56,32 +55,6 @@ class Damping(InputModel):
     def damps_torsion(self) -> bool:
         """Whether cylinders or throws have damping of their own."""
         return bool(self.cylinder_damping or self.loss_factor)
-
-
-class Driven(InputModel):
-    """Driven machine behind a coupling at the flywheel."""
-
-    section: ClassVar[str] = "driven"
-
-    inertia: float = quantity_field(
-        "inertia of the driven machine, referred to the crankshaft", "kg m^2", 1e-9, 1e8
-    )
-    coupling_stiffness: float = quantity_field(
-        "torsional stiffness of the coupling", "N m/rad", 1e-4, 1e12
-    )
-    coupling_loss_factor: float = quantity_field(
-        "loss factor of the coupling", "", 0.0, 2.0, default=0.0
-    )
-    variation: Variation | None = part_field("how the coupling varies", Variation)
-
-    def machine(self) -> DrivenMachine:
-        """Return the machine behind its coupling."""
-        return DrivenMachine(
-            self.inertia,
-            self.coupling_stiffness,
-            coupling_loss_factor=self.coupling_loss_factor,
-            coupling_variation=self.variation,
-        )
 
 
 class Bearings(InputModel):
@@ -148,6 +121,34 @@ class ShaftLineFiles(InputModel):
 
 
 TorsionalKind = Literal["viscous", "rubber"]
+DAMPERS: dict[str, type[TorsionalDamper]] = {"viscous": ViscousDamper, "rubber": RubberDamper}
+
+
+def _of_kind(kind: str, name: str) -> Any:
+    """Declare a field that one kind of damper has."""
+    model = DAMPERS[kind]
+    text = f"{model.model_fields[name].description}, for kind {kind}"
+    return field_of(model, name, default=None, description=text, feature=True)
+
+
+def damper_of(kind: str, known: dict[str, Any], field: str) -> TorsionalDamper:
+    """Return the damper of a kind from the fields of a record; messages call it `field`."""
+    model = DAMPERS[kind]
+    data = {name: known[name] for name in known if known[name] is not None}
+    for name in data.keys() - model.model_fields.keys():
+        if any(name in other.model_fields for other in DAMPERS.values()):
+            raise InputError(
+                f"{field}.{name}: given for a {kind} damper; allowed is another kind, because this one "
+                "has no such part."
+            )
+    for name, info in model.model_fields.items():
+        if info.is_required() and name not in data:
+            raise InputError(
+                f"{field}.{name}: missing; allowed is {range_text(info)} for a {kind} damper."
+            )
+    return model(**{name: data[name] for name in data if name in model.model_fields})
+
+
 # The data of each kind in an engine file, beside the inertia of the ring.
 DATA = {"viscous": ("damping",), "rubber": ("stiffness", "loss_factor")}
 
@@ -158,26 +159,11 @@ class TorsionalDamperSection(InputModel):
     section: ClassVar[str] = "torsional_damper"
 
     kind: TorsionalKind = Field(description="viscous or rubber")
-    ring_inertia: float = quantity_field(
-        "inertia of the ring", "kg m^2", minimum=1e-10, maximum=1e6
-    )
-    damping: float | None = quantity_field(
-        "torque per relative speed of ring and hub, for kind viscous",
-        "N m s/rad",
-        minimum=1e-6,
-        maximum=1e8,
-        default=None,
-    )
-    stiffness: float | None = quantity_field(
-        "torsional stiffness of the rubber, for kind rubber",
-        "N m/rad",
-        minimum=1e-3,
-        maximum=1e10,
-        default=None,
-    )
-    loss_factor: float | None = quantity_field(
-        "loss factor of the rubber, for kind rubber", "", minimum=0.0, maximum=2.0, default=None
-    )
+    ring_inertia: float = field_of(ViscousDamper, "ring_inertia")
+    damping: float | None = _of_kind("viscous", "damping")
+    stiffness: float | None = _of_kind("rubber", "stiffness")
+    loss_factor: float | None = _of_kind("rubber", "loss_factor")
+    variation: Variation | None = _of_kind("rubber", "variation")
 
     @model_validator(mode="after")
     def _has_its_data(self) -> Self:
@@ -193,10 +179,7 @@ class TorsionalDamperSection(InputModel):
 
     def damper(self) -> TorsionalDamper:
         """Return the damper; its hub is part of the free end."""
-        data = {name: getattr(self, name) for name in DATA[self.kind]}
-        if self.kind == "viscous":
-            return ViscousDamper(self.ring_inertia, **data)
-        return RubberDamper(self.ring_inertia, **data)
+        return damper_of(self.kind, dict(self), "torsional_damper")
 
 
 class AxialDamperSection(InputModel):
@@ -207,13 +190,13 @@ class AxialDamperSection(InputModel):
     damping: float = quantity_field(
         "force per speed of the free end", "N s/m", minimum=1.0, maximum=1e10
     )
-    stiffness: float = quantity_field(
-        "stiffness of its oil to ground", "N/m", minimum=0.0, maximum=1e12, default=0.0
+    stiffness: float = field_of(
+        AxialDamper, "stiffness", description="stiffness of its oil to ground", feature=False
     )
 
     def damper(self) -> AxialDamper:
         """Return the damper; its collar is part of the free end."""
-        return AxialDamper(self.damping, self.stiffness)
+        return AxialDamper(damping=self.damping, stiffness=self.stiffness)
 
 
 def part_quantity(meaning: str, unit: str, default: Any = 0.0) -> Any:
@@ -233,50 +216,26 @@ class TorsionalDamperPart(InputModel):
 
     type: TorsionalKind = Field(description="viscous, or rubber")
     node: str = Field(description="name of its node")
-    name: str = Field(
-        "damper ring", description="of the ring's node", json_schema_extra={"feature": True}
+    name: str = field_of(ViscousDamper, "name")
+    ring_inertia: float = field_of(ViscousDamper, "ring_inertia")
+    hub_inertia: float = field_of(ViscousDamper, "hub_inertia")
+    damping: float | None = field_of(
+        RubberDamper, "damping", description="viscous damping", default=None
     )
-    ring_inertia: float = part_quantity("inertia of the ring", "kg m^2", ...)
-    hub_inertia: float = part_quantity("inertia of hub or housing", "kg m^2")
-    damping: float = part_quantity("viscous damping", "N m s/rad")
-    stiffness: float | None = part_quantity("dynamic stiffness of the rubber", "N m/rad", None)
-    loss_factor: float = quantity_field(
-        "loss factor, hysteretic damping", "", minimum=0.0, maximum=2.0, default=0.0, feature=True
-    )
+    stiffness: float | None = _of_kind("rubber", "stiffness")
+    loss_factor: float | None = _of_kind("rubber", "loss_factor")
+    variation: Variation | None = _of_kind("rubber", "variation")
 
     def damper(self, field: str) -> TorsionalDamper:
         """Return the damper; `field` is what messages call it."""
-        if self.type == "rubber":
-            if self.stiffness is None:
-                raise InputError(
-                    f"{field}.stiffness: missing; allowed are numbers above 0 N m/rad, because rubber "
-                    "joins the ring to the shaft."
-                )
-            return RubberDamper(
-                self.ring_inertia,
-                self.stiffness,
-                self.loss_factor,
-                self.damping,
-                self.hub_inertia,
-                self.name,
-            )
-        for name in ("stiffness", "loss_factor"):
-            if getattr(self, name):
-                raise InputError(
-                    f"{field}.{name}: given for a viscous damper; allowed is a rubber one, because oil "
-                    "alone joins the ring to the shaft."
-                )
-        return ViscousDamper(self.ring_inertia, self.damping, self.hub_inertia, self.name)
+        return damper_of(self.type, dict(self), field)
 
 
-class AxialDamperPart(InputModel):
+class AxialDamperPart(AxialDamper):
     """A damper against axial vibration."""
 
     node: str = Field(description="name of its node")
-    damping: float = part_quantity("force per speed", "N s/m", ...)
-    stiffness: float = part_quantity("stiffness of oil and housing", "N/m")
-    mass: float = part_quantity("mass of the collar", "kg")
 
     def damper(self, _field: str) -> AxialDamper:
         """Return the damper."""
-        return AxialDamper(self.damping, self.stiffness, self.mass)
+        return self

@@ -1,9 +1,10 @@
 """The crank mechanism that an engine file describes: pistons, rods, cranks and gas pressure."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
+from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
 from crankfem.files.engine.engine_file import (
     SECTIONS,
@@ -41,10 +43,10 @@ from crankfem.files.sections.mechanism_sections import (
     LoadSection,
     Piston,
     Rod,
-    cylinder_pressures,
-    full_load_cycles,
+    given_of_cycle,
     load_points,
 )
+from dynamics.engine.forces import full_load_cycles, motored_pressures, piston_position
 from dynamics.engine.layout import EngineLayout, RotatingMass
 from dynamics.excitation.pressure_map import (
     EnginePower,
@@ -55,7 +57,15 @@ from dynamics.excitation.pressure_map import (
     load_speeds,
     pressures_along,
 )
-from dynamics.gas.pressure import GasPressure
+from dynamics.gas.gas_cycle import FullLoad, name_fields
+from dynamics.gas.pressure import (
+    ATMOSPHERE,
+    HIGHEST_PEAK,
+    GasPressure,
+    cylinder_volume,
+    motored_from_compression,
+    read_pressure_table,
+)
 from fem.material import STEEL, Material
 from geometry.crankshaft import ShaftEnds, throw_masses, throw_starts
 from geometry.mass import MassProperties, unbalance
@@ -239,6 +249,65 @@ class MechanismSections:
         return tuple(math.degrees(angle) for angle in angles)
 
 
+Calculated = TypeVar("Calculated")
+
+
+def by_gas(
+    gas: Gas, layout: EngineLayout, calculate: Callable[[FullLoad, EngineLayout], Calculated]
+) -> Calculated:
+    """Calculate cycles from the section [gas]; errors name its fields, with pressures above ambient."""
+    peak = None if gas.peak_pressure is None else gas.peak_pressure + ATMOSPHERE
+    above = "" if gas.peak_pressure is None else format_quantity(gas.peak_pressure, "Pa")
+    if peak is not None and peak > HIGHEST_PEAK:
+        raise InputError(
+            f"gas.peak_pressure: given {above} above ambient; allowed is "
+            f"{format_quantity(HIGHEST_PEAK, 'Pa')} absolute at most, because no piston engine withstands "
+            "more."
+        )
+    load = FullLoad(gas.compression_ratio, given_of_cycle(gas), peak, gas.mean_effective_pressure)
+    try:
+        return calculate(load, layout)
+    except InputError as error:
+        text = name_fields(error)
+        if peak is not None and text.startswith("peak"):
+            absolute = format_quantity(peak, "Pa")
+            text = text.replace(
+                f"given {absolute}; allowed are", f"given {above} above ambient; allowed in all are"
+            )
+        raise InputError(f"gas.{text}") from None
+
+
+def motored_for_misfire(
+    gas: Gas, layout: EngineLayout, pressure: Sequence[GasPressure]
+) -> tuple[GasPressure, ...]:
+    """Return the pressure in each cylinder without combustion.
+
+    Parameters
+    ----------
+    gas : Gas
+        The section of the engine file.
+    pressure : sequence of n GasPressure
+        Of the firing cylinders.
+
+    Returns
+    -------
+    tuple of n GasPressure
+        Of the cycle model without heat, or from the compression of the pressure table with the
+        section's compression ratio.
+    """
+    if gas.pressure_table is None:
+        return by_gas(gas, layout, motored_pressures)
+    return tuple(
+        motored_from_compression(
+            firing,
+            cylinder_volume(piston_position(layout, number), cylinder.area, gas.compression_ratio),
+        )
+        for number, (firing, cylinder) in enumerate(
+            zip(pressure, layout.cylinders, strict=True), start=1
+        )
+    )
+
+
 def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
     """Return the crank mechanism of an engine in its present state, with changes made after reading.
 
@@ -248,7 +317,13 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
         If cranks, throws and pins contradict each other, or the gas pressure cannot be reached.
     """
     engine, layout, gas = file.engine, layout_of(file), file.gas
-    pressure = () if gas is None else cylinder_pressures(gas, layout, file.files)
+    if gas is None:
+        pressure: tuple[GasPressure, ...] = ()
+    elif gas.pressure_table is None:
+        pressure = tuple(cycle.pressure for cycle in by_gas(gas, layout, full_load_cycles))
+    else:
+        table = file.files.named("gas.pressure_table", gas.pressure_table, "tables")
+        pressure = (read_pressure_table(table, layout.strokes),) * len(layout.cylinders)
     power, rated = None, engine.rated_speed
     if pressure:
         indicated = indicated_power(layout, pressure, rated)
@@ -399,7 +474,7 @@ def curve_at(mechanism: MechanismFile, speeds: FloatArray) -> LoadCurve:
     assert mechanism.gas is not None
     assert mechanism.load is not None
     friction = 0.0 if mechanism.power is None else mechanism.power.friction_pressure
-    full = full_load_cycles(mechanism.gas, mechanism.layout)[0]
+    full = by_gas(mechanism.gas, mechanism.layout, full_load_cycles)[0]
     points = load_points(mechanism.load)
     return load_curve(points, full, mechanism.rated_speed, speeds, friction)
 
@@ -418,7 +493,8 @@ def _maps_at(
     mechanism: MechanismFile, speeds: FloatArray, *, motored: bool
 ) -> tuple[PressureMap, ...]:
     assert mechanism.gas is not None
-    curve, full = curve_at(mechanism, speeds), full_load_cycles(mechanism.gas, mechanism.layout)
+    curve = curve_at(mechanism, speeds)
+    full = by_gas(mechanism.gas, mechanism.layout, full_load_cycles)
     return pressures_along(curve, full, mechanism.layout, motored=motored)
 
 

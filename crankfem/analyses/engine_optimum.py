@@ -1,0 +1,123 @@
+"""Limits on the frequencies of an engine, for the search of an optimum among its throws."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.errors import InputError
+from crankfem.analyses.shaft.chains import (
+    engine_axial_chain,
+    engine_throw_inertias,
+    engine_torsional_chain,
+)
+from crankfem.analyses.shaft.sources import compliances_in_shaft
+from crankfem.analyses.shaft.throw_analyses import analyze_throws
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.chains.engine_chains import EngineChain
+from regression.models.compliance_model import ComplianceModel
+from regression.optimum import Limit
+
+Array = NDArray[np.float64]
+Kind = Literal["axial", "torsional"]
+
+
+@dataclass(frozen=True, eq=False)
+class EngineFrequencies:
+    """First natural frequencies of an engine's crankshaft over the compliance of its throws.
+
+    Modes of a coupling, a damper's ring or a shaft line are skipped (`EngineChain.first_mode`).
+    In the shaft each throw has another compliance than when pinned; the ratio is
+    calculated by finite elements of the engine's own throw, and kept constant.
+
+    Attributes
+    ----------
+    engine_file : EngineFile
+    axial_shares, torsional_shares : (n,) array
+        Compliance of each throw in the shaft, divided by that of the pinned throw.
+    throw_mass : float
+        Of the engine's throw [kg], for models without mass.
+    throw_inertias : (n,) array
+        Of the throws with their shares of rods and pistons [kg m^2]; kept constant.
+    """
+
+    engine_file: EngineFile
+    axial_shares: Array
+    torsional_shares: Array
+    throw_mass: float
+    throw_inertias: Array
+
+    def axial(self, compliance: float, mass: float | None = None) -> float:
+        """First axial natural frequency [Hz] for throws of this pinned compliance [m/N] and mass [kg]."""
+        return _first(
+            engine_axial_chain(
+                self.engine_file,
+                compliance * self.axial_shares,
+                self.throw_mass if mass is None else mass,
+            )
+        )
+
+    def torsional(self, compliance: float) -> float:
+        """First torsional natural frequency [Hz] for throws of this pinned compliance [rad/(N m)]."""
+        return _first(
+            engine_torsional_chain(
+                self.engine_file, compliance * self.torsional_shares, self.throw_inertias
+            )
+        )
+
+
+def _first(named: EngineChain) -> float:
+    """Lowest frequency of the crankshaft itself [Hz], as in the engine's vibration."""
+    modes = named.chain.modes()
+    first = named.first_mode(modes)
+    if first is None:
+        raise InputError(
+            f"--first-{named.kind}-frequency: given for an engine without a {named.kind} mode of the "
+            "crankshaft itself; allowed is one with a mode that has half of its strain energy there or more."
+        )
+    return float(modes.frequencies[first])
+
+
+def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
+    """Prepare the frequencies of an engine; its throw is analyzed by finite elements (seconds)."""
+    if len(set(engine_file.crank_throws)) > 1:
+        raise InputError(
+            f"{engine_file.path.name}: given an engine with several throws; allowed is one whose cranks are "
+            "all the same throw, because the search changes that one."
+        )
+    analysis = next(iter(analyze_throws(engine_file).values()))
+    shaft = compliances_in_shaft(engine_file, analysis)
+    return EngineFrequencies(
+        engine_file=engine_file,
+        axial_shares=shaft.axial / analysis.axial_compliance("pinned"),
+        torsional_shares=shaft.torsional / analysis.torsional_compliance("pinned"),
+        throw_mass=analysis.mass,
+        throw_inertias=engine_throw_inertias(engine_file, analysis.masses.inertia_about_shaft),
+    )
+
+
+def frequency_limit(
+    kind: Kind, frequencies: EngineFrequencies, model: ComplianceModel, at_least: float
+) -> Limit:
+    """Limit the first frequency of an engine's crankshaft.
+
+    Parameters
+    ----------
+    kind : {"axial", "torsional"}
+    model : ComplianceModel
+        With mass among its responses the axial frequency follows the mass of the throw too.
+    at_least : float
+        [Hz].
+    """
+    name = f"first {kind} frequency"
+    if kind == "torsional":
+        return Limit(
+            ("torsional_compliance",),
+            at_least=at_least,
+            function=frequencies.torsional,
+            name=name,
+            unit="Hz",
+        )
+    quantities = ("axial_compliance", *(["mass"] if "mass" in model.responses else []))
+    return Limit(quantities, at_least=at_least, function=frequencies.axial, name=name, unit="Hz")
