@@ -51,7 +51,8 @@ class Quantity:
     ----------
     unit : str
         In SI; "1" of plain numbers, "" of words and parts, ".name" if the value of that name
-        beside it tells, which may be internal, or one of the result around it.
+        beside it tells, which may be internal, or one of the result around it; ".." if it is
+        declared where the part is used.
     meaning : str, optional
         In words.
     exported : str, optional
@@ -83,7 +84,11 @@ class Quantity:
 
         size = EXPORTED[self.exported][0] if self.exported else 1.0
         if "numpy.ndarray" in str(source):  # also optional ones, and mappings to arrays
-            return core_schema.no_info_plain_validator_function(lambda values: _array(values, size))
+            return core_schema.no_info_plain_validator_function(
+                lambda values: _array(values, size, self.missing)
+            )
+        if source is complex:
+            return core_schema.no_info_plain_validator_function(lambda parts: complex(*parts))
         if (source is not float and size == 1.0) or not self.unit:
             return handler(source)
 
@@ -314,7 +319,7 @@ def _is_input(value: Any) -> bool:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON content: arrays as lists, infinities as None."""
+    """Return a value as JSON content: arrays and complex numbers as lists, infinities as None."""
     if isinstance(value, Result):
         record: dict[str, Any] = {}
         for name, (quantity, _) in contents(type(value)).items():
@@ -324,8 +329,8 @@ def plain(value: Any) -> Any:
             if quantity.flat:
                 record |= plain(content)
                 continue
-            if math.isnan(quantity.missing) and isinstance(content, float) and math.isnan(content):
-                content = None
+            if math.isnan(quantity.missing):
+                content = _without_nan(content)
             if quantity.exported and content is not None:
                 content = np.asarray(content, dtype=float) * EXPORTED[quantity.exported][0]
             record[quantity.key_of(name)] = plain(content)
@@ -334,11 +339,20 @@ def plain(value: Any) -> Any:
         value = value.model_dump(mode="json")
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
+    if isinstance(value, complex):
+        return [value.real, value.imag]
     if isinstance(value, Mapping):
         return {str(name): plain(part) for name, part in value.items()}
     if isinstance(value, list | tuple):
         return [plain(part) for part in value]
     return None if isinstance(value, float) and math.isinf(value) else value
+
+
+def _without_nan(value: Any) -> Any:
+    """Return numbers with what JSON has as null, infinity, in place of NaN."""
+    if isinstance(value, Mapping):
+        return {name: _without_nan(part) for name, part in value.items()}
+    return None if value is None else np.where(np.isnan(value), np.inf, value)
 
 
 def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
@@ -356,40 +370,50 @@ def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
         yield from _not_finite(part, f"{path}.{name}" if path else str(name))
 
 
-def units(value: Any, path: str = "") -> dict[str, str]:
+def units(value: Any, path: str = "", of_part: str = "") -> dict[str, str]:
     """Return the units of the numbers in results, by their paths in JSON; lists are not counted.
 
-    "*" stands for all names of a mapping of numbers.
+    "*" stands for all names of a mapping of numbers, `of_part` is the unit declared for the value.
     """
     known: dict[str, str] = {}
     if isinstance(value, Result):
-        for name, (quantity, _) in contents(type(value)).items():
+        for name, (quantity, kind) in contents(type(value)).items():
             content, place = getattr(value, name), f"{path}{quantity.key_of(name)}"
-            if unit := quantity.exported or quantity.unit:
+            unit = of_part if quantity.unit == ".." else quantity.exported or quantity.unit
+            if unit and not _has_results(kind):
                 inside = f"{place}.*" if isinstance(content, Mapping) else place
                 hidden = unit[:1] == "." and unit[1:] not in contents(type(value))
-                known[inside] = getattr(value, unit[1:], unit) if hidden else unit
-            known |= units(content, path if quantity.flat else f"{place}.")
+                named = getattr(value, unit[1:], unit) if hidden else unit
+                if isinstance(named, Mapping):  # a unit for each name
+                    known |= {f"{place}.{key}": own for key, own in named.items()}
+                else:
+                    known[inside] = named
+            known |= units(content, path if quantity.flat else f"{place}.", unit)
     elif _is_input(value):
         from crankbase.model import model_units
 
         known = model_units(value, path)
     elif isinstance(value, Mapping):
         for name, part in value.items():
-            known |= units(part, f"{path}{name}.")
+            known |= units(part, f"{path}{name}.", of_part)
     elif isinstance(value, list | tuple):
         for part in value:
-            known |= units(part, path)
+            known |= units(part, path, of_part)
     return known
 
 
-def _cells(source: Result, before: str) -> Iterator[tuple[str, tuple[Any, str]]]:
+def _has_results(kind: Any) -> bool:
+    """Return whether a type is of results, or holds them."""
+    return _is_result(kind) or any(map(_has_results, get_args(kind)))
+
+
+def _cells(source: Result, before: str, of_part: str = "") -> Iterator[tuple[str, tuple[Any, str]]]:
     for name, (quantity, _) in contents(type(source)).items():
         value = getattr(source, name)
+        unit = of_part if quantity.unit == ".." else quantity.unit
         if isinstance(value, Result):
-            yield from _cells(value, f"{before}{name}.")
+            yield from _cells(value, f"{before}{name}.", unit)
         elif not (isinstance(value, Mapping | tuple | list | np.ndarray) or _is_input(value)):
-            unit = quantity.unit
             yield f"{before}{name}", (value, getattr(source, unit[1:]) if unit[:1] == "." else unit)
 
 
@@ -401,11 +425,11 @@ def _adapter(kind: Any) -> "TypeAdapter[Any]":
     return TypeAdapter(kind)
 
 
-def _array(values: Any, size: float) -> Any:
+def _array(values: Any, size: float, missing: float) -> Any:
     if values is None or isinstance(values, Mapping):
-        return values and {name: _array(each, size) for name, each in values.items()}
+        return values and {name: _array(each, size, missing) for name, each in values.items()}
     array = np.array(values)
     if array.dtype == object:
-        array = array.astype(float)  # in which null, that is unbounded, is NaN
-        array[np.isnan(array)] = np.inf
+        array = array.astype(float)  # in which null is NaN
+        array[np.isnan(array)] = missing
     return array if size == 1.0 else array / size

@@ -9,8 +9,9 @@ import matplotlib as mpl
 
 import crankfem as cf
 from crankfem.analyses.engine_mechanism import load_mechanism
-from crankfem.analyses.mechanism.mechanism_records import model_difference, piston_names
+from crankfem.analyses.mechanism.hinged_rods import piston_names
 from crankfem.analyses.mechanism.plots import picture_torque_table, plot_model_difference
+from crankfem.analyses.mechanism.rod_models import model_difference
 from crankfem.analyses.throw.pictures.drawing import write_drawing
 from crankfem.report.interactive.vibration import VIBRATION
 

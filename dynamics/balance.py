@@ -3,8 +3,9 @@
 import cmath
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from dataclasses import replace
+from functools import cached_property
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +22,7 @@ from crankbase.array_checks import (
 from crankbase.choices import check_choice, whole_number
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
-from crankbase.summaries import summarized
+from crankbase.results import Flat, Internal, Part, Quantity, Result, result
 from dynamics.engine.forces import checked_cylinder, checked_orders, parts_motion, turn_spectrum
 from dynamics.engine.layout import EngineLayout, RotatingMass, check_distinct_positions
 from dynamics.plots.load_diagrams import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
@@ -31,10 +32,14 @@ ROUND_OFF = 1e-12
 # Directions nearer to -90 deg than this [rad] are written as +90 deg.
 FOLD = 1e-9
 
+# In the unit of the vector.
+Component = Annotated[float, Quantity("..")]
+Share = Annotated[float | None, Quantity("1")]
+Kilogram = Annotated[float, Quantity("kg")]
 
-@summarized("order", "major", "minor", "sense", "angle_deg [deg]")
-@dataclass(frozen=True)
-class Hodograph:
+
+@result("order", "major", "minor", "sense", "angle_deg", eq=True)
+class Hodograph(Result):
     """One order of a plane vector: F(phi) = P exp(i k phi) + Q exp(-i k phi), an ellipse.
 
     Vectors are complex in the engine's frame, y - i x: the real part points up; angles count
@@ -61,9 +66,9 @@ class Hodograph:
     (200.0, 0.0, 0, 0.0)
     """
 
-    order: int
-    forward: complex
-    backward: complex
+    order: Internal[int]
+    forward: Annotated[complex, Quantity("..")]
+    backward: Annotated[complex, Quantity("..")]
 
     def __post_init__(self) -> None:
         checked_orders([self.order])
@@ -75,25 +80,25 @@ class Hodograph:
                     "them."
                 )
 
-    @property
-    def major(self) -> float:
+    @cached_property
+    def major(self) -> Component:
         """Major semi-axis, |P| + |Q|: the largest value of the vector."""
         return abs(self.forward) + abs(self.backward)
 
-    @property
-    def minor(self) -> float:
+    @cached_property
+    def minor(self) -> Component:
         """Minor semi-axis, ||P| - |Q||: the least value of the vector."""
         return abs(abs(self.forward) - abs(self.backward))
 
-    @property
-    def sense(self) -> int:
+    @cached_property
+    def sense(self) -> Annotated[int, Quantity("1")]:
         """1 where the vector turns with the shaft, -1 against it, 0 for a line (or nothing)."""
         if self.minor <= ROUND_OFF * self.major:
             return 0
         return 1 if abs(self.forward) > abs(self.backward) else -1
 
-    @property
-    def angle_deg(self) -> float | None:
+    @cached_property
+    def angle_deg(self) -> Annotated[float | None, Quantity("deg")]:
         """Direction of the major axis [deg], above -90 to 90; none for a circle or a point.
 
         Mean of the arguments of P and Q.
@@ -104,8 +109,8 @@ class Hodograph:
         half = cmath.phase(_unit(self.forward) * _unit(self.backward)) / 2.0
         return 90.0 if half < FOLD - 0.5 * math.pi else math.degrees(half)
 
-    @property
-    def largest_at_deg(self) -> float | None:
+    @cached_property
+    def largest_at_deg(self) -> Annotated[float | None, Quantity("deg")]:
         """First shaft angle from zero at which the vector is along the major axis [deg].
 
         This repeats every half cycle, 180/k. None for a circle or a point.
@@ -119,13 +124,13 @@ class Hodograph:
     def _is_round(self) -> bool:
         return self.major - self.minor <= ROUND_OFF * self.major
 
-    @property
-    def x(self) -> float:
+    @cached_property
+    def x(self) -> Component:
         """Amplitude of the component along x, across the engine."""
         return self.amplitude_along(angle_deg=-90.0)
 
-    @property
-    def y(self) -> float:
+    @cached_property
+    def y(self) -> Component:
         """Amplitude of the component along y, up and down."""
         return self.amplitude_along(angle_deg=0.0)
 
@@ -262,9 +267,8 @@ def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph,
 PlacedForce = tuple[float, Hodograph]
 
 
-@summarized("reciprocating [kg]", "rotating [kg]", "lateral [kg m]")
-@dataclass(frozen=True)
-class MovingMasses:
+@result("reciprocating", "rotating", "lateral", eq=True)
+class MovingMasses(Result):
     """The masses of one cylinder's moving parts that cause the inertia forces.
 
     Parameters
@@ -278,9 +282,10 @@ class MovingMasses:
         moves as it passes the top [kg m]: the part that two masses on the axis omit.
     """
 
-    reciprocating: float
-    rotating: float
-    lateral: float
+    cylinder: int
+    reciprocating: Kilogram
+    rotating: Kilogram
+    lateral: Annotated[float, Quantity("kg m", key="lateral_static_moment")]
 
 
 def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
@@ -322,7 +327,8 @@ def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
             rotating[main] += at_foot
         else:
             rotating[place] += at_foot
-    return tuple(map(MovingMasses, reciprocating, rotating, lateral))
+    numbers = range(1, len(reciprocating) + 1)
+    return tuple(map(MovingMasses, numbers, reciprocating, rotating, lateral))
 
 
 def balancing_masses(
@@ -360,8 +366,8 @@ def balancing_masses(
         "reciprocating_share", reciprocating_share, "", "the weights are opposite to the crank"
     )
     pins: dict[int, float] = {}
-    for number, masses in enumerate(moving_masses(engine), start=1):
-        main = engine.main_of(number)
+    for masses in moving_masses(engine):
+        main = engine.main_of(masses.cylinder)
         balanced = masses.rotating + share * masses.reciprocating
         pins[main] = pins.get(main, 0.0) + balanced
     return tuple(
@@ -446,32 +452,45 @@ BalanceModel = Literal["rigid", "two-mass"]
 BALANCED = 1e-12
 
 
-@dataclass(frozen=True)
-class Resultant:
-    """A force and its moment, both of one order.
+@result("force", "moment", eq=True)
+class Resultant(Result):
+    """A force on the engine and its moment about a point of the shaft axis, both of one order.
+
+    The moment is the sum of z e_z x F: a force at z turned by 90 deg.
+    """
+
+    force: Annotated[Hodograph, Quantity("N")]
+    moment: Annotated[Hodograph, Quantity("N m")]
+
+
+@result("reciprocating", "rotating", "lateral", eq=True)
+class BalanceParts(Result):
+    """The inertia forces of one order and their moments, by the masses that make them.
 
     Parameters
     ----------
-    force : Hodograph
-        On the engine [N].
-    moment : Hodograph
-        Moment vector about a point of the shaft axis [N m], the sum of z e_z x F: a force at z
-        turned by 90 deg.
+    reciprocating : Resultant
+        Of the masses at the piston pins.
+    rotating : Resultant
+        Of the masses at the crankpins and of counterweights; first order only.
+    lateral : Resultant
+        Of masses off the rods' axes, slave pins included; zero in the two-mass model.
     """
 
-    force: Hodograph
-    moment: Hodograph
+    reciprocating: Resultant
+    rotating: Resultant
+    lateral: Resultant
 
 
-@summarized(
+@result(
     "order",
     "force: force.major [N]",
     "moment: moment.major [N m]",
     "force_balanced",
     "moment_balanced",
+    eq=True,
 )
-@dataclass(frozen=True)
-class OrderBalance:
+class OrderBalance(Result):
     """The inertia forces of one order and their moments.
 
     Parameters
@@ -480,12 +499,6 @@ class OrderBalance:
         Cycles per revolution of the shaft.
     total : Resultant
         All parts together.
-    reciprocating : Resultant
-        Of the masses at the piston pins.
-    rotating : Resultant
-        Of the masses at the crankpins and of counterweights; first order only.
-    lateral : Resultant
-        Of masses off the rods' axes, slave pins included; zero in the two-mass model.
     force_scale : float
         Scale of the forces: sum of all moving masses times R w^2 [N].
     moment_scale : float
@@ -493,12 +506,10 @@ class OrderBalance:
     """
 
     order: int
-    total: Resultant
-    reciprocating: Resultant
-    rotating: Resultant
-    lateral: Resultant
-    force_scale: float
-    moment_scale: float
+    total: Flat[Resultant]
+    parts: BalanceParts
+    force_scale: Annotated[float, Quantity("N")]
+    moment_scale: Annotated[float, Quantity("N m")]
 
     @property
     def force(self) -> Hodograph:
@@ -510,20 +521,19 @@ class OrderBalance:
         """The whole moment [N m]."""
         return self.total.moment
 
-    @property
-    def force_balanced(self) -> bool:
+    @cached_property
+    def force_balanced(self) -> Part[bool]:
         """Whether the force is zero within round-off."""
         return self.force.major <= BALANCED * self.force_scale
 
-    @property
-    def moment_balanced(self) -> bool:
+    @cached_property
+    def moment_balanced(self) -> Part[bool]:
         """Whether the moment is zero within round-off."""
         return self.moment.major <= BALANCED * self.moment_scale
 
 
-@summarized("speed [rad/s]", "model", "rows", "about [m]", "rotating: engine.rotating")
-@dataclass(frozen=True)
-class Balance:
+@result("speed", "model", "rows", "about", "rotating", eq=True)
+class Balance(Result):
     """The balance of an engine at one speed.
 
     Parameters
@@ -532,15 +542,23 @@ class Balance:
         Of the shaft [rad/s]; forces are proportional to its square.
     about : float
         Point of the shaft axis about which moments are taken [m].
+    masses : tuple of MovingMasses
+        Of each cylinder.
+    rotating : tuple of RotatingMass
+        Further masses on the shaft.
     rows : tuple of OrderBalance
         One for each order.
+    banks_deg : tuple of float
+        Angles of the cylinders' axes [deg].
     """
 
-    engine: EngineLayout
-    speed: float
-    about: float
+    speed: Annotated[float, Quantity("rad/s")]
+    about: Annotated[float, Quantity("m")]
     model: BalanceModel
-    rows: tuple[OrderBalance, ...]
+    masses: tuple[MovingMasses, ...]
+    rotating: tuple[RotatingMass, ...]
+    rows: Annotated[tuple[OrderBalance, ...], Quantity(key="orders")]
+    banks_deg: Internal[tuple[float, ...]] = ()
 
     def of(self, order: int) -> OrderBalance:
         """Return one order."""
@@ -564,7 +582,7 @@ class Balance:
         curves = unbalanced(self, show)
         empty = "balanced: orders " + ", ".join(str(row.order) for row in self.rows)
         if show == "force":
-            banks = [math.radians(cylinder.bank_angle_deg) for cylinder in self.engine.cylinders]
+            banks = map(math.radians, self.banks_deg)
             return draw_hodographs(
                 axes, curves, FORCE_LABELS, title="inertia force", banks=banks, empty=empty
             )
@@ -573,23 +591,22 @@ class Balance:
 
     def to_pandas(self) -> DataFrame:
         """Return one row for each order: semi-axes, direction and amplitudes of force and moment."""
-        columns: dict[str, tuple[list[object], str]] = {
+        columns: dict[str, tuple[list[Any], str]] = {
             "order": ([row.order for row in self.rows], "1")
         }
         for name, unit in (("force", "N"), ("moment", "N m")):
             hodographs: list[Hodograph] = [getattr(row, name) for row in self.rows]
             for part in ("major", "minor", "x", "y"):
-                columns[f"{name}_{part}"] = (
-                    [getattr(hodograph, part) for hodograph in hodographs],
-                    unit,
-                )
-            angles = [
-                math.nan if hodograph.angle_deg is None else hodograph.angle_deg
-                for hodograph in hodographs
-            ]
-            columns[f"{name}_angle"] = (list(angles), "deg")
-            kept = [getattr(row, f"{name}_balanced") for row in self.rows]
-            columns[f"{name}_balanced"] = (kept, "")
+                columns[f"{name}_{part}"] = [getattr(vector, part) for vector in hodographs], unit
+            angles = [vector.angle_deg for vector in hodographs]
+            columns[f"{name}_angle"] = (
+                [math.nan if angle is None else angle for angle in angles],
+                "deg",
+            )
+            columns[f"{name}_balanced"] = (
+                [getattr(row, f"{name}_balanced") for row in self.rows],
+                "",
+            )
         return table(columns)
 
 
@@ -687,14 +704,22 @@ def balance(
             OrderBalance(
                 order,
                 total=resultant(order, *to_fro, *turns, *side),
-                reciprocating=resultant(order, *to_fro),
-                rotating=resultant(order, *turns),
-                lateral=resultant(order, *side),
+                parts=BalanceParts(
+                    resultant(order, *to_fro), resultant(order, *turns), resultant(order, *side)
+                ),
                 force_scale=force_scale,
                 moment_scale=force_scale * reach,
             )
         )
-    return Balance(engine, turning, point, model, tuple(rows))
+    return Balance(
+        turning,
+        point,
+        model,
+        masses,
+        tuple(engine.rotating),
+        tuple(rows),
+        tuple(cylinder.bank_angle_deg for cylinder in engine.cylinders),
+    )
 
 
 def _lateral(
@@ -742,8 +767,8 @@ def _rotating(
     ]
 
 
-@dataclass(frozen=True)
-class HodographChange:
+@result("major", "minor", "turn_deg", eq=True)
+class HodographChange(Result):
     """The difference between two hodographs.
 
     Parameters
@@ -754,9 +779,17 @@ class HodographChange:
         Rotation of the major axis about +z [deg], -90 to 90; none where one has no major axis.
     """
 
-    major: float | None
-    minor: float | None
-    turn_deg: float | None
+    major: Share
+    minor: Share
+    turn_deg: Annotated[float | None, Quantity("deg")]
+
+
+HINGED_CASES = {
+    "side_by_side": "rods side by side",
+    "kinematics": "movement alone",
+    "masses": "masses alone",
+    "hinged": "hinged rods",
+}
 
 
 def hodograph_change(hodograph: Hodograph, reference: Hodograph) -> HodographChange:
@@ -772,9 +805,16 @@ def hodograph_change(hodograph: Hodograph, reference: Hodograph) -> HodographCha
     return HodographChange(major, minor, turn)
 
 
-@summarized("order", "curves")
-@dataclass(frozen=True)
-class HingedRodEffects:
+@result("hodograph", "change", eq=True)
+class ChangedHodograph(Result):
+    """A hodograph, and how it differs from a reference."""
+
+    hodograph: Annotated[Hodograph, Quantity("..", flat=True)]
+    change: HodographChange
+
+
+@result("order", "curves", eq=True)
+class HingedRodEffects(Result):
     """Inertia forces of one order [N], with rods side by side and hinged, and the separate effects.
 
     Parameters
@@ -791,20 +831,24 @@ class HingedRodEffects:
     """
 
     order: int
-    side_by_side: Hodograph
-    kinematics: Hodograph
-    masses: Hodograph
-    hinged: Hodograph
+    side_by_side: Internal[Hodograph]
+    kinematics: Internal[Hodograph]
+    masses: Internal[Hodograph]
+    hinged: Internal[Hodograph]
+
+    @property
+    def changes(self) -> Annotated[dict[str, ChangedHodograph], Quantity("N", flat=True)]:
+        """The four forces, each with its difference from rods side by side."""
+        forces = {name: getattr(self, name) for name in HINGED_CASES}
+        return {
+            name: ChangedHodograph(force, hodograph_change(force, self.side_by_side))
+            for name, force in forces.items()
+        }
 
     @property
     def curves(self) -> dict[str, Hodograph]:
         """The four forces by name."""
-        return {
-            "rods side by side": self.side_by_side,
-            "movement alone": self.kinematics,
-            "masses alone": self.masses,
-            "hinged rods": self.hinged,
-        }
+        return {words: getattr(self, name) for name, words in HINGED_CASES.items()}
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the four forces as seen from the free end: y up, x to the left."""

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -49,7 +50,7 @@ class TwoMassCheck(Result):
         """Natural vibrations per minute."""
         return self.angular_frequency * RPM
 
-    @property
+    @cached_property
     def resonant_speed(self) -> Speed:
         """Crankshaft speed at which the order meets the natural frequency."""
         return self.angular_frequency / self.order
@@ -64,7 +65,7 @@ class TwoMassCheck(Result):
         """Whether the torque's samples resolve the order; None if no torque was given."""
         return None if self.harmonics is None else self.harmonics.resolves(self.order)
 
-    @property
+    @cached_property
     def statement(self) -> Part[str]:
         """One sentence on whether the given torque can resolve the order."""
         if self.harmonics is None:
@@ -286,12 +287,21 @@ def critical_speeds(
             f"speed_range: given ({shown}) rad/s; allowed is the lowest speed and then a higher "
             "one, because critical speeds are looked for between them."
         )
-    speeds = (2.0 * math.pi * natural)[:, np.newaxis] / excited
-    meetings = (
-        CriticalSpeed(mode, float(natural[mode]), float(excited[k]), float(speeds[mode, k]))
-        for mode, k in np.argwhere(within(speeds, *limits.tolist())).tolist()
+    return meetings(natural, excited, *limits.tolist())
+
+
+def meetings(
+    natural: FloatArray, orders: FloatArray, low: float, high: float
+) -> tuple[CriticalSpeed, ...]:
+    """Return `critical_speeds` of checked frequencies, orders and ends."""
+    speeds = (2.0 * math.pi * natural)[:, np.newaxis] / orders
+    crossings = (
+        CriticalSpeed(mode, float(natural[mode]), float(orders[k]), float(speeds[mode, k]))
+        for mode, k in np.argwhere(within(speeds, low, high)).tolist()
     )
-    return tuple(sorted(meetings, key=lambda meeting: (meeting.speed, meeting.mode, meeting.order)))
+    return tuple(
+        sorted(crossings, key=lambda meeting: (meeting.speed, meeting.mode, meeting.order))
+    )
 
 
 def vector_sums(

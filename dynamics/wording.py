@@ -1,11 +1,20 @@
 """Sentences of limits, verdicts and findings, made from their fields."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 
-from crankbase.quantity import format_quantity, format_usage, quantities_apart, significant
+from crankbase.array_checks import FloatArray
+from crankbase.quantity import (
+    RPM,
+    compact,
+    format_quantity,
+    format_usage,
+    quantities_apart,
+    significant,
+)
 
+SpeedRanges = Sequence[tuple[float, float]]
 # What a verdict is called; "undecided" and "not judged" are those of a run, not of a `Verdict`.
 VERDICTS = {
     "fine": "Fine",
@@ -327,6 +336,203 @@ def differing_mode(
 def impure_mode(kind: str, shaft: float | None, share: float) -> str:
     """State the share of its energy that is of a kind."""
     return f"its {kind} mode at {shaft:.1f} Hz is only {100.0 * share:.3g} % {kind}"
+
+
+def whole_use(
+    use: str, apart: Iterable[str], beside: str, agrees: bool, status: str, ranges: Sequence[str]
+) -> str:
+    """State what the whole crankshaft uses of limits, `beside` what the chains use, and its status.
+
+    `apart` names limits that are judged by the axial chain alone.
+    """
+    told = "".join(f" ({name} by the axial chain alone)" for name in apart)
+    verdict = "the same verdict" if agrees else "another verdict"
+    return (
+        f"The whole crankshaft held against the same limits{told}: {use}"
+        f"{f' (by the chains {beside})' if beside else ''}; with the values used, {verdict}, "
+        f'"{status}"{"".join(f" ({shown})" for shown in ranges)}.'
+    )
+
+
+def by_one_model(by_chains: bool, further: str) -> str:
+    """State that a verdict is acceptable by the chains alone, or by the whole crankshaft alone."""
+    by = ("the lumped model", "the whole crankshaft")
+    yes, no = by if by_chains else by[::-1]
+    return (
+        f"acceptable by {yes}, not by {no}: rely on the whole crankshaft, and give bearings.stiffness and "
+        f"flywheel.diametral_inertia, which decide its modes{f'; {further}' if further else ''}"
+    )
+
+
+def _range_of(values: FloatArray, form: str) -> str:
+    low, high = (format(float(end), form) for end in (np.nanmin(values), np.nanmax(values)))
+    return low if low == high else f"{low} to {high}"
+
+
+def first_frequencies(
+    kind: str, chain: FloatArray | None, shaft: FloatArray | None, others: Iterable[FloatArray]
+) -> str:
+    """State the first frequencies of a kind over the bearings' range [Hz]; empty where there are none."""
+    moved = [
+        f"{_range_of(curve, '.1f')} Hz by the {by}"
+        for by, curve in (("chain", chain), ("whole crankshaft", shaft))
+        if curve is not None and np.any(np.isfinite(curve))
+    ]
+    if not moved:
+        return ""
+    parts = " and ".join(f"{_range_of(curve, '.1f')} Hz" for curve in others)
+    return (
+        f"first {kind} frequency of the crankshaft {', '.join(moved)}"
+        f"{f', and in part {parts}' if parts else ''}"
+    )
+
+
+def over_bearings(lowest: float, highest: float, assumed: bool, frequencies: Iterable[str]) -> str:
+    """State the range of the main bearings' stiffness [N/m] and what first frequencies do over it."""
+    return (
+        f"Main bearings of {compact(lowest)} to {compact(highest)} N/m{' (assumed)' if assumed else ''}: "
+        f"{'; '.join(filter(None, frequencies))}."
+    )
+
+
+def limits_over_bearings(
+    used: Mapping[str, FloatArray],
+    beyond: Collection[str],
+    statuses: Sequence[str],
+    stiffness: FloatArray,
+) -> str:
+    """State the shares of limits used over the bearings' range, and where the verdict changes."""
+    uses = ", ".join(
+        f"{_range_of(100.0 * shares, '.0f')} % "
+        f"({name}{', above the running range included' if name in beyond else ''})"
+        for name, shares in used.items()
+    )
+    places = range(len(statuses))
+    starts = [place for place in places if place == 0 or statuses[place] != statuses[place - 1]]
+    ends = [*(start - 1 for start in starts[1:]), len(statuses) - 1]
+    told = ", ".join(
+        f'"{statuses[start]}" at {compact(stiffness[start])}'
+        f"{f' to {compact(stiffness[end])}' if end > start else ''} N/m"
+        for start, end in zip(starts, ends, strict=True)
+    )
+    change = (
+        f"the verdict changes within this range: {told}"
+        if len(starts) > 1
+        else f'with all other values as used, the verdict is "{statuses[0]}" over all of it'
+    )
+    return f"Over that range, the share of the limit used is {uses}; {change}."
+
+
+def force_on_thrust_bearing(
+    speed: float, lowest: float, highest: float, mean_left_out: bool
+) -> str:
+    """State the axial force [N] on the thrust bearing over the cycle."""
+    left_out = ", without the propeller's mean thrust" if mean_left_out else ""
+    return (
+        f"Axial force on the thrust bearing at {RPM * speed:.4g} 1/min, with vibration: "
+        f"{_forces(lowest, highest)} over the cycle by the axial chain, positive towards the "
+        f"flywheel{left_out}."
+    )
+
+
+def largest_thrust(by_model: Mapping[str, tuple[float, float]]) -> str:
+    """State amplitude [N] and speed of the largest force on the thrust bearing, by each model's name."""
+    largest = "; ".join(
+        f"{force / 1e3:.3g} kN by the {model}, at {RPM * speed:.4g} 1/min"
+        for model, (force, speed) in by_model.items()
+    )
+    return f"Its largest amplitude at running speeds, for which the bearing is to be checked: {largest}."
+
+
+def force_on_held_ends(speed: float, lowest: float, highest: float) -> str:
+    """State the axial force [N] on held ends over the cycle."""
+    return (
+        "For comparison with static formulas only: with both ends of the crankshaft held and no vibration, "
+        f"the ends would carry {_forces(lowest, highest)} over the cycle at {RPM * speed:.4g} 1/min, "
+        "positive where the shaft pushes them apart. A single thrust bearing carries none of this force."
+    )
+
+
+def _forces(lowest: float, highest: float) -> str:
+    return f"{lowest / 1e3:.3g} kN to {highest / 1e3:.3g} kN"
+
+
+def cylinders_named(cylinders: Sequence[int]) -> str:
+    """Name cylinders, such as "cylinder 4" or "cylinders 3, 5"."""
+    return f"cylinder{'' if len(cylinders) == 1 else 's'} {', '.join(map(str, cylinders))}"
+
+
+def amount_at(value: float, unit: str, speed: float) -> str:
+    """Write the value of a quantity, and its speed [rad/s]."""
+    amount = "unbounded" if np.isinf(value) else format_quantity(value, unit, 3)
+    return f"{amount} at {speed_text(speed)}"
+
+
+def use_while_misfiring(limit: str, cylinders: Sequence[int], use: str, normal: str) -> str:
+    """State the use of a limit at its place while cylinders misfire, beside that of normal firing."""
+    return f"With {cylinders_named(cylinders)} misfiring, {limit}: {use}; with all cylinders firing {normal}"
+
+
+def normal_share(used: float, permitted: float, beside: float, unit: str) -> str:
+    """Write the share of a limit used, with the limit where another one stands beside it; inf for none."""
+    shown, other = (format_quantity(value, unit, 3) for value in (permitted, beside))
+    return f", {format_usage(used)}{'' if shown == other else f' of the permitted {shown}'}"
+
+
+def other_limit(value: float, other: float, unit: str, basis: str) -> str:
+    """Write the share of the limit that does not decide, and on what basis that for passing does."""
+    share = "" if np.isinf(value) else f"{format_usage(value / other)} of "
+    shown = f"{share}the {format_quantity(other, unit, 3)}"
+    if basis:
+        return (
+            f" for passing, which serves while a cylinder misfires by {basis}, {shown} permitted "
+            "continuously"
+        )
+    return f", {shown} that may be passed"
+
+
+def exceeded_alone(use: str, kept_at: float | None, reasons: str) -> str:
+    """State what misfiring alone exceeds, and why; normal firing keeps the limit at that speed [rad/s]."""
+    kept = "" if kept_at is None else f", but within its limit at {speed_text(kept_at)}"
+    return f"{use}{kept}: exceeded by misfiring alone. {reasons[0].upper()}{reasons[1:]}."
+
+
+def speeds_while_misfiring(
+    cylinders: Sequence[int], exceeded: SpeedRanges, remaining: SpeedRanges
+) -> str:
+    """State where limits are exceeded while cylinders misfire, those named or any, and what remains."""
+    keeps = (
+        f"restrict running to {_ranges(remaining)} then"
+        if remaining
+        else "no running speed keeps them"
+    )
+    who = cylinders_named(cylinders) if cylinders else "a cylinder"
+    return f"While {who} misfires, limits are exceeded from {_ranges(exceeded)}: {keeps}."
+
+
+def _ranges(ranges: SpeedRanges) -> str:
+    shown = [shown_range(low, high) for low, high in ranges]
+    return " and ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
+
+
+def misfiring_assumed(
+    cases: Sequence[Sequence[int]], missing_share: float, compression: bool, basis: str
+) -> tuple[str, str]:
+    """State what misfires, and by which limits it is judged."""
+    turns = f"each of {len(cases)} cylinders in turn"
+    which = cylinders_named(cases[0]) if len(cases) == 1 else turns
+    still = "compression stays" if compression else "compression is missing as well"
+    deciding = (
+        f"the limit for passing serves where stated, by {basis}, elsewhere the continuous one"
+        if basis
+        else "the limits of continuous running decide; those for passing serve only where the class or the "
+        "maker says so, with limits.passing_while_misfiring"
+    )
+    return (
+        f"misfiring of {which}: {100.0 * missing_share:.3g} % of the combustion is missing, {still}; the "
+        "others fire as before, so the mean torque is lower",
+        f"while misfiring, {deciding}; only running speeds are judged",
+    )
 
 
 def undecided_sentence(why: str) -> str:

@@ -23,6 +23,7 @@ from crankfem.files.engine.engine_file import (
 )
 from crankfem.files.engine.file_kinds import engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
+    MechanismSections,
     angles_of_throws,
     check_sizes,
     engine_cylinders,
@@ -215,38 +216,6 @@ def _read_mechanism(content: TomlFile) -> MechanismFile:
             sources=content.sources,
         )
     )
-
-
-@dataclass(frozen=True)
-class MechanismSections:
-    """The sections of a file that describe a mechanism, named as those of an `EngineFile`."""
-
-    files: InputFiles
-    engine: Engine
-    shaft: ShaftLayout | None
-    named_throws: dict[str, CrankThrow]
-    crank_throws: tuple[CrankThrow, ...]
-    rod: Rod
-    piston: Piston
-    hinged_rods: HingedRods | None
-    gas: Gas | None
-    load: LoadSection | None
-    flywheel: Flywheel | None
-    free_end: FreeEnd | None
-    material: Material
-    records: tuple[InputRecord, ...]
-    sources: dict[str, str]
-
-    @property
-    def throws(self) -> tuple[int, ...]:
-        """Throw that each cylinder works on, from 0."""
-        return throws_of(self.engine)
-
-    @property
-    def throw_angles_deg(self) -> tuple[float, ...]:
-        """Angle of each throw's first pin, as the file counts angles [deg]."""
-        angles = angles_of_throws(self.shaft, self.engine, self.throws)
-        return tuple(math.degrees(angle) for angle in angles)
 
 
 Calculated = TypeVar("Calculated")

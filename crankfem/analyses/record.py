@@ -78,7 +78,6 @@ _NAMES = {
     "1": "accuracy across_web added adjusted_r_squared aic "
     "allowed asymmetry axial_correction "
     "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
-    "crankpin_beside_mean side_force_beside_largest "
     "cranks cylinder cylinders designs detuning done elements elements_across_fillets "
     "evaluations exponent f_value failed fe_scatter fluctuation held_out kept largest_error_at_runs "
     "largest_error_held_out largest_leverage layers left_out "
@@ -88,12 +87,9 @@ _NAMES = {
     "misfiring q_squared r_squared resultant rho runs same_stars samples section_error sections "
     "sense severity shape "
     "strokes t throw unknowns used written",
-    "m": "about axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
+    "m": "axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
     "m^3": "volume",
     "rad": "crank_angles",
-    "N": "force_scale",
-    "N m": "moment moment_scale",
-    "kg": "at_center at_foot at_piston_pin",
     "kg m^2": "inertia_about_shaft",
     "m/s": "mean_piston_speed",
     "rad/s": "angular_frequency speed",
@@ -107,24 +103,18 @@ _NAMES = {
 # Of ends of paths, "*" being any name.
 _PLACES = {
     "1": "factors.* ratios.* "
-    "axial_forces.difference change.major change.minor constants.* elasticity.* "
+    "axial_forces.difference constants.* elasticity.* "
     "errors.* first.* kinetic_shares.* "
     "quality.* "
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
-    "m": "meshings.size dimensions.value rotating.position",
-    "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
-    "pistons.amplitude pistons.largest pistons.left",
-    "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
-    "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean",
-    "N m": "torque.largest torque.smallest",
+    "m": "meshings.size dimensions.value",
+    "N": "axial_forces.alone axial_forces.in_shaft",
     "N/m": "bearings.stiffness",
-    "kg": "masses.reciprocating masses.rotating",
-    "kg m": "balance.static throws.counterweights throws.rods throws.solid throws.sum unbalance.static",
-    "kg m^2": "balance.dynamic unbalance.dynamic",
+    "kg m": "unbalance.static",
+    "kg m^2": "unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",
-    "Hz": "bearings.chains.* bearings.further.* bearings.shaft.* causes.* "
-    "frequencies.high frequencies.low frequencies.nominal",
+    "Hz": "causes.* frequencies.high frequencies.low frequencies.nominal",
     "m/N": "errors.axial_compliance errors.influence_coefficient "
     "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value",
     "rad/(N m)": "errors.torsional_compliance fe.torsional regression.torsional.value",
@@ -145,14 +135,9 @@ _KINDS = {
     "amplitudes.percentile_5 amplitudes.percentile_95 amplitudes.highest",
 }
 
-_HODOGRAPH, _HARMONICS = "major minor x y forward backward", "mean cosine sine amplitude"
+_HARMONICS = "mean cosine sine amplitude"
 # Of what is a force here and a moment there: parts and unit, and what has them.
 _GROUPS = {
-    (_HODOGRAPH, "N"): ("force", "side_by_side", "kinematics", "masses", "hinged"),
-    (_HODOGRAPH, "N m"): ("moment",),
-    ("lowest highest", "N"): tuple(
-        f"axial_force.{end}" for end in ("thrust_bearing", "held", "throws")
-    ),
     (_HARMONICS, "N m"): ("torque",),
 }
 

@@ -8,18 +8,22 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.results import Part, Quantity, Result, result
+from crankfem.analyses.mechanism.mechanism_results import MechanismResults
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
 from crankfem.analyses.shaft.whole_records import ShaftBalance, ThrowsInShaft
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
+from crankfem.analyses.study.study_results import FittedStudy
 from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.files.reading.toml_file import InputRecord
+from dynamics.critical import TwoMassCheck
 from dynamics.response.loads import LARGEST_POWER_ERROR
 from dynamics.torque import LARGEST_ENERGY_ERROR
 from fem.angle_law import SYMMETRIC
 from fem.end_reactions import EndReaction
 from fem.solver import LARGEST_ROUND_OFF, rigid_body_residual
+from regression.response_kinds import AXIAL, TORSIONAL
 
 Array = NDArray[np.float64]
 Figure = Annotated[float | None, Quantity("1")]
@@ -90,10 +94,10 @@ class RunResults(Result):
     balance: ShaftBalance
     fillets: Optional
     fillet_note: str | None
-    mechanism: Optional
-    study: Optional
+    mechanism: MechanismResults | None
+    study: FittedStudy | None
     harmonics: TableHarmonics | None
-    two_mass: Part[Any]
+    two_mass: TwoMassCheck | None
     shaft: ThrowsInShaft
     vibration: Record
     strength: EngineStrength | None
@@ -285,31 +289,30 @@ def _fillet_checks(fillets: Mapping[str, Any] | None) -> list[Check]:
     ]
 
 
-def _study_checks(study: Mapping[str, Any] | None) -> list[Check]:
-    study_checks = []
-    for response, name in (("axial_compliance", "axial"), ("torsional_compliance", "torsional")):
-        fits = (study or {"fits": {}})["fits"].get(response)
-        if fits is None:
-            continue
-        chosen = next(form for form in fits["forms"] if form["form"] == fits["chosen"])
-        study_checks.append(
-            _check(
-                f"Error of the {name} regression",
-                chosen["largest_error_held_out"],
-                f"Largest error of the chosen form ({fits['chosen']}) at held-out designs.",
-                shown_unit="%",
-            )
+def _study_checks(study: FittedStudy | None) -> list[Check]:
+    chosen = {
+        name.removesuffix("_compliance"): fits.selected().errors
+        for name, fits in ({} if study is None else study.fits).items()
+        if name in (AXIAL, TORSIONAL)
+    }
+    return [
+        _check(
+            f"Error of the {kind} regression",
+            fit.largest_heldout_error,
+            f"Largest error of the chosen form ({fit.form}) at held-out designs.",
+            shown_unit="%",
         )
-    return study_checks
+        for kind, fit in chosen.items()
+    ]
 
 
-def _mechanism_checks(mechanism: Mapping[str, Any] | None) -> list[Check]:
+def _mechanism_checks(mechanism: MechanismResults | None) -> list[Check]:
     if mechanism is None:
         return []
     return [
         _check(
             "Energy of the crank mechanism",
-            abs(mechanism["energy_error"]),
+            abs(mechanism.energy_error),
             "Difference between the work of the torque over a cycle and the work of the gas, relative to "
             "the work exchanged.",
             allowed=LARGEST_ENERGY_ERROR,

@@ -10,7 +10,7 @@ from typer.core import TyperCommand
 from crankbase.errors import InputError
 from crankbase.quantity import split_quantity
 from crankfem.cli import console
-from crankfem.cli.commands.doe import doe
+from crankfem.cli.commands.doe import designs, doe, import_, plan, results, verify
 from crankfem.cli.commands.fit import fit
 from crankfem.cli.commands.formulas import formulas
 from crankfem.cli.commands.hinge import hinge
@@ -60,12 +60,15 @@ COMMANDS: dict[str, dict[Callable[..., Any], tuple[str, ...]]] = {
             "formulas --all",
             "formulas --published",
         ),
+        plan: ("plan 6chn25-34",),
         doe: (
-            "doe 6chn25-34 --plan",
             "doe 6chn25-34 --store runs.sqlite --workers 2",
             "doe 6chn25-34 --store runs.sqlite --more 10",
-            "doe 6chn25-34 --export designs --mesh step",
         ),
+        designs: ("designs 6chn25-34 designs --mesh step",),
+        import_: ("import study.toml bench.csv", "import study.toml results.csv --alone"),
+        results: ("results runs.sqlite runs.csv",),
+        verify: ("verify runs.sqlite",),
         fit: ("fit runs.sqlite --model model.json",),
         lookup: (
             "lookup model.json web_width=300mm web_thickness=68mm pin_length=139mm",

@@ -9,8 +9,7 @@ import numpy as np
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.mechanism.balance_records import mechanism_balance_record
-from crankfem.analyses.mechanism.mechanism_records import mechanism_record
+from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
 from crankfem.analyses.provenance import Repetition, provenance
@@ -18,7 +17,7 @@ from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.run_results import NamedThrow, RunResults, run_checks, throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.whole_records import shaft_balance, throws_in_shaft
-from crankfem.analyses.study.fit_records import study_record
+from crankfem.analyses.study.fit_records import fitted_study
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
 from crankfem.analyses.throw.throw_record import reciprocity, regression_record, throw_results
@@ -55,10 +54,8 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         angle_law=_angle_record(engine_file, computed.throw.analysis)
         | {"law": first.formulas["fe"]["angle_law"]},
         balance=shaft_balance(engine_file),
-        mechanism=None
-        if mechanism is None
-        else mechanism_record(mechanism) | {"balance": mechanism_balance_record(mechanism)},
-        study=None if study is None else study_record(study.table, study.fits, study.model),
+        mechanism=None if mechanism is None else mechanism_results(mechanism),
+        study=None if study is None else fitted_study(study.table, study.fits, study.model),
         harmonics=None
         if computed.torque is None or computed.harmonics is None
         else TableHarmonics(computed.harmonics, source=computed.torque.source),

@@ -69,8 +69,8 @@ def engine_facts(results: RunResults) -> list[str]:
     ]
     if mechanism is not None:
         facts.append(
-            f"indicated power {quantity(mechanism['power'], 'W', 3)}, mean indicated pressure "
-            f"{quantity(mechanism['mean_indicated_pressure'], 'Pa', 3)}"
+            f"indicated power {quantity(mechanism.power, 'W', 3)}, mean indicated pressure "
+            f"{quantity(mechanism.mean_indicated_pressure, 'Pa', 3)}"
         )
     if count > 1:
         order = f"firing order {'-'.join(map(str, engine['firing_order']))}"

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from markupsafe import Markup, escape
 
 from crankbase.quantity import (
+    RPM,
     UNBOUNDED,
     fixed,
     format_quantity,
@@ -19,6 +20,7 @@ from crankbase.quantity import (
     tiny,
 )
 from crankbase.table import Table
+from crankfem.analyses.mechanism.mechanism_results import BearingLoad
 from crankfem.analyses.record import Record
 from crankfem.analyses.run_results import Check
 from crankfem.analyses.shaft.chains import MOTION
@@ -134,10 +136,10 @@ def _figure(value: float | None, unit: str) -> str:
     return f"{value:g} {unit}".strip()
 
 
-def loaded_most(bearings: Sequence[Record]) -> list[Record]:
+def loaded_most(bearings: Sequence[BearingLoad]) -> list[BearingLoad]:
     """Return the bearings with the largest load; several where they are alike but for round-off."""
-    largest = max(bearing["largest"] for bearing in bearings)
-    return [bearing for bearing in bearings if bearing["largest"] > (1.0 - ALIKE) * largest]
+    largest = max(bearing.largest for bearing in bearings)
+    return [bearing for bearing in bearings if bearing.largest > (1.0 - ALIKE) * largest]
 
 
 def head(text: str) -> Markup:
@@ -227,6 +229,7 @@ FILTERS = {
     "range": range_sentence,
     "three": with_three_digits,
     "gpa": lambda value: f"{value / 1e9:.4g} GPa",
+    "rpm": lambda speed: speed * RPM,
     "length_of": lambda values: math.hypot(*values),
     "sig_or_zero": lambda value: significant(value, TABLE_DIGITS) if value else "0",
 }

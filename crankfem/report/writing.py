@@ -9,13 +9,6 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from crankbase.outputs import recording_run_files, write_text
-from crankfem.analyses.mechanism.balance_records import (
-    balance_contents,
-    balance_table,
-    moving_mass_table,
-    throw_mass_table,
-)
-from crankfem.analyses.mechanism.mechanism_records import bearing_table
 from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
@@ -52,23 +45,18 @@ if TYPE_CHECKING:
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
 # What makes tables, or their cells, of the results.
 TABLES = (
-    balance_contents,
-    balance_table,
     barred_within_error,
-    bearing_table,
     element_table,
     limit_table,
     load_table,
     misfiring_table,
     mode_table,
-    moving_mass_table,
     source_table,
     speed_table,
     whole_critical_table,
     whole_table,
     harmonics_table,
     stress_tables,
-    throw_mass_table,
     strength_table,
     fatigue_table,
     factor_table,

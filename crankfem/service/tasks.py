@@ -9,7 +9,7 @@ from typing import Any
 
 from crankbase.errors import InputError
 from crankbase.outputs import write_text
-from crankbase.results import json_text
+from crankbase.results import Result, json_text
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import TomlFile, read_toml
 from crankfem.service.asking import UNIT_FORCE, AnalysisQuestion, FileQuestion, StressQuestion
@@ -196,7 +196,7 @@ def _stress(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldPro
 
 
 def _study(question: Mapping[str, Any], folder: Path, workers: int, reporter: ToldProgress) -> None:
-    from crankfem.analyses.study.fit_records import study_record
+    from crankfem.analyses.study.fit_records import fitted_study
     from crankfem.analyses.study.studies import run_study
 
     content = _kept_upload(question, folder)
@@ -205,7 +205,7 @@ def _study(question: Mapping[str, Any], folder: Path, workers: int, reporter: To
         content, folder / "study.sqlite", workers, reporter.design, note=reporter.note
     )
     study.model.save(folder / MODEL)
-    _write(folder, study_record(study.table, study.fits, study.model))
+    _write(folder, fitted_study(study.table, study.fits, study.model))
 
 
 def _engine(
@@ -219,10 +219,10 @@ def _engine(
     write_text(folder / RESULT, results_text(made.results), "results")
 
 
-def _write(folder: Path, record: dict[str, Any]) -> None:
+def _write(folder: Path, content: dict[str, Any] | Result) -> None:
     from crankfem.analyses.record import with_units
 
-    write_text(folder / RESULT, json_text(with_units(record)), "results")
+    write_text(folder / RESULT, json_text(with_units(content)), "results")
 
 
 _JOBS: dict[str, Callable[[Mapping[str, Any], Path, int, ToldProgress], None]] = {

@@ -2,11 +2,11 @@
 
 import math
 from dataclasses import dataclass
-from typing import get_args
+from typing import Self, get_args
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from crankbase.array_checks import nonnegative_number, positive_number
+from crankbase.array_checks import SMALLEST, positive_number
 from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
@@ -16,48 +16,30 @@ from dynamics.chains.editing import add_node, find_node, with_ground, with_inert
 from dynamics.chains.varying import Variation, VaryingPart, varied
 
 
-@dataclass(frozen=True)
-class TorsionalRing:
+class TorsionalRing(InputModel):
     """A body that turns with a node of a chain or a section of a shaft through a spring and a dashpot.
 
     The ring of a viscous damper (no stiffness) or of a rubber damper (a loss factor), a driven machine
     behind a coupling.
-
-    Parameters
-    ----------
-    inertia : float
-        [kg m^2]
-    stiffness : float
-        [N m/rad]
-    damping : float
-        [N m s/rad]
-    loss_factor : float
-        Imaginary part of the stiffness relative to the real one.
-    variation : Variation, optional
-        How the connection varies with frequency or speed.
-
-    Raises
-    ------
-    InputError
-        If the inertia is not above zero, another value is negative, or there is no connection.
     """
 
-    inertia: float
-    stiffness: float = 0.0
-    damping: float = 0.0
-    loss_factor: float = 0.0
-    variation: Variation | None = None
+    section = "ring"
+    positional = ("inertia", "stiffness", "damping", "loss_factor", "variation")
 
-    def __post_init__(self) -> None:
-        positive_number("ring inertia", self.inertia, "kg m^2", "a body has inertia")
-        why = "it is that of a passive element"
-        for name, unit in (("stiffness", "N m/rad"), ("damping", "N m s/rad"), ("loss_factor", "")):
-            nonnegative_number(f"ring {name}", getattr(self, name), unit, why)
+    inertia: float = quantity_field("inertia of the body", "kg m^2", SMALLEST)
+    stiffness: float = quantity_field("stiffness of the spring", "N m/rad", 0.0, default=0.0)
+    damping: float = quantity_field("damping of the dashpot", "N m s/rad", 0.0, default=0.0)
+    loss_factor: float = quantity_field("loss factor of the spring", "", 0.0, default=0.0)
+    variation: Variation | None = part_field("how the connection varies", Variation)
+
+    @model_validator(mode="after")
+    def _is_joined(self) -> Self:
         if self.stiffness == 0.0 and self.damping == 0.0:
             raise InputError(
                 "ring: given neither stiffness nor damping; allowed is one of them or both, because the "
                 "ring would not be joined to the shaft."
             )
+        return self
 
     @property
     def connection(self) -> tuple[float, float, float, VaryingPart | None]:
@@ -97,7 +79,7 @@ class _OnHub(InputModel):
         """Ring and connection, without the hub."""
         names = ("stiffness", "damping", "loss_factor", "variation")
         return TorsionalRing(
-            self.ring_inertia,
+            inertia=self.ring_inertia,
             **{name: getattr(self, name) for name in names if name in type(self).model_fields},
         )
 

@@ -22,7 +22,7 @@ from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.dampers import AxialDamper, TorsionalDamper, check_axial, check_torsional
-from dynamics.chains.editing import join_chains, with_damper, with_ground
+from dynamics.chains.editing import join_chains, with_damper
 from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import parts_motion
@@ -183,18 +183,20 @@ def axial_chain(
         names[-1] += ", flywheel"
     if bearing > 0.0:
         names[thrust] += ", thrust bearing"
+    held = nonnegative_number("thrust_damping", thrust_damping, "N s/m", "oil resists motion")
+    at_thrust = np.arange(count + 1) == thrust
+    absolute = one_for_each(
+        "section_damping", section_damping, count + 1, "sections", "N s/m", PASSIVE
+    )
     chain = Chain(
         at_sections,
         1.0 / compliances,
+        bearing * at_thrust,
         damping=damping,
         loss_factor=loss_factor,
-        ground_damping=one_for_each(
-            "section_damping", section_damping, count + 1, "sections", "N s/m", PASSIVE
-        ),
+        ground_damping=absolute + held * at_thrust,
         names=names,
     )
-    held = nonnegative_number("thrust_damping", thrust_damping, "N s/m", "oil resists motion")
-    chain = with_ground(chain, thrust, bearing, damping=held)
     if damper is not None:
         check_axial(damper)
         chain = with_damper(chain, 0, damper)

@@ -3,9 +3,10 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol, get_args
+from typing import Literal, Protocol, Self, get_args
 
 import numpy as np
+from pydantic import model_validator
 
 from crankbase.array_checks import SMALLEST, nonnegative_number, positive_number
 from crankbase.choices import check_choice, whole_number, whole_within
@@ -47,11 +48,11 @@ class Driven(InputModel):
     def ring(self) -> TorsionalRing:
         """The machine behind its coupling, without its absolute damping."""
         return TorsionalRing(
-            self.inertia,
-            self.coupling_stiffness,
-            self.coupling_damping,
-            self.coupling_loss_factor,
-            self.variation,
+            inertia=self.inertia,
+            stiffness=self.coupling_stiffness,
+            damping=self.coupling_damping,
+            loss_factor=self.coupling_loss_factor,
+            variation=self.variation,
         )
 
 
@@ -80,49 +81,39 @@ class DrivenMachine(Driven):
         return with_ground(wider, self.name, damping=self.damping)
 
 
-@dataclass(frozen=True)
-class Propeller:
+class Propeller(InputModel):
     """A propeller with its entrained water.
 
-    Parameters
-    ----------
-    dry_inertia : float
-        Polar moment of inertia in air [kg m^2].
-    dry_mass : float
-        [kg]
-    entrained_inertia, entrained_mass : float, optional
-        Of the entrained water in torsion [kg m^2] and along the shaft [kg].
-    entrained_inertia_share, entrained_mass_share : float, optional
-        Alternatively as shares of the dry values; 0.25 to 0.30 and about 0.60 are often
-        assumed.
-    damping : float, optional
-        Torque per speed of torsional vibration [N m s/rad].
-    axial_damping : float, optional
-        Force per speed of axial vibration [N s/m].
-
-    Raises
-    ------
-    InputError
-        If inertia or mass are not above zero, another value is negative, or the water is not given
-        in exactly one of the two ways: it has no default, because it shifts the frequencies.
+    The water is given by its values, or as shares of the dry ones; 0.25 to 0.30 of the inertia and about
+    0.60 of the mass are often assumed. It has no default, because it shifts the frequencies.
     """
 
-    dry_inertia: float
-    dry_mass: float
-    entrained_inertia: float | None = None
-    entrained_mass: float | None = None
-    entrained_inertia_share: float | None = None
-    entrained_mass_share: float | None = None
-    damping: float = 0.0
-    axial_damping: float = 0.0
+    section = "propeller"
+    positional = ("dry_inertia", "dry_mass", "entrained_inertia", "entrained_mass")
+
+    dry_inertia: float = quantity_field("polar moment of inertia in air", "kg m^2", SMALLEST)
+    dry_mass: float = quantity_field("mass in air", "kg", SMALLEST)
+    entrained_inertia: float | None = quantity_field(
+        "inertia of the entrained water in torsion", "kg m^2", 0.0, default=None
+    )
+    entrained_mass: float | None = quantity_field(
+        "mass of the entrained water along the shaft", "kg", 0.0, default=None
+    )
+    entrained_inertia_share: float | None = quantity_field(
+        "that inertia as a share of the dry one", "", 0.0, default=None
+    )
+    entrained_mass_share: float | None = quantity_field(
+        "that mass as a share of the dry one", "", 0.0, default=None
+    )
+    damping: float = quantity_field("damping in torsion", "N m s/rad", 0.0, default=0.0)
+    axial_damping: float = quantity_field("damping along the shaft", "N s/m", 0.0, default=0.0)
     name: str = "propeller"
 
-    def __post_init__(self) -> None:
-        positive_number("propeller.dry_inertia", self.dry_inertia, "kg m^2", "blades have inertia")
-        positive_number("propeller.dry_mass", self.dry_mass, "kg", "blades have mass")
-        for name, unit, usual in (
-            ("entrained_inertia", "kg m^2", "0.25 to 0.30"),
-            ("entrained_mass", "kg", "about 0.60"),
+    @model_validator(mode="after")
+    def _has_its_water(self) -> Self:
+        for name, usual in (
+            ("entrained_inertia", "0.25 to 0.30"),
+            ("entrained_mass", "about 0.60"),
         ):
             value, share = getattr(self, name), getattr(self, f"{name}_share")
             if (value is None) == (share is None):
@@ -131,12 +122,7 @@ class Propeller:
                     f"share of the dry value; allowed is one of them (a share of {usual} is often "
                     "assumed), because water vibrates with the blades."
                 )
-            why = "water adds to the blades"
-            nonnegative_number(f"propeller.{name}", value or 0.0, unit, why)
-            nonnegative_number(f"propeller.{name}_share", share or 0.0, "", why)
-        why = "damping takes energy away"
-        nonnegative_number("propeller.damping", self.damping, "N m s/rad", why)
-        nonnegative_number("propeller.axial_damping", self.axial_damping, "N s/m", why)
+        return self
 
     @property
     def inertia(self) -> float:
@@ -405,60 +391,34 @@ def shaft_flange(
     return shaft_cylinder(thickness, diameter, bore, material, name)
 
 
-@dataclass(frozen=True)
-class Coupling:
+class Coupling(InputModel):
     """A coupling by its data sheet: stiffness, damping, and the inertia of its two halves.
 
-    Parameters
-    ----------
-    torsional_stiffness, axial_stiffness : float, optional
-        Dynamic stiffness [N m/rad] and [N/m]; each is required only for chains of its kind.
-    left_inertia, right_inertia : float, optional
-        Of each half [kg m^2].
-    left_mass, right_mass : float, optional
-        [kg]
-    torsional_damping, axial_damping : float, optional
-        Viscous [N m s/rad] and [N s/m].
-    loss_factor : float, optional
-        Hysteretic damping: the stiffness is k (1 + i loss_factor). Data sheets give the relative
-        damping psi, the energy lost in a cycle over the largest stored: loss_factor = psi / (2 pi).
-    variation : Variation, optional
-        How stiffness and damping vary with the frequency of vibration or the speed.
-
-    Raises
-    ------
-    InputError
-        If a stiffness is not above zero, or another value is negative.
+    Its stiffness is k (1 + i loss_factor). Data sheets give the relative damping psi, the energy lost in a
+    cycle over the largest stored: loss_factor = psi / (2 pi).
     """
 
-    torsional_stiffness: float | None = None
-    axial_stiffness: float | None = None
-    left_inertia: float = 0.0
-    right_inertia: float = 0.0
-    left_mass: float = 0.0
-    right_mass: float = 0.0
-    torsional_damping: float = 0.0
-    axial_damping: float = 0.0
-    loss_factor: float = 0.0
-    name: str = ""
-    variation: Variation | None = None
+    section = "coupling"
+    positional = (
+        *("torsional_stiffness", "axial_stiffness", "left_inertia", "right_inertia"),
+        *("left_mass", "right_mass"),
+    )
 
-    def __post_init__(self) -> None:
-        for field, unit in (("torsional_stiffness", "N m/rad"), ("axial_stiffness", "N/m")):
-            value = getattr(self, field)
-            if value is not None:
-                positive_number(f"coupling.{field}", value, unit, "a coupling joins two shafts")
-        why = "it belongs to a passive body"
-        for field, unit in (
-            ("left_inertia", "kg m^2"),
-            ("right_inertia", "kg m^2"),
-            ("left_mass", "kg"),
-            ("right_mass", "kg"),
-            ("torsional_damping", "N m s/rad"),
-            ("axial_damping", "N s/m"),
-            ("loss_factor", ""),
-        ):
-            nonnegative_number(f"coupling.{field}", getattr(self, field), unit, why)
+    torsional_stiffness: float | None = quantity_field(
+        "dynamic stiffness, for torsional chains", "N m/rad", SMALLEST, default=None
+    )
+    axial_stiffness: float | None = quantity_field(
+        "dynamic stiffness, for axial chains", "N/m", SMALLEST, default=None
+    )
+    left_inertia: float = quantity_field("inertia of a half", "kg m^2", 0.0, default=0.0)
+    right_inertia: float = quantity_field("inertia of the other", "kg m^2", 0.0, default=0.0)
+    left_mass: float = quantity_field("mass of a half", "kg", 0.0, default=0.0)
+    right_mass: float = quantity_field("mass of the other", "kg", 0.0, default=0.0)
+    torsional_damping: float = quantity_field("viscous damping", "N m s/rad", 0.0, default=0.0)
+    axial_damping: float = quantity_field("viscous damping", "N s/m", 0.0, default=0.0)
+    loss_factor: float = quantity_field("hysteretic damping", "", 0.0, default=0.0)
+    name: str = ""
+    variation: Variation | None = part_field("how stiffness and damping vary", Variation)
 
     def stiffness(self, kind: Motion) -> float:
         """Return the stiffness for one kind of motion."""
@@ -471,31 +431,15 @@ class Coupling:
         return value
 
 
-@dataclass(frozen=True)
-class RigidBody:
-    """A rigid body on a shaft: a disk, a wheel, a rotor.
+class RigidBody(InputModel):
+    """A rigid body on a shaft: a disk, a wheel, a rotor."""
 
-    Parameters
-    ----------
-    inertia : float
-        Polar moment of inertia [kg m^2].
-    mass : float
-        [kg]
+    section = "body"
+    positional = ("inertia", "mass", "name")
 
-    Raises
-    ------
-    InputError
-        If a value is negative.
-    """
-
-    inertia: float
-    mass: float
+    inertia: float = quantity_field("polar moment of inertia", "kg m^2", 0.0)
+    mass: float = quantity_field("mass", "kg", 0.0)
     name: str
-
-    def __post_init__(self) -> None:
-        why = "it belongs to a body"
-        nonnegative_number("body.inertia", self.inertia, "kg m^2", why)
-        nonnegative_number("body.mass", self.mass, "kg", why)
 
 
 Piece = ShaftCone | Coupling | RigidBody | Propeller

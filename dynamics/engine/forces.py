@@ -657,7 +657,7 @@ def for_each_cylinder(
 
 
 def full_load_parameters(load: FullLoad, engine: EngineLayout) -> tuple[GasCycle, tuple[str, ...]]:
-    """Return the cycle's parameters in all cylinders, from the first main one, and remarks on them."""
+    """Return the cycle's parameters in all cylinders, from the first main one, and what is assumed."""
     number = engine.main_of(1)
     return load.parameters(
         engine.strokes, piston_position(engine, number), engine.cylinders[number - 1].area
@@ -666,7 +666,7 @@ def full_load_parameters(load: FullLoad, engine: EngineLayout) -> tuple[GasCycle
 
 def full_load_cycles(load: FullLoad, engine: EngineLayout) -> tuple[GasCycleResult, ...]:
     """Return the cycle in each cylinder that reaches the pressures of full load, (n,)."""
-    cycle, remarks = full_load_parameters(load, engine)
+    cycle, assumed = full_load_parameters(load, engine)
 
     def fired(position: Position, area: float) -> GasCycleResult:
         result = gas_cycle(
@@ -676,23 +676,23 @@ def full_load_cycles(load: FullLoad, engine: EngineLayout) -> tuple[GasCycleResu
             peak_pressure=load.peak_pressure,
             mean_effective_pressure=load.mean_effective_pressure,
         )
-        return replace(result, pressure=_with_remarks(result.pressure, remarks))
+        return replace(result, pressure=_with_assumed(result.pressure, assumed))
 
     return for_each_cylinder(engine, fired)
 
 
 def motored_pressures(load: FullLoad, engine: EngineLayout) -> tuple[GasPressure, ...]:
     """Return the pressure in each cylinder of the engine turned without combustion, (n,)."""
-    cycle, remarks = full_load_parameters(load, engine)
+    cycle, assumed = full_load_parameters(load, engine)
 
     def motored(position: Position, area: float) -> GasPressure:
-        return _with_remarks(gas_cycle(cycle, position, area, heat=0.0).pressure, remarks)
+        return _with_assumed(gas_cycle(cycle, position, area, heat=0.0).pressure, assumed)
 
     return for_each_cylinder(engine, motored)
 
 
-def _with_remarks(pressure: GasPressure, remarks: tuple[str, ...]) -> GasPressure:
-    return replace(pressure, remarks=remarks + pressure.remarks)
+def _with_assumed(pressure: GasPressure, assumed: tuple[str, ...]) -> GasPressure:
+    return replace(pressure, remarks=assumed + pressure.remarks, assumed=assumed + pressure.assumed)
 
 
 FEWEST_ANGLES = 3

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from crankbase.array_checks import (
 )
 from crankbase.choices import is_whole, whole_within
 from crankbase.errors import InputError
+from crankbase.results import Quantity, Result, result
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
 from dynamics.engine.rods import (
@@ -402,8 +404,8 @@ class EngineCylinder:
         return self.bank_angle_deg - self.crank_angle_deg
 
 
-@dataclass(frozen=True)
-class RotatingMass:
+@result("static_moment", "angle_deg", "position", eq=True)
+class RotatingMass(Result):
     """A mass that rotates with the shaft: a counterweight, or the unbalance of a throw.
 
     Parameters
@@ -416,10 +418,10 @@ class RotatingMass:
         Along the shaft [m].
     """
 
-    static_moment: float
+    static_moment: Annotated[float, Quantity("kg m")]
     _: KW_ONLY
-    angle_deg: float
-    position: float = 0.0
+    angle_deg: Annotated[float, Quantity("deg")]
+    position: Annotated[float, Quantity("m")] = 0.0
 
     def __post_init__(self) -> None:
         nonnegative_number("static_moment", self.static_moment, "kg m", "it is mass times radius")

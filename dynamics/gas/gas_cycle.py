@@ -775,12 +775,14 @@ def gas_cycle(
     if heat is None:
         remarks.append(f"Solved: heat {released / 1e3:.4g} kJ per cycle.")
     work = state.work(released)
+    assumed = assumption_remarks(cycle)
     return GasCycleResult(
         pressure=gas_pressure(
             state.pressure(released),
             cycle.strokes,
             source="cycle model",
-            remarks=(*remarks, *assumption_remarks(cycle)),
+            remarks=(*remarks, *assumed),
+            assumed=assumed,
             angles_deg=angles_deg,
         ),
         cycle=cycle,

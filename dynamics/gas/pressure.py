@@ -78,6 +78,8 @@ class GasPressure:
         Absolute pressure [Pa], positive.
     remarks : tuple of str
         Changes made to them, a sentence each.
+    assumed : tuple of str
+        Those of the remarks that tell of a value nobody gave.
 
     Raises
     ------
@@ -90,6 +92,7 @@ class GasPressure:
     strokes: int
     source: str = ""
     remarks: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         cycle = cycle_degrees(checked_strokes(self.strokes))
@@ -179,6 +182,7 @@ def gas_pressure(
     angles_deg: ArrayLike,
     source: str = "",
     remarks: tuple[str, ...] = (),
+    assumed: tuple[str, ...] = (),
 ) -> GasPressure:
     """Return the pressure over a cycle from samples, resampled evenly where necessary.
 
@@ -189,6 +193,8 @@ def gas_pressure(
         may start anywhere, no gap wider than 10 deg, the closing sample left out.
     remarks : tuple of str, optional
         Earlier changes to them.
+    assumed : tuple of str, optional
+        Those of the remarks that tell of a value nobody gave.
 
     Returns
     -------
@@ -229,6 +235,7 @@ def gas_pressure(
         strokes=int(strokes),
         source=source,
         remarks=remarks + ((remark,) if remark else ()),
+        assumed=assumed,
     )
 
 
@@ -741,4 +748,5 @@ def motored_from_compression(
         angles_deg=pressure.angles_deg,
         source=pressure.source,
         remarks=(*pressure.remarks, remark),
+        assumed=pressure.assumed,
     )

@@ -13,13 +13,14 @@ from crankbase.frames import Row
 from crankbase.quantity import RPM
 from crankbase.summaries import summarized
 from dynamics.chains.varying import over_amplitude
+from dynamics.critical import meetings
 from dynamics.indices import within
 from dynamics.response.complex_modes import ComplexModes, complex_modes, modes_at
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.loads import LinearQuantities, load_quantities, motion_rows
 from dynamics.response.order_excitation import OverSpeed
-from dynamics.response.resonance import LEAST_RATIO, refined_speeds
+from dynamics.response.resonance import LEAST_RATIO, speeds_about
 
 # Maxima below this share of the largest one are round-off of orders that nothing excites.
 LEAST_SHARE = 1e-9
@@ -392,8 +393,9 @@ class _Vibration:
         # With a stiffness that varies, peaks are elsewhere than at the constant one.
         even = np.linspace(*ends, VARYING * known.size if self.response.system.varying else 0)
         added = [
-            np.setdiff1d(np.append(refined_speeds(frequencies, ratios, [order], ends), even), known)
-            for order in self.response.orders.tolist()
+            np.setdiff1d(np.append(speeds_about(crossings, ratios, ends), even), known)
+            for order in self.response.orders
+            for crossings in [meetings(frequencies, np.array([order]), *ends)]
         ]
         counts = [speeds.size for speeds in added]
         about = np.repeat(np.arange(len(added)), counts), np.concatenate(added)

@@ -20,7 +20,7 @@ from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.results import Hertz, Number, Quantity, Result, Speed, result
-from dynamics.critical import critical_speeds
+from dynamics.critical import CriticalSpeed, critical_speeds
 from dynamics.indices import index_of_name
 from dynamics.plots.campbell import draw_campbell
 from dynamics.response.forced import ForcedResponse
@@ -185,6 +185,8 @@ GROWTH = 1.5
 LEAST_RATIO = 1e-4
 # Speeds within this share of each other are one.
 SAME_SPEED = 1e-12
+# Of an even grid.
+POINTS = 200
 
 
 def refined_speeds(
@@ -193,7 +195,7 @@ def refined_speeds(
     orders: ArrayLike,
     speed_range: tuple[float, float],
     *,
-    points: int = 200,
+    points: int = POINTS,
 ) -> FloatArray:
     """Return speeds that miss no peak of a lightly damped system.
 
@@ -238,8 +240,18 @@ def refined_speeds(
         "damping takes energy away",
     )
     count = whole_number("points", points, 2, "the range has two ends")
-    critical = critical_speeds(natural, orders, speed_range)
     low, high = (float(limit) for limit in speed_range)
+    return speeds_about(critical_speeds(natural, orders, speed_range), ratios, (low, high), count)
+
+
+def speeds_about(
+    critical: Sequence[CriticalSpeed],
+    ratios: FloatArray,
+    ends: tuple[float, float],
+    count: int = POINTS,
+) -> FloatArray:
+    """Return `refined_speeds` about known critical speeds, for checked ratios and ends."""
+    low, high = ends
     even = np.linspace(low, high, count)
     spacing = (high - low) / (count - 1)
     grids = [even]

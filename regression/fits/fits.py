@@ -7,7 +7,7 @@ between its levels either. A fit is therefore assessed by held-out designs sprea
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.diagrams import new_axes
 from crankbase.errors import InputError
 from crankbase.frames import table
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Number, Quantity, Result, result
 from regression.fits.equation_text import term_effects
 from regression.fits.forms import (
     Basis,
@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 
 
 Array = NDArray[np.float64]
+Figure = Annotated[float | None, Quantity("1")]
 
 
 def checked_runs(
@@ -102,7 +103,38 @@ def checked_sizes(name: str, scale: ArrayLike, values: Array) -> Array:
 LARGEST_SELECTION = 3_000_000
 
 
-@summarized(
+@result("form", "coefficient_count", "largest_error", "largest_heldout_error", "q_squared")
+class FitErrors(Result):
+    """A fitted form and its errors, relative to the true response: 0.01 for 1 %."""
+
+    form: str
+    # Whether the columns are a study's factors or dimensionless groups.
+    basis: Basis
+    coefficient_count: int
+    # Of the response itself at the runs, also for a form in logarithms; 1 for a constant response.
+    r_squared: Number
+    # None without degrees of freedom.
+    adjusted_r_squared: Figure
+    # Leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself. Each run is left out of
+    # the selection of the terms too, except in large studies (runs^2 times terms above
+    # `LARGEST_SELECTION`), where one run of hundreds hardly changes it. None if a single run determines a
+    # coefficient before the selection.
+    q_squared: Figure
+    largest_error: Annotated[float, Quantity("1", "at the runs", key="largest_error_at_runs")]
+    mean_error: Annotated[float, Quantity("1", "at the runs", key="mean_error_at_runs")]
+    # None without held-out designs.
+    largest_heldout_error: Annotated[float | None, Quantity("1", key="largest_error_held_out")]
+    mean_heldout_error: Annotated[float | None, Quantity("1", key="mean_error_held_out")]
+    # Not exceeded by 95 % of new designs (`regression.fits.selection.tolerance_limit`), by so many: of the
+    # runs, each left out in turn, and of the held-out designs, the larger; None without either.
+    band_error: Figure
+    band_designs: int
+    # Terms that the runs' levels do not determine, and those without which PRESS did not grow.
+    undetermined: tuple[str, ...]
+    dropped: tuple[str, ...]
+
+
+@result(
     "form",
     "coefficient_count",
     "largest_error",
@@ -110,11 +142,9 @@ LARGEST_SELECTION = 3_000_000
     "q_squared",
     "runs",
     "heldout_runs",
-    keeps_text=True,
 )
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A fitted form and its errors. Errors are relative to the true response, 0.01 for 1 %.
+class Fit(FitErrors):
+    """A fitted form with its equation.
 
     Attributes
     ----------
@@ -123,51 +153,18 @@ class Fit:
     statistics : LeastSquares
         Of the polynomial in coded variables; in a form in logarithms of the response, of its
         logarithm.
-    r_squared, adjusted_r_squared : float
-        R2 of the response itself at the runs, also for a form in logarithms; 1 for a constant
-        response. The adjusted one is None without degrees of freedom.
-    q_squared : float or None
-        Leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself. Each run is left out
-        of the selection of the terms too, except in large studies (runs^2 times terms above
-        `LARGEST_SELECTION`), where one run of hundreds hardly changes it. None if a single run
-        determines a coefficient before the selection (as with as many runs as coefficients).
-    largest_error, mean_error : float
-        At the runs.
-    largest_heldout_error, mean_heldout_error : float or None
-        At the held-out designs; None if there were none.
     runs, heldout_runs : int
         Numbers of runs fitted and held out.
-    band_error : float or None
-        The error not exceeded by 95 % of new designs (`regression.fits.selection.tolerance_limit`): of the
-        runs, each left out in turn, or of the held-out designs, whichever is larger; None if there is
-        neither.
-    band_designs : int
-        Number of designs that it is based on.
     lowest, highest : tuple of float
         Of each column at the runs.
-    undetermined : tuple of str
-        Terms of the form that the runs' levels do not determine.
-    dropped : tuple of str
-        Terms without which PRESS did not grow, in the order of their removal.
     """
 
-    fitted: FittedForm
-    statistics: LeastSquares
-    r_squared: float
-    adjusted_r_squared: float | None
-    q_squared: float | None
-    largest_error: float
-    mean_error: float
-    largest_heldout_error: float | None
-    mean_heldout_error: float | None
-    runs: int
-    heldout_runs: int
-    lowest: tuple[float, ...]
-    highest: tuple[float, ...]
-    undetermined: tuple[str, ...] = ()
-    dropped: tuple[str, ...] = ()
-    band_error: float | None = None
-    band_designs: int = 0
+    fitted: Internal[FittedForm]
+    statistics: Internal[LeastSquares]
+    runs: Internal[int]
+    heldout_runs: Internal[int]
+    lowest: Internal[tuple[float, ...]]
+    highest: Internal[tuple[float, ...]]
 
     def __repr__(self) -> str:
         """Summarize the fit in a line; coefficients and statistics would fill screens."""
@@ -181,24 +178,9 @@ class Fit:
         )
 
     @property
-    def form(self) -> str:
-        """Name of the form."""
-        return self.fitted.form
-
-    @property
-    def basis(self) -> Basis:
-        """Whether the columns are a study's factors or dimensionless groups."""
-        return form_named(self.fitted.form).basis
-
-    @property
     def factors(self) -> tuple[str, ...]:
         """Names of the columns."""
         return self.fitted.factors
-
-    @property
-    def coefficient_count(self) -> int:
-        """Number of coefficients."""
-        return len(self.fitted.coefficients)
 
     @property
     def term_names(self) -> tuple[str, ...]:
@@ -379,6 +361,9 @@ def fit_form(
         q_squared = coefficient_of_determination(values, left_out)
         unseen.append(np.abs(left_out / values - 1.0))
     return Fit(
+        form=form,
+        basis=kind.basis,
+        coefficient_count=len(terms),
         fitted=fitted,
         statistics=solution,
         r_squared=r_squared,

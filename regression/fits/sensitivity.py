@@ -1,14 +1,15 @@
 """Effect of each factor on a response: elasticities at a point, Sobol indices over the ranges."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankbase.results import Quantity, Result, result
 from regression.plans.factors import Factor
 
 Array = NDArray[np.float64]
@@ -23,32 +24,36 @@ SOBOL_SEED = 1
 CONSTANT = 1e-9
 
 
-@dataclass(frozen=True)
-class SobolIndices:
-    """Shares of a response's variance, uniform over the ranges or the part within the constraints.
+Shares = Annotated[Mapping[str, float], Quantity("1")]
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of the factors.
-    first : tuple of float
-        Share that a factor causes alone, Var E(y | x_i) / Var y; the rest is caused by several together.
-    total : tuple of float
-        Share that a factor causes alone and together with others, E Var(y | all but x_i) / Var y. Under
-        constraints a factor also contains information on others, and this may be less than the first.
-    points : int
-        Number of points of each of the samples that they are estimated from.
-    shapley : tuple of float or None
-        Under constraints, the shares that add up to 1: means, over all orders in which the factors may
-        become known, of the reduction of variance by each. Without constraints they are between first and
-        total and are not calculated.
-    """
 
-    names: tuple[str, ...]
-    first: tuple[float, ...]
-    total: tuple[float, ...]
+@result("first", "total", "shapley")
+class SobolIndices(Result):
+    """Shares of a response's variance by factor, over the ranges or the part within the constraints."""
+
+    # What a factor causes alone, Var E(y | x_i) / Var y; the rest several cause together.
+    first: Shares
+    # Alone and together with others, E Var(y | all but x_i) / Var y. Under constraints a factor also
+    # contains information on others, and this may be less than the first.
+    total: Shares
+    # Of each of the samples that they are estimated from.
     points: int
-    shapley: tuple[float, ...] | None = None
+    # Under constraints, the shares that add up to 1: means, over all orders in which the factors may become
+    # known, of the reduction of variance by each. Without, they lie between first and total: not calculated.
+    shapley: Shares | None = None
+
+
+@result("elasticity", "sobol.first", "sobol.total")
+class Sensitivities(Result):
+    """Effect of each factor on a response, by its chosen equation."""
+
+    # At which the elasticities are valid; of a category its label.
+    nominal: Annotated[Mapping[str, float | str], Quantity(".units")]
+    # d ln y / d ln p.
+    elasticity: Shares
+    # None for a response that does not vary, and if the constraints leave too little.
+    sobol: SobolIndices | None
+    units: Mapping[str, str]
 
 
 def elasticities(model: Model, factors: Sequence[Factor], nominal: Sequence[float]) -> list[float]:
@@ -125,17 +130,16 @@ def sobol_indices(
         return None
     names = tuple(factor.name for factor in factors)
     if len(factors) == 1:  # all of the variance is its own; scipy fails on one factor
-        return SobolIndices(names, (1.0,), (1.0,), points)
+        return SobolIndices(dict.fromkeys(names, 1.0), dict.fromkeys(names, 1.0), points)
     # Compliances are so small that squares of them lose digits: divided by their size.
     indices = stats.sobol_indices(
         func=lambda x: model(x.T) / size, n=points, dists=distributions, rng=seed
     )
-    return SobolIndices(
-        names,
-        tuple(np.atleast_1d(indices.first_order).ravel().tolist()),
-        tuple(np.atleast_1d(indices.total_order).ravel().tolist()),
-        points,
+    first, total = (
+        dict(zip(names, np.ravel(order).tolist(), strict=True))
+        for order in (indices.first_order, indices.total_order)
     )
+    return SobolIndices(first, total, points)
 
 
 # Points of each sample: an index is then uncertain by about 0.01.
@@ -226,11 +230,16 @@ def constrained_indices(model: Model, sample: RegionSample) -> SobolIndices | No
     for place, step in enumerate(steps):
         credit += np.bincount(sample.orders[:, place], step, len(credit))
     return SobolIndices(
-        sample.names,
-        tuple(1.0 - float(np.mean(halves(other))) / variance for other in sample.others_anew),
-        tuple(float(np.mean(halves(other))) / variance for other in sample.one_anew),
+        {
+            name: 1.0 - float(np.mean(halves(other))) / variance
+            for name, other in zip(sample.names, sample.others_anew, strict=True)
+        },
+        {
+            name: float(np.mean(halves(other))) / variance
+            for name, other in zip(sample.names, sample.one_anew, strict=True)
+        },
         len(values),
-        tuple((credit / np.sum(credit)).tolist()),
+        dict(zip(sample.names, (credit / np.sum(credit)).tolist(), strict=True)),
     )
 
 

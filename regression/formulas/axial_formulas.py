@@ -40,6 +40,7 @@ from regression.formulas.case import (
     OfThrow,
     Reading,
     Remark,
+    Remarks,
     ThrowCase,
     checked_angle_deg,
     checked_constants,
@@ -48,7 +49,6 @@ from regression.formulas.case import (
     open_angle_factor_remarks,
     plain_web_remarks,
     reading_value,
-    round_inertia,
     throw_and_material,
     unused_bores_remarks,
 )
@@ -77,18 +77,14 @@ def _anderson_corrected(case: ThrowCase) -> float:
     return bending + case.tension + case.shear_of_length(-2.0 * case.throw.overlap)
 
 
-def _anderson_remarks(case: ThrowCase) -> list[Remark]:
-    remarks = negative_shear_remarks(case)
+def _anderson_remarks(case: ThrowCase) -> Remarks:
+    yield from negative_shear_remarks(case)
     if _web_share(case) <= 0.0:
-        remarks.append(
-            Remark(
-                "The crank radius "
-                f"{format_quantity(case.throw.crank_radius, 'm')} is at most an eighth of the sum of "
-                "both journal diameters: nothing of the web is left to bend (k_1 <= 0).",
-                invalidates=True,
-            )
+        yield Remark(
+            f"The crank radius {format_quantity(case.throw.crank_radius, 'm')} is at most an eighth of the "
+            "sum of both journal diameters: nothing of the web is left to bend (k_1 <= 0).",
+            invalidates=True,
         )
-    return remarks
 
 
 ANDERSON = AxialFormula(
@@ -143,10 +139,7 @@ _AUTHORS = "P. Draminsky, E. Warming, MTZ, 1942, no. 2, pp. 292-301"
 
 def _draminsky_first_printed(case: ThrowCase) -> float:
     """Return (1) with length and inertia of the main journal, as its subscripts are printed."""
-    throw = case.throw
-    inertia = round_inertia(throw.main_journal_diameter, throw.main_journal_bore)
-    journal = throw.crank_radius**2 * throw.main_journal_length / (case.youngs_modulus * inertia)
-    return journal + 2.0 / 3.0 * case.web
+    return case.bent_journal(case.throw.main_journal_bore) + 2.0 / 3.0 * case.web
 
 
 def _draminsky_second_with(case: ThrowCase, pin_divisor: float, web_divisor: float) -> float:
@@ -161,29 +154,26 @@ def _draminsky_second_with(case: ThrowCase, pin_divisor: float, web_divisor: flo
     )
 
 
-def _draminsky_first_remarks(case: ThrowCase) -> list[Remark]:
-    return [*plain_web_remarks(case), *no_angle_remarks(case)]
+def _draminsky_first_remarks(case: ThrowCase) -> Remarks:
+    yield from plain_web_remarks(case)
+    yield from no_angle_remarks(case)
 
 
-def _draminsky_first_printed_remarks(case: ThrowCase) -> list[Remark]:
-    misprint = Remark(
+def _draminsky_first_printed_remarks(case: ThrowCase) -> Remarks:
+    yield from _draminsky_first_remarks(case)
+    yield Remark(
         "The print names the main journal in the first term, where the bent crankpin belongs."
     )
-    return [*_draminsky_first_remarks(case), misprint]
 
 
-def _draminsky_second_remarks(case: ThrowCase) -> list[Remark]:
-    remarks = plain_web_remarks(case)
+def _draminsky_second_remarks(case: ThrowCase) -> Remarks:
+    yield from plain_web_remarks(case)
     if case.gamma_deg < SMALLEST_ANGLE_DEG:
-        remarks.append(
-            Remark(
-                f"gamma = {case.gamma_deg:g} deg is below {SMALLEST_ANGLE_DEG:g} deg: the "
-                "factor 2/3 - (1 + cos gamma)/2 of the web falls to zero and below, which no "
-                "throw does.",
-                invalidates=True,
-            )
+        yield Remark(
+            f"gamma = {case.gamma_deg:g} deg is below {SMALLEST_ANGLE_DEG:g} deg: the factor 2/3 - (1 + cos "
+            "gamma)/2 of the web falls to zero and below, which no throw does.",
+            invalidates=True,
         )
-    return remarks
 
 
 DRAMINSKY_1 = AxialFormula(
@@ -248,29 +238,26 @@ def _tsniimf_printed_fault(case: ThrowCase) -> str:
     )
 
 
-def _tsniimf_remarks(case: ThrowCase) -> list[Remark]:
+def _tsniimf_remarks(case: ThrowCase) -> Remarks:
     share = case.pin / (case.pin + FRAME_WEB * case.web)
-    web_only = Remark(
+    yield Remark(
         "The formula includes only the webs: the crankpin, "
         f"{100.0 * share:.2g} % of a slender frame of these dimensions, is left out."
     )
-    return [web_only, *no_angle_remarks(case), *unused_bores_remarks(case)]
+    yield from no_angle_remarks(case)
+    yield from unused_bores_remarks(case)
 
 
-def _tsniimf_printed_remarks(case: ThrowCase) -> list[Remark]:
-    remarks = _tsniimf_remarks(case)
+def _tsniimf_printed_remarks(case: ThrowCase) -> Remarks:
+    yield from _tsniimf_remarks(case)
     throw = case.throw
     if throw.overlap < throw.web_thickness:
-        remarks.append(
-            Remark(
-                f"The overlap {format_quantity(throw.overlap, 'm')} is smaller than the web's "
-                f"thickness {format_quantity(throw.web_thickness, 'm')}: the print makes the web "
-                f"{(throw.web_thickness / throw.overlap) ** 1.5:.3g} times softer than one "
-                "without overlap.",
-                invalidates=True,
-            )
+        yield Remark(
+            f"The overlap {case.overlap_text} is smaller than the web's "
+            f"thickness {format_quantity(throw.web_thickness, 'm')}: the print makes the web "
+            f"{(throw.web_thickness / throw.overlap) ** 1.5:.3g} times softer than one without overlap.",
+            invalidates=True,
         )
-    return remarks
 
 
 TSNIIMF = AxialFormula(
@@ -316,45 +303,33 @@ def _guglielmotti_corrected(case: ThrowCase) -> float:
 
 
 def _guglielmotti_printed(case: ThrowCase) -> float:
-    throw = case.throw
-    inertia = round_inertia(throw.main_journal_diameter, 0.0)
-    journal = throw.crank_radius**2 * throw.main_journal_length / (case.youngs_modulus * inertia)
     web = PRINTED_WEB * _free_share(case) ** 2 * case.web
-    return case.constants["C"] * (journal + web)
+    return case.constants["C"] * (case.bent_journal(0.0) + web)
 
 
-def _guglielmotti_remarks(case: ThrowCase) -> list[Remark]:
-    remarks = open_angle_factor_remarks(case, "C")
+def _guglielmotti_remarks(case: ThrowCase) -> Remarks:
+    yield from open_angle_factor_remarks(case, "C")
     share = _free_share(case)
     if share <= 0.0:
-        remarks.append(
-            Remark(
-                f"The crank radius {format_quantity(case.throw.crank_radius, 'm')} is at most 0.44 "
-                "of the main journal's diameter: nothing of the web is left to bend "
-                "(R - 0.44 D_km <= 0).",
-                invalidates=True,
-            )
+        yield Remark(
+            f"The crank radius {format_quantity(case.throw.crank_radius, 'm')} is at most 0.44 of the main "
+            "journal's diameter: nothing of the web is left to bend (R - 0.44 D_km <= 0).",
+            invalidates=True,
         )
     elif case.throw.overlap > 0.0:
-        remarks.append(
-            Remark(
-                f"Main journal and crankpin overlap by {format_quantity(case.throw.overlap, 'm')}, and the "
-                f"formula is for slow-speed shafts: it includes {100.0 * share**2:.2g} % of the plain web's "
-                "bending."
-            )
+        yield Remark(
+            f"Main journal and crankpin overlap by {case.overlap_text}, and the formula is for slow-speed "
+            f"shafts: it includes {100.0 * share**2:.2g} % of the plain web's bending."
         )
-    return remarks
 
 
-def _guglielmotti_printed_remarks(case: ThrowCase) -> list[Remark]:
-    return [
-        *_guglielmotti_remarks(case),
-        *unused_bores_remarks(case),
-        Remark(
-            "The print gives the web 42/8 of the compliance of a slender frame, and names the main "
-            "journal in the first term, where the bent crankpin belongs."
-        ),
-    ]
+def _guglielmotti_printed_remarks(case: ThrowCase) -> Remarks:
+    yield from _guglielmotti_remarks(case)
+    yield from unused_bores_remarks(case)
+    yield Remark(
+        "The print gives the web 42/8 of the compliance of a slender frame, and names the main "
+        "journal in the first term, where the bent crankpin belongs."
+    )
 
 
 GUGLIELMOTTI_MACCHIOTTA = AxialFormula(
@@ -431,29 +406,22 @@ def _stoyanov_as_printed(case: ThrowCase) -> float:
     )
 
 
-def _stoyanov_remarks(case: ThrowCase) -> list[Remark]:
-    remarks = no_angle_remarks(case)
-    overlap = case.throw.overlap
-    if overlap > 0.0 and "k_n" not in case.given_constants:
-        remarks.append(
-            Remark(
-                f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}, for which the "
-                "factor k_n is not published: the value applies without overlap (k_n = 1), unless "
-                "the constant k_n is given.",
-                invalidates=True,
-            )
+def _stoyanov_remarks(case: ThrowCase) -> Remarks:
+    yield from no_angle_remarks(case)
+    if case.throw.overlap > 0.0 and "k_n" not in case.given_constants:
+        yield Remark(
+            f"Main journal and crankpin overlap by {case.overlap_text}, for which the factor k_n is not "
+            "published: the value applies without overlap (k_n = 1), unless the constant k_n is given.",
+            invalidates=True,
         )
     b = relative_width(case)
     if not SMALLEST_WIDTH <= b <= LARGEST_WIDTH:
-        remarks.append(
-            Remark(
-                f"The web's width is {b:.3g} of the mean journal diameter, outside "
-                f"{SMALLEST_WIDTH:g} to {LARGEST_WIDTH:g}: the factor c = {width_factor(b):.3g} of "
-                "the effective width is then far from the 1 of a slender frame.",
-                invalidates=True,
-            )
+        yield Remark(
+            f"The web's width is {b:.3g} of the mean journal diameter, outside {SMALLEST_WIDTH:g} to "
+            f"{LARGEST_WIDTH:g}: the factor c = {width_factor(b):.3g} of the effective width is then far "
+            "from the 1 of a slender frame.",
+            invalidates=True,
         )
-    return remarks
 
 
 _STOYANOV = Reading(_stoyanov_as_printed, _stoyanov_remarks)
@@ -492,28 +460,22 @@ def _gorbunov_corrected(case: ThrowCase) -> float:
     )
 
 
-def _gorbunov_remarks(case: ThrowCase) -> list[Remark]:
-    remarks = negative_shear_remarks(case)
+def _gorbunov_remarks(case: ThrowCase) -> Remarks:
+    yield from negative_shear_remarks(case)
     number = case.constants["k_gorbunov"]
     factor = _gorbunov_angle_factor(case)
     # A frame with blocked tilt has 1/6 of R^3 / (E I_w), a quarter of the web's term at k_phi = 1.
     if factor < 0.25:
-        remarks.append(
-            Remark(
-                f"At gamma = {case.gamma_deg:g} deg the angle factor of the web is {factor:.3g}: "
-                "the web is then stiffer than even a frame with blocked tilt has it.",
-                invalidates=True,
-            )
+        yield Remark(
+            f"At gamma = {case.gamma_deg:g} deg the angle factor of the web is {factor:.3g}: "
+            "the web is then stiffer than even a frame with blocked tilt has it.",
+            invalidates=True,
         )
     elif 2.0 * number > 1.0 + 1e-12:
-        remarks.append(
-            Remark(
-                f"The angle factor k_phi = {number:g} (1 - cos gamma) gives the web "
-                f"{2.0 * number:g} times the compliance of a slender frame at 180 deg; "
-                "the constant k_gorbunov = 0.5 matches the frame."
-            )
+        yield Remark(
+            f"The angle factor k_phi = {number:g} (1 - cos gamma) gives the web {2.0 * number:g} times the "
+            "compliance of a slender frame at 180 deg; the constant k_gorbunov = 0.5 matches the frame."
         )
-    return remarks
 
 
 GORBUNOV = AxialFormula(

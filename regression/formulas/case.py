@@ -1,7 +1,7 @@
 """The arguments of a formula, and the beam compliances from which all formulas are built."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
@@ -37,6 +37,11 @@ class ThrowCase:
         return math.cos(math.radians(self.gamma_deg))
 
     @property
+    def overlap_text(self) -> str:
+        """Overlap of main journal and crankpin, as remarks tell it."""
+        return format_quantity(self.throw.overlap, "m")
+
+    @property
     def pin(self) -> float:
         """Bending of the crankpin, R^2 L_shm / (E I_shm) [m/N]."""
         return self.pin_of_length(self.throw.pin_length)
@@ -44,6 +49,12 @@ class ThrowCase:
     def pin_of_length(self, length: float) -> float:
         """Bending of a crankpin of this length under the moment R of a unit force [m/N]."""
         inertia = round_inertia(self.throw.pin_diameter, self.throw.pin_bore)
+        return self.throw.crank_radius**2 * length / (self.youngs_modulus * inertia)
+
+    def bent_journal(self, bore: float) -> float:
+        """Bending of the main journal in place of the crankpin, R^2 L_km / (E I_km) [m/N]."""
+        inertia = round_inertia(self.throw.main_journal_diameter, bore)
+        length = self.throw.main_journal_length
         return self.throw.crank_radius**2 * length / (self.youngs_modulus * inertia)
 
     @property
@@ -154,86 +165,71 @@ class Remark:
     invalidates: bool = False
 
 
-def shape_remarks(throw: CrankThrow) -> list[Remark]:
+Remarks = Iterator[Remark]
+
+
+def shape_remarks(throw: CrankThrow) -> Remarks:
     """Features of a throw that the published formulas do not include, and whether that makes them invalid."""
-    remarks = []
     if throw.further_pins:
         text = "The throw has several pins between its bearings; the formula assumes one."
-        remarks.append(Remark(text, invalidates=True))
+        yield Remark(text, invalidates=True)
     if any(
         web.thickness not in (None, throw.web_thickness) or web.width not in (None, throw.web_width)
         for web in (throw.left_web, throw.right_web)
         if web is not None
     ):
-        text = "The webs differ; the formula uses web_width and web_thickness for both."
-        remarks.append(Remark(text))
+        yield Remark("The webs differ; the formula uses web_width and web_thickness for both.")
     if throw.web_tip_thickness is not None or throw.web_foot_thickness is not None:
-        remarks.append(Remark("The formula uses the full web thickness; this web is tapered."))
+        yield Remark("The formula uses the full web thickness; this web is tapered.")
     if throw.main_journal_bore_offset or throw.pin_bore_offset:
-        remarks.append(Remark("The formula treats eccentric bores as concentric."))
+        yield Remark("The formula treats eccentric bores as concentric.")
     if throw.oil_holes:
-        remarks.append(Remark("The formula ignores oil holes."))
-    return remarks
+        yield Remark("The formula ignores oil holes.")
 
 
-def plain_web_remarks(case: ThrowCase) -> list[Remark]:
+def plain_web_remarks(case: ThrowCase) -> Remarks:
     """For a formula whose web has its plain section B h, whatever the overlap."""
-    overlap = case.throw.overlap
-    if overlap <= 0.0:
-        return []
-    return [
-        Remark(
-            f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}: a formula with the plain "
-            "web section overestimates the compliance, up to about three times the finite-element value."
+    if case.throw.overlap > 0.0:
+        yield Remark(
+            f"Main journal and crankpin overlap by {case.overlap_text}: a formula with the plain web "
+            "section overestimates the compliance, up to about three times the finite-element value."
         )
-    ]
 
 
-def negative_shear_remarks(case: ThrowCase) -> list[Remark]:
+def negative_shear_remarks(case: ThrowCase) -> Remarks:
     """For a formula whose web shears over 2 R - D_km - D_shm only."""
-    overlap = case.throw.overlap
-    if overlap <= 0.0:
-        return []
-    return [
-        Remark(
-            f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}: the formula's "
-            "shear term is negative there."
+    if case.throw.overlap > 0.0:
+        yield Remark(
+            f"Main journal and crankpin overlap by {case.overlap_text}: the formula's shear term is "
+            "negative there."
         )
-    ]
 
 
-def no_angle_remarks(case: ThrowCase) -> list[Remark]:
+def no_angle_remarks(case: ThrowCase) -> Remarks:
     """For a formula that has no angle between neighboring cranks."""
-    if case.gamma_deg == 180.0:
-        return []
-    return [
-        Remark(
+    if case.gamma_deg != 180.0:
+        yield Remark(
             "The formula has no angle: it holds for opposite neighbors, gamma = 180 deg, and "
             f"not for {case.gamma_deg:g} deg, where the throw is stiffer.",
             invalidates=True,
         )
-    ]
 
 
-def open_angle_factor_remarks(case: ThrowCase, constant: str) -> list[Remark]:
+def open_angle_factor_remarks(case: ThrowCase, constant: str) -> Remarks:
     """For a formula whose factor for the angle is not published, unless the factor is given."""
-    if case.gamma_deg == 180.0 or constant in case.given_constants:
-        return []
-    return [
-        Remark(
+    if case.gamma_deg != 180.0 and constant not in case.given_constants:
+        yield Remark(
             f"The factor {constant} for gamma = {case.gamma_deg:g} deg is not published: the value applies "
             f"to opposite neighbors, gamma = 180 deg ({constant} = 1), unless the constant {constant} is "
             "given.",
             invalidates=True,
         )
-    ]
 
 
-def unused_bores_remarks(case: ThrowCase) -> list[Remark]:
+def unused_bores_remarks(case: ThrowCase) -> Remarks:
     """For a formula that does not include the bores."""
-    if case.throw.main_journal_bore == 0.0 and case.throw.pin_bore == 0.0:
-        return []
-    return [Remark("The formula ignores the bores.")]
+    if case.throw.main_journal_bore or case.throw.pin_bore:
+        yield Remark("The formula ignores the bores.")
 
 
 SURVEY = (
@@ -247,7 +243,7 @@ class Reading:
     """One reading of a formula: its value of a case [SI], remarks, and why it has none ("" if it has)."""
 
     evaluate: Callable[[ThrowCase], float]
-    remarks: Callable[[ThrowCase], list[Remark]] = lambda _: []
+    remarks: Callable[[ThrowCase], Iterable[Remark]] = lambda _: ()
     fault: Callable[[ThrowCase], str] = lambda _: ""
 
 
@@ -275,7 +271,7 @@ def reading_value(
     reading: Reading, case: ThrowCase, source: str, unit: str, variant: str
 ) -> FormulaValue:
     """Evaluate a reading for a case, with all remarks."""
-    remarks = reading.remarks(case) + shape_remarks(case.throw)
+    remarks = [*reading.remarks(case), *shape_remarks(case.throw)]
     value = reading.evaluate(case)
     if value <= 0.0:
         remarks.append(

@@ -24,6 +24,7 @@ from regression.formulas.case import (
     OfThrow,
     Reading,
     Remark,
+    Remarks,
     ThrowCase,
     reading_value,
     round_inertia,
@@ -71,17 +72,14 @@ def _ker_wilson(case: ThrowCase) -> float:
     return _journals(case, journal, pin) + _web(case, _ker_wilson_web_length(throw))
 
 
-def _ker_wilson_remarks(case: ThrowCase) -> list[Remark]:
-    remarks = [Remark("Meant for stiff webs between flexible journals and pin.")]
+def _ker_wilson_remarks(case: ThrowCase) -> Remarks:
+    yield Remark("Meant for stiff webs between flexible journals and pin.")
     if _ker_wilson_web_length(case.throw) <= 0.0:
-        remarks.append(
-            Remark(
-                f"The crank radius {format_quantity(case.throw.crank_radius, 'm')} is at most a fifth "
-                "of the sum of both journal diameters: nothing of the web is left to twist.",
-                invalidates=True,
-            )
+        yield Remark(
+            f"The crank radius {format_quantity(case.throw.crank_radius, 'm')} is at most a fifth "
+            "of the sum of both journal diameters: nothing of the web is left to twist.",
+            invalidates=True,
         )
-    return remarks
 
 
 def _with_web_beams(case: ThrowCase, share: float) -> float:
@@ -106,17 +104,14 @@ def _zimanenko_with(case: ThrowCase, diameter: float) -> float:
     return _journals(case, journal, pin) + _web(case, R * math.sqrt(R / throw.pin_diameter))
 
 
-def _zimanenko_remarks(case: ThrowCase) -> list[Remark]:
-    remarks = [Remark("Gives up to a quarter more than finite elements for ordinary throws.")]
+def _zimanenko_remarks(case: ThrowCase) -> Remarks:
+    yield Remark("Gives up to a quarter more than finite elements for ordinary throws.")
     if case.throw.pin_diameter != case.throw.main_journal_diameter:
         other = _zimanenko_with(case, case.throw.pin_diameter)
-        remarks.append(
-            Remark(
-                "Reprints differ in the diameter of the term with 0.2 B/R: here it is the main "
-                f"journal's; with the crankpin's the value is {other * 1e9:.4g}e-9 rad/(N m)."
-            )
+        yield Remark(
+            "Reprints differ in the diameter of the term with 0.2 B/R: here it is the main "
+            f"journal's; with the crankpin's the value is {other * 1e9:.4g}e-9 rad/(N m)."
         )
-    return remarks
 
 
 # Each formula with who published it.

@@ -4,12 +4,13 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankbase.results import Number, Quantity, Result, result
 from regression.plans.factors import Factor, rounded
 
 # Latin hypercubes tried, of which the one with the largest smallest distance is taken; fewer of large
@@ -155,28 +156,18 @@ def draw_feasible_points(
 NONE = 1e-12
 
 
-@dataclass(frozen=True)
-class DesignQuality:
-    """Quality of runs before any has a result, in coordinates 0 to 1 over each range.
+@result("distance", "discrepancy", "correlation")
+class DesignQuality(Result):
+    """Quality of runs before any has a result, in coordinates 0 to 1 over each range."""
 
-    Attributes
-    ----------
-    distance : float or None
-        Distance of the two nearest runs; labels of a choice of q are 1/q apart. None for a single run.
-    discrepancy : float
-        Centered L2 discrepancy, squared, as scipy has it (Hickernell 1998), of the factors that are numbers;
-        0 would be perfectly even.
-    random_discrepancy : float
-        Its mean for the same number of random points: ((5/4)^k - (13/12)^k) / n.
-    correlation : float or None
-        Largest absolute correlation of two factors, `correlated`, choices of two labels among them;
-        None without two that vary.
-    """
-
-    distance: float | None
-    discrepancy: float
-    random_discrepancy: float
-    correlation: float | None
+    # Of the two nearest runs; labels of a choice of q are 1/q apart.
+    distance: Annotated[float | None, Quantity("1")]
+    # Centered L2, squared (Hickernell 1998), of the factors that are numbers, and its mean for as many random
+    # points: ((5/4)^k - (13/12)^k) / n.
+    discrepancy: Number
+    random_discrepancy: Number
+    # Largest absolute one of two factors, choices of two labels among them.
+    correlation: Annotated[float | None, Quantity("1")]
     correlated: tuple[str, ...]
 
 

@@ -3,12 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankbase.results import Quantity, Result, result
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from regression.plans.designs import (
@@ -372,11 +373,11 @@ class PlannedDesign:
     added: bool = False
 
 
-@dataclass(frozen=True)
-class ExcludedDesign:
-    """A design that is not computed, and why; a random one was replaced by another."""
+@result("role", "reason", eq=True)
+class ExcludedDesign(Result):
+    """A design without a result, and why; of those not computed a random one was replaced by another."""
 
-    values: tuple[float, ...]
+    values: Annotated[tuple[float, ...], Quantity(".value_units")]
     reason: str
     role: str = RUN
 

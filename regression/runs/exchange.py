@@ -3,7 +3,7 @@
 import csv
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from crankbase.errors import InputError, MissingLibraryError
 from crankbase.input_file import LARGEST_TABLE_FILE, check_file_size
 from crankbase.outputs import atomic_file
 from crankbase.quantity import parse_quantity
+from crankbase.results import Result, result
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor, changed_record, field_value
@@ -265,8 +266,20 @@ def check_export(path: Path) -> None:
         _parquet()
 
 
-def export_table(table: StudyTable, path: str | Path) -> int:
-    """Write all rows of a study, including those without a result, and return their number.
+@result("file", "rows", eq=True)
+class ExportedTable(Result):
+    """A table of a study's rows in a file."""
+
+    file: str
+    rows: int
+
+    def parts(self) -> Iterator[str]:
+        """State what was written."""
+        yield f"{self.rows} rows written to {self.file}."
+
+
+def export_table(table: StudyTable, path: str | Path) -> ExportedTable:
+    """Write all rows of a study, including those without a result.
 
     To ``.csv`` or ``.parquet``, in SI units, named in the columns' headers; in Parquet also as metadata
     of each column, the study's key as metadata of the file. Replaced when complete; errors as of
@@ -279,7 +292,7 @@ def export_table(table: StudyTable, path: str | Path) -> int:
             write_csv(part, columns(table))
         else:
             _write_parquet(part, table)
-    return len(table.rows)
+    return ExportedTable(str(path), len(table.rows))
 
 
 def write_csv(path: Path, listed: Sequence[Column]) -> None:

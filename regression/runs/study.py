@@ -1,9 +1,9 @@
 """Run a study, or continue it; read one back; import results from elsewhere."""
 
 import sqlite3
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -45,6 +45,8 @@ from regression.runs.study_table import StudyTable, study_table
 from regression.runs.workers import design_limits, run_designs
 from regression.throw_values import SAME
 
+# Damaged rows that are told; JSON has all.
+MOST_ROWS = 10
 # Designs that are looked at, spread over all.
 LOOKED_AT = 30
 # The finest mesh for stresses at fillets has up to so many times the unknowns of an ordinary one.
@@ -369,8 +371,8 @@ def _described(results: ResultStore, plan: StudyPlan) -> str:
     return f"{plan.design.kind} of {roles.count(RUN)} runs: {', '.join(factors)}"
 
 
-@dataclass(frozen=True)
-class ImportSummary:
+@result("designs", "rows", "left_out", eq=True)
+class ImportSummary(Result):
     """Result of an import.
 
     Attributes
@@ -381,18 +383,32 @@ class ImportSummary:
         New rows in addition to the study's designs.
     left_out : int
         Designs of the other store that do not belong to the study.
-    damaged : str
-        Skipped damaged parts of the other store; empty if none.
     coinciding : int
         Rows at the factor values of the study's own designs, which are computed anyway: the
         study's results have priority, and these rows are not used.
+    damaged : str
+        Skipped damaged parts of the other store; empty if none.
     """
 
+    file: str
     designs: int
     rows: int
     left_out: int
-    coinciding: int = 0
-    damaged: str = ""
+    coinciding: int
+    damaged: str
+
+    def parts(self) -> Iterator[str]:
+        """State what was imported."""
+        left_out = f"; {self.left_out} do not belong to this study" if self.left_out else ""
+        unused = (
+            f"; {self.coinciding} at the study's own designs are not used"
+            if self.coinciding
+            else ""
+        )
+        yield (
+            f"{self.file}: {self.designs} finished designs and {self.rows} further rows imported{left_out}"
+            f"{unused}."
+        )
 
 
 def import_results(
@@ -431,7 +447,7 @@ def import_results(
             results.record(outcome, MODEL_VERSION)
         coinciding = _coinciding(results, planned, imported.rows, alone)
         added = results.add_extra_rows(plan.key, imported.rows)
-        return ImportSummary(len(new), added, imported.left_out, coinciding, damaged)
+        return ImportSummary(str(file), len(new), added, imported.left_out, coinciding, damaged)
 
 
 def _coinciding(
@@ -473,6 +489,19 @@ class StudyCheck(Result):
     designs: Annotated[int | None, Quantity("1")] = None
     missing: Annotated[int | None, Quantity("1")] = None
 
+    @property
+    def sentence(self) -> str:
+        """State how many designs it has, or why that is unknown."""
+        name = f"Study {self.study[:6]}"
+        if self.designs is None:
+            return (
+                f"{name}: its plan is damaged; run it from its file, and its finished designs are used."
+                if self.damaged
+                else f"{name}: of another version of the finite element model."
+            )
+        text = f"{name}: {self.designs} designs, {self.missing} without a result"
+        return f"{text}; {self.damaged} is damaged." if self.damaged else f"{text}."
+
 
 @result("store", "sound", "file_damage", "designs", "studies", eq=True)
 class StoreCheck(Result):
@@ -498,6 +527,27 @@ class StoreCheck(Result):
     def sound(self) -> Annotated[bool, Quantity()]:
         """Whether nothing is damaged."""
         return not (self.file_damage or self.damaged_rows or any(s.damaged for s in self.studies))
+
+    def parts(self) -> Iterator[str]:
+        """State what the store holds, and what is damaged."""
+        if self.file_damage:
+            yield f"SQLite cannot trust the file: {self.file_damage}."
+            return
+        counts = ", ".join(
+            f"{number} {status}" for status, number in self.designs.items() if number
+        )
+        rows = f"{len(self.damaged_rows)} damaged" if self.damaged_rows else "no row damaged"
+        yield f"{self.store}: {counts or 'no design computed'}; {rows}."
+        for place, why in list(self.damaged_rows.items())[:MOST_ROWS]:
+            yield f"- {place}: {why}."
+        if len(self.damaged_rows) > MOST_ROWS:
+            yield f"... and {len(self.damaged_rows) - MOST_ROWS} more; --json has them all."
+        for study in self.studies:
+            yield study.sentence
+        if not self.studies:
+            yield (
+                f"It holds no study: run one from its file, crankfem doe STUDY.toml --store {self.store}."
+            )
 
 
 def check_store(path: str | Path) -> StoreCheck:

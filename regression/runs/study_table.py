@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from crankbase.diagrams import display_unit, legend_inside, new_axes, write_titl
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.model import field_extra
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Quantity, Result, result
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
+Arrays = Mapping[str, Annotated[Array, Quantity("1")]]
 
 DONE, WAITING = "done", "waiting"
 NOT_COMPUTED = "not computed yet"
@@ -64,33 +65,47 @@ class StudyRow:
     source: str = ""
 
 
-@summarized("study: plan.key", "designs: values", "responses", "failures", "excluded")
-@dataclass(frozen=True)
-class StudyTable:
-    """Results of a study as arrays.
+@result("values", "responses")
+class DesignTable(Result):
+    """Designs that have a result, imported ones included, as arrays.
 
     Attributes
     ----------
     values : (n, k) array
-        Factor values [SI] of the designs that have a result, imported ones included; for a choice the
-        index of its label.
+        Of the factors [SI]; for a choice the index of its label.
     held_out : (n,) array of bool
         Which of them are not used in fits.
-    responses : dict
-        Response name to (n,) array [SI].
-    errors : dict
-        Response name to (n,) array of estimated relative errors; only responses for which every row
-        has one.
+    responses, errors : dict
+        Response name to (n,) array: [SI], and estimated relative errors, of responses for which every
+        row has one.
+    """
+
+    values: Annotated[Array, Quantity(".value_units")]
+    held_out: Annotated[NDArray[np.bool_], Quantity()]
+    responses: Annotated[Arrays, Quantity(".response_units")]
+    errors: Annotated[Arrays, Quantity("1")]
+
+    @property
+    def response_units(self) -> dict[str, str]:
+        """Unit of each response."""
+        known = {name: kind.unit for name, kind in RESPONSES.items()}
+        return {name: known.get(name) or "1" for name in self.responses}
+
+
+@result("study: plan.key", "designs: values", "responses", "failures", "excluded")
+class StudyTable(DesignTable):
+    """Results of a study as arrays.
+
+    Attributes
+    ----------
     dimensions : dict
         Numeric field of the throw to (n,) array [SI], as built.
     outlines : dict
         Text field of the throw to its n values.
     seconds : (n,) array
         Time of each [s]; 0 for imported ones.
-    failures : tuple of (role, values, reason)
-        Designs without a result.
-    excluded : tuple of ExcludedDesign
-        Designs that the plan excluded because they cannot be built.
+    failures, excluded : tuple of ExcludedDesign
+        Designs without a result; designs that the plan excluded because they cannot be built.
     computed : int
         Number of designs computed now, not read from the store.
     added : int
@@ -103,21 +118,17 @@ class StudyTable:
         Everything above row by row, in order.
     """
 
-    plan: StudyPlan
-    values: Array
-    held_out: NDArray[np.bool_]
-    responses: dict[str, Array]
-    errors: dict[str, Array]
-    dimensions: dict[str, Array]
-    outlines: dict[str, tuple[str, ...]]
-    seconds: Array
-    failures: tuple[tuple[str, tuple[float, ...], str], ...]
-    excluded: tuple[ExcludedDesign, ...] = ()
-    computed: int = 0
-    added: int = 0
-    extra: tuple[ExtraRow, ...] = ()
-    rows: tuple[StudyRow, ...] = field(default=(), repr=False)
-    damaged: Mapping[str, str] = field(default_factory=dict)
+    plan: Internal[StudyPlan]
+    dimensions: Internal[dict[str, Array]]
+    outlines: Internal[dict[str, tuple[str, ...]]]
+    seconds: Internal[Array]
+    failures: Internal[tuple[ExcludedDesign, ...]]
+    excluded: Internal[tuple[ExcludedDesign, ...]] = ()
+    computed: Internal[int] = 0
+    added: Internal[int] = 0
+    extra: Internal[tuple[ExtraRow, ...]] = ()
+    rows: Internal[tuple[StudyRow, ...]] = ()
+    damaged: Internal[Mapping[str, str]] = field(default_factory=dict)
 
     def plot(
         self, axes: "Axes | None" = None, *, response: str | None = None, factor: str | None = None
@@ -174,9 +185,8 @@ class StudyTable:
         columns: dict[str, tuple[Any, str]] = {"held_out": (self.held_out, "")}
         for place, factor in enumerate(self.plan.factors):
             columns[factor.name] = _cells(factor, self.values[:, place])
-        for name, values in self.responses.items():
-            kind = RESPONSES.get(name)
-            columns[name] = (values, "1" if kind is None else kind.unit or "1")
+        units = self.response_units
+        columns |= {name: (values, units[name]) for name, values in self.responses.items()}
         columns |= {f"{name} error": (values, "1") for name, values in self.errors.items()}
         return table(columns | {"seconds": (self.seconds, "s")})
 
@@ -255,7 +265,9 @@ def study_table(
         outlines={n: tuple(v) for n, v in _columns([row.outlines for row in good]).items()},
         seconds=np.array([row.seconds for row in good], dtype=float),
         failures=tuple(
-            (row.role, row.values or (), row.reason) for row in computed_rows if row.reason
+            ExcludedDesign(row.values or (), row.reason, row.role)
+            for row in computed_rows
+            if row.reason
         ),
         excluded=tuple(excluded),
         computed=computed,

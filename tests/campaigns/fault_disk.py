@@ -19,7 +19,7 @@ PAGE = 4096
 def _checked(bench: Bench, store: Path, finding: Finding, whole: bool) -> Finding:
     """A damaged store is reported, and refused or completed: no wrong row is ever used."""
     before = rows(bench.finished)
-    checked = bench.end(command("doe", "--check", store), finding)
+    checked = bench.end(command("verify", store), finding)
     if checked.code == 0 and not whole:
         # Nothing but what holds no data may be damaged.
         try:
@@ -151,9 +151,9 @@ def read_only(bench: Bench, draw: Random, store: Path) -> Finding:
         for line in (
             ("doe", bench.file, "--store", own),
             ("doe", bench.file, "--store", folder / "new.sqlite"),
-            ("doe", "--check", own),
+            ("verify", own),
             ("fit", own),
-            ("doe", bench.file, "--store", bench.finished, "--export", folder / "table.csv"),
+            ("results", bench.finished, folder / "table.csv"),
         ):
             bench.end(command(*line, cwd=bench.folder), finding)
         subprocess.run(["mount", "-o", "remount,rw", folder], check=True)

@@ -39,7 +39,7 @@ TABLES = (
     ("formulas", "6chn25-34"),
     ("formulas", "--published"),
     ("new", "--list"),
-    ("doe", "6chn25-34", "--plan"),
+    ("plan", "6chn25-34"),
     ("lookup", "law", "--throw", "6chn25-34"),
     ("mechanism", "6chn25-34"),
     ("harmonics", "8chn26-26"),

@@ -242,7 +242,7 @@ def test_a_shell_is_answered(spawn, spawn_environment):
     ("package", "arguments", "extra"),
     [
         ("distributed", ("doe", "6chn25-34", "--dask", "tcp://127.0.0.1:9"), "cluster"),
-        ("pyarrow", ("doe", "6chn25-34", "--export", "runs.parquet"), "tables"),
+        ("pyarrow", ("results", "runs.sqlite", "runs.parquet"), "tables"),
         pytest.param(
             "h5py",
             ("export", "6chn25-34", "throw.med", "--part", "quarter", "--size", "10"),

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import os
+import shlex
 import signal
 import sqlite3
 import subprocess
@@ -91,10 +92,10 @@ def test_doe_runs_a_study_and_says_what_it_has(call, study, tmp_path):
 
 
 def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
-    answer = call("doe", study, "--plan")
+    answer = call("plan", study)
     assert answer.code == 0
     assert "9 runs" in " ".join(answer.out.split())
-    record = call("doe", study, "--plan", "--json").json()
+    record = call("plan", study, "--json").json()
     assert [design["role"] for design in record["designs"]] == ["run"] * 9 + ["held out"] * 3
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
@@ -102,30 +103,29 @@ def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
 @pytest.mark.slow
 def test_doe_checks_a_store_and_computes_a_damaged_row_again(call, study, tmp_path):
     assert call("doe", study).code == 0
-    for line in (("runs.sqlite",), (study, "--store", "runs.sqlite")):
-        sound = call("doe", "--check", *line)
-        assert sound.code == 0
-        assert "runs.sqlite: 12 done; no row damaged." in sound.out
-        assert "12 designs, 0 without a result." in sound.out
+    sound = call("verify", "runs.sqlite")
+    assert sound.code == 0
+    assert "runs.sqlite: 12 done; no row damaged." in sound.out
+    assert "12 designs, 0 without a result." in sound.out
     connection = sqlite3.connect("runs.sqlite")
     connection.execute(
         "UPDATE designs SET responses = replace(responses, '1', '2') WHERE rowid = 3"
     )
     connection.commit()
     connection.close()
-    damaged = call("doe", "--check", "runs.sqlite")
+    damaged = call("verify", "runs.sqlite")
     assert damaged.code == 2
     assert "11 done; 1 damaged." in damaged.out
     assert "its checksum does not fit its content." in damaged.out
     assert "12 designs, 1 without a result." in damaged.out
     assert "Error: runs.sqlite is damaged; the next run of a study computes" in damaged.err
     assert "1 computed now" in call("doe", study).out
-    record = call("doe", "--check", "runs.sqlite", "--json").json()
+    record = call("verify", "runs.sqlite", "--json").json()
     assert record["sound"]
     assert record["designs"] == {"done": 12, "failed": 0, "lost": 0}
     (tmp_path / "runs.sqlite").write_bytes((tmp_path / "runs.sqlite").read_bytes()[:9000])
-    for line in (("--check", "runs.sqlite"), (study,)):
-        lost = call("doe", *line)
+    for line in (("verify", "runs.sqlite"), ("doe", study)):
+        lost = call(*line)
         assert lost.code == 2
         assert "use a copy of it, or give a new file name." in " ".join(lost.err.split())
 
@@ -144,88 +144,91 @@ def test_doe_adds_runs_once(call, study, monkeypatch):
 
 
 @pytest.mark.slow
-def test_doe_exports_over_nothing_of_the_users(call, study, tmp_path):
+def test_results_are_written_over_nothing_of_the_users(call, study, tmp_path):
+    assert call("doe", study).code == 0
     for options, code in ((), 2), (("--force",), 0), ((), 0):
         if code == 2:
             (tmp_path / "out.csv").write_text("precious", encoding="utf-8")
-        answer = call("doe", study, "--export", "out.csv", *options)
+        answer = call("results", "runs.sqlite", "out.csv", *options)
         assert answer.code == code, answer.err
         if code == 2:
-            assert "--export out.csv: is not replaced, because crankfem has not made" in answer.err
+            assert "out.csv: is not replaced, because crankfem has not made" in answer.err
             assert (tmp_path / "out.csv").read_text(encoding="utf-8") == "precious"
-            assert not (tmp_path / "runs.sqlite").exists()
     assert len(rows(tmp_path / "out.csv")) == 12
 
 
-@pytest.mark.parametrize("read", ["study.toml", "earlier.csv"])
-def test_doe_exports_over_nothing_that_it_reads(call, study, tmp_path, read):
-    (tmp_path / "earlier.csv").write_text("web_width [m]\n", encoding="utf-8")
-    (tmp_path / "out.csv").symlink_to(read)
-    before = (tmp_path / read).read_bytes()
-    answer = call("doe", study, "--import", "earlier.csv", "--export", "out.csv", "--force")
+@pytest.mark.parametrize("store", ["runs.sqlite", "out.csv"])
+def test_results_are_written_over_nothing_that_is_read(call, study, tmp_path, store):
+    assert call("doe", study, "--store", store).code == 0
+    if store != "out.csv":
+        (tmp_path / "out.csv").symlink_to(store)
+    before = (tmp_path / store).read_bytes()
+    answer = call("results", store, "./out.csv", "--force")
     assert answer.code == 2
     assert "because this command reads that file" in answer.err
-    assert (tmp_path / read).read_bytes() == before
-
-
-def test_store_and_table_of_a_study_are_two_files(call, study, tmp_path):
-    answer = call("doe", study, "--store", "a.csv", "--export", "./a.csv")
-    assert answer.code == 2
-    assert "--export: given a.csv, which --store writes too" in answer.err
-    assert not (tmp_path / "a.csv").exists()
+    assert (tmp_path / store).read_bytes() == before
 
 
 @pytest.mark.parametrize("file", ["runs.csv", pytest.param("runs.parquet", marks=pytest.mark.slow)])
-def test_doe_exports_a_table(call, study, tmp_path, file):
+def test_results_are_a_table(call, study, tmp_path, file):
     if file.endswith("parquet"):
         pytest.importorskip("pyarrow")
-    answer = call("doe", study, "--export", file)
+    assert call("doe", study).code == 0
+    answer = call("results", "runs.sqlite", file, "--study", study)
     assert answer.code == 0
     assert f"12 rows written to {file}." in answer.out
     assert (tmp_path / file).stat().st_size > 1000
 
 
 @pytest.mark.slow
-def test_doe_takes_earlier_and_measured_results_over(call, study, tmp_path):
-    assert call("doe", study, "--store", "a.sqlite", "--export", "a.csv").code == 0
+def test_earlier_and_measured_results_are_imported(call, study, tmp_path):
+    assert call("doe", study, "--store", "a.sqlite").code == 0
+    assert call("results", "a.sqlite", "a.csv").code == 0
     (tmp_path / "bench.csv").write_text(
         "web_width [mm],axial_compliance_pinned [nm/N]\n301,1.02\n", encoding="utf-8"
     )
-    taken = ("--import", "a.sqlite", "--import", "bench.csv")
-    answer = call("doe", study, "--store", "b.sqlite", *taken, "--export", "b.csv")
-    assert answer.code == 0
-    assert "a.sqlite: 12 finished designs and 0 further rows imported." in answer.err
-    assert "bench.csv: 0 finished designs and 1 further rows imported." in answer.err
+    for file, counted in (
+        ("a.sqlite", "12 finished designs and 0"),
+        ("bench.csv", "0 finished designs and 1"),
+    ):
+        answer = call("import", study, file, "--store", "b.sqlite")
+        assert answer.code == 0
+        assert answer.out == f"{file}: {counted} further rows imported.\n"
+    answer = call("doe", study, "--store", "b.sqlite")
     assert "0 computed now, 0 without a result, 1 imported rows." in answer.out
+    assert call("results", "b.sqlite", "b.csv").code == 0
     assert rows(tmp_path / "b.csv")[:12] == rows(tmp_path / "a.csv")
     assert [row["role"] for row in rows(tmp_path / "b.csv")[12:]] == ["measured"]
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("line", "message"),
     [
-        (["--time-limit", "300"], "--time-limit: given '300', a bare number that could be in any"),
-        (["--time-limit", "3 m"], "--time-limit: given '3 m', which is no"),
-        (["--time-limit", "0 s"], "time_limit: given 0 s; allowed is a positive"),
-        (["--memory-limit", "4"], "--memory-limit: given '4', a bare number"),
-        (["--memory-limit", "4 MB"], "memory_limit: given 0.004 GB; allowed is 0.5 GB or more"),
-        (["--export", "runs.xlsx"], "export: given 'runs.xlsx'; allowed are .csv and .parquet"),
-        (["--export", "none/runs.csv"], "export: given 'none/runs.csv'; there is no folder none"),
-        (["--import", "none.csv"], "import: given 'none.csv'; there is no such file"),
-        (["--more", "-1"], "more: given -1; allowed is 0 to 1000 further designs"),
-        (["--more", "4", "--no-compute"], "--more: given with --no-compute; allowed is one"),
-        (["--more", "4", "--plan"], "--plan: given with --export, --import, --mesh or --more"),
-        (["--mesh", "inp"], "--mesh: given without --export, or with --import"),
-        (["--mesh", "stl", "--export", "out"], "mesh: given 'stl'; allowed are msh, vtu"),
-        (["--mesh", "inp", "--export", "a.csv"], "--export: given a.csv with --mesh; allowed is a"),
-        (["--check", "--plan"], "--check: given with another task; allowed are --check and"),
-        (["--check", "--more", "2"], "--check: given with another task"),
-        (["--check"], "store: given 'runs.sqlite'; there is no such file"),
-        (["--no-compute"], "store: given 'runs.sqlite'; there is no such file"),
+        (
+            "doe FILE --time-limit 300",
+            "--time-limit: given '300', a bare number that could be in any",
+        ),
+        ("doe FILE --time-limit '3 m'", "--time-limit: given '3 m', which is no"),
+        ("doe FILE --time-limit '0 s'", "time_limit: given 0 s; allowed is a positive"),
+        ("doe FILE --memory-limit 4", "--memory-limit: given '4', a bare number"),
+        (
+            "doe FILE --memory-limit '4 MB'",
+            "memory_limit: given 0.004 GB; allowed is 0.5 GB or more",
+        ),
+        ("doe FILE --more -1", "more: given -1; allowed is 0 to 1000 further designs"),
+        (
+            "results runs.sqlite runs.xlsx",
+            "export: given 'runs.xlsx'; allowed are .csv and .parquet",
+        ),
+        ("results runs.sqlite none/a.csv", "export: given 'none/a.csv'; there is no folder none"),
+        ("results runs.sqlite a.csv", "store: given 'runs.sqlite'; there is no such file"),
+        ("import FILE none.csv", "import: given 'none.csv'; there is no such file"),
+        ("designs FILE out --mesh stl", "mesh: given 'stl'; allowed are msh, vtu"),
+        ("verify runs.sqlite", "store: given 'runs.sqlite'; there is no such file"),
     ],
 )
-def test_doe_refuses_options(call, study, tmp_path, options, message):
-    answer = call("doe", study, *options)
+def test_what_cannot_be_done_with_a_study_is_refused(call, study, tmp_path, line, message):
+    answer = call(*shlex.split(line.replace("FILE", study)))
     assert (answer.code, answer.out) == (2, "")
     assert " ".join(answer.err.split()).startswith(f"Error: {message}")
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
@@ -547,7 +550,7 @@ def masses_of_steel(files):
 
 @pytest.mark.further
 def test_designs_go_out_and_results_of_another_program_come_back(call, folder):
-    answer = call("doe", "study.toml", "--export", "designs", "--mesh", "inp")
+    answer = call("designs", "study.toml", "designs", "--mesh", "inp")
     assert answer.code == 0, answer.err
     assert "3 designs, of which 3 have a file in the folder (3 written now)" in answer.out
     table = lines(folder / "designs.csv")
@@ -559,8 +562,10 @@ def test_designs_go_out_and_results_of_another_program_come_back(call, folder):
     assert masses[1] - masses[0] == close(pin, rel=2e-3)
     results = [line | {"mass [kg]": m} for line, m in zip(table, masses, strict=True)]
     write_lines(folder / "results.csv", results)
-    taken = ("doe", "study.toml", "--import", "designs/results.csv", "--no-compute")
-    answer = call(*taken, "--json")
+    taken = ("import", "study.toml", "designs/results.csv", "--alone", "--json")
+    imported = call(*taken).json()
+    assert (imported["rows"], imported["coinciding"]) == (3, 0)
+    answer = call("fit", "runs.sqlite", "--json")
     assert answer.code == 0, answer.err
     record = answer.json()
     assert (record["runs"], record["held_out"], record["computed_now"]) == (2, 1, 0)
@@ -571,11 +576,8 @@ def test_designs_go_out_and_results_of_another_program_come_back(call, folder):
     linear = next(f for f in record["fits"]["mass"]["forms"] if f["form"] == "linear")
     slope = (masses[1] - masses[0]) / 0.038
     assert linear["coefficients"]["pin_length"] == close(slope)
-    assert "are not used" not in answer.err
-    again = call(*taken)
-    assert "0 finished designs and 0 further rows imported" in again.err
-    model = call("fit", "runs.sqlite")
-    assert model.code == 0
+    again = call(*taken).json()
+    assert (again["designs"], again["rows"]) == (0, 0)
     assert call("lookup", "model.json", "pin_length=130mm").code == 0
 
 
@@ -596,7 +598,7 @@ def export_quick(monkeypatch):
 
 
 def test_what_is_there_is_not_made_again(call, folder, export_quick):
-    line = ("doe", "study.toml", "--export", "designs", "--mesh", "step")
+    line = ("designs", "study.toml", "designs")
     record = call(*line, "--json").json()
     assert record["written"] == 2
     (failed,) = record["failures"]
@@ -611,7 +613,7 @@ def test_what_is_there_is_not_made_again(call, folder, export_quick):
 
 @pytest.mark.parametrize("name", ["designs.csv", "mesh"])
 def test_nothing_of_the_users_is_replaced(call, folder, export_quick, name):
-    line = ("doe", "study.toml", "--export", "designs", "--mesh", "step")
+    line = ("designs", "study.toml", "designs")
     files = call(*line, "--json").json()["files"]
     mine = folder / "designs.csv" if name == "designs.csv" else folder.parent / files[0]
     (folder / ".crankfem-outputs.json").unlink()

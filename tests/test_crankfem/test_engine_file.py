@@ -235,7 +235,7 @@ def test_refusals_are_one_clear_sentence(changes, fragments, tmp_path, six_cylin
     assert answer.err == f"Error: {message}\n"
 
 
-@pytest.mark.parametrize("command", [("check",), ("run",), ("doe", "--plan"), ("doe",)])
+@pytest.mark.parametrize("command", [("check",), ("run",), ("plan",), ("doe",)])
 def test_a_study_of_which_nothing_can_be_built(
     tmp_path, monkeypatch, six_cylinders, edit, call, command
 ):

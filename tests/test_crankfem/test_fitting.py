@@ -10,12 +10,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.study.fit_plots import plot_fits
-from crankfem.analyses.study.fit_records import (
-    comparisons,
-    compliance_model,
-    study_record,
-    warnings_of,
-)
+from crankfem.analyses.study.fit_records import comparisons, compliance_model, fitted_study
 from crankfem.analyses.study.nominal_throw import nominal_points, sensitivities
 from crankfem.analyses.study.response_fits import (
     dimensions_at,
@@ -24,8 +19,10 @@ from crankfem.analyses.study.response_fits import (
     response_name,
     surface,
 )
-from crankfem.cli.tables.study_tables import print_comparisons, print_fits
+from crankfem.analyses.study.study_results import FittedStudy, comparison_parts, warnings_of
+from crankfem.cli.console import print_parts
 from geometry.throw import CrankThrow
+from json_units import numbers_with_units
 from parts_in_a_line import crank_throw
 from plans import plan_of_levels, table_of_function
 from regression.plans.designs import DesignChoice
@@ -138,8 +135,7 @@ def test_a_form_is_found_by_the_name_of_its_twin(table, fits, capsys):
         "torsional_compliance": "linear",
         "mass": "interactions",
     }
-    record = study_record(table, fits)["fits"]
-    print_fits(record, "axial_compliance", "interactions")
+    print_parts(fitted_study(table, fits).parts("axial_compliance", "interactions"))
     assert "linear: e_n = " in " ".join(capsys.readouterr().out.split())
 
 
@@ -154,7 +150,7 @@ def test_the_record_of_a_study_fits_nothing_anew(table, fits, monkeypatch):
         raise AssertionError
 
     monkeypatch.setattr("crankfem.analyses.study.response_fits.fit_form", refuse)
-    reasons = study_record(table, fits)["unfitted"]
+    reasons = fitted_study(table, fits).unfitted
     assert reasons == fits["mass"].unfitted
 
 
@@ -239,13 +235,12 @@ def test_sensitivities_under_a_constraint(capsys):
     table = table_of_function(plan, lambda x: 1e-9 * (1.0 + 100.0 * x[:, 0] + 50.0 * x[:, 1]))
     fits = fit_study(table)
     known = sensitivities(table, fits["axial_compliance"])
-    assert known.sobol.first == close([0.25, 0.25], abs=0.015)
-    assert known.sobol.total == close([0.75, 0.75], abs=0.015)
-    assert known.sobol.shapley == close([0.5, 0.5], abs=0.015)
-    record = study_record(table, fits)
-    shapley = record["fits"]["axial_compliance"]["sensitivities"]["sobol"]["shapley"]
-    assert list(shapley) == ["web_thickness", "pin_length"]
-    print_fits(record["fits"])
+    for shares, each in zip(
+        (known.sobol.first, known.sobol.total, known.sobol.shapley), (0.25, 0.75, 0.5), strict=True
+    ):
+        assert list(shares) == ["web_thickness", "pin_length"]
+        assert [*shares.values()] == close([each, each], abs=0.015)
+    print_parts(fitted_study(table, fits).parts())
     told = " ".join(capsys.readouterr().out.split())
     assert "Shapley" in told
     assert "shares of the variance over the ranges within the constraints" in told
@@ -311,7 +306,10 @@ def test_models_of_ratios_and_categories(family, outlines):
 
 
 def test_record_is_plain_json_with_everything(table, fits):
-    record = json.loads(json.dumps(study_record(table, fits), allow_nan=False))
+    text = fitted_study(table, fits).to_json()
+    record = json.loads(text)
+    assert FittedStudy.from_json(text).to_json() == text
+    assert numbers_with_units(record)
     assert (record["runs"], record["held_out"]) == (24, 12)
     assert record["factors"]["web_width"]["levels"] == [0.27, 0.30, 0.33]
     assert record["largest_fe_error_estimate"] == close(0.0092)
@@ -346,15 +344,14 @@ def test_measured_values_are_compared(tmp_path, capsys):
     model = compliance_model(table, fit_study(table))
     found = comparisons(table, model)
     mass = puppet(THROW.model_dump(mode="json") | {"web_width": 0.3})["mass"]
-    assert found[0]["ratio"] == close(mass / 95.0, rel=1e-6)
-    assert found[1]["reason"] == "the model has no such response"
-    assert "crank_radius: given 175 mm" in found[2]["reason"]
-    print_comparisons(found)
+    assert found[0].ratio == close(mass / 95.0, rel=1e-6)
+    assert found[1].reason == "the model has no such response"
+    assert "crank_radius: given 175 mm" in found[2].reason
+    print_parts(comparison_parts(found))
     text = capsys.readouterr().out
     assert "Measured values compared with the equations" in text
     assert "Not compared: B" in text
-    print_comparisons([])
-    assert capsys.readouterr().out == ""
+    assert list(comparison_parts(())) == []
 
 
 def test_measured_throws_have_the_part_of_their_line(tmp_path):
@@ -387,9 +384,9 @@ def test_measured_throws_have_the_part_of_their_line(tmp_path):
     found = comparisons(table, compliance_model(table, fit_study(table), "power law"))
     widths = (0.3, throw.web_width, 0.36)
     for one, width in zip(found, widths, strict=True):
-        assert one["calculated"] == close(1e3 * width * 0.045, rel=1e-9)
-    assert [len(one["remarks"]) for one in found] == [0, 0, 1]
-    assert "360 mm" in found[2]["remarks"][0]
+        assert one.calculated == close(1e3 * width * 0.045, rel=1e-9)
+    assert [len(one.remarks) for one in found] == [0, 0, 1]
+    assert "360 mm" in found[2].remarks[0]
 
 
 @pytest.mark.slow

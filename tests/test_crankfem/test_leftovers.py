@@ -61,7 +61,7 @@ ENDINGS = (".toml", ".json", ".sqlite", ".csv")
 LINES = [
     (name, *("PATH" for argument in arguments))
     for name, command in COMMANDS.items()
-    if name not in ("new", "export", "optimum", "class")
+    if name not in ("new", "export", "optimum", "class", "designs", "import", "results")
     and (
         arguments := [
             one
@@ -78,9 +78,10 @@ LINES += [
     ("run", "6chn25-34", "--model", "PATH"),
     ("vibration", "6chn25-34", "--model", "PATH"),
     ("mechanism", "PATH"),
-    ("doe", "6chn25-34", "--no-compute", "--import", "PATH"),
+    ("import", "6chn25-34", "PATH"),
+    ("designs", "PATH", "designs"),
+    ("results", "PATH", "runs.csv"),
     ("doe", "6chn25-34", "--store", "PATH"),
-    ("doe", "--check", "PATH"),
     ("serve", "--key-file", "PATH"),
 ]
 TABLES = {

@@ -1,6 +1,7 @@
 """The command `mechanism`: balance, tables, files, pictures, and what it refuses."""
 
 import csv
+import json
 import math
 import shutil
 from dataclasses import replace
@@ -13,12 +14,8 @@ from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankbase.table import merged_rows
 from crankfem.analyses.engine_mechanism import load_mechanism
-from crankfem.analyses.mechanism.balance_records import (
-    balance_contents,
-    mechanism_balance_record,
-    throw_mass_table,
-)
-from crankfem.analyses.mechanism.mechanism_records import compare_rod_models, mechanism_record
+from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance
+from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.mechanism.plots import (
     plot_accelerations,
@@ -26,6 +23,7 @@ from crankfem.analyses.mechanism.plots import (
     plot_hinged_rods,
     plot_polar_loads,
 )
+from crankfem.analyses.mechanism.rod_models import compare_rod_models
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.outputs import check_outputs
@@ -44,19 +42,19 @@ def v8():
     return run_mechanism(load_mechanism("8chn13-14"))
 
 
-def test_the_record_is_consistent(v8):
-    record = mechanism_record(v8)
-    work = sum(row["indicated_work"] for row in record["cylinders"])
+def test_the_results_are_consistent(v8):
+    results = mechanism_results(v8)
+    work = sum(row.work for row in results.cylinders)
     # Four strokes: one cycle takes two turns.
-    assert record["power"] == close(work * record["speed_rpm"] / 120.0, rel=1e-9)
-    assert abs(record["energy_error"]) < 1e-12
-    assert record["cylinders"][0]["mean_effective_pressure"] == close(1.1e6, rel=1e-6)
-    assert len(record["crankpins"]) == 8
-    assert len(record["main_bearings"]) == 5
-    assumed = {entry["field"] for entry in record["assumed"]}
+    assert results.power == close(work * results.speed / (4.0 * math.pi), rel=1e-9)
+    assert abs(results.energy_error) < 1e-12
+    assert results.cylinders[0].mean_effective_pressure == close(1.1e6, rel=1e-6)
+    assert len(results.crankpins) == 8
+    assert len(results.main_bearings) == 5
+    assumed = {entry["field"] for entry in results.assumed}
     assert {"rod.mass", "gas.mean_effective_pressure"} <= assumed
     assert "throw.web_width" not in assumed
-    assert record["torque"]["smallest"] < record["torque"]["mean"] < record["torque"]["largest"]
+    assert results.torque.smallest < results.torque.mean < results.torque.largest
 
 
 def test_the_mean_load_balances_over_the_bearings(v8):
@@ -76,56 +74,65 @@ def test_models_differ_as_their_masses_do(v8):
 
 def test_the_balance_says_what_is_in_it(v8):
     """By hand, for a cross-plane V8: the first order's moment is sqrt(10) a w^2 times what turns."""
-    found = mechanism_balance_record(v8)
+    found = engine_balance(v8)
     throw, density = v8.mechanism.throw, v8.mechanism.material.density
     bare = throw_masses(throw.changed(left_web=None, right_web=None), density)
     solid = throw_masses(throw, density)
     moments = [own.mass * own.center[1] for own in (solid, bare)]
-    for row in found["throws"]:
+    for row in found.throws:
         # Two rods on each pin, 2.66264 kg of each at it.
-        assert row["rods"] == close([2 * 2.66264 * 0.07, 0.0])
-        assert row["solid"] == close([moments[0], 0.0])
-        assert row["counterweights"] == close([moments[0] - moments[1], 0.0])
-        assert row["sum"] == close([row["rods"][0] + moments[0], 0.0])
+        assert row.rods == close((2 * 2.66264 * 0.07, 0.0))
+        assert row.solid == close((moments[0], 0.0))
+        assert row.counterweights == close((moments[0] - moments[1], 0.0))
+        assert row.sum == close((row.rods[0] + moments[0], 0.0))
     # The halves of two reciprocating masses turn with the crank, and M l_d lambda behind it.
-    one, pitch = found["masses"][0], 0.17
-    turning = one["reciprocating"] * 0.07, one["lateral_static_moment"] * 0.07 / 0.265
+    one, pitch = found.balance.masses[0], 0.17
+    turning = one.reciprocating * 0.07, one.lateral * 0.07 / 0.265
     scale = math.sqrt(10.0) * pitch * v8.speed**2
     with_solids, bare_moment = (
-        scale * math.hypot(found["throws"][0][name][0] + turning[0], turning[1])
-        for name in ("sum", "rods")
+        scale * math.hypot(moment[0] + turning[0], turning[1])
+        for moment in (found.throws[0].sum, found.throws[0].rods)
     )
-    assert found["orders"][0]["moment"]["major"] == close(with_solids, rel=1e-9)
-    assert found["without_throws"]["moment"] == close(bare_moment, rel=1e-9)
-    assert balance_contents(found).endswith(
+    assert found.balance.rows[0].moment.major == close(with_solids, rel=1e-9)
+    assert found.without_throws.moment == close(bare_moment, rel=1e-9)
+    assert found.summary().endswith(
         "First order: force balanced with and without the solids; moment 23.48 kN m, without the "
         "solids 18.68 kN m."
     )
-    assert "throws' solids with counterweights;" in balance_contents(found)
+    assert "throws' solids with counterweights;" in found.summary()
     # Of throws without counterweights none are told.
-    bare = found | {"throws": [row | {"counterweights": [0.0, 0.0]} for row in found["throws"]]}
-    assert "throws' solids;" in balance_contents(bare)
-    told = throw_mass_table(bare)
+    light = tuple(replace(row, counterweights=(0.0, 0.0)) for row in found.throws)
+    bare = replace(found, throws=light)
+    assert "throws' solids;" in bare.summary()
+    _, told = bare.mass_tables()
     assert [one.name for one in told.columns] == ["throw", "rods", "solid", "sum", "at"]
     assert "counterweights" not in told.note
-    assert (
-        found["without_throws"]["moment"]
-        == balance(v8.mechanism.layout, v8.speed).of(1).moment.major
-    )
+    assert found.without_throws.moment == balance(v8.mechanism.layout, v8.speed).of(1).moment.major
 
 
 def test_split_pins_are_counted_where_they_are():
     run = run_mechanism(load_mechanism("buick-3800"))
-    split = mechanism_balance_record(run)["throws"][0]
+    found = engine_balance(run)
+    split = found.throws[0]
     # Two pins 30 deg apart make 2 cos 15 deg, 15 deg ahead of the first.
     middle = math.radians(15.0)
     rods = 2.0 * 0.43 * run.layout.crank_radius * math.cos(middle)
-    assert split["rods"] == close([rods * math.cos(middle), rods * math.sin(middle)], rel=1e-9)
-    assert split["counterweights"][0] < -0.05
-    (row,) = throw_mass_table({"throws": [split]}).rows
-    assert row[1] == split["rods"][0]
-    assert row[4] == close(math.hypot(*split["sum"]))
+    assert split.rods == close((rods * math.cos(middle), rods * math.sin(middle)), rel=1e-9)
+    assert split.counterweights[0] < -0.05
+    row = found.mass_tables()[1].rows[0]
+    assert row[1] == split.rods[0]
+    assert row[4] == close(math.hypot(*split.sum))
     assert row[5] == close(math.radians(15.0), abs=0.01)
+
+
+def test_a_balance_is_read_as_it_was_written(v8):
+    found = engine_balance(v8)
+    text = found.to_json()
+    again = EngineBalance.from_json(text)
+    assert again.to_json() == text
+    assert again.summary() == found.summary()
+    units = json.loads(text)["units"]
+    assert (units["orders.force.major"], units["orders.parts.lateral.moment.x"]) == ("N", "N m")
 
 
 def test_motored_engine_gives_no_power():

@@ -12,11 +12,10 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.results import plain as plain_content
 from crankfem.analyses.engine_mechanism import load_mechanism, with_throws
 from crankfem.analyses.engine_optimum import engine_frequencies
 from crankfem.analyses.file_check import check_file
-from crankfem.analyses.mechanism.mechanism_records import mechanism_record
+from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
@@ -313,9 +312,9 @@ def test_one_throw_by_name_gives_the_vibration_of_a_plain_file(both, lightly):
 def test_one_throw_by_name_gives_the_mechanism_of_a_plain_file(both):
     records = []
     for engine in both[:2]:
-        record = mechanism_record(run_mechanism(engine))
+        record = mechanism_results(run_mechanism(engine)).to_record()
         del record["assumed"]
-        records.append(json.loads(json.dumps(plain_content(record))))
+        records.append(record)
     alike(*records)
 
 
@@ -402,9 +401,9 @@ def test_a_search_for_one_throw_wants_an_engine_of_one():
 
 
 def test_bearings_are_as_long_as_the_throws_beside_them_make_them():
-    record = mechanism_record(run_mechanism(load_engine(UNEQUAL)))
-    assert [own["length"] for own in record["main_bearings"]] == close([0.036, 0.035, 0.034, 0.034])
-    assert [own["length"] for own in record["crankpins"]] == close([0.038, 0.036, 0.036])
+    results = mechanism_results(run_mechanism(load_engine(UNEQUAL)))
+    assert [own.length for own in results.main_bearings] == close([0.036, 0.035, 0.034, 0.034])
+    assert [own.length for own in results.crankpins] == close([0.038, 0.036, 0.036])
 
 
 @pytest.mark.slow

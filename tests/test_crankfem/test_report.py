@@ -590,6 +590,7 @@ def changed(results):
         "vibrations_per_minute": 31145.0,
         "order": 14.0,
         "resonant_speed_rpm": 2224.66,
+        "frequency": 519.08,
         "statement": "Outside.",
     }
     results["throw"] |= {"mass": 15600.0, "radial_force": 1e5, "accuracy_met": False}

@@ -11,9 +11,9 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
+from crankfem.analyses.study.planned_designs import PlannedDesigns
 from crankfem.analyses.study.studies import run_study, study_key
 from crankfem.cli import console
-from crankfem.cli.tables.study_tables import plan_record, print_plan
 from crankfem.files.reading.toml_file import read_toml
 from crankfem.files.study_file import StudySection, read_design, study_plan
 from fem.material import STEEL
@@ -57,7 +57,7 @@ def test_the_key_of_a_files_study(read, tmp_path):
         for name, value in THROW.model_dump(exclude_defaults=True).items()
     }
     plan = read(f"[throw]\n{''.join(lengths.values())}{study()}")
-    assert study_key(tmp_path / "study.toml") == plan.key
+    assert study_key(str(tmp_path / "study.toml")) == plan.key
 
 
 def test_what_is_not_said(read):
@@ -297,7 +297,8 @@ def test_a_plan_is_shown(read, capsys, monkeypatch):
         '[study.relations]\npin_fillet_radius = "0.07 * pin_diameter"',
     )
     planned = plan_designs(read(text))
-    print_plan(planned)
+    listed = PlannedDesigns.of(planned)
+    console.print_parts(listed.parts())
     shown = capsys.readouterr().out
     assert "Full factorial, 3 x 2 x 2 = 12 runs, 6 of them excluded; 10 held-out designs" in shown
     assert "web_width [mm]" in shown
@@ -305,8 +306,7 @@ def test_a_plan_is_shown(read, capsys, monkeypatch):
     assert "pin_fillet_radius = 0.07 * pin_diameter" in shown
     assert "Excluded before any finite-element run: 7 designs." in shown  # one held out among them
     assert "38 mm is not > 40 mm" in " ".join(shown.split())
-    record = plan_record(planned)
-    assert json.loads(json.dumps(record)) == record
+    record = json.loads(listed.to_json())
     assert len(record["designs"]) == 16
     assert record["designs"][0]["values"] == {
         "web_width": 0.27,

@@ -301,7 +301,7 @@ def test_records_pictures_and_columns(run, tmp_path):
 
 @pytest.mark.slow
 def test_axial_force_over_the_cycle_in_the_record(run):
-    found, record = run.axial_force, run_record(run)["axial_force"]
+    found, record = run.axial_force, run_record(run)["axial_force"].to_record()
     said = " ".join(record["sentences"])
     for name, force in (("thrust_bearing", found.thrust_bearing), ("held", found.held)):
         assert (record[name]["lowest"], record[name]["highest"]) == (force.min(), force.max())

@@ -298,8 +298,8 @@ def test_a_study_leaves_a_damaged_row_out_and_computes_it_again(study):
     )
     read = read_study(study)
     assert read.values.tolist() == good.values.tolist()[1:]
-    ((_, _, reason),) = read.failures
-    assert "damaged" in reason
+    (failure,) = read.failures
+    assert "damaged" in failure.reason
     assert list(read.damaged) == [FIRST]
     told = []
     table = run_plan(DAMAGE_PLAN, study, note=told.append)

@@ -21,8 +21,7 @@ from puppets import marked, puppet
 from regression.plans import plan as plan_module
 from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
-from regression.plans.plan import StudyPlan, plan_designs
-from regression.records import RUN
+from regression.plans.plan import ExcludedDesign, StudyPlan, plan_designs
 from regression.runs import study as study_module
 from regression.runs import workers as workers_module
 from regression.runs.store import ResultStore
@@ -125,8 +124,8 @@ def test_failed_designs_are_told_and_not_repeated(tmp_path, monkeypatch):
     table = run_plan(SMALL, tmp_path / "runs.sqlite")
     assert len(table.values) == 3
     assert table.failures == (
-        (RUN, (0.280, 0.130), "MeshError: no"),
-        (RUN, (0.280, 0.150), "MeshError: no"),
+        ExcludedDesign((0.280, 0.130), "MeshError: no"),
+        ExcludedDesign((0.280, 0.150), "MeshError: no"),
     )
     again = run_plan(SMALL, tmp_path / "runs.sqlite")
     assert again.computed == 0
@@ -148,7 +147,7 @@ def test_workers_that_do_not_fit_into_the_memory_are_refused(tmp_path, monkeypat
 def test_designs_lost_with_their_workers_are_tried_again_by_the_next_run(tmp_path, monkeypatch):
     puppets(monkeypatch, "next(requests()); sys.exit(9)")
     table = run_plan(SMALL, tmp_path / "runs.sqlite")
-    assert [failure[2] for failure in table.failures] == [
+    assert [failure.reason for failure in table.failures] == [
         "the worker process died (exit code 9)"
     ] * 5
     puppets(monkeypatch, QUICK)
@@ -168,7 +167,7 @@ def test_an_interrupted_study_keeps_what_arrived(tmp_path, monkeypatch):
         run_plan(SMALL, tmp_path / "runs.sqlite", 1, interrupt)
     partial = read_study(tmp_path / "runs.sqlite")
     assert len(partial.values) == 2
-    assert {failure[2] for failure in partial.failures} == {"not computed yet"}
+    assert {failure.reason for failure in partial.failures} == {"not computed yet"}
     assert run_plan(SMALL, tmp_path / "runs.sqlite").computed == 3
 
 

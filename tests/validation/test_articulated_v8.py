@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.mechanism.mechanism_records import acceleration_record
+from crankfem.analyses.mechanism.hinged_rods import piston_accelerations
 from dynamics.balance import balance, hinged_rod_effects, hodograph_change, moving_masses
 from dynamics.engine.forces import acceleration_orders, cylinder_motion, piston_acceleration
 from dynamics.engine.layout import EngineLayout, RotatingMass, SlavePin
@@ -142,7 +142,7 @@ def test_orders_of_the_accelerations():
 
 def test_accelerations_as_mechanism_tells_them(figure):
     """Against (1) to (4), differentiated numerically and summed by quadrature, as the paper did."""
-    record = acceleration_record(eight_cylinders(), SPEED, (1, 5))
+    record = piston_accelerations(eight_cylinders(), SPEED, (1, 5))
     step, count = 1e-2, 720
     alpha = np.arange(count) * 2.0 * np.pi / count
     weights = np.array([1 / 90, -3 / 20, 3 / 2, -49 / 18, 3 / 2, -3 / 20, 1 / 90]) / step**2
@@ -161,26 +161,26 @@ def test_accelerations_as_mechanism_tells_them(figure):
         )
 
     curves = []
-    for piston, turn in zip(record["pistons"], (0.0, BETWEEN_BANKS), strict=True):
+    for piston, turn in zip(record.pistons, (0.0, BETWEEN_BANKS), strict=True):
         steps = zip(weights, np.arange(-3, 4), strict=True)
         curve = SPEED**2 * sum(w * way(alpha + place * step, turn) for w, place in steps)
         curves.append(curve)
         left = curve.copy()
         for order in (1, 2, 4):
             phasor = 2.0 * np.mean(curve * np.exp(1j * order * alpha))
-            own = piston["amplitude"][order - 1]
-            told = own * np.exp(1j * math.radians(piston["phase_deg"][order - 1]))
-            what = f"accelerations as (1) to (4) have them: order {order}, {piston['rod']} rod"
+            own = piston.amplitude[order - 1]
+            told = own * np.exp(1j * math.radians(piston.phase_deg[order - 1]))
+            what = f"accelerations as (1) to (4) have them: order {order}, {piston.rod} rod"
             figure(what, told, phasor, 1e-8, "m/s^2", scale=RADIUS * SPEED**2)
             if order < 4:
                 left -= (phasor * np.exp(-1j * order * alpha)).real
-        assert piston["left"] == close(np.max(np.abs(left)), rel=1e-3)
-        assert piston["largest"] == close(np.max(curve), rel=1e-5)
-    (apart,), curve = record["differences"], curves[0] - curves[1]
-    assert apart["largest"] == close(np.max(curve), rel=1e-4)
-    assert apart["least"] == close(np.min(curve), rel=1e-4)
-    assert apart["mean_largest"] == close(0.5 * (np.max(curves[0]) + np.max(curves[1])), rel=1e-5)
-    shares = [100 * apart[name] / apart["mean_largest"] for name in ("least", "largest")]
+        assert piston.left == close(np.max(np.abs(left)), rel=1e-3)
+        assert piston.largest == close(np.max(curve), rel=1e-5)
+    (apart,), curve = record.differences, curves[0] - curves[1]
+    assert apart.largest == close(np.max(curve), rel=1e-4)
+    assert apart.least == close(np.min(curve), rel=1e-4)
+    assert apart.mean_largest == close(0.5 * (np.max(curves[0]) + np.max(curves[1])), rel=1e-5)
+    shares = [100 * getattr(apart, name) / apart.mean_largest for name in ("least", "largest")]
     assert shares == close([-3.1, 2.8], abs=0.05)
 
 
@@ -322,7 +322,7 @@ def test_what_the_slave_pin_beside_the_main_rod_adds():
         balance(engine, SPEED, model=model).of(2).force for model in ("rigid", "two-mass")
     )
     # Across: S i (1 - lambda^2 sin^2(alpha) / 2 ...), whose second order is S lambda^2 w^2 nearly.
-    side = balance(engine, SPEED).of(2).lateral.force
+    side = balance(engine, SPEED).of(2).parts.lateral.force
     assert side.major == close(4 * static * (RADIUS / LENGTH * SPEED) ** 2, rel=0.02)
     change = hodograph_change(exact, plain)
     assert 100 * change.major == close(0.6, abs=0.05)

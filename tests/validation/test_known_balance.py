@@ -123,7 +123,7 @@ def test_one_cylinder_with_an_offset():
             for weight in ("cos", "sin")
         ]
         wanted = RECIPROCATING * SPEED**2 * order**2 * complex(*parts)
-        made = row.reciprocating.force
+        made = row.parts.reciprocating.force
         # 1e-13 m of the way is 16 * 1e-13 / R of the force of fourth order.
         assert 2.0 * made.forward.conjugate() == close(wanted, abs=4e-11 * UNIT)
     # The offset brings a third order, of -(R sin a - e)^4 / (8 L^3); what follows is a tenth of it.
@@ -154,7 +154,7 @@ def test_three_in_line():
     assert found.of(6).force.major == close(3.0 * size(6), abs=EXACT * UNIT)
     assert found.of(6).moment_balanced
     # The throws' own moment turns with the shaft.
-    rotating = balance(engine([0.0, 240.0, 120.0]), SPEED).of(1).rotating.moment
+    rotating = balance(engine([0.0, 240.0, 120.0]), SPEED).of(1).parts.rotating.moment
     assert rotating.major == approx(math.sqrt(3.0) * ROTATING * RADIUS * SPEED**2 * PITCH)
     assert rotating.minor == approx(rotating.major)
 

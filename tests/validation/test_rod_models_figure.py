@@ -16,11 +16,8 @@ import pytest
 
 from comparing import close
 from crankfem.analyses.engine_mechanism import load_mechanism
-from crankfem.analyses.mechanism.mechanism_records import (
-    model_difference,
-    rod_mass_records,
-)
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.mechanism.rod_models import model_difference, rod_masses
 from geometry.mass import cylinder_mass_properties
 
 R, L_D, PISTON, ROD = 0.070, 0.009, 3.4, 4.2
@@ -98,8 +95,8 @@ def test_figure_4(panel, length, inertia, three_masses, rigid, tmp_path, figure)
         wanted = crankpin_load(alpha, run.forces.gas[0], run.speed, near, length, masses)
         what = f"figure 4{panel}: crankpin load, {name}"
         figure(what, own, wanted, 1e-12, "N", scale=wanted.max())
-    rows = {row["model"]: row for row in rod_mass_records(run.layout)[0]["models"]}
-    three = [rows["three-mass"][place] for place in ("at_foot", "at_piston_pin", "at_center")]
+    rows = {row.model: row for row in rod_masses(run.layout)[0].models}["three-mass"]
+    three = [rows.at_foot, rows.at_piston_pin, rows.at_center]
     figure(f"figure 4{panel}: the three masses", three, models[1], 1e-12, "kg")
 
     what = f"figure 4{panel}: largest difference at the same angle"

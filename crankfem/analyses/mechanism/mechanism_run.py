@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import numpy as np
 
 from crankbase.choices import check_choice, check_kind, check_not_given, is_whole
 from crankbase.errors import InputError
 from crankbase.frames import table
+from crankbase.results import Quantity, Result, result
 from crankbase.summaries import summarized
 from crankfem.analyses.engine_mechanism import (
     MechanismFile,
@@ -52,9 +53,13 @@ SHOWN: tuple[Shown, ...] = get_args(Shown)
 BALANCE_ORDERS = (1, 2, 4)
 
 
-@dataclass(frozen=True, eq=False)
-class CylinderWork:
-    """Results of the gas in one cylinder.
+Pascal = Annotated[float, Quantity("Pa")]
+Newton = Annotated[float, Quantity("N")]
+
+
+@result("peak_pressure", "work", "mean_effective_pressure", eq=True)
+class CylinderWork(Result):
+    """Results of the gas in one cylinder, and its largest forces.
 
     Parameters
     ----------
@@ -63,13 +68,17 @@ class CylinderWork:
     work : float
         Indicated work of one cycle [J].
     mean_effective_pressure : float
-        [Pa]
+        Indicated [Pa].
     """
 
-    peak_pressure: float
-    peak_angle_deg: float
-    work: float
-    mean_effective_pressure: float
+    cylinder: int
+    peak_pressure: Pascal
+    peak_angle_deg: Annotated[float, Quantity("deg")]
+    work: Annotated[float, Quantity("J", key="indicated_work")]
+    mean_effective_pressure: Pascal
+    largest_side_force: Newton
+    largest_piston_pin_force: Newton
+    largest_tangential_force: Newton
 
 
 @summarized(
@@ -231,7 +240,7 @@ def run_mechanism(
         torque=torque,
         crankpins=crankpin_loads(forces),
         bearings=main_bearing_loads(forces, mechanism.bearing_positions),
-        works=tuple(_works(torque, pressure)),
+        works=tuple(_works(torque, pressure, forces)),
         balance=balance(
             layout,
             turning,
@@ -264,14 +273,21 @@ def hinged_group(layout: EngineLayout) -> tuple[int, ...]:
     return next((group for group in pin_groups(layout) if len(group) > 1), ())
 
 
-def _works(torque: EngineTorque, pressures: Sequence[GasPressure]) -> Iterator[CylinderWork]:
-    works = torque.indicated_work.tolist()
-    for place, (pressure, work) in enumerate(zip(pressures, works, strict=True)):
-        low, high = piston_ends(torque.engine, place + 1)
-        swept = torque.engine.cylinders[place].area * (high - low)
+def _works(
+    torque: EngineTorque, pressures: Sequence[GasPressure], forces: MechanismForces
+) -> Iterator[CylinderWork]:
+    largest = (
+        np.abs(force).max(axis=1) for force in (forces.side, forces.piston_pin, forces.tangential)
+    )
+    rows = zip(pressures, torque.indicated_work.tolist(), *largest, strict=True)
+    for number, (pressure, work, *peaks) in enumerate(rows, start=1):
+        low, high = piston_ends(torque.engine, number)
+        swept = torque.engine.cylinders[number - 1].area * (high - low)
         yield CylinderWork(
+            number,
             pressure.peak_pressure,
             pressure.peak_angle_deg,
             work,
             indicated_mean_effective_pressure(work, swept),
+            *map(float, peaks),
         )

@@ -20,7 +20,7 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
-from crankfem.analyses.mechanism.mechanism_records import ModelDifference
+from crankfem.analyses.mechanism.rod_models import ModelDifference
 from crankfem.analyses.titles import add_title
 from dynamics.balance import Balance, hinged_rod_effects
 from dynamics.engine.forces import (

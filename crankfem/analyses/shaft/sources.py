@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
 from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, crank_analyses
-from crankfem.analyses.throw.law_record import LAW, law_answers
+from crankfem.analyses.throw.law_record import LAW, LawAnswer, law_answers
 from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.throw_file import load_throw
@@ -34,16 +34,24 @@ from regression.models.lookup import Lookup
 from regression.response_kinds import AXIAL, TORSIONAL
 from regression.throw_values import same_dimension
 
-
-class LawValue(NamedTuple):
-    """A compliance by the law, and the ends of its band."""
-
-    value: float
-    lower: float
-    upper: float
+Answer = TypeVar("Answer")
 
 
-def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawValue]:
+def _of_each_throw(
+    engine_file: EngineFile, look_up: Callable[[CrankThrow], Answer]
+) -> dict[CrankThrow, Answer]:
+    """Look something up for each distinct throw of an engine; an error names the throw."""
+    answers: dict[CrankThrow, Answer] = {}
+    for name, throw in engine_file.named_throws.items():
+        try:
+            answers[throw] = look_up(throw)
+        except InputError as error:
+            which = f"throw {name}" if engine_file.throws_by_name else "this throw"
+            raise InputError(f"does not apply to {which}: {str(error).rstrip('.')}") from None
+    return answers
+
+
+def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawAnswer]:
     """Find a compliance, ends pinned, of each distinct throw of an engine by the law.
 
     Parameters
@@ -55,15 +63,9 @@ def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawVa
     InputError
         If the law does not cover one of the throws, with its name.
     """
-    lookups: dict[CrankThrow, LawValue] = {}
-    for name, throw in engine_file.named_throws.items():
-        try:
-            own = law_answers(throw, engine_file.material)[quantity]
-        except InputError as error:
-            which = f"throw {name}" if engine_file.throws_by_name else "this throw"
-            raise InputError(f"does not apply to {which}: {str(error).rstrip('.')}") from None
-        lookups[throw] = LawValue(own.value, own.lower, own.upper)
-    return lookups
+    return _of_each_throw(
+        engine_file, lambda throw: law_answers(throw, engine_file.material)[quantity]
+    )
 
 
 def refuse_law(engine_file: EngineFile) -> None:
@@ -130,14 +132,9 @@ def throw_lookups(
     InputError
         As `throw_lookup`, with the name of the throw.
     """
-    lookups: dict[CrankThrow, Lookup] = {}
-    for name, throw in engine_file.named_throws.items():
-        try:
-            lookups[throw] = throw_lookup(model, response, throw, engine_file.material)
-        except InputError as error:
-            own = f"throw {name}" if engine_file.throws_by_name else "this throw"
-            raise InputError(f"does not apply to {own}: {str(error).rstrip('.')}") from None
-    return lookups
+    return _of_each_throw(
+        engine_file, lambda throw: throw_lookup(model, response, throw, engine_file.material)
+    )
 
 
 def chosen_regressions(vibration: VibrationSettings) -> dict[str, str]:
@@ -339,7 +336,7 @@ def _looked_up(
     name: str,
     ratios: NDArray[np.float64],
     engine_file: EngineFile,
-    look_up: Callable[[], Mapping[CrankThrow, Lookup | LawValue]],
+    look_up: Callable[[], Mapping[CrankThrow, Lookup | LawAnswer]],
 ) -> tuple[NDArray[np.float64], str]:
     """Looked-up values of each throw in the shaft; NaN where a throw has none."""
     try:
@@ -453,37 +450,31 @@ def source_spread(
     Spread
         Of all throws together, with its origin.
     """
-    estimates = (throw.error_estimate for throw in analyses_by_name(engine_file, analysis).values())
-    error = max(estimates)
+    error = max(throw.error_estimate for throw in analyses_by_name(engine_file, analysis).values())
     if source == GIVEN:
-        return Spread(
-            "compliance",
-            1.0 - MAKERS_ERROR,
-            1.0 + MAKERS_ERROR,
-            name="error of the maker's stiffnesses, assumed",
-        )
+        name = "error of the maker's stiffnesses, assumed"
+        return Spread("compliance", 1.0 - MAKERS_ERROR, 1.0 + MAKERS_ERROR, name=name)
     if source in (FE, FE_PINNED):
         of = " (that of the axial compliance)" if kind == "torsional" else ""
-        return Spread(
-            "compliance", 1.0 - error, 1.0 + error, name=f"error of the finite elements{of}"
-        )
-    if source == REGRESSION:
-        assert model is not None
-        found = throw_lookups(engine_file, model, RESPONSES[kind]).values()
-        return Spread(
-            "compliance",
-            min(throw.lower / throw.value for throw in found if throw.lower is not None),
-            max(throw.upper / throw.value for throw in found if throw.upper is not None),
-            name=f"error of the regression ({'; '.join(dict.fromkeys(throw.band for throw in found))})",
-        )
-    if source == LAW:
-        values = law_values(engine_file, RESPONSES[kind]).values()
-        return Spread(
-            "compliance",
-            min(throw.lower / throw.value for throw in values),
-            max(throw.upper / throw.value for throw in values),
-            name="error of the law, not exceeded by 95 of 100 throws",
-        )
+        name = f"error of the finite elements{of}"
+        return Spread("compliance", 1.0 - error, 1.0 + error, name=name)
+    if source in (REGRESSION, LAW):
+        bands: Iterable[Lookup | LawAnswer]
+        if source == LAW:
+            bands = law_values(engine_file, RESPONSES[kind]).values()
+            name = "error of the law, not exceeded by 95 of 100 throws"
+        else:
+            assert model is not None
+            lookups = throw_lookups(engine_file, model, RESPONSES[kind]).values()
+            bands, told = lookups, dict.fromkeys(lookup.band for lookup in lookups)
+            name = f"error of the regression ({'; '.join(told)})"
+        ends = [
+            (band.lower / band.value, band.upper / band.value)
+            for band in bands
+            if band.lower is not None and band.upper is not None
+        ]
+        lower, upper = zip(*ends, strict=True)
+        return Spread("compliance", min(lower), max(upper), name=name)
     return _formula_spread(engine_file, kind, source, getattr(shaft, kind), error)
 
 
@@ -492,16 +483,16 @@ def _formula_spread(
 ) -> Spread:
     """Range of a formula: its ratio to finite elements for shipped throws, and for the engine's own."""
     throws = engine_file.crank_throws
-    here = sum(_row(engine_file, kind, source, throws, engine_file.material)) / sum(by_elements)
+    here = _row(engine_file, kind, source, throws, engine_file.material) / sum(by_elements)
     ratios = [(here, error)]
-    single = all(_pins(throw) == 1 for throw in throws)
+    single = all(len(throw.parts.pins) == 1 for throw in throws)
     for analyzed_throw in analyzed_throws():
-        if single and _pins(analyzed_throw.throw) > 1:
+        if single and len(analyzed_throw.throw.parts.pins) > 1:
             continue
         row = _row(
             engine_file, kind, source, [analyzed_throw.throw] * len(throws), analyzed_throw.material
         )
-        beside = sum(row) / sum(_elements(engine_file, kind, analyzed_throw))
+        beside = row / _elements(engine_file, kind, analyzed_throw)
         if beside > 0.0:
             ratios.append((beside, analyzed_throw.error_estimate))
     others = [beside for beside, _ in ratios[1:]]
@@ -515,35 +506,29 @@ def _formula_spread(
     )
 
 
-def _pins(throw: CrankThrow) -> int:
-    return len(throw.parts.pins)
-
-
 def _row(
     engine_file: EngineFile,
     kind: str,
     source: str,
     throws: Sequence[CrankThrow],
     material: Material,
-) -> list[float]:
-    """Compliances by a formula along the shaft, of these throws at the engine's cranks."""
+) -> float:
+    """Sum of the compliances by a formula along the shaft, of these throws at the engine's cranks."""
     sources = (
         axial_by_formulas(throws, engine_file.throw_angles_deg, material)
         if kind == "axial"
         else torsional_by_formulas(throws, material)
     )
-    compliances: list[float] = sources[source][0].tolist()
-    return compliances
+    return float(sources[source][0].sum())
 
 
-def _elements(engine_file: EngineFile, kind: str, analyzed_throw: AnalyzedThrow) -> list[float]:
-    """Compliances by finite elements of one throw at all cranks of an engine."""
+def _elements(engine_file: EngineFile, kind: str, analyzed_throw: AnalyzedThrow) -> float:
+    """Sum of the compliances by finite elements of one throw at all cranks of an engine."""
     sides = neighbor_angles(engine_file.throw_angles_deg)
     if kind == "torsional":
-        return [analyzed_throw.torsional] * len(sides)
-    return [
-        float(np.mean(between_values(np.array(beside), analyzed_throw.axial))) for beside in sides
-    ]
+        return analyzed_throw.torsional * len(sides)
+    ends = between_values(np.array(sides), analyzed_throw.axial)
+    return float(np.mean(ends, axis=1).sum())
 
 
 @cache

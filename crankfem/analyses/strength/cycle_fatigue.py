@@ -23,7 +23,7 @@ from crankbase.table import Column, Table
 from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.strength.cycle_loads import CycleLoads, cycle_loads, judged_speeds
 from crankfem.analyses.strength.engine_strength import EngineStrength, engine_strength
-from crankfem.analyses.vibration.misfiring import Cylinders, named
+from crankfem.analyses.vibration.misfiring import Cylinders
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.strength.fatigue import (
@@ -37,6 +37,7 @@ from dynamics.strength.fatigue import (
     findley_factor,
     findley_limit,
 )
+from dynamics.wording import cylinders_named
 from fem.fields import StressedSite, StressFields, stress_fields
 from fem.fillet_peaks import FilletStresses
 from fem.fillet_stress import fillet_stresses
@@ -217,7 +218,9 @@ class EngineFatigue(Result):
         """The least safety factor, its location and time, and the rule's factor."""
         least = self.places[0]
         firing = (
-            f"while {named(least.cylinders)} misfires" if least.cylinders else "firing normally"
+            f"while {cylinders_named(least.cylinders)} misfires"
+            if least.cylinders
+            else "firing normally"
         )
         said = (
             "Fatigue over the cycle, by finite elements and Findley's criterion: the least safety factor is "
@@ -402,7 +405,7 @@ def _remarks(
     if failing:
         yield (
             "besides normal firing, each case with the largest torsion of a throw is covered: misfiring of "
-            f"{', of '.join(named(case) for case in sorted(failing))}"
+            f"{', of '.join(cylinders_named(case) for case in sorted(failing))}"
         )
     yield (
         "the bending fatigue strength is the rule's for the location; the torsional one is assumed to be "

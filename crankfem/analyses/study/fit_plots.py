@@ -21,9 +21,10 @@ from crankbase.diagrams import (
     math_symbol,
     write_title,
 )
-from crankfem.analyses.study.nominal_throw import Sensitivities, factor_sweep, sensitivities
+from crankfem.analyses.study.nominal_throw import factor_sweep, sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits, predicted
 from regression.fits.fits import Fit
+from regression.fits.sensitivity import Sensitivities
 from regression.plots import BARS, POINTS, draw_runs, factor_size, label_factor_axis, response_text
 from regression.runs.study_table import StudyTable
 from regression.throw_values import factor_text
@@ -136,16 +137,17 @@ def draw_fit_sobol(axes: "Axes", names: Sequence[str], known: Sensitivities) -> 
     """
     sobol = known.sobol
     if sobol is not None and sobol.shapley is not None:
-        shares, label = sobol.shapley, "Shapley effect: share of the variance"
+        shares, label = [*sobol.shapley.values()], "Shapley effect: share of the variance"
         draw_rows(axes, names, shares, label, texts=[f"{share:.2f}" for share in shares])
         axes.set_xlim(0.0, 1.15 * max(shares))
         return
     places = np.arange(len(names))
     if sobol is not None:
-        axes.barh(places - 0.18, sobol.total, height=0.34, color=PALE_BLUE, label="with others")
-        axes.barh(places + 0.18, sobol.first, height=0.34, color=GREEN, label="alone")
+        total, first = ([*shares.values()] for shares in (sobol.total, sobol.first))
+        axes.barh(places - 0.18, total, height=0.34, color=PALE_BLUE, label="with others")
+        axes.barh(places + 0.18, first, height=0.34, color=GREEN, label="alone")
         legend_inside(axes)
-        axes.set_xlim(0.0, max(1.0, 1.05 * max(sobol.total)))
+        axes.set_xlim(0.0, max(1.0, 1.05 * max(total)))
     axes.set_xlabel("Sobol index: share of the variance")
     axes.set_yticks(places, list(names), fontsize=8)
     axes.invert_yaxis()

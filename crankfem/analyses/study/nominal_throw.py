@@ -12,9 +12,8 @@ from crankfem.analyses.study.response_fits import ResponseFits, predicted, surfa
 from geometry.throw import CrankThrow
 from regression.fits.fits import Fit
 from regression.fits.sensitivity import (
-    Model,
     RegionSample,
-    SobolIndices,
+    Sensitivities,
     constrained_indices,
     elasticities,
     nominal_values,
@@ -33,26 +32,6 @@ Array = NDArray[np.float64]
 SAME = 1e-6
 
 
-@dataclass(frozen=True)
-class Sensitivities:
-    """Effect of each factor on a response, by its chosen equation.
-
-    Attributes
-    ----------
-    nominal : dict
-        Factor to the value [SI] at which the elasticities are valid; of a category its label.
-    elasticity : dict
-        Numerical factor to d ln y / d ln p.
-    sobol : SobolIndices or None
-        Over the ranges, within the study's constraints; None for a response that does not
-        vary, and if the constraints leave too little.
-    """
-
-    nominal: dict[str, float | str]
-    elasticity: dict[str, float]
-    sobol: SobolIndices | None
-
-
 def sensitivities(table: StudyTable, response: ResponseFits) -> Sensitivities:
     """Elasticities at the nominal throw and Sobol indices over the ranges, by the chosen equation."""
     plan = table.plan
@@ -60,22 +39,20 @@ def sensitivities(table: StudyTable, response: ResponseFits) -> Sensitivities:
     nominal = nominal_points(plan)
     numbers = [factor.name for factor in plan.factors if not factor.labels]
     slopes = elasticities(model, plan.factors, nominal)
+    if not plan.constraints:
+        sobol = sobol_indices(model, plan.factors)
+    else:
+        sample = _kept_sample(json.dumps(plan.as_record()))
+        sobol = None if sample is None else constrained_indices(model, sample)
     return Sensitivities(
         nominal={
             factor.name: factor.setting(value)
             for factor, value in zip(plan.factors, nominal, strict=True)
         },
         elasticity=dict(zip(numbers, slopes, strict=True)),
-        sobol=_indices(plan, model),
+        sobol=sobol,
+        units={factor.name: factor.unit for factor in plan.factors},
     )
-
-
-def _indices(plan: StudyPlan, model: Model) -> SobolIndices | None:
-    """Shares of the variance over the ranges, within the constraints."""
-    if not plan.constraints:
-        return sobol_indices(model, plan.factors)
-    sample = _kept_sample(json.dumps(plan.as_record()))
-    return None if sample is None else constrained_indices(model, sample)
 
 
 @lru_cache(maxsize=2)

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import field, replace
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from crankbase.choices import check_choice, check_not_given
 from crankbase.diagrams import display_unit, draw_rows, math_symbol, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import table as frame
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Number, Quantity, Result, result
 from fem.responses import RESPONSES
 from regression.fits.equation_text import equation_text, term_effects
 from regression.fits.fits import Fit, fit_form
@@ -43,30 +43,16 @@ Array = NDArray[np.float64]
 ERRORS = ("r_squared", "q_squared", "largest_error", "largest_heldout_error", "mean_heldout_error")
 
 
-@summarized(
-    "response",
-    "unit",
-    "support",
-    "chosen.form",
-    "chosen.largest_error",
-    "chosen.largest_heldout_error",
-    "fits",
-    "reason",
-)
-@dataclass(frozen=True, eq=False)
-class ResponseFits:
-    """All forms fitted to one response, and the one chosen by the held-out error.
+@result("symbol", "unit", "support")
+class FittedResponse(Result):
+    """A response of a study, and how its form was chosen.
 
     Attributes
     ----------
-    response : str
-        Its name in the model: the support of pinned responses is omitted.
     column : str
         Its name in the study's table.
-    symbol, unit, support : str
-        The support is empty for a response without one, such as the mass.
-    fits : tuple of Fit
-    chosen : Fit
+    support : str
+        Empty for a response without one, such as the mass.
     reason : str
         Reason for the choice, in a sentence.
     skipped : tuple of str
@@ -79,6 +65,38 @@ class ResponseFits:
     fe_scatter : float
         Standard deviation of that estimate over the designs: an error common to all designs is invisible
         to every form, a varying one looks like scatter.
+    """
+
+    column: str
+    symbol: str
+    unit: str
+    support: str
+    reason: str
+    skipped: tuple[str, ...]
+    twins: Mapping[str, str]
+    fe_error: Annotated[float | None, Quantity("1")]
+    fe_scatter: Number
+
+
+@result(
+    "response",
+    "unit",
+    "support",
+    "chosen.form",
+    "chosen.largest_error",
+    "chosen.largest_heldout_error",
+    "fits",
+    "reason",
+)
+class ResponseFits(FittedResponse):
+    """All forms fitted to one response, and the one chosen by the held-out error.
+
+    Attributes
+    ----------
+    response : str
+        Its name in the model: the support of pinned responses is omitted.
+    fits : tuple of Fit
+    chosen : Fit
     encodings : mapping
         Basis ("factors" or "groups") to the encoding of its columns.
     unfitted : mapping
@@ -86,20 +104,11 @@ class ResponseFits:
         the same for all responses.
     """
 
-    response: str
-    column: str
-    symbol: str
-    unit: str
-    support: str
-    fits: tuple[Fit, ...]
-    chosen: Fit
-    reason: str
-    skipped: tuple[str, ...]
-    twins: Mapping[str, str]
-    fe_error: float | None
-    fe_scatter: float
-    encodings: Mapping[str, Encoding]
-    unfitted: Mapping[str, str] = field(default_factory=dict)
+    response: Internal[str]
+    fits: Internal[tuple[Fit, ...]]
+    chosen: Internal[Fit]
+    encodings: Internal[Mapping[str, Encoding]]
+    unfitted: Internal[Mapping[str, str]] = field(default_factory=dict)
 
     def form_text(self, fit: Fit) -> str:
         """Return the name of a fit's form, marked if it is the chosen one."""
@@ -297,7 +306,7 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
         left out; `ResponseFits.unfitted` gives the reason for the others.
     """
     if not table.held_out.any():
-        why = "; ".join(sorted({reason for _, _, reason in table.failures})[:3])
+        why = "; ".join(sorted({design.reason for design in table.failures})[:3])
         raise InputError(f"study: no held-out design has a result ({why}).")
     encodings, missing = _encodings(table)
     fitted: dict[str, ResponseFits] = {}

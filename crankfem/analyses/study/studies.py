@@ -1,7 +1,7 @@
 """Run a study from a file: designs, fits and the compliance model in one call."""
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -13,6 +13,7 @@ from crankbase.choices import check_choice, check_not_given, is_whole_within
 from crankbase.diagrams import legend_inside, new_axes, write_title
 from crankbase.errors import InputError, MeshError, visible
 from crankbase.outputs import atomic_file, check_output, is_listed, write_errors
+from crankbase.results import Result, result
 from crankbase.summaries import summarized
 from crankfem.analyses.study.fit_plots import (
     draw_fit_elasticities,
@@ -323,9 +324,9 @@ def _to_stderr(text: str) -> None:
     print(visible(text), file=sys.stderr, flush=True)
 
 
-def study_key(path: str | Path) -> str:
-    """Return the key of a file's study in a store."""
-    return load_study(path).key
+def study_key(study: str | None) -> str | None:
+    """Return the key in a store of what is named by its file; a key, or the beginning of one, as it is."""
+    return load_study(study).key if study is not None and study.endswith(".toml") else study
 
 
 def fitted(table: StudyTable) -> StudyResult:
@@ -340,16 +341,16 @@ KINDS = (*(ending.removeprefix(".") for ending in SOLID_ENDINGS), "step")
 OF_RESULTS = ("status", "source", "seconds", "unknowns", "model_version", "reason")
 
 
-@dataclass(frozen=True)
-class ExportedDesigns:
+@result("table", "written", "failures")
+class ExportedDesigns(Result):
     """Files of a study's designs.
 
     Attributes
     ----------
-    table : Path
+    table : str
         A line for each design: its number, file and role, factors and dimensions. With columns of
         responses added, a study can import it.
-    files : tuple of Path
+    files : tuple of str
         Of the designs in order, whether they exist or not.
     written : int
         Number of files written in this call.
@@ -357,10 +358,20 @@ class ExportedDesigns:
         File that could not be made to the reason.
     """
 
-    table: Path
-    files: tuple[Path, ...]
+    table: str
+    files: tuple[str, ...]
     written: int
-    failures: dict[Path, str]
+    failures: Mapping[str, str]
+
+    def parts(self) -> Iterator[str]:
+        """State what was written, and why some files were not."""
+        present = len(self.files) - len(self.failures)
+        yield (
+            f"{self.table} written: {len(self.files)} designs, of which {present} have a file in the folder ("
+            f"{self.written} written now); lengths in m."
+        )
+        for file, reason in self.failures.items():
+            yield f"Not written: {file}: {reason}"
 
 
 def export_designs(
@@ -398,10 +409,12 @@ def export_designs(
         try:
             _write(planned.designs[place], files[place])
         except MeshError as error:
-            failures[files[place]] = str(error)
+            failures[str(files[place])] = str(error)
         done += 1
         progress(done, len(files))
-    return ExportedDesigns(table, files, len(missing) - len(failures), failures)
+    return ExportedDesigns(
+        str(table), tuple(map(str, files)), len(missing) - len(failures), failures
+    )
 
 
 def check_kind(kind: str) -> None:

@@ -1,13 +1,17 @@
 """Axial force of an engine's crankshaft over the cycle, at its thrust bearing and between its ends."""
 
+from functools import cached_property
+from typing import Annotated, TypeAlias
+
 import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
-from crankfem.analyses.record import Record
+from crankbase.results import Internal, Part, Quantity, Result, Speed, result
 from crankfem.analyses.vibration.engine_excitation import forces_over_speeds
 from crankfem.analyses.vibration.forced import EngineChains, ForcedVibration
 from crankfem.files.engine.engine_file import EngineFile
+from dynamics import wording
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.cycle import cycle_degrees, even_angles
 from dynamics.excitation.chain_excitation import (
@@ -18,7 +22,69 @@ from dynamics.excitation.chain_excitation import (
 from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import within
 
-MEAN_LEFT_OUT = ", without the propeller's mean thrust"
+Newtons: TypeAlias = Annotated[float, Quantity("N")]
+Degrees: TypeAlias = Annotated[float, Quantity("deg")]
+
+
+@result("lowest", "highest", eq=True)
+class Extremes(Result):
+    """Lowest and highest value of a force over the cycle, and their shaft angles."""
+
+    lowest: Newtons
+    lowest_angle_deg: Degrees
+    highest: Newtons
+    highest_angle_deg: Degrees
+
+
+@result("amplitude", "speed", eq=True)
+class LargestForce(Result):
+    """Largest amplitude of a force at running speeds."""
+
+    amplitude: Newtons
+    speed: Speed
+
+
+@result("speed", "thrust_bearing", "held")
+class AxialForces(Result):
+    """Extremes of axial forces over the cycle, and the thrust bearing's largest amplitude.
+
+    Attributes
+    ----------
+    thrust_bearing : Extremes or None
+        With vibration; None where that is unbounded.
+    held : Extremes
+        On held ends without vibration.
+    throws : tuple of Extremes
+        With which each throw pushes its ends apart.
+    running, running_whole : LargestForce or None
+        On the thrust bearing, by the chain and by the whole crankshaft; None where unbounded or unknown.
+    mean_left_out : bool
+        Whether a propeller's mean thrust is missing.
+    """
+
+    speed: Speed
+    thrust_bearing: Extremes | None
+    held: Extremes
+    throws: tuple[Extremes, ...]
+    running: LargestForce | None
+    running_whole: LargestForce | None
+    mean_left_out: Internal[bool]
+
+    @cached_property
+    def sentences(self) -> Part[tuple[str, ...]]:
+        """What the thrust bearing carries, and held ends would."""
+        told, forces, held = [], self.thrust_bearing, self.held
+        if forces is not None:
+            told.append(
+                wording.force_on_thrust_bearing(
+                    self.speed, forces.lowest, forces.highest, self.mean_left_out
+                )
+            )
+        models = {"chain": self.running, "whole crankshaft": self.running_whole}
+        largest = {name: (force.amplitude, force.speed) for name, force in models.items() if force}
+        if largest:
+            told.append(wording.largest_thrust(largest))
+        return (*told, wording.force_on_held_ends(self.speed, held.lowest, held.highest))
 
 
 def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForceOverCycle:
@@ -63,37 +129,36 @@ def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForc
     )
 
 
-def axial_cycle_record(
+def axial_forces(
     cycle: AxialForceOverCycle,
     forced: ForcedVibration,
     engine_file: EngineFile,
     coupled: CoupledResponse | None = None,
-) -> Record:
-    """Return the extremes over the cycle, and the thrust bearing's largest force at running speeds [SI].
+) -> AxialForces:
+    """Return the extremes over the cycle, and the thrust bearing's largest force at running speeds.
 
     Parameters
     ----------
     coupled : CoupledResponse, optional
         Of the whole crankshaft, if it has the same bodies as the chain.
     """
-    thrust = engine_file.thrust_bearing
-    on_bearing, running = cycle.thrust_bearing, forced.running_range
+    thrust, running = engine_file.thrust_bearing, forced.running_range
     node = forced.engine_chain.sections[thrust.section_index]
     by_chain = thrust.stiffness * forced.response.synthesis.amplitude[:, node]
     whole = None
     if coupled is not None:
         moved = coupled.split(f"main bearing {thrust.main_bearing} uz").both_sum
         whole = _largest(coupled.speeds, thrust.stiffness * moved, running)
-    record: Record = {
-        "speed_rpm": cycle.speed * RPM,
-        "thrust_bearing": None if on_bearing is None else _extremes(cycle, on_bearing),
-        "held": _extremes(cycle, cycle.held),
-        "throws": [_extremes(cycle, own) for own in cycle.throws.T],
-        "running": _largest(forced.response.speeds, by_chain, running),
-        "running_whole": whole,
-    }
-    alone = engine_file.propeller_forces is None
-    return record | {"sentences": _sentences(record, "" if alone else MEAN_LEFT_OUT)}
+    on_bearing = cycle.thrust_bearing
+    return AxialForces(
+        speed=cycle.speed,
+        thrust_bearing=None if on_bearing is None else _extremes(cycle, on_bearing),
+        held=_extremes(cycle, cycle.held),
+        throws=tuple(_extremes(cycle, force) for force in cycle.throws.T),
+        running=_largest(forced.response.speeds, by_chain, running),
+        running_whole=whole,
+        mean_left_out=engine_file.propeller_forces is not None,
+    )
 
 
 def axial_cycle_columns(cycle: AxialForceOverCycle) -> tuple[dict[str, FloatArray], str]:
@@ -104,59 +169,16 @@ def axial_cycle_columns(cycle: AxialForceOverCycle) -> tuple[dict[str, FloatArra
     )
 
 
-def _extremes(cycle: AxialForceOverCycle, force: FloatArray) -> Record:
-    """Lowest and highest value of a force [N], and their angles."""
-    low, high = int(np.argmin(force)), int(np.argmax(force))
-    degrees = cycle.shaft_angles_deg
-    return {
-        "lowest": float(force[low]),
-        "lowest_angle_deg": float(degrees[low]),
-        "highest": float(force[high]),
-        "highest_angle_deg": float(degrees[high]),
-    }
+def _extremes(cycle: AxialForceOverCycle, force: FloatArray) -> Extremes:
+    degrees, ends = cycle.shaft_angles_deg, (int(np.argmin(force)), int(np.argmax(force)))
+    return Extremes(*(float(part[end]) for end in ends for part in (force, degrees)))
 
 
 def _largest(
     speeds: FloatArray, amplitude: FloatArray, running: tuple[float, float]
-) -> Record | None:
-    """Largest amplitude of a force at running speeds [N], and its speed; None where unbounded."""
+) -> LargestForce | None:
     inside = np.flatnonzero(within(speeds, *running))
     worst = int(inside[np.argmax(amplitude[inside])])
     if not np.isfinite(amplitude[worst]):
         return None
-    return {"amplitude": float(amplitude[worst]), "speed_rpm": float(speeds[worst] * RPM)}
-
-
-def _sentences(record: Record, left_out: str) -> list[str]:
-    sentences = []
-    if record["thrust_bearing"] is not None:
-        sentences.append(
-            f"Axial force on the thrust bearing at {record['speed_rpm']:.4g} 1/min, with vibration: "
-            f"{_range(record['thrust_bearing'])} over the cycle by the axial chain, positive towards the "
-            f"flywheel{left_out}."
-        )
-    models = (("running", "by the chain"), ("running_whole", "by the whole crankshaft"))
-    largest = [
-        f"{_kilo(own['amplitude'])} kN {model}, at {own['speed_rpm']:.4g} 1/min"
-        for own, model in ((record[name], model) for name, model in models)
-        if own is not None
-    ]
-    if largest:
-        sentences.append(
-            "Its largest amplitude at running speeds, for which the bearing is to be checked: "
-            f"{'; '.join(largest)}."
-        )
-    return [
-        *sentences,
-        "For comparison with static formulas only: with both ends of the crankshaft held and no vibration, "
-        f"the ends would carry {_range(record['held'])} over the cycle at {record['speed_rpm']:.4g} 1/min, "
-        "positive where the shaft pushes them apart. A single thrust bearing carries none of this force.",
-    ]
-
-
-def _range(record: Record) -> str:
-    return f"{_kilo(record['lowest'])} kN to {_kilo(record['highest'])} kN"
-
-
-def _kilo(force: float) -> str:
-    return f"{force / 1e3:.3g}"
+    return LargestForce(float(amplitude[worst]), float(speeds[worst]))

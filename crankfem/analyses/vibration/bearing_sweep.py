@@ -3,14 +3,14 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import cached_property
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.frames import table
-from crankbase.quantity import compact
-from crankbase.results import result
+from crankbase.results import Internal, Part, Quantity, Result, result
 from crankfem.analyses.shaft.chains import BearingStiffness, bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
@@ -31,6 +31,7 @@ from crankfem.analyses.vibration.forced import (
 )
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile
+from dynamics import wording
 from dynamics.assessment.verdict import Status, Trial, Verdict
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
@@ -76,8 +77,11 @@ class HeldChains:
         return vibration.chosen.chain
 
 
-@result("stiffness [N/m]", "chains [Hz]", "shaft [Hz]", "used", "statuses")
-class BearingSweep:
+Frequencies: TypeAlias = Annotated[dict[str, FloatArray], Quantity("Hz", missing=math.nan)]
+
+
+@result("stiffness", "chains", "shaft", "used", "statuses")
+class BearingSweep(Result):
     """Effect of the main bearings' stiffness on frequencies, limits and the verdict.
 
     Attributes
@@ -101,17 +105,22 @@ class BearingSweep:
         Limits of which most is used above the running range, at one stiffness or more.
     """
 
-    bearings: BearingStiffness
-    stiffness: FloatArray
-    chains: dict[str, FloatArray]
-    shaft: dict[str, FloatArray]
-    used: dict[str, FloatArray]
+    bearings: Internal[BearingStiffness]
+    stiffness: Annotated[FloatArray, Quantity("N/m")]
+    chains: Frequencies
+    shaft: Frequencies
+    used: Annotated[dict[str, FloatArray], Quantity("1")]
     statuses: tuple[Status, ...]
-    further: dict[str, FloatArray] = field(default_factory=dict)
-    beyond: tuple[str, ...] = ()
+    further: Frequencies = field(default_factory=dict)
+    beyond: Internal[tuple[str, ...]] = ()
+
+    @cached_property
+    def assumed(self) -> Part[bool]:
+        """Whether the stiffness is assumed."""
+        return self.bearings.assumed
 
     @property
-    def flips(self) -> bool:
+    def flips(self) -> Part[bool]:
         """Whether the verdict varies over the range."""
         return len(set(self.statuses)) > 1
 
@@ -126,57 +135,21 @@ class BearingSweep:
             for value, status in zip(self.stiffness.tolist(), self.statuses, strict=False)
         )
 
-    @property
-    def sentences(self) -> tuple[str, ...]:
+    @cached_property
+    def sentences(self) -> Part[tuple[str, ...]]:
         """Effect of the range on first frequencies and limits, and whether the verdict changes."""
         held = self.bearings
-        over = f"Main bearings of {compact(held.lowest)} to {compact(held.highest)} N/m"
-        over += " (assumed)" if held.assumed else ""
-        parts = []
-        for kind in KINDS[::-1]:
-            moved = [
-                f"{_range(curve, '.1f')} Hz by the {by}"
-                for by, curve in (
-                    ("chain", self.chains.get(kind)),
-                    ("whole crankshaft", self.shaft.get(kind)),
-                )
-                if curve is not None and np.any(np.isfinite(curve))
-            ]
-            others = [f"{_range(curve, '.1f')} Hz" for curve in self.further.get(kind, ())]
-            if moved and others:
-                moved[-1] += f", and in part {' and '.join(others)}"
-            if moved:
-                parts.append(f"first {kind} frequency of the crankshaft {', '.join(moved)}")
-        parts = [f"{over}: {'; '.join(parts)}."]
-        if self.used:
-            uses = ", ".join(
-                f"{_range(100.0 * used, '.0f')} % ({name}"
-                f"{', above the running range included' if name in self.beyond else ''})"
-                for name, used in self.used.items()
+        frequencies = [
+            wording.first_frequencies(
+                kind, self.chains.get(kind), self.shaft.get(kind), self.further.get(kind, ())
             )
-            change = (
-                f"the verdict changes within this range: {self.status_by_stiffness}"
-                if self.flips
-                else f'with all other values as used, the verdict is "{self.statuses[0]}" over all of it'
-            )
-            parts.append(f"Over that range, the share of the limit used is {uses}; {change}.")
-        return tuple(parts)
-
-    @property
-    def status_by_stiffness(self) -> str:
-        """Such as "fine" at 2.2e8 to 1e9 N/m, "not acceptable" at 2.2e9 N/m."""
-        changes = [
-            place
-            for place in range(1, len(self.statuses))
-            if self.statuses[place] != self.statuses[place - 1]
+            for kind in KINDS[::-1]
         ]
-        starts, ends = [0, *changes], [*changes, len(self.statuses)]
-        return ", ".join(
-            f'"{self.statuses[start]}" at {compact(self.stiffness[start])}'
-            + (f" to {compact(self.stiffness[end - 1])}" if end - start > 1 else "")
-            + " N/m"
-            for start, end in zip(starts, ends, strict=True)
-        )
+        first = wording.over_bearings(held.lowest, held.highest, held.assumed, frequencies)
+        if not self.used:
+            return (first,)
+        limits = wording.limits_over_bearings(self.used, self.beyond, self.statuses, self.stiffness)
+        return first, limits
 
     def to_pandas(self) -> Any:
         """Return a row for each stiffness.
@@ -368,8 +341,3 @@ def _answers(
         for forced in vibrations_at(chains, harmonics, speeds)
     )
     return lengthened, twisted
-
-
-def _range(values: FloatArray, form: str) -> str:
-    low, high = (format(float(end), form) for end in (np.nanmin(values), np.nanmax(values)))
-    return low if low == high else f"{low} to {high}"

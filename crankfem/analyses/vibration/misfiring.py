@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.frames import Row, table_of
-from crankbase.quantity import format_quantity, format_usage
 from crankbase.results import Flat, InItsUnit, Internal, Part, Quantity, Result, Speed, result
 from crankfem.analyses.engine_mechanism import MechanismFile
 from crankfem.analyses.vibration.engine_excitation import (
@@ -27,6 +26,7 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains, cause_at
 from crankfem.files.engine.engine_file import EngineFile
+from dynamics import wording
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import (
     NEARLY_LARGEST,
@@ -38,7 +38,6 @@ from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics, for
 from dynamics.indices import within
 from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
-from dynamics.wording import limit_at, shown_range, use_in_words
 
 DIGITS = 3
 # Numbers of cylinders that fail together, from 1.
@@ -171,43 +170,42 @@ class FiringCheck(Result):
     @property
     def sentence(self) -> str:
         """The finding while misfiring by both limits, with normal firing for comparison."""
-        return f"With {self._finding(self.cylinders, self.misfiring)}."
+        return f"{self._finding(self.cylinders, self.misfiring)}."
 
     @property
     def news(self) -> str:
         """What misfiring alone exceeds, with its cause; empty if nothing."""
         if self.new is None:
             return ""
-        reached, reasons = self.new.reached, self.new.cause.reasons
-        kept = "" if self.normal_keeps else f", but within its limit at {self._speed(reached)}"
-        return (
-            f"With {self._finding(self.new.cylinders, reached)}{kept}: exceeded by misfiring alone. "
-            f"{reasons[0].upper()}{reasons[1:]}."
-        )
+        reached = self.new.reached
+        finding = self._finding(self.new.cylinders, reached)
+        kept_at = None if self.normal_keeps else reached.speed
+        return wording.exceeded_alone(finding, kept_at, self.new.cause.reasons)
 
     @property
     def normal_keeps(self) -> bool:
         """Whether normal firing keeps the limit at all running speeds."""
         return self.normal.used <= 1.0
 
-    def _speed(self, reached: Reached) -> str:
-        return format_quantity(reached.speed, "rad/s", 4)
-
     def _finding(self, cylinders: Cylinders, reached: Reached) -> str:
-        normal, limit = self.normal, self.limit
-        if limit is None or np.isinf(reached.permitted):
-            use = f"at most {self._amount(reached)}"
+        normal, limit, unit = self.normal, self.limit, self.unit
+        value, permitted, speed = reached.value, reached.permitted, reached.speed
+        if limit is None or np.isinf(permitted):
+            use = f"at most {wording.amount_at(value, unit, speed)}"
         else:
-            use = use_in_words(limit.unit, reached.speed, reached.value, reached.permitted, DIGITS)
+            use = wording.use_in_words(unit, speed, value, permitted, DIGITS)
             use += self._by_the_other(limit, reached)
-        elsewhere = "" if normal.place == reached.place else f", {normal.place}"
-        return (
-            f"{named(cylinders)} misfiring, {limit_at(self.quantity, reached.place)}: {use}; with "
-            f"all cylinders firing {self._amount(normal)}{self._share(normal, reached)}{elsewhere}"
-        )
+        beside = wording.amount_at(normal.value, unit, normal.speed)
+        if not np.isinf(normal.permitted) and not np.isinf(normal.value):
+            shown = np.inf if np.isinf(value) else permitted
+            beside += wording.normal_share(normal.used, normal.permitted, shown, unit)
+        if normal.place != reached.place:
+            beside += f", {normal.place}"
+        where = wording.limit_at(self.quantity, reached.place)
+        return wording.use_while_misfiring(where, cylinders, use, beside)
 
     def _by_the_other(self, limit: VibrationLimit, reached: Reached) -> str:
-        """Write the share of the limit that does not decide, and the basis if it is that for passing."""
+        """Write the share of the limit that does not decide, if there is one."""
         if limit.passing is None:
             return ""
         at = np.array([reached.speed])
@@ -215,30 +213,7 @@ class FiringCheck(Result):
         if np.isinf(passing) or passing == kept:
             return ""
         other = kept if limit.misfiring_basis else passing
-        share = "" if np.isinf(reached.value) else f"{format_usage(reached.value / other)} of "
-        shown = f"{share}the {format_quantity(other, self.unit, DIGITS)}"
-        if limit.misfiring_basis:
-            return (
-                f" for passing, which serves while a cylinder misfires by {limit.misfiring_basis}, "
-                f"{shown} permitted continuously"
-            )
-        return f", {shown} that may be passed"
-
-    def _share(self, reached: Reached, beside: Reached) -> str:
-        """Write the share of what is permitted at that speed, where something is and it is bounded."""
-        if np.isinf(reached.permitted) or np.isinf(reached.value):
-            return ""
-        permitted, failing = (
-            format_quantity(one.permitted, self.unit, DIGITS) for one in (reached, beside)
-        )
-        same = permitted == failing and not np.isinf(beside.value)
-        return f", {format_usage(reached.used)}{'' if same else f' of the permitted {permitted}'}"
-
-    def _amount(self, reached: Reached) -> str:
-        """Write the value, and its speed."""
-        if np.isinf(reached.value):
-            return f"unbounded at {self._speed(reached)}"
-        return f"{format_quantity(reached.value, self.unit, DIGITS)} at {self._speed(reached)}"
+        return wording.other_limit(reached.value, other, self.unit, limit.misfiring_basis)
 
     def row(self) -> Row:
         """Return the columns of a table, each value with its unit; see `table_of`."""
@@ -251,13 +226,7 @@ class FiringCheck(Result):
                 f"{name}_permitted": (one.permitted, "SI, see the column unit"),
                 f"{name}_used": (one.used, "1"),
             }
-        return found | {"cylinders": (named(self.cylinders), "")}
-
-
-def named(cylinders: Cylinders) -> str:
-    """Name cylinders, such as "cylinder 4" or "cylinders 3, 5"."""
-    numbers = ", ".join(str(number) for number in cylinders)
-    return f"cylinder{'' if len(cylinders) == 1 else 's'} {numbers}"
+        return found | {"cylinders": (wording.cylinders_named(self.cylinders), "")}
 
 
 def permitted_at(limit: VibrationLimit | None, speeds: FloatArray) -> FloatArray:
@@ -360,40 +329,16 @@ class Misfiring(Result):
         newest = most.new is not None and most.new.reached is most.misfiring
         sentences = [first, "" if newest else most.sentence]
         sentences.append("" if most.normal_keeps and most is self.worst else most.news)
-        who = named(self.cases[0]) if len(self.cases) == 1 else "a cylinder"
-        keeps = (
-            f"restrict running to {_listed(self.remaining)} then"
-            if self.remaining
-            else "no running speed keeps them"
-        )
-        sentences.append(
-            f"While {who} misfires, limits are exceeded from {_listed(self.exceeded)}: {keeps}."
-        )
+        who = self.cases[0] if len(self.cases) == 1 else ()
+        sentences.append(wording.speeds_while_misfiring(who, self.exceeded, self.remaining))
         return " ".join(filter(None, sentences))
 
     @cached_property
     def remarks(self) -> Part[tuple[str, ...]]:
         """Assumptions, a sentence each."""
-        one = len(self.cases) == 1
-        which = named(self.cases[0]) if one else f"each of {len(self.cases)} cylinders in turn"
-        share = 100.0 * self.missing_share
-        still = "compression stays" if self.compression else "compression is missing as well"
-        return (
-            f"misfiring of {which}: {share:.3g} % of the combustion is missing, {still}; the others fire as "
-            "before, so the mean torque is lower",
-            f"while misfiring, {self._basis}; only running speeds are judged",
-        )
-
-    @property
-    def _basis(self) -> str:
-        """Which limit decides, in words."""
         bases = {check.limit.misfiring_basis for check in self.checks if check.limit is not None}
-        if basis := "".join(bases):
-            return f"the limit for passing serves where stated, by {basis}, elsewhere the continuous one"
-        return (
-            "the limits of continuous running decide; those for passing serve only where the class or the "
-            "maker says so, with limits.passing_while_misfiring"
-        )
+        share, still = self.missing_share, self.compression
+        return wording.misfiring_assumed(self.cases, share, still, "".join(bases))
 
     def outside(self, barred: Sequence[tuple[float, float]]) -> "Misfiring":
         """Return the same with no speed that remains in ranges barred in normal firing [rad/s]."""
@@ -604,12 +549,6 @@ def _new(
     unit = compared_quantities(file)[key].unit
     cause = cause_at(answer, twisted, series[case], reached.place, reached.speed, unit)
     return NewlyExceeded(case, reached, cause)
-
-
-def _listed(ranges: Sequence[tuple[float, float]]) -> str:
-    """Write ranges of speeds one after the other."""
-    shown = [shown_range(*ends) for ends in ranges]
-    return " and ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
 
 
 def _between(

@@ -12,8 +12,7 @@ from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.shaft.whole_shaft import not_comparable
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
-from crankfem.analyses.vibration.axial_cycle import axial_cycle_record
-from crankfem.analyses.vibration.bearing_sweep import BearingSweep
+from crankfem.analyses.vibration.axial_cycle import AxialForces, axial_forces
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
@@ -127,30 +126,17 @@ def run_record(run: EngineVibration) -> Record:
             whole_criticals(run.engine_file, run.comparison, run.torsional.chosen.chain),
         ),
         "not_comparable": not_comparable(run.engine_file) or None,
-        "bearings": None if run.bearings is None else sweep_record(run.bearings),
+        "bearings": run.bearings,
     }
 
 
-def _axial_force(run: EngineVibration) -> Record | None:
+def _axial_force(run: EngineVibration) -> AxialForces | None:
     if run.axial_force is None or run.forced_axial is None:
         return None
     compared = run.comparison
     # Without a chain to compare with, the whole crankshaft lacks the plant.
     coupled = None if compared is None or compared.axial is None else compared.coupled
-    return axial_cycle_record(run.axial_force, run.forced_axial, run.engine_file, coupled)
-
-
-def sweep_record(sweep: BearingSweep) -> Record:
-    """Return the effect of the range of the main bearings' stiffness, in SI units."""
-    names = ("stiffness", "used", "statuses", "flips", "sentences")
-    frequencies = {  # null where there is no such mode
-        name: {
-            kind: np.where(np.isnan(frequencies_of_kind), np.inf, frequencies_of_kind)
-            for kind, frequencies_of_kind in getattr(sweep, name).items()
-        }
-        for name in ("chains", "shaft", "further")
-    }
-    return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names), **plain(frequencies)}
+    return axial_forces(run.axial_force, run.forced_axial, run.engine_file, coupled)
 
 
 def vibration_record(vibration: Vibration) -> Record:

@@ -23,6 +23,7 @@ from crankfem.analyses.vibration.engine_limits import (
     limited_quantities,
 )
 from crankfem.files.engine.engine_file import EngineFile
+from dynamics import wording
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.response_curves import curves_of
 from dynamics.assessment.verdict import Decision, LimitCheck, Verdict, decide
@@ -31,13 +32,8 @@ from dynamics.chains.varying import VaryingSpring
 from dynamics.crankshaft.coupled_response import CoupledResponse, shaft_criticals
 from dynamics.response.loads import ElementLoads, LinearQuantities
 from dynamics.response.series import OrderSeries
-from dynamics.wording import limit_at, use_in_words
 
 DIGITS = 3
-REMEDY = (
-    "rely on the whole crankshaft, and give bearings.stiffness and flywheel.diametral_inertia, which decide "
-    "its modes"
-)
 
 
 def with_bearings(assessment: Assessment, sweep: BearingSweep) -> Assessment:
@@ -64,7 +60,7 @@ def with_whole_shaft(
     """
     sentences = whole_shaft_remark(comparison)
     if reason := not_comparable(engine_file):
-        sentences = (f"The verdict uses lumped models (chains) alone: {reason}.",)
+        sentences = (wording.chains_alone(reason),)
     whole = whole_verdict(engine_file, comparison, cranks, moduli, assessment.verdict)
     if whole is None:
         return replace(assessment, by_whole=sentences)
@@ -310,28 +306,25 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
     """
     by_chains = {id(check.curve) for check in chains.checks}
     worst = next(check for check in whole.checks if id(check.curve) not in by_chains)
-    use = _use(worst)
     same = next((check for check in chains.checks if check.limit.name == worst.limit.name), None)
-    if same is not None:
-        use += f" (by the chains {same.curve.name}, {_use(same)})"
-    agrees = "the same verdict" if whole.status == chains.status else "another verdict"
-    ranges = ""
+    shown: list[str] = []
     if whole.status == "barred range needed":
-        ranges = f" ({', '.join(barred.shown for barred in whole.barred)})"
+        shown = [", ".join(barred.shown for barred in whole.barred)]
     elif worst.passed:  # not acceptable by what is not told above
         refused = (*whole.barred, *whole.started_through)
-        ranges = "".join(f" ({barred.sentence})" for barred in refused if not barred.allowed)
-    by_chain = {check.limit.name for check in whole.checks if id(check.curve) in by_chains}
-    apart = "".join(f" ({name} by the axial chain alone)" for name in by_chain)
-    return (
-        f"The whole crankshaft held against the same limits{apart}: "
-        f"{limit_at(worst.limit.name, worst.curve.name)}, "
-        f'{use}; with the values used, {agrees}, "{whole.status}"{ranges}.'
+        shown = [barred.sentence for barred in refused if not barred.allowed]
+    return wording.whole_use(
+        f"{wording.limit_at(worst.limit.name, worst.curve.name)}, {_use(worst)}",
+        {check.limit.name for check in whole.checks if id(check.curve) in by_chains},
+        "" if same is None else f"{same.curve.name}, {_use(same)}",
+        whole.status == chains.status,
+        whole.status,
+        shown,
     )
 
 
 def _use(check: LimitCheck) -> str:
-    return use_in_words(
+    return wording.use_in_words(
         check.limit.unit, check.worst_speed, check.worst_value, check.permitted, DIGITS
     )
 
@@ -341,8 +334,5 @@ def decision_by_both(decision: Decision, whole: Verdict, chains: Verdict) -> Dec
     accepted = [verdict.status != "not acceptable" for verdict in (chains, whole)]
     if accepted[0] == accepted[1]:
         return decision
-    by = ("the lumped model", "the whole crankshaft")
-    yes, no = by if accepted[0] else by[::-1]
-    sentence = f"acceptable by {yes}, not by {no}: {REMEDY}"
-    also = f"; {decision.sentence}" if decision.sentence else ""
-    return replace(decision, status="undecided", sentence=f"{sentence}{also}")
+    sentence = wording.by_one_model(accepted[0], decision.sentence)
+    return replace(decision, status="undecided", sentence=sentence)

@@ -1,6 +1,6 @@
 """An engine's crank mechanism: its forces, torque and balance, harmonics, and rods of two masses."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
@@ -49,23 +49,8 @@ def mechanism(
 ) -> None:
     """Calculate forces in the crank mechanism, bearing loads, and the balance of the engine."""
     from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_inputs
-    from crankfem.analyses.mechanism.balance_records import (
-        balance_parts,
-        hinged_rod_table,
-        hinged_rods_record,
-        mechanism_balance_record,
-    )
-    from crankfem.analyses.mechanism.mechanism_records import (
-        acceleration_parts,
-        acceleration_record,
-        force_columns,
-        mechanism_parts,
-        mechanism_record,
-        model_difference,
-        rod_mass_records,
-        rod_parts,
-    )
-    from crankfem.analyses.mechanism.mechanism_run import hinged_group, run_mechanism
+    from crankfem.analyses.mechanism.mechanism_results import force_columns, mechanism_details
+    from crankfem.analyses.mechanism.mechanism_run import run_mechanism
     from crankfem.analyses.mechanism.plots import plot_model_difference
     from crankfem.analyses.titles import at_speed
     from crankfem.cli.arguments import parse_speed
@@ -79,39 +64,19 @@ def mechanism(
     folder = check_outputs(csv, pictures, *inputs, names=names)
     console.print_warnings(loaded.warnings, out.units)
     run = run_mechanism(loaded, turning, models[0], motored=motored)
-    compared = None if len(models) == 1 else model_difference(run, models[1])
-    record = mechanism_record(run) | {
-        "rod_masses": rod_mass_records(run.layout),
-        "model_difference": compared,
-    }
-    balanced, hinged = mechanism_balance_record(run), hinged_rods_record(run.hinged_rods)
-    group = hinged_group(run.layout)
-    pistons = acceleration_record(run.layout, run.speed, group) if group else None
+    details = mechanism_details(run, *models[1:], rods_shown=bool(model))
+    compared = details.model_difference
     if csv is not None:
         write_columns(csv, *force_columns(run, compared))
     made = [] if folder is None else MECHANISM.draw(folder, run)
     if folder is not None and compared is not None:
-        title = f"{compared.first.name}, {at_speed(loaded.name, run.speed)}"
+        title = f"{compared.crankpin}, {at_speed(loaded.name, run.speed)}"
         plot_model_difference(folder / ROD_MODELS_FILE, compared, title=title)
         made.append(folder / ROD_MODELS_FILE)
     if out.json:
-        print_json(
-            record
-            | {
-                "balance": balanced,
-                "hinged_rods": hinged,
-                "accelerations": pistons,
-                "pictures": [str(path) for path in made],
-            }
-        )
+        print_json(replace(details, pictures=tuple(map(str, made))))
         return
-    print_parts(mechanism_parts(record, out.units), out.units)
-    if model:
-        print_parts(rod_parts(record, out.units), out.units)
-    print_parts(balance_parts(balanced, out.units), out.units)
-    if pistons is not None:
-        hinged_parts = (hinged_rod_table(hinged), *acceleration_parts(pistons, out.units))
-        print_parts(hinged_parts, out.units)
+    print_parts(details.parts(out.units), out.units)
     if csv is not None:
         console.output.print(f"Forces: {csv}", soft_wrap=True)
     if made:

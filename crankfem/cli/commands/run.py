@@ -77,7 +77,7 @@ def run(
 
 def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> None:
     from crankfem.analyses.run_results import NamedThrow
-    from crankfem.cli.tables import study_tables, throw_tables
+    from crankfem.cli.tables import throw_tables
     from crankfem.cli.tables.vibration_tables import (
         print_conclusions,
         print_engine,
@@ -98,7 +98,7 @@ def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> Non
         throw_tables.print_throw(throw.throw, units)
         throw_tables.print_one_throw(throw.formulas, 180.0, units=units)
     if results.study is not None:
-        study_tables.print_main_fits(results.study["fits"])
+        console.print_parts(results.study.main_parts())
     print_run(results.vibration, units)
 
 

@@ -8,7 +8,7 @@ from rich.table import Table as RichTable
 
 from crankbase.quantity import RPM, significant
 from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
-from crankfem.analyses.mechanism.mechanism_records import intervals_text
+from crankfem.analyses.mechanism.mechanism_results import intervals_text
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.formula_records import (
     EngineSpread,

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
@@ -154,35 +154,7 @@ def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None
             )
 
 
-class WithPlant(Protocol):
-    """The values that a plant's chain replaces; an engine file has them."""
-
-    @property
-    def shaft_lines(self) -> Mapping[str, Chain]:
-        """Chains by their kind."""
-
-    @property
-    def throws(self) -> tuple[int, ...]:
-        """Throw that each cylinder works on, from 0."""
-
-    @property
-    def torsional_damper(self) -> InputModel | None:
-        """The section [torsional_damper]."""
-
-    @property
-    def driven(self) -> InputModel | None:
-        """The section [driven]."""
-
-    @property
-    def damping(self) -> Damping | None:
-        """The section [damping]."""
-
-    @property
-    def vibration(self) -> VibrationSettings:
-        """The section [vibration]."""
-
-
-def check_plant(engine: WithPlant) -> None:
+def check_plant(engine: "EngineFile") -> None:
     """Refuse a plant's chain that lacks cranks, and sections that it would make ineffective."""
     plant = engine.shaft_lines.get(PLANT)
     if plant is None:

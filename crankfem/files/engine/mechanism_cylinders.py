@@ -9,8 +9,10 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
-from crankfem.files.sections.engine_sections import Engine, ShaftLayout
-from crankfem.files.sections.mechanism_sections import HingedRods, Piston, Rod
+from crankfem.files.reading.data_files import InputFiles
+from crankfem.files.reading.toml_file import InputRecord
+from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
+from crankfem.files.sections.mechanism_sections import Gas, HingedRods, LoadSection, Piston, Rod
 from dynamics.engine.layout import (
     EVEN,
     IN_LINE,
@@ -21,6 +23,7 @@ from dynamics.engine.layout import (
     repeating_intervals,
 )
 from dynamics.engine.rods import ConnectingRod
+from fem.material import Material
 from geometry.crankshaft import throw_starts
 from geometry.throw import CrankThrow
 
@@ -237,6 +240,38 @@ def _positions(
     for place, main in main_of.items():
         positions[place] = positions[main]
     return positions
+
+
+@dataclass(frozen=True)
+class MechanismSections:
+    """The sections of a file that describe a mechanism, named as those of an `EngineFile`."""
+
+    files: InputFiles
+    engine: Engine
+    shaft: ShaftLayout | None
+    named_throws: dict[str, CrankThrow]
+    crank_throws: tuple[CrankThrow, ...]
+    rod: Rod
+    piston: Piston
+    hinged_rods: HingedRods | None
+    gas: Gas | None
+    load: LoadSection | None
+    flywheel: Flywheel | None
+    free_end: FreeEnd | None
+    material: Material
+    records: tuple[InputRecord, ...]
+    sources: dict[str, str]
+
+    @property
+    def throws(self) -> tuple[int, ...]:
+        """Throw that each cylinder works on, from 0."""
+        return throws_of(self.engine)
+
+    @property
+    def throw_angles_deg(self) -> tuple[float, ...]:
+        """Angle of each throw's first pin, as the file counts angles [deg]."""
+        angles = angles_of_throws(self.shaft, self.engine, self.throws)
+        return tuple(math.degrees(angle) for angle in angles)
 
 
 # Intervals that differ so many times more than those of another order look like a slip.

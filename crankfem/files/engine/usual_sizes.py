@@ -4,13 +4,13 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.mechanism_cylinders import MechanismSections
 from crankfem.files.sections.crank_throws import PLAIN
-from crankfem.files.sections.engine_sections import Engine, Flywheel, ThrustBearing
-from crankfem.files.sections.mechanism_sections import Piston, Rod
+from crankfem.files.sections.engine_sections import ThrustBearing
 from dynamics.excitation.pressure_map import EnginePower
 from geometry.throw import CrankThrow
 from regression.law.throw_law import DIVISORS, FILLETS, RANGES, REAL, axial_law
@@ -163,40 +163,10 @@ def _out_of_proportion(
     yield from remarks
 
 
-class Sized(Protocol):
-    """The sections of a file whose sizes are compared; engine and mechanism files have them."""
-
-    @property
-    def engine(self) -> Engine:
-        """The section [engine]."""
-
-    @property
-    def named_throws(self) -> Mapping[str, CrankThrow]:
-        """The throws by name."""
-
-    @property
-    def throws(self) -> tuple[int, ...]:
-        """Throw that each cylinder works on, from 0."""
-
-    @property
-    def crank_throws(self) -> tuple[CrankThrow, ...]:
-        """Throw of each crank."""
-
-    @property
-    def rod(self) -> Rod:
-        """The section [rod]."""
-
-    @property
-    def piston(self) -> Piston:
-        """The section [piston]."""
-
-    @property
-    def flywheel(self) -> Flywheel | None:
-        """The section [flywheel]."""
-
-
 def engine_warnings(
-    file: Sized, power: EnginePower | None, thrust: ThrustBearing | None
+    file: EngineFile | MechanismSections,
+    power: EnginePower | None,
+    thrust: ThrustBearing | None,
 ) -> Iterator[str]:
     """Name the sizes of an engine that are far outside of practice, its throws included.
 
@@ -249,7 +219,7 @@ def engine_warnings(
         )
 
 
-def _cylinders_in_line(file: Sized) -> int:
+def _cylinders_in_line(file: EngineFile | MechanismSections) -> int:
     """Return the cylinders of one bank that the first throw carries, one behind the other."""
     banks = file.engine.bank_angles or (0.0,) * file.engine.cylinders
     first = [round(bank, 6) for bank, throw in zip(banks, file.throws, strict=True) if throw == 0]

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.diagrams import BLUE, GRAY, GREEN, ORANGE, Curves, Dash, Series
-from crankfem.analyses.mechanism.mechanism_records import piston_names
+from crankfem.analyses.mechanism.hinged_rods import piston_names
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
 from crankfem.analyses.mechanism.plots import (
     plot_accelerations,

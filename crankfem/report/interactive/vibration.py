@@ -10,7 +10,7 @@ from crankbase.quantity import RPM
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.titles import at_speed, short_name
 from crankfem.analyses.vibration.engine_limits import limited_series
-from crankfem.analyses.vibration.misfiring import FiringCheck, named
+from crankfem.analyses.vibration.misfiring import FiringCheck
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.plots import plot_shaft_modes
 from crankfem.analyses.vibration.run import EngineVibration, Kind
@@ -32,6 +32,7 @@ from dynamics.plots.curves import SPEED_LABEL, Quantity, in_unit, quantity_displ
 from dynamics.plots.mode_shapes import chain_shapes, shaft_shape, shape_labels
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
+from dynamics.wording import cylinders_named
 
 # Modes that are drawn before anybody asks for the others, and all that are there.
 SHAPES_SHOWN, SHAPES = 3, 8
@@ -235,7 +236,7 @@ def _misfiring_stress(run: EngineVibration) -> Curves:
         series=(
             Series("all cylinders firing", with_gaps(shown.factor * normal), color=BLUE),
             Series(
-                f"{named(check.cylinders)} not firing",
+                f"{cylinders_named(check.cylinders)} not firing",
                 with_gaps(shown.factor * failing),
                 color=ORANGE,
             ),

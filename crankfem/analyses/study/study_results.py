@@ -1,0 +1,396 @@
+"""What a study found: its designs, and every fitted equation with its errors and the effects of factors."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Self
+
+import numpy as np
+
+from crankbase.quantity import format_quantity
+from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, result
+from crankbase.table import Column, Table
+from crankfem.analyses.study.response_fits import FittedResponse, ResponseFits
+from regression.fits.equation_text import term_symbols
+from regression.fits.fits import Fit, FitErrors
+from regression.fits.sensitivity import Sensitivities
+from regression.plans.plan import ExcludedDesign
+from regression.response_kinds import AXIAL, END_MOMENTS
+from regression.runs.study_table import DesignTable
+
+LACK_OF_FIT = (
+    "Finite-element runs repeat exactly: R2, standard errors, t and F measure the lack of fit of the form, "
+    "not random error."
+)
+# Above these a coefficient is poorly told from the others, a run decides nearly alone.
+LARGEST_VIF = 10.0
+LARGEST_LEVERAGE = 0.95
+# Relative errors below this are round-off.
+LEAST_SHOWN = 1e-5
+
+Figure = Annotated[float | None, Quantity("1")]
+Parts = Iterator[Table | str]
+
+
+@result("lowest", "highest", "levels", "labels")
+class FactorRange(Result):
+    """Range or levels of a factor; a choice has labels, and their indices are its levels."""
+
+    unit: str
+    lowest: InItsUnit
+    highest: InItsUnit
+    levels: Annotated[tuple[float, ...] | None, Quantity(".unit")]
+    labels: tuple[str, ...]
+
+
+@result("symbols", "coefficient", "t")
+class CodedTerm(Result):
+    """A term in coded variables, -1 to 1 over the runs."""
+
+    term: str
+    symbols: str
+    coefficient: Annotated[float, Quantity(".coded_unit")]
+    standard_error: Annotated[float | None, Quantity(".coded_unit")]
+    t: Figure
+    variance_inflation: Figure
+
+
+@result("errors.form", "equation")
+class FittedEquation(Result):
+    """One form fitted to a response: its equation, its coefficients and its errors."""
+
+    errors: Flat[FitErrors]
+    equation: str
+    coefficients: Annotated[Mapping[str, float], Quantity(".coefficient_units")]
+    standard_errors: Annotated[Mapping[str, float] | None, Quantity(".coefficient_units")]
+    # Of the natural coefficients by term, or one for all; and of the coded ones.
+    coefficient_units: str | Mapping[str, str]
+    coded_unit: str
+    coded: tuple[CodedTerm, ...]
+    f_value: Figure
+    aic: Figure
+    bic: Figure
+    condition_number: Number
+    largest_variance_inflation: Figure
+    largest_leverage: Number
+    warnings: tuple[str, ...]
+
+    @classmethod
+    def of(cls, response: ResponseFits, fit: Fit, factor_units: Mapping[str, str]) -> Self:
+        """Describe a fit of a response."""
+        statistics, form = fit.statistics, fit.fitted
+        count, inflation = fit.coefficient_count, fit.variance_inflation
+        unknown = [None] * count
+        errors, t_values = (
+            unknown if known is None else known.tolist()
+            for known in (statistics.standard_errors, statistics.t_values)
+        )
+        unit = "1" if form.logarithmic or fit.basis == "groups" else response.unit or "1"
+        columns = [
+            "" if logarithm else factor_units.get(name, "")
+            for name, logarithm in zip(form.factors, form.log_factors, strict=True)
+        ]
+        terms = [
+            " ".join(filter(None, (columns[place] for place in term)))
+            for term in form.natural_coefficients()
+        ]
+        by_term = [f"({unit})/({term})" if term else unit for term in terms]
+        return cls(
+            errors=fit,
+            equation=response.equation(fit),
+            coefficients=fit.coefficients,
+            standard_errors=fit.natural_standard_errors,
+            coefficient_units=dict(zip(fit.coefficients, by_term, strict=True))
+            if any(columns)
+            else unit,
+            coded_unit=unit,
+            coded=tuple(
+                CodedTerm(name, symbols, value, error, t, inflation.get(name))
+                for (name, value), symbols, error, t in zip(
+                    fit.coded_coefficients.items(),
+                    term_symbols(form),
+                    errors,
+                    t_values,
+                    strict=True,
+                )
+            ),
+            f_value=statistics.f_value,
+            aic=statistics.aic,
+            bic=statistics.bic,
+            condition_number=statistics.condition_number,
+            largest_variance_inflation=max(inflation.values(), default=None),
+            largest_leverage=float(np.max(statistics.leverage)),
+            warnings=tuple(warnings_of(fit)),
+        )
+
+    def parts(self) -> Parts:
+        """Write the equation and its coefficients."""
+        yield f"\n{self.errors.form}: {self.equation}\n"
+        if "[" in self.equation:
+            yield "A condition in square brackets is 1 where it holds, 0 elsewhere."
+        yield Table.of_records(
+            f"Coefficients of {self.errors.form}: coded (-1 ... 1 over the runs), and natural in SI units",
+            self.coded,
+            (Column("term", words=True), lambda c: c.symbols),
+            (Column("coded", digits=5), lambda c: c.coefficient),
+            (Column("std. error", digits=2), lambda c: c.standard_error),
+            (Column("t", digits=3), lambda c: c.t),
+            (Column("VIF", digits=3), lambda c: c.variance_inflation),
+            (Column("natural", digits=6), lambda c: self.coefficients[c.term]),
+        )
+        adjusted = self.errors.adjusted_r_squared
+        yield (
+            f"Adjusted R2 {'none' if adjusted is None else f'{adjusted:.5f}'}, "
+            f"F {_or_none(self.f_value)}, AIC {_or_none(self.aic, 5)}, BIC {_or_none(self.bic, 5)}, "
+            f"condition number {self.condition_number:.3g}, largest leverage {self.largest_leverage:.2f}."
+        )
+        for title, terms in (
+            ("Dropped, because PRESS does not grow without them", self.errors.dropped),
+            ("Left out, because the runs do not determine them", self.errors.undetermined),
+        ):
+            if terms:
+                yield f"{title}: {', '.join(terms)}."
+        for line in self.warnings:
+            yield f"Warning: {line}"
+
+
+def warnings_of(fit: Fit) -> list[str]:
+    """Remarks on the coefficients of a fit, one sentence each."""
+    warnings = []
+    inflated = [name for name, value in fit.variance_inflation.items() if value > LARGEST_VIF]
+    if inflated:
+        more = len(inflated) - 6
+        listed = ", ".join(inflated[:6]) + (f" and {more} more" if more > 0 else "")
+        warnings.append(
+            f"Variance inflation above {LARGEST_VIF:g} of {listed}: "
+            "these coefficients are correlated, and only their combined effect is meaningful."
+        )
+    high = np.flatnonzero(fit.statistics.leverage > LARGEST_LEVERAGE)
+    if high.size:
+        warnings.append(
+            f"Leverage above {LARGEST_LEVERAGE:g} of {high.size} of {fit.runs} runs: each of them nearly "
+            "determines a coefficient alone, so its error at the runs is not meaningful."
+        )
+    return warnings
+
+
+@result("fitted.symbol", "chosen")
+class ResponseForms(Result):
+    """All forms fitted to one response, and the effects of the factors by its chosen equation."""
+
+    fitted: Flat[FittedResponse]
+    chosen: str
+    forms: tuple[FittedEquation, ...]
+    sensitivities: Sensitivities
+
+    def selected(self, form: str | None = None) -> FittedEquation:
+        """Return the equation for the model: of the given form or its twin, else the chosen one."""
+        wanted = self.chosen if form is None else self.fitted.twins.get(form, form)
+        return next(equation for equation in self.forms if equation.errors.form == wanted)
+
+    def parts(self, name: str, form: str | None = None) -> Parts:
+        """Compare the forms of a response, and describe one of them with the effects of the factors."""
+        words, shown = name.replace("_", " "), self.selected(form)
+        support = f", {self.fitted.support}" if self.fitted.support else ""
+        yield Table.of_records(
+            f"{words.capitalize()} {self.fitted.symbol}{support}: largest (mean) errors in %",
+            [equation.errors for equation in self.forms],
+            (Column("form", words=True), lambda f: f.form + (" *" if f is shown.errors else "")),
+            (Column("terms"), lambda f: f.coefficient_count),
+            (Column("R2", decimals=5), lambda f: f.r_squared),
+            (Column("Q2", decimals=5), lambda f: f.q_squared),
+            (Column("at the runs"), lambda f: _both(f.largest_error, f.mean_error)),
+            (
+                Column("held out"),
+                lambda f: _both(f.largest_heldout_error, f.mean_heldout_error),
+            ),
+        )
+        yield f"Chosen by its errors: {self.fitted.reason}"
+        yield (
+            "The form was chosen by this error, so it is slightly optimistic for other designs."
+            if form is None
+            else f"Used because of --form: {form}."
+        )
+        for line in self.fitted.skipped:
+            yield f"Not fitted: {line}"
+        yield from shown.parts()
+        yield LACK_OF_FIT
+        yield from self._effects(words)
+
+    def _effects(self, response: str) -> Parts:
+        effects = self.sensitivities
+        first, total, shapley = (
+            ({}, {}, None)
+            if effects.sobol is None
+            else (effects.sobol.first, effects.sobol.total, effects.sobol.shapley)
+        )
+
+        def nominal(factor: str) -> str:
+            value = effects.nominal[factor]
+            return (
+                value if isinstance(value, str) else format_quantity(value, effects.units[factor])
+            )
+
+        def change(factor: str) -> str:
+            slope = effects.elasticity.get(factor)
+            return "" if slope is None else f"{round(slope, 3) + 0.0:+.3f}"
+
+        yield Table.of_records(
+            f"Sensitivity of the {response} by the chosen equation",
+            effects.nominal,
+            (Column("factor", words=True), str),
+            (Column("nominal"), nominal),
+            (Column("elasticity"), change),
+            (Column("Sobol, first", decimals=3), first.get),
+            (Column("total", decimals=3), total.get),
+            *(() if shapley is None else ((Column("Shapley", decimals=3), shapley.get),)),
+        )
+        shares = (
+            "shares of the variance over the ranges, alone and with others."
+            if shapley is None
+            else "shares of the variance over the ranges within the constraints: reduction if only this "
+            "factor is known (first), remainder if only this factor is unknown (total), and its share of the "
+            "whole (Shapley; these add up to 1)."
+        )
+        yield (
+            "Elasticity: change in per cent for one per cent of the factor, at the nominal values. "
+            f"Sobol indices: {shares}"
+        )
+
+
+@result("source", "response", "measured", "calculated", "ratio")
+class Comparison(Result):
+    """An imported measured value beside that of the model's equations, or the reason why it has none."""
+
+    source: str
+    response: str
+    measured: InItsUnit
+    unit: str
+    reason: Annotated[str | None, Quantity(left_out=True)] = None
+    calculated: Annotated[float | None, Quantity(".unit", left_out=True)] = None
+    ratio: Annotated[float | None, Quantity("1", "calculated / measured", left_out=True)] = None
+    # Of the lookup, on dimensions outside the range.
+    remarks: Annotated[tuple[str, ...] | None, Quantity(left_out=True)] = None
+
+
+def comparison_parts(compared: Sequence[Comparison]) -> Parts:
+    """Tabulate imported measured values and those of the equations; nothing if there are none."""
+    if not compared:
+        return
+    yield Table.of_records(
+        "Measured values compared with the equations",
+        compared,
+        (Column("source", words=True), lambda c: c.source),
+        (Column("response", words=True), lambda c: c.response.replace("_", " ")),
+        (Column("measured"), lambda c: c.measured),
+        (Column("calculated"), lambda c: c.calculated),
+        (Column("calculated / measured", decimals=3, missing=""), lambda c: c.ratio),
+    )
+    for reason in dict.fromkeys(f"{c.source}: {c.reason}" for c in compared if c.reason):
+        yield f"Not compared: {reason}"
+    for remark in dict.fromkeys(
+        f"{c.source}: {text}" for c in compared for text in c.remarks or ()
+    ):
+        yield f"Note: {remark}"
+
+
+@result("key", "runs", "held_out", "fits")
+class FittedStudy(Result):
+    """A study's designs, failures, and every fitted equation with its errors.
+
+    Attributes
+    ----------
+    computed_now, added : int
+        Designs not read from the store; runs added to the plan's.
+    failures, excluded : tuple of ExcludedDesign
+        Designs without a result; those that the plan excluded.
+    value_units : tuple of str
+        Of the factors, in the order of all lists of values.
+    unfitted : mapping
+        Responses without an equation to the reason.
+    compared : tuple of Comparison
+        Imported measured values.
+    """
+
+    key: str
+    design: str
+    factors: Mapping[str, FactorRange]
+    relations: Mapping[str, str]
+    constraints: tuple[str, ...]
+    runs: int
+    held_out: int
+    computed_now: int
+    added: int
+    failures: tuple[ExcludedDesign, ...]
+    excluded: tuple[ExcludedDesign, ...]
+    largest_fe_error_estimate: Figure
+    table: DesignTable
+    value_units: tuple[str, ...]
+    statement: str
+    fits: Mapping[str, ResponseForms]
+    unfitted: Mapping[str, str]
+    compared: tuple[Comparison, ...]
+
+    @property
+    def main_response(self) -> str:
+        """The axial compliance, or the first response."""
+        return AXIAL if AXIAL in self.fits else next(iter(self.fits))
+
+    def main_parts(self) -> Parts:
+        """Tabulate all responses, and write the equation chosen for the axial compliance."""
+        yield from self._overview()
+        if AXIAL in self.fits:
+            chosen = self.fits[AXIAL].selected()
+            yield f"{chosen.errors.form}: {chosen.equation}"
+
+    def parts(self, response: str | None = None, form: str | None = None) -> Parts:
+        """Tabulate all responses, and one of them with all its forms.
+
+        Parameters
+        ----------
+        response : str, optional
+            Response in detail; by default the main one.
+        form : str, optional
+            Form whose equation and coefficients are written, or its twin; by default the chosen one.
+        """
+        detailed = response or self.main_response
+        yield from self._overview(form)
+        yield from self.fits[detailed].parts(detailed, form)
+
+    def _overview(self, form: str | None = None) -> Parts:
+        every = {name: response.selected(form).errors for name, response in self.fits.items()}
+        moments = {name: fit for name, fit in every.items() if name in END_MOMENTS}
+        equations = "their chosen equations" if form is None else f"the form {form}, as given"
+        yield Table.of_records(
+            f"All responses by {equations}: largest and mean held-out error, error not exceeded by 95 % of "
+            "new throws, estimated error of FE",
+            [name for name in every if name not in moments],
+            (Column("response", words=True), lambda name: name.replace("_", " ")),
+            (Column("form", words=True), lambda name: every[name].form),
+            (Column("Q2", decimals=5), lambda name: every[name].q_squared),
+            (Column("held out"), lambda name: _percent(every[name].largest_heldout_error)),
+            (Column("mean"), lambda name: _percent(every[name].mean_heldout_error)),
+            (Column("95 %"), lambda name: _percent(every[name].band_error)),
+            (Column("FE"), lambda name: _percent(self.fits[name].fitted.fe_error)),
+        )
+        errors = [fit.largest_heldout_error for fit in moments.values()]
+        known = [error for error in errors if error is not None]
+        if known:
+            yield (
+                f"Besides, {len(moments)} responses from which reactions follow: largest held-out error "
+                f"{_percent(max(known))}; --response NAME and --json report each ({', '.join(moments)})."
+            )
+
+
+def _percent(value: float | None) -> str:
+    if value is None:
+        return "none"
+    return f"{100.0 * value:.3g} %" if value >= LEAST_SHOWN else f"< {100.0 * LEAST_SHOWN:g} %"
+
+
+def _both(largest: float, mean: float) -> str:
+    if largest < LEAST_SHOWN:
+        return f"< {100.0 * LEAST_SHOWN:g}"
+    return f"{100.0 * largest:.3g} ({100.0 * mean:.2g})"
+
+
+def _or_none(value: float | None, digits: int = 4) -> str:
+    return "none" if value is None else f"{value:.{digits}g}"
