@@ -293,7 +293,7 @@ class Dots(NamedTuple):
     Attributes
     ----------
     symbols : str
-        Letters as of matplotlib: one for all, or one for each point.
+        Letters as of matplotlib, and "O" for an open circle: one for all, or one for each point.
     weights : sequence of n floats
         From 0 to 1; larger dots have larger ones. None: all have one size.
     hover : str
@@ -441,7 +441,7 @@ class Diagram:
 
 
 # Sizes of dots on paper [points]: of those without weights by symbol, and at weights 0 and 1.
-DOT_SIZES = {"o": 4.0, "x": 7.0}
+DOT_SIZES = {"o": 4.0, "x": 7.0, "_": 22.0}
 LEAST_DOT, DOT_GROWTH = 2.5, 9.0
 # Letters that stand side by side under the axis.
 TICK_ROOM = 90
@@ -477,10 +477,15 @@ def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
             size = DOT_SIZES.get(symbol, 4.0)
             if dots.weights is not None:
                 size = LEAST_DOT + DOT_GROWTH * dots.weights[place]
-            look = {"color": dots.color, "markersize": size, **({} if symbol == "x" else edge)}
+            look: dict[str, Any] = {"color": dots.color, "markersize": size}
+            if symbol == "O":
+                symbol, look = "o", look | {"markerfacecolor": "none", "alpha": 0.45}
+            elif symbol not in "x_":
+                look |= edge
             axes.plot(x[place], y[place], symbol, zorder=3, **look)
-        if x.size and "x" not in symbols:
-            axes.plot([], [], "o", color=dots.color, label=dots.name)
+        if x.size and not set("x_") & set(symbols):
+            filling = "none" if dots.symbols == "O" else dots.color
+            axes.plot([], [], "o", color=dots.color, markerfacecolor=filling, label=dots.name)
     axes.set_xlabel(diagram.x.label)
     axes.set_ylabel(diagram.y.label)
     if diagram.x.ticks is not None:

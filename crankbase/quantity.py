@@ -181,7 +181,7 @@ def format_usage(share: float | None) -> str:
     >>> format_usage(0.9996), format_usage(1.0021)
     ('100 %', '100.2 %')
     """
-    if share is None:
+    if share is None or math.isinf(share):
         return UNBOUNDED
     text = format_number(100.0 * share, 3)
     return f"{exceeding(share) if share > 1.0 and text == '100' else text} %"

@@ -370,36 +370,53 @@ def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
         yield from _not_finite(part, f"{path}.{name}" if path else str(name))
 
 
-def units(value: Any, path: str = "", of_part: str = "") -> dict[str, str]:
+def units(
+    value: Any, path: str = "", around: tuple["Result", ...] = (), of_part: str = ""
+) -> dict[str, str]:
     """Return the units of the numbers in results, by their paths in JSON; lists are not counted.
 
-    "*" stands for all names of a mapping of numbers, `of_part` is the unit declared for the value.
+    "*" stands for all names of a mapping of numbers.
+
+    Parameters
+    ----------
+    around : tuple of Result
+        Those that the value is a part of, the innermost first.
+    of_part : str
+        Unit declared for the value.
     """
     known: dict[str, str] = {}
     if isinstance(value, Result):
+        around = (value, *around)
         for name, (quantity, kind) in contents(type(value)).items():
             content, place = getattr(value, name), f"{path}{quantity.key_of(name)}"
             unit = of_part if quantity.unit == ".." else quantity.exported or quantity.unit
             if unit and not _has_results(kind):
                 inside = f"{place}.*" if isinstance(content, Mapping) else place
-                hidden = unit[:1] == "." and unit[1:] not in contents(type(value))
-                named = getattr(value, unit[1:], unit) if hidden else unit
+                named = _told(unit, around)
                 if isinstance(named, Mapping):  # a unit for each name
                     known |= {f"{place}.{key}": own for key, own in named.items()}
                 else:
                     known[inside] = named
-            known |= units(content, path if quantity.flat else f"{place}.", unit)
+            known |= units(content, path if quantity.flat else f"{place}.", around, unit)
     elif _is_input(value):
         from crankbase.model import model_units
 
         known = model_units(value, path)
     elif isinstance(value, Mapping):
         for name, part in value.items():
-            known |= units(part, f"{path}{name}.", of_part)
+            known |= units(part, f"{path}{name}.", around, of_part)
     elif isinstance(value, list | tuple):
         for part in value:
-            known |= units(part, path, of_part)
+            known |= units(part, path, around, of_part)
     return known
+
+
+def _told(unit: str, around: tuple[Result, ...]) -> Any:
+    """Return the unit that an internal value tells; unchanged if JSON has what tells it."""
+    tells = (owner for owner in around if unit[:1] == "." and hasattr(owner, unit[1:]))
+    owner = next(tells, None)
+    known = owner is None or unit[1:] in contents(type(owner))
+    return unit if known else getattr(owner, unit[1:])
 
 
 def _has_results(kind: Any) -> bool:

@@ -117,8 +117,8 @@ def summary_html(name: str, rows: Mapping[str, str]) -> str:
 
 def _at(value: Any, path: str) -> Any:
     for name in path.split("."):
-        if value is not None:
-            value = getattr(value, name)
+        # What is internal is not there in a result that is read from a file.
+        value = getattr(value, name, None)
     return value
 
 

@@ -296,7 +296,7 @@ class Column:
     joint : str
         Separator of values in one cell.
     missing : str
-        Text for None.
+        Text for None and NaN.
     bare : bool
         Whether the head leaves the unit out, because a neighbor has it.
 
@@ -330,15 +330,17 @@ class Column:
     def text(
         self, cell: Cell, units: OutputUnits = SI, write: Callable[[float, int], str] | None = None
     ) -> str:
-        """Write a cell without the unit; `write` formats a number with its digits.
+        """Write a cell without the unit, or that it is unbounded; `write` formats a number with its digits.
 
         If `write` needs fewer decimals than the column has, it writes the number, so that it is
         rounded once.
         """
         if isinstance(cell, str):
             return cell
-        if cell is None:
+        if cell is None or (isinstance(cell, float) and math.isnan(cell)):
             return self.missing
+        if isinstance(cell, float) and math.isinf(cell):
+            return UNBOUNDED
         if isinstance(cell, Sequence):
             return self.joint.join(self.text(value, units, write) for value in cell)
         unit = self.display_unit(units)

@@ -18,8 +18,7 @@ numbers contain. The law then goes through e(0), e(90) and e(180), with errors u
 """
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,7 +28,7 @@ from crankbase.choices import check_choice
 from crankbase.diagrams import BLUE, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import grid, table
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Quantity, Result, result
 from fem.end_reactions import WORDS
 from fem.plots import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_axis
 from fem.superelement import Superelement
@@ -43,27 +42,32 @@ if TYPE_CHECKING:
 SYMMETRIC = 1e-6
 
 
-@summarized(
-    "in_line [m/N]",
-    "opposite [m/N]",
+@result("in_line", "opposite", "ratio", eq=True)
+class AngleNumbers(Result):
+    """The three numbers of the axial compliance over the angle, with the stiffnesses against tilting.
+
+    `ratio` is that across the crank plane divided by that in it, from e(90).
+    """
+
+    in_line: Annotated[float, Quantity("m/N", "between neighbors in line", key="e_0")]
+    opposite: Annotated[float, Quantity("m/N", "between opposite neighbors", key="e_180")]
+    ratio: Annotated[float, Quantity("1", key="rho")]
+
+
+@result(
+    "in_line",
+    "opposite",
     "ratio",
     "influence_in_line [m/N]",
     "influence_opposite [m/N]",
+    eq=True,
 )
-@dataclass(frozen=True)
-class AngleLaw:
+class AngleLaw(AngleNumbers):
     """Axial compliance and influence coefficient of a throw over the angle to its neighbors.
 
     Exact for rigid sections; for those that bend at 0, 90 and 180 deg, and within 0.4 % between.
 
-    Attributes
-    ----------
-    in_line, opposite : float
-        e_0 and e_180 [m/N].
-    ratio : float
-        rho, stiffness against tilting across the crank plane divided by that in it, from e(90).
-    influence_in_line, influence_opposite : float
-        c_0 and c_180 [m/N].
+    Its influence coefficients are c_0 and c_180 [m/N].
 
     Raises
     ------
@@ -71,11 +75,8 @@ class AngleLaw:
         If a number is not finite, or a compliance or the ratio not above zero.
     """
 
-    in_line: float
-    opposite: float
-    ratio: float
-    influence_in_line: float
-    influence_opposite: float
+    influence_in_line: Internal[float]
+    influence_opposite: Internal[float]
 
     def __post_init__(self) -> None:
         for name in ("in_line", "opposite", "ratio", "influence_in_line", "influence_opposite"):

@@ -21,18 +21,18 @@ smallest rotation that aligns the normals.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.spatial import KDTree
 from skfem import MeshTri1
 from skfem.quadrature import get_quadrature
 
 from crankbase.choices import check_choice
 from crankbase.diagrams import draw_groups, new_axes, write_title
 from crankbase.frames import grid, table
+from crankbase.results import Number, Part, Quantity, Result, result
 from crankbase.summaries import summarized
 from fem.correction import recovered_stress, stresses_at
 from fem.material import Material
@@ -336,6 +336,8 @@ def refine_at(sizes: SizeMap, places: Sequence[tuple[Array, float]]) -> SizeMap:
     places : sequence of ((p, 3) array, float)
         Points [m], and the size of elements there [m].
     """
+    from scipy.spatial import KDTree  # here: no other analysis of a throw needs it
+
     wished = sizes.sizes
     for points, size in places:
         if len(points):
@@ -648,58 +650,42 @@ RULE_LOADS = ("torsion", "bending", "radial")
 ON_SIDE = -1e-6  # of the journal's radius
 
 
-@summarized("fillet", "size [m]", "size_share", "layers", "across_web", "met")
-@dataclass(frozen=True)
-class FilletMeshing:
+@result("fillet", "size", "size_share", "layers", "across_web", "met", eq=True)
+class FilletMeshing(Result):
     """Mesh size at a fillet and its web, and the requirements of UR M53, Appendix III.
 
-    Attributes
-    ----------
-    fillet : str
-        Name.
-    size : float
-        Largest element along and around the fillet, within 90 degrees of the crank plane [m].
-    size_share : float
-        `size` over the fillet's radius; a quarter is allowed.
-    layers : (3,) tuple of float
-        Mean height of the elements in each layer below over a quarter of the radius; 1, 2 and 3 are allowed.
-    across_web : float
-        Elements across the web's thickness; six are required.
+    The size is that of the largest element along and around the fillet, within 90 degrees of the crank
+    plane. A quarter of the radius is allowed, layers of 1, 2 and 3 quarters below, and six elements
+    across the web are required.
     """
 
     fillet: str
-    size: float
-    size_share: float
-    layers: tuple[float, ...]
-    across_web: float
+    size: Annotated[float, Quantity("m")]
+    size_share: Annotated[float, Quantity("1", "of the radius")]
+    layers: Annotated[tuple[float, ...], Quantity("1", "mean heights in quarters of the radius")]
+    across_web: Annotated[float, Quantity("1", "elements across the web's thickness")]
 
     @property
-    def met(self) -> bool:
+    def met(self) -> Part[bool]:
         """Whether the mesh is as fine as the rule requires."""
         layers = all(thickness <= most for thickness, most in zip(self.layers, LAYERS, strict=True))
         return self.size_share <= LARGEST_SIZE and layers and self.across_web >= ACROSS_WEB
 
 
-@summarized("normal_share", "spread", "met")
-@dataclass(frozen=True)
-class ReadingQuality:
+@result("normal_share", "spread", "met", eq=True)
+class ReadingQuality(Result):
     """The two criteria of UR M53, Appendix III, for a stress read at a node.
 
-    Attributes
-    ----------
-    normal_share : float
-        Magnitude of the smallest principal stress over that of the largest, of the elements' mean stress;
-        required is below 0.03.
-    spread : float
-        Largest difference of a single element's stress at the node from the mean one, relative to that; the
-        equivalent stress that the rule uses. Required is at most 0.05.
+    `normal_share` is the magnitude of the smallest principal stress over that of the largest, of the
+    elements' mean stress, below 0.03; `spread` the largest difference of a single element's equivalent
+    stress at the node from the mean one, relative to that, at most 0.05.
     """
 
-    normal_share: float
-    spread: float
+    normal_share: Number
+    spread: Number
 
     @property
-    def met(self) -> bool:
+    def met(self) -> Part[bool]:
         """Whether both criteria are met."""
         return self.normal_share < LARGEST_NORMAL and self.spread <= LARGEST_SPREAD
 

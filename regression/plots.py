@@ -35,10 +35,13 @@ def label_factor_axis(axes: "Axes", name: str, unit: str, labels: Sequence[str])
     if labels:
         axes.set_xticks(range(len(labels)), list(labels), fontsize=8)
         axes.set_xlim(-0.5, len(labels) - 0.5)
-        axes.set_xlabel(factor_text(name))
-        return
-    shown = display_unit(unit)[0] if unit else ""
-    axes.set_xlabel(f"{factor_text(name)} [{shown}]" if shown else factor_text(name))
+    axes.set_xlabel(factor_label_text(name, unit, labels))
+
+
+def factor_label_text(name: str, unit: str, labels: Sequence[str]) -> str:
+    """Write a factor with the unit that it is shown in; a choice has none."""
+    shown = display_unit(unit)[0] if unit and not labels else ""
+    return f"{factor_text(name)} [{shown}]" if shown else factor_text(name)
 
 
 def response_text(symbol: str, unit: str) -> str:

@@ -14,8 +14,6 @@ from geometry.throw import CrankThrow
 
 # Plain JSON content.
 Record = dict[str, Any]
-# How a remark begins that tells of a value nobody gave.
-ASSUMED = "Assumed: "
 
 
 def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
@@ -75,16 +73,16 @@ _WORDS = {
 }
 # Of whole names.
 _NAMES = {
-    "1": "accuracy across_web added adjusted_r_squared aic "
+    "1": "accuracy across_web added "
     "allowed asymmetry axial_correction "
-    "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
+    "axial_force_per_radial axial_reaction beside_chosen cases connections "
     "cranks cylinder cylinders designs detuning done elements elements_across_fillets "
-    "evaluations exponent f_value failed fe_scatter fluctuation held_out kept largest_error_at_runs "
-    "largest_error_held_out largest_leverage layers left_out "
+    "evaluations exponent failed fluctuation held_out kept "
+    "largest_error_held_out layers left_out "
     "first_mode likeness lost modes "
-    "magnifier mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements missing mode "
+    "magnifier mechanical_efficiency mended_elements missing mode "
     "node_positions nodes nonuniformity overlap_per_radius phase_sum pins points "
-    "misfiring q_squared r_squared resultant rho runs same_stars samples section_error sections "
+    "misfiring resultant rho runs same_stars samples section_error sections "
     "sense severity shape "
     "strokes t throw unknowns used written",
     "m": "axis center_of_mass overlap principal_place shear_place stroke von_mises_place",
@@ -103,13 +101,10 @@ _NAMES = {
 # Of ends of paths, "*" being any name.
 _PLACES = {
     "1": "factors.* ratios.* "
-    "axial_forces.difference constants.* elasticity.* "
-    "errors.* first.* kinetic_shares.* "
-    "quality.* "
-    "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
+    "axial_forces.difference constants.* errors.* kinetic_shares.* quality.* "
+    "spreads.high spreads.low strain_shares.* surfaces.* used.*",
     "m": "meshings.size dimensions.value",
     "N": "axial_forces.alone axial_forces.in_shaft",
-    "N/m": "bearings.stiffness",
     "kg m": "unbalance.static",
     "kg m^2": "unbalance.dynamic",
     "W": "dampers.* power.largest",
@@ -118,13 +113,8 @@ _PLACES = {
     "m/N": "errors.axial_compliance errors.influence_coefficient "
     "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value",
     "rad/(N m)": "errors.torsional_compliance fe.torsional regression.torsional.value",
-    ".unit": "cause.orders.amplitude compared.calculated compared.measured free_end.orders.amplitude "
-    "responses.first responses.second",
-    ".units": "nominal.*",
-    ".value_units": "excluded.values failures.values table.values",
+    ".unit": "cause.orders.amplitude free_end.orders.amplitude responses.first responses.second",
     ".stress_unit": "fillets.nominal oil_holes.nominal",
-    ".coefficient_units": "coefficients.* standard_errors.*",
-    ".coded_unit": "coded.coefficient coded.standard_error",
 }
 # Of ends of paths behind "axial" and "torsional": the units of both.
 _KINDS = {
@@ -142,17 +132,11 @@ _GROUPS = {
 }
 
 
-def with_units(content: Record | Result, within: str = "") -> Record:
-    """Return a record with the units of its numbers under "units"; unchanged if it has no numbers.
-
-    Parameters
-    ----------
-    within : str, optional
-        Name under which such content appears in other records, "torque" or "axial".
-    """
+def with_units(content: Record | Result) -> Record:
+    """Return a record with the units of its numbers under "units"; unchanged if it has no numbers."""
     if isinstance(content, dict) and "units" in content:
         return content
-    known = units_of(_undeclared(content), within) | result_units(content)
+    known = units_of(_undeclared(content)) | result_units(content)
     whole: Record = _plain(content)
     return whole | {"units": known} if known else whole
 
@@ -174,7 +158,7 @@ def _undeclared(content: Any) -> Any:
     return content
 
 
-def units_of(content: Record, within: str = "") -> dict[str, str]:
+def units_of(content: Record) -> dict[str, str]:
     """Return the units of all numbers in a record.
 
     Returns
@@ -188,10 +172,10 @@ def units_of(content: Record, within: str = "") -> dict[str, str]:
     """
     units = {}
     for path in dict.fromkeys(number_paths(content)):
-        known = _unit_at((within, *path) if within else path)
+        known = _unit_at(path)
         if known is not None:
             key, unit = known
-            units[key.removeprefix(f"{within}.")] = unit
+            units[key] = unit
     return units
 
 

@@ -15,7 +15,11 @@ from crankfem.analyses.shaft.whole_records import ShaftBalance, ThrowsInShaft
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.study.study_results import FittedStudy
+from crankfem.analyses.throw.formula_records import CompliancesOverAngle, Formulas
+from crankfem.analyses.throw.stress import StressResults
 from crankfem.analyses.throw.throw_record import ThrowResults
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.analyses.vibration.whole_verdict import WholeVibration
 from crankfem.files.reading.toml_file import InputRecord
 from dynamics.critical import TwoMassCheck
 from dynamics.response.loads import LARGEST_POWER_ERROR
@@ -64,8 +68,8 @@ class NamedThrow(Result):
 
     cranks: Annotated[tuple[int, ...], Quantity("1")]
     throw: ThrowResults
-    formulas: Record
-    fillets: Optional
+    formulas: Formulas
+    fillets: StressResults | None
     fillet_note: str | None
 
 
@@ -89,17 +93,17 @@ class RunResults(Result):
     input_warnings: tuple[str, ...]
     sources: dict[str, str]
     throw: ThrowResults
-    formulas: Record
-    angle_law: Record
+    formulas: Formulas
+    angle_law: CompliancesOverAngle
     balance: ShaftBalance
-    fillets: Optional
+    fillets: StressResults | None
     fillet_note: str | None
     mechanism: MechanismResults | None
     study: FittedStudy | None
     harmonics: TableHarmonics | None
     two_mass: TwoMassCheck | None
     shaft: ThrowsInShaft
-    vibration: Record
+    vibration: EngineVibration
     strength: EngineStrength | None
     fatigue: EngineFatigue | None
     fatigue_note: str | None
@@ -167,12 +171,12 @@ def run_checks(
     """
     return (
         *throw_checks(results.throw, length, pin_center),
-        *_angle_checks(results.formulas["fe"], results.throw),
+        *_angle_checks(results.formulas, results.throw),
         *_fillet_checks(results.fillets),
         *_study_checks(results.study),
         *_mechanism_checks(results.mechanism),
-        *_power_checks(results.vibration["forced"]),
-        *_chain_checks(results.vibration["whole"]),
+        *_power_checks(results.vibration),
+        *_chain_checks(results.vibration.whole_crankshaft),
     )
 
 
@@ -258,14 +262,14 @@ def throw_checks(throw: ThrowResults, length: float, pin_center: Sequence[float]
     ]
 
 
-def _angle_checks(fe: Mapping[str, Any], throw: ThrowResults) -> list[Check]:
-    if fe["angle_law"] is None:
+def _angle_checks(formulas: Formulas, throw: ThrowResults) -> list[Check]:
+    if formulas.fe is None or formulas.fe.angle_law is None:
         return []
     pinned = throw.supports["pinned"].axial
     return [
         _check(
             "Opposite neighbors compared with pinned ends",
-            fe["axial_rigid_sections"] / pinned - 1.0,
+            formulas.fe.axial_rigid_sections / pinned - 1.0,
             "With equal webs and rigid sections, a throw between opposite cranks tilts as freely as one "
             "with pinned ends, so both compliances must agree as far as the webs are equal.",
             # What the angle law takes for equal webs.
@@ -274,17 +278,17 @@ def _angle_checks(fe: Mapping[str, Any], throw: ThrowResults) -> list[Check]:
     ]
 
 
-def _fillet_checks(fillets: Mapping[str, Any] | None) -> list[Check]:
+def _fillet_checks(fillets: StressResults | None) -> list[Check]:
     if fillets is None:
         return []
     return [
         _check(
             "Error of the fillet stresses",
-            fillets["error_estimate"],
+            fillets.error_estimate,
             "Largest estimate from successive meshes.",
             shown_unit="%",
-            allowed=fillets["accuracy"],
-            met=fillets["accuracy_met"],
+            allowed=fillets.accuracy,
+            met=fillets.accuracy_met,
         )
     ]
 
@@ -320,24 +324,25 @@ def _mechanism_checks(mechanism: MechanismResults | None) -> list[Check]:
     ]
 
 
-def _power_checks(forced: Mapping[str, Any] | None) -> list[Check]:
+def _power_checks(vibration: EngineVibration) -> list[Check]:
     return [
         _check(
             f"Power of the {kind} vibration",
-            own["power"]["error"],
+            forced.largest_power.error,
             "Power of the exciting forces compared with the heat in all damping, at speeds with bounded "
             "vibration.",
             allowed=LARGEST_POWER_ERROR,
         )
-        for kind, own in (forced or {}).items()
+        for kind, forced in (vibration.forced_by_kind or {}).items()
     ]
 
 
-def _chain_checks(whole: Mapping[str, Any] | None) -> list[Check]:
+def _chain_checks(whole: WholeVibration | None) -> list[Check]:
     chain_checks = []
-    for kind, chain in (whole or {"chains": {}})["chains"].items():
-        modes = chain["modes"]
-        figure = modes[0]["chain_frequency"] / modes[0]["shaft_frequency"] - 1.0 if modes else None
+    for kind, chain in ({} if whole is None else whole.comparison.chains).items():
+        first = chain.modes[0] if chain.modes else None
+        shaft = None if first is None else first.shaft_frequency
+        figure = None if first is None or shaft is None else first.chain_frequency / shaft - 1.0
         chain_checks.append(
             _check(
                 f"The {kind} chain compared with the whole crankshaft",
@@ -345,12 +350,12 @@ def _chain_checks(whole: Mapping[str, Any] | None) -> list[Check]:
                 f"First {kind} frequency of the chain compared with that of the whole crankshaft. "
                 + (
                     "The lumped model is adequate."
-                    if chain["suffices"]
+                    if chain.suffices
                     else "Lumped model inadequate; the section on the whole crankshaft gives the reasons."
                 ),
                 shown_unit="%",
                 # Frequencies, shares of the energy and amplitudes decide together.
-                met=chain["suffices"],
+                met=chain.suffices,
             )
         )
     return chain_checks

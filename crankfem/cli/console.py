@@ -60,15 +60,12 @@ errors = Terminal(stderr=True, markup=False, emoji=False)
 output = Terminal(markup=False, emoji=False)
 
 
-def print_json(content: "dict[str, Any] | Result", within: str = "") -> None:
-    """Print JSON content with the units of its numbers, and nothing else, on standard output.
-
-    `within` is the name under which such content appears in other documents, "torque" or "axial".
-    """
+def print_json(content: "dict[str, Any] | Result") -> None:
+    """Print JSON content with the units of its numbers, and nothing else, on standard output."""
     from crankbase.results import json_text
     from crankfem.analyses.record import with_units
 
-    sys.stdout.write(json_text(with_units(content, within), indent=1))
+    sys.stdout.write(json_text(with_units(content), indent=1))
 
 
 def print_line(text: str) -> None:

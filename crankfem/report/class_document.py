@@ -27,10 +27,8 @@ def render_class_document(
     created : str
         When, in words.
     """
-    file, chain = run.engine_file, run.torsional_chain
-    engine = file.engine
+    file, engine = run.engine_file, run.engine_file.engine
     cranks = {"crank_angles": engine.crank_angles, "firing_order": engine.firing_order}
-    points = {"nodes": list(chain.names), "inertia": chain.inertia.tolist()}
     return (
         page_environment()
         .get_template(TEMPLATE)
@@ -42,7 +40,7 @@ def render_class_document(
                 name: f"data:image/svg+xml;base64,{base64.b64encode(path.read_bytes()).decode()}"
                 for name, path in pictures.items()
             },
-            schematic=engine_schematic(cranks, points),
+            schematic=engine_schematic(cranks, run.torsional),
             sources=file.sources,
             created=created,
             version=program_version(),

@@ -1,12 +1,17 @@
 """What a run concludes, in a few sentences: what is reached, why, what may be barred, and what to do."""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from crankbase.quantity import UNBOUNDED, format_usage, quantities_apart, significant
+import numpy as np
+
+from crankbase.quantity import RPM, UNBOUNDED, format_usage, quantities_apart, significant
 from crankfem.analyses.run_results import Check, RunResults
 from crankfem.analyses.shaft.chains import MOTION
+from crankfem.analyses.vibration.assessment import Assessment
+from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.report.text_filters import (
     check_limit_text,
     check_value_text,
@@ -15,19 +20,21 @@ from crankfem.report.text_filters import (
     sentence,
     with_three_digits,
 )
+from dynamics.assessment.limits import LimitUse
+from dynamics.assessment.verdict import LimitCheck
+from dynamics.indices import within
 from dynamics.wording import VERDICTS, limit_at
 
 if TYPE_CHECKING:
     from crankfem.analyses.strength.engine_strength import EngineStrength
 
-Record = Mapping[str, Any]
 RESONANT = ("at resonance", "near resonance")
 # Of what orders at resonance make together, the share from which a mode is named.
 LEAST_SHARE = 0.1
 DIGITS = 3
 
 
-def headline(vibration: Record, strength: "EngineStrength | None" = None) -> str:
+def headline(vibration: EngineVibration, strength: "EngineStrength | None" = None) -> str:
     """Return the verdict of a run in a few words."""
     words = _of_vibration(vibration)
     if too_weak(strength) and verdict_status(vibration) != "not acceptable":
@@ -35,12 +42,12 @@ def headline(vibration: Record, strength: "EngineStrength | None" = None) -> str
     return words
 
 
-def verdict_status(vibration: Record) -> str:
-    """Return which of `VERDICTS` a vibration record comes to with all cylinders firing."""
-    assessment = vibration["assessment"]
+def verdict_status(vibration: EngineVibration) -> str:
+    """Return which of `VERDICTS` vibration comes to with all cylinders firing."""
+    assessment = vibration.assessment
     if assessment is None:
         return "not judged"
-    return "undecided" if undecided(assessment) else str(assessment["status"])
+    return "undecided" if assessment.undecided else assessment.verdict.status
 
 
 def too_weak(strength: "EngineStrength | None") -> bool:
@@ -48,16 +55,15 @@ def too_weak(strength: "EngineStrength | None") -> bool:
     return strength is not None and strength.passed is False
 
 
-def _of_vibration(vibration: Record) -> str:
-    assessment = vibration["assessment"]
-    status = verdict_status(vibration)
+def _of_vibration(vibration: EngineVibration) -> str:
+    assessment, status = vibration.assessment, verdict_status(vibration)
     words = VERDICTS[status]
     if assessment is None:
         return words
     if status != "undecided":
-        words = assessment["headline"]
+        words = assessment.verdict.headline
     misfiring = misfiring_decides(vibration)
-    if assessment["status"] == "not acceptable":
+    if assessment.verdict.status == "not acceptable":
         exceeded = "; with the values used, limits are exceeded, also while a cylinder misfires"
         return f"{words}{exceeded}" if misfiring else words
     if misfiring:
@@ -67,25 +73,21 @@ def _of_vibration(vibration: Record) -> str:
     return f"{words}; axial vibration is not judged" if unjudged else words
 
 
-def misfiring_decides(vibration: Record) -> bool:
+def misfiring_decides(vibration: EngineVibration) -> bool:
     """Whether limits are exceeded while a cylinder misfires, and may be kept with all cylinders firing."""
-    assessment, failing = vibration["assessment"], vibration["misfiring"]
-    fails = failing is not None and failing["passed"] is False
-    return fails and (assessment["status"] != "not acceptable" or undecided(assessment))
+    assessment, misfiring = vibration.assessment, vibration.misfiring
+    if assessment is None or misfiring is None or misfiring.passed:
+        return False
+    return assessment.verdict.status != "not acceptable" or assessment.undecided
 
 
-def undecided(assessment: Record) -> bool:
-    """Whether the verdict changes with values that are assumed."""
-    return bool(assessment["decision"]["status"] == "undecided")
-
-
-def verdict_line(vibration: Record, strength: "EngineStrength | None" = None) -> str:
+def verdict_line(vibration: EngineVibration, strength: "EngineStrength | None" = None) -> str:
     """Return the verdict of a run in one line: the headline, and the limit that is used most."""
-    assessment = vibration["assessment"]
+    assessment = vibration.assessment
     if assessment is None:
         return f"Verdict: {VERDICTS['not judged']}."
-    worst = assessment["worst"]
-    used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
+    worst = assessment.verdict.worst
+    used = "unbounded" if math.isinf(worst.used) else f"{format_usage(worst.used)} of its limit"
     status, of = verdict_status(vibration), ""
     if misfiring_decides(vibration):
         of = ". With all cylinders firing"
@@ -93,7 +95,7 @@ def verdict_line(vibration: Record, strength: "EngineStrength | None" = None) ->
         of = ". Vibration"
     elif status == "undecided":
         of = ". With the values used"
-    return f"Verdict: {headline(vibration, strength)}{of}: {worst['limit']} {used}."
+    return f"Verdict: {headline(vibration, strength)}{of}: {worst.limit.name} {used}."
 
 
 def conclusions(results: RunResults) -> list[str]:
@@ -109,142 +111,129 @@ def conclusions(results: RunResults) -> list[str]:
         misfiring does, what decides by assumption and should be given (before the limits if the verdict
         is undecided), what the models leave open, and whether the crankshaft is strong enough.
     """
-    assessment = results.vibration["assessment"]
+    assessment = results.vibration.assessment
     if assessment is None:
         return [*_warned(results), *_without_forces(results)]
-    cause = assessment["worst"]["cause"]
     # What decides comes first.
-    assumed, open_ = _assumed(results), undecided(assessment)
+    assumed, open_ = _assumed(results, assessment), assessment.undecided
     found = [
         *_warned(results),
         assumed if open_ else "",
         _reached(assessment),
-        _by_whole(results.vibration),
-        " ".join(filter(None, ("" if cause is None else _cause(assessment), _advice(results)))),
+        _by_whole(results.vibration, assessment),
+        " ".join(filter(None, (_cause(assessment), _advice(results, assessment.verdict.worst)))),
         " ".join(_ranges(assessment)),
         _misfiring(results.vibration),
         "" if open_ else assumed,
-        _other_models(results.vibration),
+        _other_models(results.vibration, assessment),
         " ".join(own.sentence for own in (results.strength, results.fatigue) if own),
     ]
     return [one for one in found if one]
 
 
-def reached_and_permitted(check: Record) -> tuple[str, str]:
+def reached_and_permitted(use: LimitUse, unit: str) -> tuple[str, str]:
     """Write what is reached and what is permitted with three digits, or as many as tell them apart.
-
-    Parameters
-    ----------
-    check : mapping
-        One of the checks of an assessment's record.
 
     Examples
     --------
-    >>> reached_and_permitted({"value": 22.28e6, "permitted": 22.27e6, "unit": "Pa"})
+    >>> reached_and_permitted(LimitUse(100.0, 22.28e6, 22.27e6), "Pa")
     ('22.28 MPa', '22.27 MPa')
     """
-    value, permitted, unit = check["value"], check["permitted"], check["unit"]
-    if value is None:
-        return quantity(value, unit), quantity(permitted, unit, DIGITS)
-    return quantities_apart(value, permitted, unit, DIGITS)
+    if math.isinf(use.value):
+        return UNBOUNDED, quantity(use.permitted, unit, DIGITS)
+    return quantities_apart(use.value, use.permitted, unit, DIGITS)
 
 
-def _reached(assessment: Record) -> str:
-    worst, most = assessment["worst"], assessment["checks"][0]
-    running = worst["running"]
-    shown = _share(worst, worst["unit"])
-    if worst["speed_rpm"] != most["speed_rpm"] and not most["in_running_range"]:
-        place = (
-            "" if most["place"] == worst["place"] else f"{limit_at(most['limit'], most['place'])}: "
-        )
-        shown = f"{shown}; above the running range {place}{_share(most, most['unit'])}"
-    elif running is not None and not worst["in_running_range"]:
-        shown = f"{_share(running, worst['unit'])}; above the running range {shown}"
-    failed = sum(not one["passed"] for one in assessment["checks"])
-    others = failed - 1
+def _reached(assessment: Assessment) -> str:
+    worst, most = assessment.verdict.worst, assessment.verdict.checks[0]
+    shown = _share(worst.at_worst, worst.limit.unit)
+    if worst.worst_speed != most.worst_speed and not most.in_running_range:
+        place = "" if most.place == worst.place else f"{limit_at(most.limit.name, most.place)}: "
+        above = _share(most.at_worst, most.limit.unit)
+        shown = f"{shown}; above the running range {place}{above}"
+    elif worst.running is not None and not worst.in_running_range:
+        running = _share(worst.running, worst.limit.unit)
+        shown = f"{running}; above the running range {shown}"
+    others = sum(not check.passed for check in assessment.verdict.checks) - 1
     more = f"; {others} more {'location exceeds' if others == 1 else 'locations exceed'} a limit"
-    condition = "With the values used: " if undecided(assessment) else ""
-    limit = worst["limit"] if condition else worst["limit"].capitalize()
-    return f"{condition}{limit_at(limit, worst['place'])}: {shown}{more if others > 0 else ''}."
+    condition = "With the values used: " if assessment.undecided else ""
+    limit = worst.limit.name if condition else worst.limit.name.capitalize()
+    return f"{condition}{limit_at(limit, worst.place)}: {shown}{more if others > 0 else ''}."
 
 
-def _cause(assessment: Record) -> str:
-    worst = assessment["worst"]
+def _cause(assessment: Assessment) -> str:
+    worst = assessment.verdict.worst
+    if worst.cause is None:
+        return ""
     return sentence(
-        f"at {significant(worst['speed_rpm'], DIGITS)} 1/min, {worst['cause']['sentence']}"
+        f"at {significant(worst.worst_speed * RPM, DIGITS)} 1/min, {worst.cause.reasons}"
     )
 
 
-def _share(found: Record, unit: str) -> str:
-    reached, permitted = reached_and_permitted({"unit": unit, **found})
-    at = f"{reached} at {significant(found['speed_rpm'], DIGITS)} 1/min"
-    if found["used"] is None:
+def _share(use: LimitUse, unit: str) -> str:
+    reached, permitted = reached_and_permitted(use, unit)
+    at = f"{reached} at {significant(use.speed * RPM, DIGITS)} 1/min"
+    if math.isinf(use.used):
         return f"{at}, permitted is {permitted}"
-    return f"{at}, {format_usage(found['used'])} of the permitted {permitted}"
+    return f"{at}, {format_usage(use.used)} of the permitted {permitted}"
 
 
-def _ranges(assessment: Record) -> list[str]:
-    return [
-        f"{range_sentence(one)}." for one in (*assessment["barred"], *assessment["started_through"])
-    ]
+def _ranges(assessment: Assessment) -> list[str]:
+    verdict = assessment.verdict
+    return [f"{range_sentence(span)}." for span in (*verdict.barred, *verdict.started_through)]
 
 
-def _assumed(results: RunResults) -> str:
+def _assumed(results: RunResults, assessment: Assessment) -> str:
     """State what decides by assumption, which limits are assumed, what is not judged, and the load."""
     vibration, inputs = results.vibration, results.inputs
-    assessment = vibration["assessment"]
-    limits = assessment["limits"]
-    decision = assessment["decision"]["sentence"]
+    decision = assessment.decision.sentence
     if decision and misfiring_decides(vibration):
         decision = f"with all cylinders firing, {decision}"
-    found = [sentence(decision)] if decision else []
-    found += [
-        f"The limit on {one['name']} is assumed ({one['source']}): give the maker's."
-        for one in limits
-        if one["assumed"]
+    statements = [sentence(decision)] if decision else []
+    statements += [
+        f"The limit on {limit.name} is assumed ({limit.source}): give the maker's."
+        for limit in assessment.judged_limits
+        if limit.assumed
     ]
     if not _axial_judged(assessment):
-        found.append(
+        statements.append(
             f"Axial vibration{_axial_amplitude(results)} is not judged: give limits.axial_amplitude or "
             "limits.axial_force."
         )
-    load = vibration["load"]
-    if load is not None and load["rated"] is not None and not load["rated"]["consistent"]:
-        found.append(sentence(load["rated"]["sentence"]))
+    if vibration.load is not None and not vibration.load.rated.consistent:
+        statements.append(sentence(vibration.load.rated.sentence))
     count = sum(record.assumed for record in inputs)
     if count:
-        found.append(f"{count} of {len(inputs)} inputs are assumed.")
-    return " ".join(found)
+        statements.append(f"{count} of {len(inputs)} inputs are assumed.")
+    return " ".join(statements)
 
 
-def _axial_judged(assessment: Record) -> bool:
-    return any(one["name"].startswith("axial") for one in assessment["limits"])
+def _axial_judged(assessment: Assessment) -> bool:
+    return any(limit.name.startswith("axial") for limit in assessment.judged_limits)
 
 
 def _axial_amplitude(results: RunResults) -> str:
     """Tell the largest axial amplitude of the free end at running speeds, where it was calculated."""
-    found = (results.vibration["forced"] or {}).get("axial")
-    if found is None:
+    forced = results.vibration.forced("axial")
+    if forced is None:
         return ""
-    low, high = (results.engine[f"{end}_speed_rpm"] for end in ("lowest", "highest"))
-    reached = [
-        (math.inf if value is None else value, rpm)
-        for value, rpm in zip(found["free_end"]["synthesis"], found["speeds_rpm"], strict=True)
-        if low * (1.0 - 1e-9) <= rpm <= high * (1.0 + 1e-9)
-    ]
-    if not reached:
+    low, high = (results.engine[f"{end}_speed_rpm"] / RPM for end in ("lowest", "highest"))
+    inside = within(forced.speeds, low, high)
+    if not np.any(inside):
         return ""
-    value, rpm = max(reached)
-    own = MOTION["axial"]
-    amplitude = UNBOUNDED if math.isinf(value) else f"{own.number(value, DIGITS)} {own.printed}"
+    reached = forced.free_end_motion.synthesis[inside]
+    worst = reached.size - 1 - int(np.argmax(reached[::-1]))
+    axial, value = MOTION["axial"], float(reached[worst])
+    amplitude = UNBOUNDED if math.isinf(value) else f"{axial.number(value, DIGITS)} {axial.printed}"
+    rpm = float(forced.speeds[inside][worst]) * RPM
     return f" ({amplitude} at the free end at {significant(rpm, DIGITS)} 1/min)"
 
 
-def _misfiring(vibration: Record) -> str:
+def _misfiring(vibration: EngineVibration) -> str:
     """State what misfiring does, or why it was not calculated."""
-    found = vibration["misfiring"]
-    said = vibration["misfiring_note"] if found is None else found["sentence"]
-    return with_three_digits(sentence(said)) if said else ""
+    misfiring = vibration.misfiring
+    text = vibration.misfiring_note if misfiring is None else misfiring.sentence
+    return with_three_digits(sentence(text)) if text else ""
 
 
 def failed_checks(checks: Sequence[Check]) -> str:
@@ -271,70 +260,72 @@ def failed_checks(checks: Sequence[Check]) -> str:
     return f"{told} {'; '.join(named)}."
 
 
-def _by_whole(vibration: Record) -> str:
+def _by_whole(vibration: EngineVibration, assessment: Assessment) -> str:
     """State how the whole crankshaft differs from the chains, also in the force on the thrust bearing."""
-    found = [*vibration["assessment"]["by_whole"]]
-    force = vibration["axial_force"] or {}
-    models = list(filter(None, (force.get(name) for name in ("running", "running_whole"))))
-    if found and len(models) == 2:
-        chain, whole = (
-            f"{quantity(one['amplitude'], 'N', DIGITS)} at {significant(one['speed_rpm'], DIGITS)} 1/min"
-            for one in models
+    found, force = [*assessment.by_whole], vibration.thrust
+    if found and force is not None and force.running and force.running_whole:
+        chain, shaft = (
+            f"{quantity(largest.amplitude, 'N', DIGITS)} at "
+            f"{significant(largest.speed * RPM, DIGITS)} 1/min"
+            for largest in (force.running, force.running_whole)
         )
         found.append(
-            f"Largest force amplitude on the thrust bearing at running speeds: {whole} by the whole "
+            f"Largest force amplitude on the thrust bearing at running speeds: {shaft} by the whole "
             f"crankshaft, {chain} by the chain."
         )
-    criticals = (vibration["whole"] or {"criticals": {}})["criticals"]
-    for kind, told in criticals.items():
-        running = [one for one in told["peaks"] if one["in_running_range"] and one["value"]]
+    whole = vibration.whole_crankshaft
+    for kind, criticals in ({} if whole is None else whole.criticals).items():
+        running = [
+            peak
+            for peak in criticals.peaks
+            if peak.in_running_range and peak.value and not math.isinf(peak.value)
+        ]
         if not running:
             continue
-        worst = max(running, key=lambda one: float(one["value"]))
-        damping = worst["damping_ratio"]
+        worst = max(running, key=lambda peak: peak.value)
+        damping = worst.damping_ratio
         found.append(
-            f"Its largest {kind} critical speed in the running range: order {worst['order']:g} at "
-            f"{significant(worst['speed_rpm'], DIGITS)} 1/min, "
-            f"{quantity(worst['value'], worst['unit'], DIGITS)} at {worst['place']}"
+            f"Its largest {kind} critical speed in the running range: order {worst.order:g} at "
+            f"{significant(worst.speed * RPM, DIGITS)} 1/min, "
+            f"{quantity(worst.value, worst.unit, DIGITS)} at {worst.place}"
             + (f", damping {100.0 * damping:.2g} %." if damping else ".")
         )
     return with_three_digits(" ".join(found))
 
 
-def _other_models(vibration: Record) -> str:
+def _other_models(vibration: EngineVibration, assessment: Assessment) -> str:
     """State what is not modeled, and whether the verdict hangs on the bearings."""
-    bearings, assessment = vibration["bearings"], vibration["assessment"]
-    found = [text for text in assessment["beside"] if text not in assessment["by_whole"]]
-    found += bearings["sentences"] if bearings is not None and bearings["flips"] else ()
+    bearings = vibration.bearings
+    found = [text for text in assessment.all_beside if text not in assessment.by_whole]
+    found += bearings.sentences if bearings is not None and bearings.flips else ()
     return with_three_digits(
         " ".join(dict.fromkeys(found))
     )  # the range of the bearings stands in both
 
 
-def _advice(results: RunResults) -> str:
+def _advice(results: RunResults, worst: LimitCheck) -> str:
     """Return whether more damping can help at the worst place, where a limit is exceeded.
 
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
     that alone exceeds the limit, no damping keeps it.
     """
-    worst = results.vibration["assessment"]["worst"]
-    cause = worst["cause"]
-    if worst["passed"] or cause is None or worst["value"] is None or not cause["orders"]:
+    cause = worst.cause
+    if worst.passed or cause is None or math.isinf(worst.worst_value) or not cause.parts:
         return ""
-    resonant = [one for one in cause["orders"] if one["state"] in RESONANT]
-    made = sum(one["contribution"] for one in resonant)
+    resonant = [part for part in cause.parts if part.state in RESONANT]
+    made = sum(part.contribution for part in resonant)
     # Together they may counteract the peak; its half range without the others is at least their size.
-    left = {**worst, "value": abs(worst["value"] - made)}
-    rest, permitted = reached_and_permitted(left)
-    together, _ = reached_and_permitted({**worst, "value": made})
+    left = replace(worst.at_worst, value=abs(worst.worst_value - made))
+    rest, permitted = reached_and_permitted(left, worst.limit.unit)
+    together, _ = reached_and_permitted(replace(left, value=made), worst.limit.unit)
     without = f"Orders at or near resonance contribute {together} in all; the others leave at least {rest}, "
-    if left["value"] > worst["permitted"]:
+    if left.value > worst.permitted:
         return (
             f"{without}more than the permitted {permitted}: more damping alone is not sufficient. Reduce "
             "the excitation by these orders, or strengthen the shaft."
         )
     least = LEAST_SHARE * made
-    modes = sorted({(one["kind"], one["mode"]) for one in resonant if one["contribution"] > least})
+    modes = sorted({(part.kind, part.mode) for part in resonant if part.contribution > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     return (
         f"{without}less than the permitted {permitted}: more damping{_undamped(modes, results)}, or "
@@ -364,7 +355,7 @@ def _warned(results: RunResults) -> list[str]:
 
 def _without_forces(results: RunResults) -> list[str]:
     engine, vibration = results.engine, results.vibration
-    count = sum(len(vibration[kind]["criticals"]) for kind in ("axial", "torsional"))
+    count = len(vibration.axial.criticals) + len(vibration.torsional.criticals)
     inputs = results.inputs
     assumed = sum(record.assumed for record in inputs)
     one = count == 1

@@ -6,6 +6,8 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
+from crankfem.analyses.vibration.modes import Vibration
+
 Record = Mapping[str, Any]
 # Lengths of the drawing, without a unit.
 STEP, SHAFT, HEIGHT, STAR = 46.0, 118.0, 190.0, 170.0
@@ -14,14 +16,14 @@ PISTON, APART = 24.0, 11.0
 LINE, FILL, ACCENT = "#1d2733", "#e9f1f8", "#1f5f99"
 
 
-def engine_schematic(engine: Record, chain: Record) -> Markup:
+def engine_schematic(engine: Record, chain: Vibration) -> Markup:
     """Draw the engine as its torsional chain has it, from the free end, and the star of its cranks.
 
     Parameters
     ----------
     engine : mapping
         Its cranks by their angles.
-    chain : mapping
+    chain : Vibration
         The points of its torsional chain with their inertias.
 
     Returns
@@ -30,7 +32,7 @@ def engine_schematic(engine: Record, chain: Record) -> Markup:
         An SVG element.
     """
     angles = engine["crank_angles"]
-    names = chain["nodes"]
+    names = chain.nodes
     # Those that ride on the free end.
     rings = {name for name in names if "ring" in name.split() or "damper" in name}
     places, along = [], -1
@@ -38,14 +40,14 @@ def engine_schematic(engine: Record, chain: Record) -> Markup:
         along += name not in rings
         places.append(0 if name in rings else along)
     width = STEP * (max(places) + 1.5)
-    largest = max(chain["inertia"]) or 1.0
+    largest = float(max(chain.inertia)) or 1.0
     drawn = [_line(STEP, SHAFT, width - STEP / 2.0, SHAFT, 4.0)]
-    inertias = zip(names, chain["inertia"], strict=True)
+    inertias = zip(names, chain.inertia.tolist(), strict=True)
     around = max(
         (_ring_radius(inertia, largest) for name, inertia in inertias if name in rings), default=0.0
     )
     crank, named_place, named_at = 0, -2, 0.0
-    for name, place, inertia in zip(names, places, chain["inertia"], strict=True):
+    for name, place, inertia in zip(names, places, chain.inertia.tolist(), strict=True):
         x = STEP * (place + 1.0)
         if name in rings:
             drawn.append(_disc(x, _ring_radius(inertia, largest), dashed=True))

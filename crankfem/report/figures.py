@@ -19,7 +19,6 @@ from crankfem.analyses.mechanism.plots import plot_torque
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.study.fit_plots import plot_effects, plot_parity, plot_response
 from crankfem.analyses.study.response_fits import ResponseFits
-from crankfem.analyses.throw.formula_records import run_formulas_over_angle
 from crankfem.report.interactive.mechanism import MECHANISM
 from crankfem.report.interactive.plot import Plot, Plots, plot_of_curves
 from crankfem.report.interactive.study import parity, response_over_factors
@@ -154,7 +153,7 @@ ANGLES: Plots[RunResults] = Plots(
             "Axial compliance over the angle between neighboring cranks",
             "Axial compliance over the angle between neighboring cranks: finite elements in a helix of equal "
             "throws, and the formulas. Formulas without an angle are level lines.",
-            lambda results: run_formulas_over_angle(results.angle_law, results.throw),
+            lambda results: results.angle_law.curves(results.throw),
             lambda _: "Axial compliance, finite elements and formulas",
         ),
     )

@@ -1,21 +1,29 @@
 """The first screen of a report: the verdict, what follows, the limits, and the key figures."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from crankbase.quantity import compact, format_number, nano, significant
+from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.run_results import RunResults
-from crankfem.analyses.vibration.tables import factor_range
+from crankfem.analyses.vibration.assessment import Assessment, factor_range
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.analyses.vibration.tables import speed_table
 from crankfem.report.conclusions import (
     conclusions,
     failed_checks,
     headline,
     misfiring_decides,
+    reached_and_permitted,
     too_weak,
-    undecided,
+    verdict_line,
 )
 from crankfem.report.text_filters import quantity
+from dynamics.assessment.limits import LimitUse
+from dynamics.assessment.verdict import LimitCheck
 from dynamics.engine.layout import repeating_intervals
 
 KINDS = ("axial", "torsional")
@@ -32,10 +40,10 @@ def summary(results: RunResults) -> Record:
         kind).
     """
     vibration = results.vibration
-    assessment = vibration["assessment"]
+    assessment = vibration.assessment
     known = {"fine": "fine", "not acceptable": "bad"}
-    status = "open" if assessment is None else known.get(assessment["status"], "barred")
-    if assessment is not None and (undecided(assessment) or misfiring_decides(vibration)):
+    status = "open" if assessment is None else known.get(assessment.verdict.status, "barred")
+    if assessment is not None and (assessment.undecided or misfiring_decides(vibration)):
         status = "barred"
     if too_weak(results.strength):
         status = "bad"
@@ -45,11 +53,11 @@ def summary(results: RunResults) -> Record:
         "headline": headline(results.vibration, results.strength),
         "sentences": conclusions(results),
         "failed_checks": failed_checks(results.checks),
-        "limits": [] if assessment is None else worst_of_each(assessment["checks"]),
+        "limits": [] if assessment is None else worst_of_each(assessment.verdict.checks),
         "figures": [_compliance(results), *(_frequency(vibration, kind) for kind in KINDS)],
         "uncertain": {}
         if assessment is None
-        else {kind: uncertain_sentence(vibration, kind) for kind in KINDS},
+        else {kind: uncertain_sentence(vibration, assessment, kind) for kind in KINDS},
     }
 
 
@@ -87,22 +95,23 @@ def _firing(intervals: Sequence[float]) -> str:
     return f", unevenly, at intervals of {listed} deg{' in turn' if len(steps) < len(intervals) else ''}"
 
 
-def uncertain_sentence(vibration: Record, kind: str) -> str:
+def uncertain_sentence(vibration: EngineVibration, assessment: Assessment, kind: str) -> str:
     """State what is uncertain of one kind of vibration, and what that does to the crankshaft's first mode."""
-    uncertain = vibration["assessment"]["uncertainty"][kind]
+    uncertain = assessment.uncertainty[kind]
     spreads = [
-        f"{spread['name']} {factor_range(spread)} the value used" for spread in uncertain["spreads"]
+        f"{spread.name} {factor_range(spread)} the value used" for spread in uncertain.spreads
     ]
-    bearings = vibration["bearings"]
+    bearings = vibration.bearings
     if bearings is not None:
-        low, high = min(bearings["stiffness"]), max(bearings["stiffness"])
+        low, high = float(min(bearings.stiffness)), float(max(bearings.stiffness))
         spreads.append(f"stiffness of the main bearings {compact(low)} to {compact(high)} N/m each")
     sentence = f"Uncertainty of {kind} vibration: {'; '.join(spreads) or 'not known'}."
-    first = _first_mode(vibration[kind])
+    first = vibration.modes(kind).crankshaft_mode
     if first is None:
         return sentence
-    bounds = uncertain["frequencies"][first["number"] - 1]
-    sentence += f" First natural frequency of the crankshaft {_bounds(bounds)} by the chain"
+    bounds = uncertain.frequencies[first.number - 1]
+    reach = _bounds(bounds.lowest, bounds.highest)
+    sentence += f" First natural frequency of the crankshaft {reach} by the chain"
     swept = _swept(vibration, kind)
     return (
         f"{sentence}, {swept} by the whole crankshaft over this stiffness."
@@ -111,30 +120,22 @@ def uncertain_sentence(vibration: Record, kind: str) -> str:
     )
 
 
-def _bounds(ends: Mapping[str, float]) -> str:
-    low, high = _hertz(ends["low"]), _hertz(ends["high"])
+def _bounds(lowest: float, highest: float) -> str:
+    low, high = _hertz(lowest), _hertz(highest)
     return f"{low} Hz" if low == high else f"{low} to {high} Hz"
 
 
-def _swept(vibration: Mapping[str, Any], kind: str) -> str:
+def _swept(vibration: EngineVibration, kind: str) -> str:
     """First frequency of the whole crankshaft over the stiffness of its bearings; empty if not calculated."""
-    swept = vibration["bearings"]
-    if swept is None or kind not in swept["shaft"]:
+    swept = vibration.bearings
+    if swept is None or kind not in swept.shaft:
         return ""
-    modes = [swept["shaft"][kind], *swept["further"][kind]]
-    known = [[frequency for frequency in mode if frequency is not None] for mode in modes]
+    modes = [swept.shaft[kind], *swept.further[kind]]
+    known = [mode[np.isfinite(mode)] for mode in modes]
     if len(known[0]) < 2:
         return ""
     return " and ".join(
-        _bounds({"low": min(frequency), "high": max(frequency)}) for frequency in known
-    )
-
-
-def _first_mode(chain: Record) -> Record | None:
-    """Return the crankshaft's first mode, which is not one of coupling, damper or line."""
-    return next(
-        (mode for mode in chain["modes"] if not mode["rigid"] and mode["of_crankshaft"]),
-        None,
+        _bounds(float(min(frequency)), float(max(frequency))) for frequency in known
     )
 
 
@@ -142,38 +143,83 @@ def _hertz(value: float) -> str:
     return significant(value, 3)
 
 
-def worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Record]:
-    """Return the worst place of each limit at running speeds, and what is worse above them.
+@dataclass(frozen=True)
+class WorstPlace:
+    """The worst place of a limit at running speeds, and what is worse above them.
 
-    Parameters
+    Attributes
     ----------
-    checks : iterable of mapping
-        Of an assessment's record.
-
-    Returns
-    -------
-    list of dict
-        Checks, each with "above": the worst above the running range and its "place", or None where no more
-        of the limit is used there.
+    above : LimitUse or None
+        The worst above the running range, at `place_above`; None where no more of the limit is used there.
     """
-    worst: dict[str, Record] = {}
+
+    check: LimitCheck
+    passed: bool
+    above: LimitUse | None
+    place_above: str
+
+    @property
+    def use(self) -> LimitUse:
+        """At running speeds."""
+        return self.check.at_running
+
+
+def worst_of_each(checks: Iterable[LimitCheck]) -> list[WorstPlace]:
+    """Return the worst place of each limit."""
+    by_limit: dict[str, list[LimitCheck]] = {}
     for check in checks:
-        running = dict(check) | (check["running"] or {})
-        limit = worst.setdefault(check["limit"], running | {"above": None})
-        if _use(running) > _use(limit):
-            worst[check["limit"]] = limit = running | {"above": limit["above"]}
-        above = check["above"]
-        if above is not None and (limit["above"] is None or _use(above) > _use(limit["above"])):
-            limit["above"] = {**above, "place": check["place"]}
-        limit["passed"] = limit["passed"] and check["passed"]
-    for limit in worst.values():
-        if limit["above"] is not None and _use(limit["above"]) <= _use(limit):
-            limit["above"] = None
-    return list(worst.values())
+        by_limit.setdefault(check.limit.name, []).append(check)
+    places = []
+    for same in by_limit.values():
+        first = max(range(len(same)), key=lambda place: same[place].at_running.used)
+        worst, passed = same[first], all(check.passed for check in same[first:])
+        uses = [(check.above, check.place) for check in same if check.above is not None]
+        above, place = max(uses, key=lambda use: use[0].used, default=(None, ""))
+        if above is not None and above.used <= worst.at_running.used:
+            above = None
+        places.append(WorstPlace(worst, passed, above, place))
+    return places
 
 
-def _use(check: Mapping[str, Any]) -> float:
-    return float("inf") if check["used"] is None else float(check["used"])
+def summary_parts(results: RunResults, units: OutputUnits = SI) -> Iterator[str]:
+    """Return the verdict of a run, its basis and its consequences, and what the engine is, in one line."""
+    yield units.text(verdict_line(results.vibration, results.strength))
+    for line in conclusions(results):
+        yield units.text(f"- {line}")
+    yield units.text(f"{results.engine['name']}: {'; '.join(engine_facts(results))}.")
+
+
+# Critical speeds of each kind; --verbose and the report show more.
+SPEEDS_SHOWN = 2
+
+
+def worst_tables(vibration: EngineVibration, units: OutputUnits = SI) -> Iterator[Table]:
+    """Return limits, each at its worst location, and the worst critical speeds."""
+    if vibration.assessment is not None:
+        yield Table.of_records(
+            "Limits, each at its worst location and running speed",
+            worst_of_each(vibration.assessment.verdict.checks),
+            (
+                Column("limit", words=True),
+                lambda worst: worst.check.limit.name.removesuffix(f" of {worst.check.place}"),
+            ),
+            (Column("where", words=True), lambda worst: worst.check.place),
+            (Column("at", "1/min", decimals=1), lambda worst: worst.use.speed),
+            (Column("reached"), lambda worst: units.text(_apart(worst)[0])),
+            (Column("permitted"), lambda worst: units.text(_apart(worst)[1])),
+            (Column("used", "%", 3), lambda worst: worst.use.used),
+        )
+    speeds = speed_table(vibration, units, SPEEDS_SHOWN)
+    shown = ["vibration", "speed", "order", "peak at", "amplitude", "kind"]
+    if vibration.forced_by_kind is None:
+        shown = ["vibration", "speed", "order", "mode", "phase sum"]
+    known = [column.name for column in speeds.columns]  # without peaks there are no amplitudes
+    if speeds.rows:
+        yield replace(speeds.select(*(name for name in shown if name in known)), note="")
+
+
+def _apart(worst: WorstPlace) -> tuple[str, str]:
+    return reached_and_permitted(worst.use, worst.check.limit.unit)
 
 
 def _compliance(results: RunResults) -> Record:
@@ -192,29 +238,29 @@ def _compliance(results: RunResults) -> Record:
     }
 
 
-def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
-    chain = vibration[kind]
-    elastic = [mode for mode in chain["modes"] if not mode["rigid"]]
-    shown = _first_mode(chain)
-    first = None if shown is None else shown["frequency"]
+def _frequency(vibration: EngineVibration, kind: str) -> Record:
+    elastic = vibration.modes(kind).elastic_modes
+    shown = vibration.modes(kind).crankshaft_mode
+    first = None if shown is None else shown.frequency
     details = (
         [] if first is None else [f"{significant(60.0 * first, 3)} 1/min, chain of the throws"]
     )
-    assessment, whole = vibration["assessment"], vibration["whole"]
+    assessment, whole = vibration.assessment, vibration.whole_crankshaft
     if assessment is not None and shown is not None:
-        bounds = assessment["uncertainty"][kind]["frequencies"][shown["number"] - 1]
-        details[0] = f"uncertainty range of the chain {_bounds(bounds)}"
-    if whole is not None and kind in whole["chains"] and whole["chains"][kind]["modes"]:
-        mode = whole["chains"][kind]["modes"][0]
-        alike = (mode["shaft_frequency"], mode["further_frequency"])
+        bounds = assessment.uncertainty[kind].frequencies[shown.number - 1]
+        details[0] = f"uncertainty range of the chain {_bounds(bounds.lowest, bounds.highest)}"
+    chain = None if whole is None else whole.comparison.chains.get(kind)
+    if chain is not None and chain.modes:
+        mode = chain.modes[0]
+        alike = (mode.shaft_frequency, mode.further_frequency)
         shaft = " and ".join(_hertz(frequency) for frequency in sorted(filter(None, alike)))
         shaft = f"{shaft} Hz" if shaft else "no mode like it"
         # The range over the bearings is that of one mode, the one most alike.
-        swept = "" if mode["further_frequency"] else _swept(vibration, kind)
+        swept = "" if mode.further_frequency else _swept(vibration, kind)
         details.append(f"whole crankshaft in its bearings: {shaft}{f' ({swept})' if swept else ''}")
     beside = elastic.index(shown) if shown is not None else len(elastic)
     if beside:
-        lower = ", ".join(_hertz(mode["frequency"]) for mode in elastic[:beside])
+        lower = ", ".join(_hertz(mode.frequency) for mode in elastic[:beside])
         details.append(f"lower modes of coupling, damper or line: {lower} Hz")
     return {
         "label": f"First {kind} frequency{' of the crankshaft' if beside else ''}",

@@ -21,9 +21,9 @@ from crankbase.quantity import (
 )
 from crankbase.table import Table
 from crankfem.analyses.mechanism.mechanism_results import BearingLoad
-from crankfem.analyses.record import Record
 from crankfem.analyses.run_results import Check
 from crankfem.analyses.shaft.chains import MOTION
+from dynamics.assessment.barred_ranges import BarredRange
 
 # What the sources of compliances are called in results.json, and in words.
 SOURCE_WORDS = {
@@ -49,7 +49,7 @@ def quantity(value: float | None, unit: str, digits: int = TABLE_DIGITS) -> str:
     >>> quantity(12.3456, "m")
     '12300 mm'
     """
-    if value is None:
+    if value is None or math.isinf(value):
         return UNBOUNDED
     return format_quantity(value, unit, digits) if unit else f"{value:g}"
 
@@ -169,9 +169,9 @@ def table_cells(table: Table) -> list[list[str]]:
     ]
 
 
-def range_sentence(barred: Record) -> str:
+def range_sentence(barred: BarredRange) -> str:
     """Write whether a range of speeds may be barred or passed, and why not; without its full stop."""
-    return with_three_digits(barred["sentence"])
+    return with_three_digits(barred.sentence)
 
 
 def with_three_digits(text: str) -> str:

@@ -13,20 +13,13 @@ from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.engine_strength import factor_table, strength_table, torque_table
-from crankfem.analyses.throw.stress import mirrored, stress_tables
-from crankfem.analyses.throw.throw_record import (
-    ThrowResults,
-    compliance_tables,
-    further_compliances,
-)
+from crankfem.analyses.throw.formula_records import Formulas, compared_compliances
+from crankfem.analyses.throw.stress import StressResults
+from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.analyses.vibration.tables import (
-    barred_within_error,
     element_table,
     limit_table,
-    load_table,
     misfiring_table,
-    mode_table,
-    source_table,
     speed_table,
     whole_critical_table,
     whole_table,
@@ -45,23 +38,17 @@ if TYPE_CHECKING:
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
 # What makes tables, or their cells, of the results.
 TABLES = (
-    barred_within_error,
     element_table,
     limit_table,
-    load_table,
     misfiring_table,
-    mode_table,
-    source_table,
     speed_table,
     whole_critical_table,
     whole_table,
     harmonics_table,
-    stress_tables,
     strength_table,
     fatigue_table,
     factor_table,
     torque_table,
-    mirrored,
     reached_and_permitted,
 )
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
@@ -101,6 +88,7 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
         the same.
     """
     figures, unread = load_figures(results.pictures, results.interactive, pictures)
+    vibration = results.vibration
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
         page_environment()
@@ -108,9 +96,16 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
         .render(
             r=results,
             first=summary(results),
-            schematic=engine_schematic(results.engine, results.vibration["torsional"]),
-            compliances=compliance_tables(results.throw, results.formulas, results.vibration),
-            further=further_compliances(results.throws),
+            schematic=engine_schematic(results.engine, vibration.torsional),
+            compliances=compared_compliances(
+                results.throw,
+                results.formulas,
+                {chain.kind: chain.sources for chain in (vibration.axial, vibration.torsional)},
+            ),
+            further={
+                name: compared_compliances(further.throw, further.formulas)
+                for name, further in [*(results.throws or {}).items()][1:]
+            },
             figures=figures,
             picture_notes=[text for text in (results.picture_note, note) if text],
             style=Markup(template_text(STYLE)),
@@ -170,8 +165,8 @@ def render_throw_report(results: dict[str, Any], folder: Path) -> str:
     Parameters
     ----------
     results : dict
-        "about": provenance; "throw": `ThrowResults`, or their record; "formulas", as `formula_records`;
-        "fillets", as `stress_record`, or None with "fillet_note".
+        "about": provenance; "throw": `ThrowResults` "formulas": `Formulas` and "fillets":
+        `StressResults` or None with "fillet_note", or their records.
     folder : Path
         Holds `THROW_VIEW` and `THROW_DRAWING`.
 
@@ -180,13 +175,19 @@ def render_throw_report(results: dict[str, Any], folder: Path) -> str:
     str
         A page of HTML.
     """
+    fillets = results["fillets"]
     figures, _ = load_figures({"drawing": THROW_DRAWING}, {"throw_view": THROW_VIEW}, folder)
     shown = any(drawn.plot is not None for drawn in figures.values())
     return (
         page_environment()
         .get_template(THROW_TEMPLATE)
         .render(
-            r=results | {"throw": ThrowResults.from_record(results["throw"])},
+            r=results
+            | {
+                "throw": ThrowResults.from_record(results["throw"]),
+                "formulas": Formulas.from_record(results["formulas"]),
+                "fillets": None if fillets is None else StressResults.from_record(fillets),
+            },
             about=results["about"],
             figures=figures,
             style=Markup(template_text(STYLE)),

@@ -21,7 +21,7 @@ from crankbase.model import InputModel, field_extra
 from crankbase.quantity import parse_quantity
 from crankfem.analyses.file_check import shape_record
 from crankfem.analyses.record import Record, attributes
-from crankfem.analyses.throw.formula_records import formula_records
+from crankfem.analyses.throw.formula_records import formulas_of
 from crankfem.analyses.throw.law_record import LAW_BANDS, end_answers, neighbor_answers
 from crankfem.service.answers import (
     Formulas,
@@ -349,7 +349,8 @@ async def outline_throw(request: Request) -> Response:
 async def evaluate_formulas(request: Request) -> Response:
     """Evaluate all published formulas for a throw."""
     asked = await read_question(request, FormulasQuestion)
-    return answer(formula_records(asked.read_throw(), asked.read_material(), asked.gamma_deg))
+    formulas = formulas_of(asked.read_throw(), asked.read_material(), asked.gamma_deg)
+    return answer(formulas.to_record())
 
 
 def _toml(section: str, record: InputModel, many: bool = False) -> list[str]:

@@ -140,9 +140,9 @@ def run_job(
 
 def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldProgress) -> None:
     from crankfem.analyses.provenance import provenance
-    from crankfem.analyses.throw.formula_records import formula_records
+    from crankfem.analyses.throw.formula_records import formulas_of
     from crankfem.analyses.throw.pictures.drawing import write_drawing
-    from crankfem.analyses.throw.stress import stress_record, stresses_or_reason
+    from crankfem.analyses.throw.stress import stress_results, stresses_or_reason
     from crankfem.analyses.throw.throw_record import throw_results
     from crankfem.report.interactive.throw_view import throw_view
     from crankfem.report.writing import THROW_DRAWING
@@ -163,7 +163,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
             gamma_deg=asked.gamma_deg,
             left_gamma_deg=asked.left_gamma_deg,
         ),
-        "formulas": formula_records(
+        "formulas": formulas_of(
             throw, material, 180.0 if asked.gamma_deg is None else asked.gamma_deg
         ),
         "fillets": None,
@@ -176,7 +176,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
         reporter.step("Calculating stresses at the fillets")
         stresses, record["fillet_note"] = stresses_or_reason(throw, material)
         if stresses is not None:
-            record["fillets"] = stress_record(stresses)
+            record["fillets"] = stress_results(stresses)
             throw_view(folder, analysis, stresses)
         _write(folder, record)
     reporter.step("Writing the solid")
@@ -186,13 +186,13 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
 
 
 def _stress(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldProgress) -> None:
-    from crankfem.analyses.throw.stress import stress_record
+    from crankfem.analyses.throw.stress import stress_results
     from fem.fillet_stress import fillet_stresses
 
     asked = StressQuestion(**question)
     reporter.step("Calculating stresses at the fillets")
     stresses = fillet_stresses(asked.read_throw(), asked.read_material(), asked.accuracy)
-    _write(folder, stress_record(stresses))
+    _write(folder, stress_results(stresses))
 
 
 def _study(question: Mapping[str, Any], folder: Path, workers: int, reporter: ToldProgress) -> None:

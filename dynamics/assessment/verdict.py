@@ -129,6 +129,16 @@ class LimitCheck(Result):
         )
 
     @property
+    def at_worst(self) -> LimitUse:
+        """Largest use at all speeds judged."""
+        return LimitUse(self.worst_speed, self.worst_value, self.permitted)
+
+    @property
+    def at_running(self) -> LimitUse:
+        """Largest use at running speeds; where none was judged, that of all speeds."""
+        return self.running or self.at_worst
+
+    @property
     def at_running_speeds(self) -> "LimitCheck":
         """The same check at its worst running speed, if any."""
         if self.running is None or at_most(self.worst_speed, self.highest_running):
@@ -240,8 +250,8 @@ class LimitCheck(Result):
         }
 
 
-@result("status", "checks", "barred", "running_range [rad/s]")
-class Verdict:
+@result("status", "checks", "barred", "running_range")
+class Verdict(Result):
     """Result of comparing an engine's vibration with its limits.
 
     Parameters
@@ -267,8 +277,10 @@ class Verdict:
     checks: tuple[LimitCheck, ...]
     barred: tuple[BarredRange, ...]
     started_through: tuple[BarredRange, ...]
-    running_range: tuple[float, float]
-    remarks: tuple[str, ...]
+    running_range: Annotated[
+        tuple[float, float], Quantity("rad/s", exported="1/min", key="running_rpm")
+    ]
+    remarks: Internal[tuple[str, ...]]
     worst: LimitCheck
 
     @property
@@ -276,8 +288,8 @@ class Verdict:
         """Speed ranges that may be barred, for any limit [rad/s]."""
         return ranges_to_bar(self.barred)
 
-    @property
-    def sentence(self) -> str:
+    @cached_property
+    def sentence(self) -> Part[str]:
         """The verdict in words, with the ranges and the worst finding."""
         worst, most, above = self.worst, self.checks[0], ""
         if most.curve is worst.curve:  # which tells both
@@ -291,8 +303,8 @@ class Verdict:
         exceeded = (*self.barred, *self.started_through)
         return f"{text} {' '.join(f'{one.sentence}.' for one in exceeded if not one.allowed)}"
 
-    @property
-    def headline(self) -> str:
+    @cached_property
+    def headline(self) -> Part[str]:
         """The status in words, with the running range or the ranges to bar."""
         ranges = [barred.shown for barred in self.barred]
         return verdict_headline(self.status, self.running_range, ranges)

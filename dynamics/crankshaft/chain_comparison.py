@@ -570,7 +570,7 @@ class ChainVerdict(Result):
                 "modes: given none; allowed is one or more, because a chain is judged by its modes."
             )
 
-    @property
+    @cached_property
     def kind(self) -> Kind:
         """Of the vibration, "axial" or "torsional"."""
         return self.modes[0].kind
@@ -606,7 +606,7 @@ class ChainVerdict(Result):
             )
         return tuple(reasons)
 
-    @property
+    @cached_property
     def suffices(self) -> Part[bool]:
         """Whether it is adequate."""
         return not self.reasons

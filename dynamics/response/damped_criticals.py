@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
+from functools import cached_property
+from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from crankbase.array_checks import ComplexArray, FloatArray, checked_range
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.quantity import RPM
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Number, Part, Quantity, Result, result
 from dynamics.chains.varying import over_amplitude
 from dynamics.critical import meetings
 from dynamics.indices import within
@@ -40,12 +41,17 @@ VARYING = 8
 SECTION, STEPS = 0.5 * (np.sqrt(5.0) - 1.0), 29
 
 
-@summarized(
+# There may be no such speed, frequency or share: NaN.
+PeakSpeed: TypeAlias = Annotated[float, Quantity("rad/s", exported="1/min", missing=float("nan"))]
+Share: TypeAlias = Annotated[float, Quantity("1", missing=float("nan"))]
+
+
+@result(
     *("order", "mode", "has_peak", "speed_rpm [1/min]", "amplitude", "place", "damping_ratio"),
-    "undamped_speed [rad/s]",
+    "undamped_speed",
+    eq=True,
 )
-@dataclass(frozen=True)
-class DampedCritical:
+class DampedCritical(Result):
     """The speed at which one order alone makes a quantity largest, and the mode responsible.
 
     Parameters
@@ -88,34 +94,48 @@ class DampedCritical:
         Of the motion of the first node, a crankshaft's free end, by this order at this speed [rad or m].
     others : tuple of str
         Further places whose own peaks are at nearly this speed.
-    spread : tuple of two floats
-        Lowest and highest speed of the peaks of all these places [rad/s].
+    spread : tuple of two floats or None
+        Lowest and highest speed of the peaks of all these places [rad/s]; None without a maximum.
     modes : tuple of int
         All modes that make the peak at any of the places, the main one first; none for a peak of the forces.
+    unit : str
+        Of the amplitude, "N m", "N", "rad" or "m"; "SI" if the kind of the chain is not known.
     """
 
-    order: float
+    order: Number
     mode: int
-    speed: float
-    amplitude: float
+    speed: PeakSpeed
+    amplitude: Annotated[float, Quantity(".unit", key="value", missing=float("nan"))]
     place: str
-    mode_share: float
+    mode_share: Share
     in_band: bool
-    mode_frequency: float
-    damping_ratio: float
-    undamped_speed: float
-    locked_speed: float
-    severity: float
+    mode_frequency: Annotated[float, Quantity("Hz", missing=float("nan"))]
+    damping_ratio: Share
+    undamped_speed: Annotated[
+        float, Quantity("rad/s", exported="1/min", key="undamped_rpm", missing=float("nan"))
+    ]
+    locked_speed: Annotated[
+        float, Quantity("rad/s", exported="1/min", key="locked_rpm", missing=float("nan"))
+    ]
+    severity: Number
     kind: Literal["major", "minor"] = "minor"
     in_running_range: bool = True
-    of_load: bool = False
-    first_amplitude: float = float("nan")
+    of_load: Internal[bool] = False
+    first_amplitude: Annotated[
+        float, Quantity(".motion_unit", key="amplitude", missing=float("nan"))
+    ] = float("nan")
     others: tuple[str, ...] = ()
-    spread: tuple[float, float] = (float("nan"), float("nan"))
-    modes: tuple[int, ...] = ()
+    spread: Annotated[tuple[float, float] | None, Quantity("rad/s", exported="1/min")] = None
+    modes: Annotated[tuple[int, ...], Quantity("1")] = ()
+    unit: str = "SI"
 
     @property
-    def unbounded(self) -> bool:
+    def motion_unit(self) -> str:
+        """That of the first node's motion."""
+        return {"N m": "rad", "rad": "rad", "SI": "rad or m"}.get(self.unit, "m")
+
+    @cached_property
+    def unbounded(self) -> Part[bool]:
         """Whether it is undamped."""
         return bool(np.isinf(self.amplitude))
 
@@ -125,7 +145,7 @@ class DampedCritical:
         return not np.isnan(self.speed)
 
     @property
-    def frequency(self) -> float:
+    def frequency(self) -> Annotated[float, Quantity("Hz", missing=float("nan"))]:
         """Frequency of the order at the peak [Hz]; that of the mode without a peak."""
         peak = self.order * self.speed / (2.0 * np.pi)
         return peak if self.has_peak else self.mode_frequency
@@ -154,24 +174,7 @@ class DampedCritical:
 
     def row(self) -> Row:
         """Return the columns of a table of critical speeds, each value with its unit; see `table_of`."""
-        return {
-            "order": (self.order, "1"),
-            "mode": (self.mode, "1"),
-            "speed": (self.speed, "rad/s"),
-            "amplitude": (self.amplitude, "SI"),
-            "first_amplitude": (self.first_amplitude, "rad or m"),
-            "place": (self.place, ""),
-            "others": (len(self.others), "1"),
-            "mode_share": (self.mode_share, "1"),
-            "in_band": (self.in_band, ""),
-            "mode_frequency": (self.mode_frequency, "Hz"),
-            "damping_ratio": (self.damping_ratio, "1"),
-            "undamped_speed": (self.undamped_speed, "rad/s"),
-            "locked_speed": (self.locked_speed, "rad/s"),
-            "severity": (self.severity, "1"),
-            "kind": (self.kind, ""),
-            "in_running_range": (self.in_running_range, ""),
-        }
+        return super().row() | {"others": (len(self.others), "1")}
 
 
 def damped_criticals(
@@ -182,6 +185,7 @@ def damped_criticals(
     speed_range: tuple[float, float] | None = None,
     modes: ComplexModes | None = None,
     first: Collection[str] = (),
+    orders: Collection[float] | None = None,
 ) -> tuple[DampedCritical, ...]:
     """Find the critical speeds of a damped chain: the peaks of each order alone, at every place.
 
@@ -200,6 +204,8 @@ def damped_criticals(
         Of the system, if known.
     first : collection of str, optional
         Places to name before others, such as those with limits.
+    orders : collection of float, optional
+        Orders whose peaks are wanted; all by default.
 
     Returns
     -------
@@ -241,7 +247,12 @@ def damped_criticals(
             "the peaks."
         )
     return criticals_of(
-        response, _quantities(response, elements, node), speed_range, modes=modes, first=first
+        response,
+        _quantities(response, elements, node),
+        speed_range,
+        modes=modes,
+        first=first,
+        orders=orders,
     )
 
 
@@ -253,6 +264,7 @@ def criticals_of(
     modes: ComplexModes | None = None,
     first: Collection[str] = (),
     least: float | None = None,
+    orders: Collection[float] | None = None,
 ) -> tuple[DampedCritical, ...]:
     """Find the critical speeds of a system in given quantities; see `damped_criticals`.
 
@@ -277,6 +289,10 @@ def criticals_of(
     maxima = maxima.chosen(maxima.values > LEAST_SHARE * kinds[maxima.places])
     inside = within(maxima.speeds, *ends)
     scales = _largest(maxima, inside & np.isfinite(maxima.values), len(names))
+    told = np.full(response.orders.size, True)
+    if orders is not None:
+        told = np.isin(response.orders, list(orders))
+    maxima, inside = maxima.chosen(told[maxima.orders]), inside[told[maxima.orders]]
     preferred = np.isin(names, list(first))
     criticals: list[DampedCritical] = []
     met: set[tuple[float, int]] = set()
@@ -289,7 +305,7 @@ def criticals_of(
             maxima.chosen(inside), made.chosen(inside), scales, kinds, preferred, least
         )
     met |= {(peak.order, number) for peak in criticals for number in peak.modes}
-    for order in response.orders.tolist():
+    for order in response.orders[told].tolist():
         for number in range(1, modes.undamped.size + 1):
             if (order, number) not in met and _meets(modes, order, number, ends):
                 criticals.append(_critical(modes, order, number))

@@ -7,7 +7,7 @@ between its levels either. A fit is therefore assessed by held-out designs sprea
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,10 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.diagrams import new_axes
 from crankbase.errors import InputError
 from crankbase.frames import table
-from crankbase.results import Internal, Number, Quantity, Result, result
+from crankbase.results import Internal, result
 from regression.fits.equation_text import term_effects
 from regression.fits.forms import (
-    Basis,
     FittedForm,
     Form,
     Term,
@@ -32,6 +31,7 @@ from regression.fits.forms import (
     term_name,
 )
 from regression.fits.selection import (
+    FitErrors,
     LeastSquares,
     adjusted,
     backward,
@@ -47,91 +47,24 @@ if TYPE_CHECKING:
 
 
 Array = NDArray[np.float64]
-Figure = Annotated[float | None, Quantity("1")]
 
 
-def checked_runs(
-    x_name: str, y_name: str, factors: tuple[str, ...], x: ArrayLike, y: ArrayLike, form: Form
-) -> tuple[Array, Array]:
-    """Columns (n, k) and responses (n,), checked for a fit; `InputError` if unusable."""
-    if not factors or len(set(factors)) != len(factors):
-        raise InputError(
-            f"factors: given {list(factors)}; allowed is each varied dimension once, at least one."
-        )
-    points = np.asarray(x, dtype=np.float64)
-    values = np.asarray(y, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != len(factors) or points.shape[0] == 0:
-        raise InputError(
-            f"{x_name}: given an array of shape {points.shape}; allowed is (runs, {len(factors)}), "
-            f"one column for each of {', '.join(factors)}."
-        )
-    if values.shape != points.shape[:1]:
-        raise InputError(
-            f"{y_name}: given an array of shape {values.shape}; allowed is ({points.shape[0]},), "
-            f"one response for each row of {x_name}."
-        )
-    for name, array in ((x_name, points), (y_name, values)):
-        if not np.all(np.isfinite(array)):
-            raise InputError(
-                f"{name}: given a number that is not finite; leave failed runs out of a fit."
-            )
+def _check_responses(name: str, values: Array, form: Form) -> None:
+    """Refuse responses of which a form can have no relative errors, or no logarithms (`InputError`)."""
     if np.any(values == 0.0):
         raise InputError(
-            f"{y_name}: given a response of 0; allowed is any other number, because errors are "
+            f"{name}: given a response of 0; allowed is any other number, because errors are "
             "relative to the response."
         )
     if form.logarithmic and not np.all(values > 0.0):
         raise InputError(
-            f"{y_name}: given {float(np.min(values)):g}, which is not positive; allowed are "
+            f"{name}: given {float(np.min(values)):g}, which is not positive; allowed are "
             f"positive values, because the {form.name} form takes their logarithm."
         )
-    return points, values
-
-
-def checked_sizes(name: str, scale: ArrayLike, values: Array) -> Array:
-    """Scale of each response, all above zero; `InputError` otherwise."""
-    sizes = np.asarray(scale, dtype=np.float64)
-    if sizes.shape not in ((), values.shape) or not np.all(np.isfinite(sizes) & (sizes > 0.0)):
-        raise InputError(
-            f"{name}: given an array of shape {sizes.shape}; allowed are positive numbers, one or "
-            f"{len(values)}, because a response is divided by its scale."
-        )
-    return sizes
 
 
 # Numbers that the selections without each run hold at a time; more take minutes for a study.
 LARGEST_SELECTION = 3_000_000
-
-
-@result("form", "coefficient_count", "largest_error", "largest_heldout_error", "q_squared")
-class FitErrors(Result):
-    """A fitted form and its errors, relative to the true response: 0.01 for 1 %."""
-
-    form: str
-    # Whether the columns are a study's factors or dimensionless groups.
-    basis: Basis
-    coefficient_count: int
-    # Of the response itself at the runs, also for a form in logarithms; 1 for a constant response.
-    r_squared: Number
-    # None without degrees of freedom.
-    adjusted_r_squared: Figure
-    # Leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself. Each run is left out of
-    # the selection of the terms too, except in large studies (runs^2 times terms above
-    # `LARGEST_SELECTION`), where one run of hundreds hardly changes it. None if a single run determines a
-    # coefficient before the selection.
-    q_squared: Figure
-    largest_error: Annotated[float, Quantity("1", "at the runs", key="largest_error_at_runs")]
-    mean_error: Annotated[float, Quantity("1", "at the runs", key="mean_error_at_runs")]
-    # None without held-out designs.
-    largest_heldout_error: Annotated[float | None, Quantity("1", key="largest_error_held_out")]
-    mean_heldout_error: Annotated[float | None, Quantity("1", key="mean_error_held_out")]
-    # Not exceeded by 95 % of new designs (`regression.fits.selection.tolerance_limit`), by so many: of the
-    # runs, each left out in turn, and of the held-out designs, the larger; None without either.
-    band_error: Figure
-    band_designs: int
-    # Terms that the runs' levels do not determine, and those without which PRESS did not grow.
-    undetermined: tuple[str, ...]
-    dropped: tuple[str, ...]
 
 
 @result(
@@ -311,13 +244,13 @@ def fit_form(
     Raises
     ------
     InputError
-        If the shapes do not fit, a number is not finite, there are fewer runs than coefficients,
-        the runs do not determine a coefficient, or a form in logarithms has a response that is
-        not positive.
+        If there are fewer runs than coefficients, the runs do not determine a coefficient, a response is 0,
+        or a form in logarithms has one that is not positive.
     """
     kind = form_named(form)
     names = tuple(factors)
-    points, values = checked_runs("x", "y", names, x, y, kind)
+    points, values = (np.asarray(runs, dtype=np.float64) for runs in (x, y))
+    _check_responses("y", values, kind)
     log_factors = _log_factors(kind, names, points, logged)
     center, half_range = _coding(names, points, log_factors)
     coded = code(points, center, half_range, log_factors)
@@ -328,7 +261,7 @@ def fit_form(
             f"of {len(names)} factors has {len(terms)} coefficients."
         )
     matrix = design_matrix(terms, coded)
-    sizes = checked_sizes("scale", scale, values)
+    sizes = np.asarray(scale, dtype=np.float64)
     target = np.log(values / sizes) if kind.logarithmic else values / sizes
     dropped: tuple[Term, ...] = ()
     # Solved in full first: that says which term the runs do not determine.
@@ -353,7 +286,12 @@ def fit_form(
     )
     predicted = sizes * fitted.predict(points)
     errors = np.abs(predicted / values - 1.0)
-    heldout = _heldout_errors(fitted, kind, heldout_x, heldout_y, heldout_scale)
+    heldout: Array | None = None
+    if heldout_x is not None and heldout_y is not None:
+        unfitted = np.asarray(heldout_y, dtype=np.float64)
+        _check_responses("heldout_y", unfitted, kind)
+        factor = np.asarray(heldout_scale, dtype=np.float64)
+        heldout = np.abs(factor * fitted.predict(heldout_x) / unfitted - 1.0)
     r_squared = coefficient_of_determination(values, predicted)
     unseen, q_squared = [] if heldout is None else [heldout], None
     if left_out is not None:
@@ -417,28 +355,6 @@ def _coding(
                 "factors that vary, because only they can be fitted."
             )
     return tuple(center.tolist()), tuple(half_range.tolist())
-
-
-def _heldout_errors(
-    fitted: FittedForm,
-    form: Form,
-    heldout_x: ArrayLike | None,
-    heldout_y: ArrayLike | None,
-    heldout_scale: ArrayLike,
-) -> Array | None:
-    if heldout_x is None and heldout_y is None:
-        return None
-    if heldout_x is None or heldout_y is None:
-        raise InputError(
-            "heldout_x, heldout_y: given only one of the two; give the held-out designs with their "
-            "responses, or neither."
-        )
-    points, values = checked_runs(
-        "heldout_x", "heldout_y", fitted.factors, heldout_x, heldout_y, form
-    )
-    sizes = checked_sizes("heldout_scale", heldout_scale, values)
-    errors: Array = np.abs(sizes * fitted.predict(points) / values - 1.0)
-    return errors
 
 
 # Ratios l that are tried: above, only the equation's own terms count; below, residuals are round-off.

@@ -16,13 +16,14 @@ new designs, somewhat larger.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from regression.fits.forms import DEPENDENT_COLUMN, Term, divisors
+from crankbase.results import Number, Quantity, Result, result
+from regression.fits.forms import DEPENDENT_COLUMN, Basis, Term, divisors
 
 Array = NDArray[np.float64]
 
@@ -104,38 +105,11 @@ class LeastSquares:
         return (self.total_squares - self.residual_squares) / explaining / variance
 
     @property
-    def r_squared(self) -> float | None:
-        """Explained share of the sum of squares; None for a constant y."""
-        return (
-            None if self.total_squares == 0.0 else 1.0 - self.residual_squares / self.total_squares
-        )
-
-    @property
-    def adjusted_r_squared(self) -> float | None:
-        """R2 adjusted for degrees of freedom; None without any left."""
-        return adjusted(self.r_squared, self.runs, len(self.coefficients))
-
-    @property
     def leave_one_out(self) -> Array | None:
         """Leave-one-out predictions (n,), by the fits to all others; None if a row cannot be left out."""
         if float(np.max(self.leverage)) >= FULL_LEVERAGE:
             return None
         return self.fitted + self.residuals - self.residuals / (1.0 - self.leverage)
-
-    @property
-    def press(self) -> float | None:
-        """Sum of squares of the errors of `leave_one_out`."""
-        if self.leave_one_out is None:
-            return None
-        return float(np.sum((self.residuals / (1.0 - self.leverage)) ** 2))
-
-    @property
-    def q_squared(self) -> float | None:
-        """Share of the sum of squares that `leave_one_out` explains: 1 - PRESS / total."""
-        press = self.press
-        return (
-            None if press is None or self.total_squares == 0.0 else 1.0 - press / self.total_squares
-        )
 
     @property
     def aic(self) -> float | None:
@@ -167,14 +141,9 @@ def least_squares(matrix: Array, y: Array, column_names: Sequence[str]) -> Least
     Raises
     ------
     InputError
-        If there are fewer rows than columns, or a column is a combination of earlier ones.
+        If a column is a combination of earlier ones.
     """
     rows, columns = matrix.shape
-    if rows < columns:
-        raise InputError(
-            f"runs: given {rows}; at least {columns} are needed, because the form has {columns} "
-            "coefficients."
-        )
     orthogonal, triangular = np.linalg.qr(matrix)
     own_part = np.abs(np.diag(triangular))
     length = np.linalg.norm(matrix, axis=0)
@@ -347,23 +316,37 @@ def _press(residuals: Array, left: Array) -> Array:
     return np.where(possible, squares, np.inf)
 
 
-class CrossValidatedForm(Protocol):
-    """A form whose fit was cross-validated by held-out designs."""
-
-    @property
-    def form(self) -> str:
-        """Name of the form."""
-
-    @property
-    def coefficient_count(self) -> int:
-        """Number of its coefficients."""
-
-    @property
-    def largest_heldout_error(self) -> float | None:
-        """Largest relative error at the held-out designs."""
+Figure = Annotated[float | None, Quantity("1")]
 
 
-AnyFit = TypeVar("AnyFit", bound=CrossValidatedForm)
+@result("form", "coefficient_count", "largest_error", "largest_heldout_error", "q_squared")
+class FitErrors(Result):
+    """A fitted form and its errors, relative to the true response: 0.01 for 1 %."""
+
+    form: str
+    # Whether the columns are a study's factors or dimensionless groups.
+    basis: Basis
+    coefficient_count: int
+    # Of the response itself at the runs, also for a form in logarithms; 1 for a constant response.
+    r_squared: Number
+    # None without degrees of freedom.
+    adjusted_r_squared: Figure
+    # Leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself. Each run is left out of
+    # the selection of the terms too, except in large studies, where one run of hundreds hardly changes it.
+    # None if a single run determines a coefficient before the selection.
+    q_squared: Figure
+    largest_error: Annotated[float, Quantity("1", "at the runs", key="largest_error_at_runs")]
+    mean_error: Annotated[float, Quantity("1", "at the runs", key="mean_error_at_runs")]
+    # None without held-out designs.
+    largest_heldout_error: Annotated[float | None, Quantity("1", key="largest_error_held_out")]
+    mean_heldout_error: Annotated[float | None, Quantity("1", key="mean_error_held_out")]
+    # Not exceeded by 95 % of new designs (`tolerance_limit`), by so many: of the
+    # runs, each left out in turn, and of the held-out designs, the larger; None without either.
+    band_error: Figure
+    band_designs: int
+    # Terms that the runs' levels do not determine, and those without which PRESS did not grow.
+    undetermined: tuple[str, ...]
+    dropped: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -374,7 +357,7 @@ class Choice:
     reason: str
 
 
-def choose(fits: Sequence[AnyFit], scatter: float = 0.0) -> Choice:
+def choose(fits: Sequence[FitErrors], scatter: float = 0.0) -> Choice:
     """Choose a fit by its held-out error, with parsimony.
 
     Errors that differ by less than `scatter`, that of the finite element values from design to design,
@@ -404,7 +387,7 @@ def choose(fits: Sequence[AnyFit], scatter: float = 0.0) -> Choice:
 
 
 def _reason(
-    fits: Sequence[AnyFit], errors: Sequence[float], taken: int, equal: int, scatter: float
+    fits: Sequence[FitErrors], errors: Sequence[float], taken: int, equal: int, scatter: float
 ) -> str:
     best = int(np.argmin(errors))
     name, count = fits[taken].form, fits[taken].coefficient_count

@@ -27,11 +27,12 @@ original authors given in each formula's source.
 import csv
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
+from crankbase.results import Internal, Quantity, Result, result
 from fem.material import Material
 from geometry.throw import CrankThrow
 from regression.formulas.case import (
@@ -527,45 +528,41 @@ FINITE_ELEMENTS_DOUBT = (
 )
 
 
-@dataclass(frozen=True)
-class PublishedValue:
+@result("engine", "formula", "printed", "repaired", eq=True)
+class PublishedValue(Result):
     """One value of the survey's table.
 
     Attributes
     ----------
     engine : str
         Designation: cylinder bore / stroke [cm]; from it bore and stroke [m].
-    strokes : int
-        4 or 2.
     formula : str
         As in `AXIAL_FORMULA_NAMES`, or "finite elements".
     digits : str
-        The digits of the print.
+        Of the print.
     exponent_factor : float or None
         Power of ten to apply to the print, a hypothesis; 1 where none seems necessary, None if unknown.
     group : str
         "A" or "B": formulas whose values agree with one web thickness; empty for neither.
-    doubt : str
-        Doubts; empty if none.
     """
 
     engine: str
-    strokes: int
-    bore: float
-    stroke: float
+    strokes: Internal[int]
+    bore: Internal[float]
+    stroke: Internal[float]
     formula: str
-    digits: str
-    exponent_factor: float | None
+    digits: Internal[str]
+    exponent_factor: Annotated[float | None, Quantity("1")]
     group: str
     doubt: str
 
     @property
-    def printed(self) -> float:
+    def printed(self) -> Annotated[float, Quantity(".unit")]:
         """The value as printed [m/N]."""
         return float(self.digits) * 1e-9
 
     @property
-    def repaired(self) -> float | None:
+    def repaired(self) -> Annotated[float | None, Quantity(".unit")]:
         """The printed value times its hypothetical power of ten [m/N]; None where there is none."""
         return None if self.exponent_factor is None else self.printed * self.exponent_factor
 

@@ -9,7 +9,7 @@ from crankbase.choices import check_kind, is_number
 from crankbase.errors import InputError, quoted
 from crankbase.frames import table
 from crankbase.quantity import format_quantity
-from crankbase.summaries import summarized
+from crankbase.results import InItsUnit, Result, result
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 
@@ -94,34 +94,20 @@ def round_area(diameter: float, bore: float) -> float:
     return math.pi / 4.0 * (diameter**2 - bore**2)
 
 
-@summarized("value", "unit", "valid", "remarks", "source", "variant")
-@dataclass(frozen=True)
-class FormulaValue:
-    """The result of one published formula for one crank throw.
+@result("value", "unit", "valid", "remarks", "source", "variant", eq=True)
+class FormulaValue(Result):
+    """The result of one published formula for one crank throw; `variant` is the reading.
 
-    Parameters
-    ----------
-    value : float
-        The formula's value, in `unit`; always finite.
-    valid : bool
-        False if the throw is outside the formula's range of validity. The value
-        is then for comparison only.
-    remarks : tuple of str
-        Remarks on this value, one sentence each.
-    source : str
-        Where the formula was published.
-    unit : str
-        SI unit of `value`.
-    variant : str
-        The reading of the formula: "corrected", "printed", ...
+    Outside the formula's range of validity the value is for comparison only.
     """
 
-    value: float
+    value: InItsUnit
     valid: bool
     remarks: tuple[str, ...]
     source: str
     unit: str
     variant: str
+    name: str = ""
 
 
 def formulas_to_pandas(found: Mapping[str, FormulaValue]) -> Any:

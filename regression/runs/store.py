@@ -14,6 +14,7 @@ import sqlite3
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -129,6 +130,7 @@ def missing_parts(connection: sqlite3.Connection) -> list[str]:
     return missing
 
 
+@cache
 def _wanted_columns() -> dict[str, list[str]]:
     """Columns that each table has."""
     with closing(sqlite3.connect(":memory:")) as made:
@@ -334,32 +336,9 @@ def _on_network(path: Path) -> bool:
     return False
 
 
-# What is recorded of a design, and of a row from elsewhere beside the study that it was imported into.
-RECORDED = (
-    "key",
-    "inputs",
-    "status",
-    "responses",
-    "reason",
-    "seconds",
-    "errors",
-    "unknowns",
-    "model_version",
-    "worker",
-    "attempts",
-)
-EXTRA = (
-    "study",
-    "key",
-    "role",
-    "source",
-    "factors",
-    "dimensions",
-    "outlines",
-    "responses",
-    "errors",
-)
 CHECKSUM = "checksum"
+# The checksum is of all other columns, in their order in the table.
+UNCHECKED = (CHECKSUM, "finished_at", "imported_at")
 LARGEST = sys.float_info.max
 
 
@@ -380,38 +359,44 @@ def checksum(values: Sequence[object]) -> str:
     return hashlib.sha256(json.dumps(list(values)).encode()).hexdigest()
 
 
-def design_values(outcome: Outcome, model_version: int | None) -> tuple[object, ...]:
-    """Return the recorded values of a design, in the order of `RECORDED`, and its checksum."""
-    values = (
-        outcome.key,
-        json.dumps(outcome.inputs, sort_keys=True),
-        outcome.status,
-        None if outcome.responses is None else _json(outcome.responses),
-        outcome.reason,
-        float(outcome.seconds),
-        _json(outcome.errors),
-        outcome.unknowns,
-        model_version,
-        outcome.worker,
-        outcome.attempts,
+def design_values(outcome: Outcome, model_version: int | None) -> dict[str, object]:
+    """Return the recorded values of a design by column, in the order of its checksum, the last of them."""
+    return _with_checksum(
+        {
+            "key": outcome.key,
+            "inputs": json.dumps(outcome.inputs, sort_keys=True),
+            "status": outcome.status,
+            "responses": None if outcome.responses is None else _json(outcome.responses),
+            "reason": outcome.reason,
+            "seconds": float(outcome.seconds),
+            "errors": _json(outcome.errors),
+            "unknowns": outcome.unknowns,
+            "model_version": model_version,
+            "worker": outcome.worker,
+            "attempts": outcome.attempts,
+        }
     )
-    return (*values, checksum(values))
 
 
-def extra_values(study: str, key: str, row: ExtraRow) -> tuple[object, ...]:
-    """Return the recorded values of a row from elsewhere, in the order of `EXTRA`, and its checksum."""
-    values = (
-        study,
-        key,
-        row.role,
-        row.source,
-        None if row.values is None else json.dumps(row.values, allow_nan=False),
-        _json(row.dimensions),
-        json.dumps(dict(row.outlines)),
-        _json(row.responses),
-        _json(row.errors),
+def extra_values(study: str, key: str, row: ExtraRow) -> dict[str, object]:
+    """Return the recorded values of a row from elsewhere; otherwise as `design_values`."""
+    return _with_checksum(
+        {
+            "study": study,
+            "key": key,
+            "role": row.role,
+            "source": row.source,
+            "factors": None if row.values is None else json.dumps(row.values, allow_nan=False),
+            "dimensions": _json(row.dimensions),
+            "outlines": json.dumps(dict(row.outlines)),
+            "responses": _json(row.responses),
+            "errors": _json(row.errors),
+        }
     )
-    return (*values, checksum(values))
+
+
+def _with_checksum(values: dict[str, object]) -> dict[str, object]:
+    return values | {CHECKSUM: checksum([*values.values()])}
 
 
 def _json(numbers: Mapping[str, float]) -> str:
@@ -447,7 +432,7 @@ def read_design(row: Mapping[str, Any]) -> Outcome:
         )
     if not isinstance(outcome.seconds, float) or not 0.0 <= outcome.seconds < math.inf:
         raise DamagedRowError(f"its seconds are {outcome.seconds!r}")
-    _check_sum(row, RECORDED)
+    _check_sum(row, "designs")
     return outcome
 
 
@@ -465,13 +450,14 @@ def read_extra(row: Mapping[str, Any]) -> ExtraRow:
         errors=_numbers(row["errors"], "errors"),
         source=row["source"],
     )
-    _check_sum(row, EXTRA)
+    _check_sum(row, "extra_rows")
     return found
 
 
-def _check_sum(row: Mapping[str, Any], columns: Sequence[str]) -> None:
+def _check_sum(row: Mapping[str, Any], table: str) -> None:
     try:
-        expected = checksum([row[name] for name in columns])
+        recorded = [name for name in _wanted_columns()[table] if name not in UNCHECKED]
+        expected = checksum([row[name] for name in recorded])
     except TypeError:  # a blob
         expected = ""
     if row[CHECKSUM] != expected:
@@ -643,15 +629,11 @@ class ResultStore:
         uses the same store may have finished the design meanwhile.
         """
         row = design_values(outcome, model_version)
-        columns = (*RECORDED, CHECKSUM)
         with self._writing() as connection:
             if self._read(outcome.key) is None:  # a damaged row says nothing worth keeping
                 connection.execute("DELETE FROM designs WHERE key = ?", (outcome.key,))
             connection.execute(
-                f"INSERT INTO designs ({', '.join(columns)}) "
-                f"VALUES ({', '.join('?' * len(columns))}) "
-                f"ON CONFLICT (key) DO UPDATE SET {_overwritten(columns)}, "
-                "finished_at = CURRENT_TIMESTAMP "
+                f"{_insertion('designs', 'key', row)}, finished_at = CURRENT_TIMESTAMP "
                 "WHERE designs.status <> 'done' OR excluded.status = 'done'",
                 row,
             )
@@ -748,16 +730,11 @@ class ResultStore:
         A result at the same factor values replaces an earlier one: finite elements repeat
         exactly. Measured rows do not: one replaces another if throw and values are the same.
         """
-        listed = [(_extra_key(row), row) for row in rows]
-        columns = (*EXTRA, CHECKSUM)
+        listed = [extra_values(study, _extra_key(row), row) for row in rows]
         with self._writing() as connection:
             (before,) = connection.execute("SELECT count(*) FROM extra_rows").fetchone()
-            connection.executemany(
-                f"INSERT INTO extra_rows ({', '.join(columns)}) "
-                f"VALUES ({', '.join('?' * len(columns))}) "
-                f"ON CONFLICT (study, key) DO UPDATE SET {_overwritten(columns)}",
-                [extra_values(study, key, row) for key, row in listed],
-            )
+            for values in listed:
+                connection.execute(_insertion("extra_rows", "study, key", values), values)
             (after,) = connection.execute("SELECT count(*) FROM extra_rows").fetchone()
         return int(after - before)
 
@@ -791,8 +768,14 @@ def _design_rows(
     ]
 
 
-def _overwritten(columns: Iterable[str]) -> str:
-    return ", ".join(f"{name} = excluded.{name}" for name in columns)
+def _insertion(table: str, key: str, values: Iterable[str]) -> str:
+    """Statement that inserts values by column, or overwrites those of the same key."""
+    columns = list(values)
+    overwritten = ", ".join(f"{name} = excluded.{name}" for name in columns)
+    return (
+        f"INSERT INTO {table} ({', '.join(columns)}) VALUES (:{', :'.join(columns)}) "
+        f"ON CONFLICT ({key}) DO UPDATE SET {overwritten}"
+    )
 
 
 def _extra_key(row: ExtraRow) -> str:

@@ -30,39 +30,24 @@ DONE, WAITING = "done", "waiting"
 NOT_COMPUTED = "not computed yet"
 
 
-@dataclass(frozen=True)
-class StudyRow:
+@dataclass(frozen=True, kw_only=True)
+class StudyRow(ExtraRow):
     """One design of a study, or one row imported into it, with or without a result.
 
     Attributes
     ----------
-    role : str
-        "run", "held out" or "measured".
     status : str
         "done", "failed", "lost" (with its worker) or "waiting".
-    values : tuple of float or None
-        Of the factors [SI], an index for a choice.
-    dimensions, outlines : mapping
-        Numbers [SI] and text values of the throw's own fields.
-    responses, errors : mapping
-        By response name: SI value, estimated relative error.
     reason : str
         Why there is no result.
     source : str
         Origin of an imported row; empty for the study's own.
     """
 
-    role: str
     status: str
-    values: tuple[float, ...] | None
-    dimensions: Mapping[str, float]
-    outlines: Mapping[str, str]
-    responses: Mapping[str, float]
-    errors: Mapping[str, float]
     seconds: float = 0.0
     unknowns: int | None = None
     reason: str = ""
-    source: str = ""
 
 
 @result("values", "responses")
@@ -297,6 +282,7 @@ def _own_row(
         seconds=known.seconds,
         unknowns=known.unknowns,
         reason=reason,
+        source="",
     )
 
 

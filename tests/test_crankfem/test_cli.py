@@ -22,6 +22,7 @@ from crankfem.files.reading.data_files import shipped_names
 from crankfem.jobs.exit_codes import MEANINGS
 from dynamics import wording
 from fem.superelement import shaft_unknowns, solve_shaft
+from stand_ins import stored_results, typed
 
 ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
 COMMANDS = sorted(typer.main.get_command(cli.app).commands)
@@ -132,22 +133,16 @@ ENDS = {
 @pytest.mark.parametrize("option", ["--json", "--quiet"])
 def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     code, sentence = ENDS[status]
-    decision = {"status": status, "sentence": "give this"}
-    judged = {"sentence": "The verdict.", "decision": decision}
-    monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: None)
-    tables = "cli.tables.vibration_tables"
-    for name in (
-        "analyses.vibration.records.run_record",
-        f"{tables}.print_run",
-        f"{tables}.print_verdict",
-    ):
-        made = {"assessment": judged}
-        monkeypatch.setattr(f"crankfem.{name}", lambda *_, made=made, **__: made)
+    results = stored_results()
+    decision = {"status": status, "sentence": "give this", "trials": []}
+    results["vibration"]["assessment"] |= {"sentence": "The verdict.", "decision": decision}
+    run = typed(results).vibration
+    monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: run)
     answer = call("vibration", "6chn25-34", "--strict", option)
     assert answer.code == code
     assert sentence in answer.err
     if option == "--json":
-        assert answer.json()["assessment"] == judged
+        assert answer.json()["assessment"]["decision"] == decision
     # Without the option the verdict does not matter.
     assert call("vibration", "6chn25-34", option).code == 0
 

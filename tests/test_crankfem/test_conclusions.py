@@ -3,6 +3,7 @@
 import copy
 import math
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,25 +12,25 @@ from rich.console import Console
 from comparing import close
 from crankbase.results import contents
 from crankbase.table import parse_output_units
-from crankfem.analyses.vibration.assessment import Assessment, engine_decision
+from crankfem.analyses.vibration.assessment import Assessment, engine_decision, factor_range
 from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict
 from crankfem.analyses.vibration.misfiring import FiringCheck, Reached
+from crankfem.analyses.vibration.modes import Vibration
 from crankfem.analyses.vibration.tables import (
-    factor_range,
+    assessment_parts,
+    judgment,
     misfiring_table,
-    mode_table,
     resonance_table,
-    source_table,
     speed_table,
 )
 from crankfem.cli import console
 from crankfem.cli.commands.run import _print
-from crankfem.cli.tables.vibration_tables import print_assessment, print_judgment, print_verdict
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.report.conclusions import conclusions, failed_checks, headline, verdict_line
 from crankfem.report.summary import engine_facts, summary, uncertain_sentence, worst_of_each
 from crankfem.report.text_filters import loaded_most
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
+from dynamics.assessment.uncertainty import Spread
 from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
 from dynamics.strength.fatigue import PlaceStrength
 from dynamics.wording import VERDICTS
@@ -37,8 +38,20 @@ from stand_ins import stored_results, typed
 
 NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e-?\d+)?")
 MOST_LINES = 34
-BEARINGS = {"flips": False, "sentences": [], "stiffness": [1e9, 2e9], "shaft": {}}
-BEARINGS["further"] = {"axial": [], "torsional": []}
+BEARINGS = {"flips": False, "sentences": [], "stiffness": [1e9, 2e9], "shaft": {}, "statuses": []}
+BEARINGS |= {"further": {"axial": [], "torsional": []}, "chains": {}, "used": {}, "assumed": True}
+POWER = ("speed_rpm", "indicated_power", "mean_indicated_pressure", "rated_power")
+LOAD = {
+    "law": "constant",
+    "given": True,
+    "speeds": [],
+    "sentence": "full load",
+    "rated": {
+        **dict.fromkeys((*POWER, "mechanical_efficiency", "mean_effective_pressure"), 1.0),
+        "consistent": False,
+        "sentence": "no power",
+    },
+}
 # Scales in which sentences write SI values: themselves, MPa, mrad, um, per cent.
 SCALES = (1.0, 1e-6, 1e3, 1e6, 100.0)
 
@@ -49,17 +62,20 @@ def results():
 
 
 def part(order, contribution, state, mode=1):
-    return {
-        "order": order,
-        "contribution": contribution,
-        "state": state,
-        "kind": "torsional",
-        "mode": mode,
+    made = {"order": order, "contribution": contribution, "state": state, "kind": "torsional"}
+    known = dict.fromkeys(("amplitude", "mode_share", "magnifier", "detuning"), 1.0)
+    return known | made | {"mode": mode}
+
+
+def misfiring(passed=False, sentence="too much"):
+    told = {"passed": passed, "sentence": sentence, "missing_share": 1.0, "compression": True}
+    return told | {
+        key: [] for key in ("cases", "checks", "exceeded_rpm", "remaining_rpm", "remarks")
     }
 
 
 def verdict_parts(results):
-    return results["vibration"], typed(results).strength
+    return typed(results).vibration, typed(results).strength
 
 
 def with_parts(results, *parts):
@@ -81,7 +97,7 @@ def printed(results, width, monkeypatch, capsys, verbose=False):
     monkeypatch.setattr(console, "output", Console(markup=False, width=width))
     _print(typed(results), console.SI, verbose=verbose)
     console.print_path("Report: somewhere/report.html")
-    print_verdict(*verdict_parts(results))
+    console.print_line(verdict_line(*verdict_parts(results)))
     return capsys.readouterr().out.splitlines()
 
 
@@ -123,11 +139,11 @@ def test_every_number_concluded_is_one_of_the_record(results):
 def test_three_to_six_statements(results):
     assert 3 <= len(conclusions(typed(results))) <= 6
     results["vibration"] |= {
-        "misfiring": {"passed": False, "sentence": "cylinder 2 misfiring makes 30 MPa"},
-        "load": {"sentence": "full load", "rated": {"consistent": False, "sentence": "no power"}},
+        "misfiring": misfiring(sentence="cylinder 2 misfiring makes 30 MPa"),
+        "load": LOAD,
     }
     results["vibration"]["assessment"] |= {
-        "decision": {"status": "undecided", "sentence": "it hangs"},
+        "decision": {"status": "undecided", "sentence": "it hangs", "trials": []},
         "beside": ["The whole crankshaft differs."],
     }
     found = conclusions(typed(results))
@@ -211,6 +227,7 @@ def test_a_verdict_that_hangs_on_assumptions_is_undecided(results):
     assessment["decision"] = {
         "status": "undecided",
         "sentence": "acceptable with a tensile strength of 590 MPa",
+        "trials": [],
     }
     assert headline(*verdict_parts(results)) == VERDICTS["undecided"]
     assert summary(typed(results))["status"] == "barred"
@@ -224,7 +241,7 @@ def test_a_verdict_that_hangs_on_assumptions_is_undecided(results):
 
 
 def test_misfiring_that_fails_is_in_the_headline(results):
-    results["vibration"]["misfiring"] = {"passed": False, "sentence": "too much"}
+    results["vibration"]["misfiring"] = misfiring()
     # Where limits are exceeded with all cylinders firing, the largest figure is that of normal firing.
     assert headline(*verdict_parts(results)) == "Not acceptable"
     results["vibration"]["assessment"] |= {"status": "fine", "headline": "Fine"}
@@ -265,29 +282,14 @@ def test_a_mode_divided_between_two_is_on_its_card_by_both(results):
     assert shown in summary(typed(results))["figures"][1]["details"]
 
 
-def test_what_normal_firing_exceeds_stands_out_like_what_misfiring_does():
-    def check(normal, misfiring):
-        held = {
-            "place": "cylinder 4 - flywheel",
-            "speed_rpm": 900.0,
-            "value": 1.0,
-            "permitted": 1.0,
-        }
-        firing = {"normal": held | {"used": normal}, "misfiring": held | {"used": misfiring}}
-        return {"quantity": "stress", "unit": "Pa", "cylinders": [4], **firing}
-
-    record = {"checks": [check(2.6, 0.9), check(0.9, None)]}
-    record["checks"][0]["normal"]["value"] = 2.6
-    assert list(misfiring_table(record).marks) == ["over", "", "", "over"]
-
-
 def test_a_steel_that_keeps_the_limits_of_normal_firing_is_not_said_to_keep_those_of_misfiring(
     results,
 ):
-    results["vibration"]["misfiring"] = {"passed": False, "sentence": "too much"}
+    results["vibration"]["misfiring"] = misfiring()
     results["vibration"]["assessment"]["decision"] = {
         "status": "undecided",
         "sentence": "acceptable with a tensile strength of 672 MPa",
+        "trials": [],
     }
     said = "With all cylinders firing, acceptable with a tensile strength of 672 MPa."
     assert any(said in line for line in conclusions(typed(results)))
@@ -338,34 +340,47 @@ def test_no_table_of_critical_speeds_is_printed_twice(results, verbose, monkeypa
     assert any(line.startswith("Throw by finite elements") for line in lines) == verbose
 
 
-def test_above_the_running_range_is_told_where_it_is_worse_and_of_which_place():
-    def check(place, running, above):
-        one = {"limit": "stress", "place": place, "passed": False, "speed_rpm": 500.0}
-        told = {"used": above, "speed_rpm": 550.0}
-        return one | {"used": running, "running": {"used": running}, "above": told}
+def test_above_the_running_range_is_told_where_it_is_worse_and_of_which_place(results):
+    assessment = results["vibration"]["assessment"]
 
-    (found,) = worst_of_each([check("a", 3.4, 2.6), check("b", 3.3, 2.7)])
-    assert (found["place"], found["above"]) == ("a", None)
-    (found,) = worst_of_each([check("a", 3.4, 2.6), check("b", 3.3, 3.6)])
-    assert (found["place"], found["above"]["place"], found["above"]["used"]) == ("a", "b", 3.6)
+    def use(used):
+        return {"speed_rpm": 550.0, "value": used, "permitted": 1.0, "used": used}
+
+    def worst(*uses):
+        first = assessment["checks"][0]
+        assessment["checks"] = [
+            first | {"place": place, "running": use(running), "above": use(above)}
+            for place, running, above in uses
+        ]
+        return worst_of_each(typed(results).vibration.assessment.verdict.checks)
+
+    (found,) = worst(("a", 3.4, 2.6), ("b", 3.3, 2.7))
+    assert (found.check.place, found.above) == ("a", None)
+    (found,) = worst(("a", 3.4, 2.6), ("b", 3.3, 3.6))
+    assert (found.check.place, found.place_above, found.above.used) == ("a", "b", 3.6)
 
 
 def test_what_is_uncertain_names_the_bearings_and_the_crankshafts_own_first_mode(results):
     vibration = results["vibration"]
-    before = uncertain_sentence(vibration, "torsional")
+
+    def told():
+        read = typed(results).vibration
+        return uncertain_sentence(read, read.assessment, "torsional")
+
+    before = told()
     assert "bearings" not in before
     vibration["bearings"] = BEARINGS | {"stiffness": [2.2e8, 2.2e9, 2.2e10]}
     own = vibration["torsional"]["modes"]
     first, second = (one for one in own if one["number"] in (1, 2))
     first["of_crankshaft"], second["of_crankshaft"] = False, True
     bounds = vibration["assessment"]["uncertainty"]["torsional"]["frequencies"][1]
-    said = uncertain_sentence(vibration, "torsional")
+    said = told()
     assert "stiffness of the main bearings 2.2e8 to 2.2e10 N/m each" in said
     ends = said.rpartition("crankshaft ")[2].removesuffix(" Hz by the chain.").split(" to ")
     assert [float(end) for end in ends] == close([bounds["low"], bounds["high"]], rel=5e-3)
     # The range of the chain may not hold the frequency of the better model, whose own range stands beside it.
     vibration["bearings"]["shaft"] = {"torsional": [50.0, None, 70.0]}
-    said = uncertain_sentence(vibration, "torsional")
+    said = told()
     assert said.endswith(
         " by the chain, 50.0 to 70.0 Hz by the whole crankshaft over this stiffness."
     )
@@ -380,25 +395,24 @@ def test_what_is_uncertain_names_the_bearings_and_the_crankshafts_own_first_mode
     ],
 )
 def test_a_range_on_both_sides_of_the_value_used_shows_both(low, high, written):
-    assert factor_range({"low": low, "high": high}) == written
+    assert factor_range(Spread("compliance", low, high)) == written
 
 
 def test_bearings_that_are_alike_are_counted():
-    loads = [{"name": name, "largest": size} for name, size in (("a", 1.0), ("b", 2.0 - 1e-12))]
-    found = loaded_most([*loads, {"name": "c", "largest": 2.0}])
-    assert [one["name"] for one in found] == ["b", "c"]
+    sizes = {"a": 1.0, "b": 2.0 - 1e-12, "c": 2.0}
+    loads = [SimpleNamespace(name=name, largest=size) for name, size in sizes.items()]
+    assert [load.name for load in loaded_most(loads)] == ["b", "c"]
 
 
-def test_a_node_on_a_branch_is_told_by_its_branch():
+def test_a_node_on_a_branch_is_told_by_its_branch(results):
     mode = {"number": 1, "frequency": 30.0, "node_positions": [1.25, 2.4]}
-    record = {
-        "kind": "torsional",
-        "source": "fe",
+    mode |= {"rigid": False, "of_crankshaft": True, "crankshaft_share": 1.0, "shape": []}
+    record = results["vibration"]["torsional"] | {
         "nodes": ["end", "a", "wheel", "ring"],
         "connections": [[0, 1], [1, 2], [0, 3]],
-        "modes": [mode | {"rigid": False, "of_crankshaft": True}],
+        "modes": [mode],
     }
-    (row,) = mode_table(record).texts()
+    (row,) = Vibration.from_record(record).mode_table().texts()
     assert row[-1] == "2.25, 0.40 of the way from end to ring"
 
 
@@ -419,8 +433,9 @@ def test_uses_at_and_above_running_speeds_stand_apart(results):
         check["running"] = own | {"used": used}
         check["above"] = own | {"used": used + 0.3, "speed_rpm": 570.0}
         check["in_running_range"] = False
-    (shown,) = worst_of_each(checks[:2])
-    assert (shown["used"], shown["above"]["used"]) == (0.9, 1.2)
+    read = typed(results).vibration.assessment.verdict.checks
+    (shown,) = worst_of_each(read[:2])
+    assert (shown.use.used, shown.above.used) == (0.9, 1.2)
     assert (
         "80 % of the permitted 21.2 MPa; above the running range" in conclusions(typed(results))[0]
     )
@@ -430,7 +445,7 @@ def test_what_the_bearings_change_is_told_once(results):
     told = ["First frequencies.", "Over that range the verdict changes."]
     vibration = results["vibration"]
     vibration["assessment"]["beside"] = ["The whole crankshaft differs.", told[1]]
-    vibration["bearings"] = {"flips": True, "sentences": told}
+    vibration["bearings"] = BEARINGS | {"sentences": told, "statuses": ["fine", "not acceptable"]}
     said = " ".join(conclusions(typed(results)))
     assert "The whole crankshaft differs." in said
     assert [said.count(one) for one in told] == [1, 1]
@@ -472,11 +487,18 @@ def test_the_whole_crankshaft_stands_on_the_first_screen(results):
     """The verdict's box shows four findings; like is told beside like, each with its speed."""
     vibration = results["vibration"]
     vibration["assessment"] |= {"by_whole": ["It differs."], "beside": ["It differs.", "A note."]}
+    ends = {"lowest": 0.0, "lowest_angle_deg": 0.0, "highest": 1.0, "highest_angle_deg": 9.0}
     vibration["axial_force"] = {
+        "speed_rpm": 500.0,
+        "thrust_bearing": None,
+        "held": ends,
+        "throws": [],
+        "sentences": [],
         "running": {"amplitude": 116683.6, "speed_rpm": 500.6},
         "running_whole": {"amplitude": 55509.2, "speed_rpm": 496.9},
     }
     peak = {"order": 6.0, "speed_rpm": 494.6, "value": 6170.0, "unit": "N m", "place": "a - b"}
+    peak |= {"mode": 1, "frequency": 50.0, "share": 1.0, "damping_ratio": None}
     above = peak | {"value": 1e9, "in_running_range": False}
     peaks = [peak | {"in_running_range": True, "damping_ratio": 0.0125}, above]
     vibration["whole"]["criticals"] = {"torsional": {"left_out": 0, "peaks": peaks}}
@@ -562,7 +584,7 @@ def test_what_is_given_is_not_tried(limits):
 )
 def test_there_is_one_conclusion(peaks, limits, begins):
     verdict, decision = judged(*peaks, **limits)
-    said = Assessment(verdict, decision, {}, (), None, None).conclusion
+    said = Assessment(verdict, decision, {}, (), {}).conclusion
     assert said.startswith(begins)
     # The status of the values used is told as theirs where it is not the conclusion.
     used = f"With the values used, {verdict.sentence[0].lower()}{verdict.sentence[1:]}"
@@ -579,6 +601,11 @@ def check(normal, misfiring):
 
 def reached(value, permitted=20e6, place="cylinder 4 - flywheel", speed=1000.0):
     return Reached(place, speed * RPM, value, permitted)
+
+
+def test_what_normal_firing_exceeds_stands_out_like_what_misfiring_does():
+    checks = [check(reached(52e6), reached(18e6)), check(reached(18e6), reached(math.inf))]
+    assert list(misfiring_table(SimpleNamespace(checks=checks)).marks) == ["over", "", "", "over"]
 
 
 @pytest.mark.parametrize(
@@ -610,7 +637,7 @@ def test_normal_firing_is_told_with_its_share(normal, misfiring, said):
 
 def test_a_critical_speed_stands_once_with_all_that_is_known_of_it(results):
     vibration = results["vibration"]
-    table = speed_table(vibration)
+    table = speed_table(typed(results).vibration)
     names = [column.name for column in table.columns]
     kinds, orders, modes = (
         [row[names.index(name)] for row in table.rows] for name in ("vibration", "order", "mode")
@@ -633,7 +660,7 @@ def test_each_of_two_peaks_of_one_mode_has_a_row(results):
     peaks = vibration["forced"]["torsional"]["resonances"]
     first = next(one for one in peaks if one["order"] == 12.0)
     peaks.append({**first, "speed_rpm": 0.9 * first["speed_rpm"], "value": 0.5e-3})
-    table = speed_table(vibration, most=99)
+    table = speed_table(typed(results).vibration, most=99)
     names = [column.name for column in table.columns]
     rows = [
         dict(zip(names, texts, strict=True))
@@ -658,7 +685,7 @@ def test_no_critical_speed_is_both_inside_and_outside_the_running_range(results)
     own |= {"speed_rpm": 1.01 * high, "low_rpm": 0.99 * high, "margin": 0.0}
     # An order that has no peak at speeds calculated, just above the running range too.
     bounds.append({**own, "order": 30.0})
-    table = speed_table(vibration, most=99, major=(30.0,))
+    table = speed_table(typed(results).vibration, most=99, major=(30.0,))
     names = [column.name for column in table.columns]
     rows = [dict(zip(names, texts, strict=True)) for texts in table.texts()]
     one, other = (
@@ -674,7 +701,7 @@ def test_an_order_without_a_peak_is_not_called_unbounded(results):
     vibration = results["vibration"]
     one = vibration["forced"]["axial"]["resonances"][0]
     one |= {"speed_rpm": None, "amplitude": None, "unbounded": False}
-    table = speed_table(vibration, most=99)
+    table = speed_table(typed(results).vibration, most=99)
     (row,) = (texts for texts in table.texts() if "no peak" in texts)
     assert row[[column.name for column in table.columns].index("amplitude")] == "-"
     assert not any("unbounded" in text for text in row)
@@ -693,7 +720,7 @@ def test_a_mode_that_makes_no_peak_has_no_critical_speed_outside(results):
     met.append({**met[0], "mode": 7, "order": 12.0, "in_running_range": False})
 
     def modes():
-        table = speed_table(vibration, most=99)
+        table = speed_table(typed(results).vibration, most=99)
         place = [column.name for column in table.columns].index("mode")
         return {texts[place] for texts in table.texts() if texts[0] == "axial"}
 
@@ -715,14 +742,14 @@ def test_every_peak_is_in_the_table_or_told_to_be_left_out(results):
         for place, share in at
     ]
     record["resonances"].append(record["resonances"][0] | {"in_band": False, "order": 20.0})
-    table = speed_table(vibration, most=2)
+    table = speed_table(typed(results).vibration, most=2)
     rows = [texts for texts in table.texts() if texts[0] == "torsional"]
     assert len(rows) == 2
     assert all("pump shaft" in texts and "294 N m" in texts for texts in rows)
     assert "1 critical speed, up to 6 % of the largest peak at a place" in table.note
     assert "2 peaks below 5 % of the largest one at every place" in table.note
     assert "1 peak of the exciting forces" in table.note
-    shown = resonance_table(record)
+    shown = resonance_table(typed(results).vibration.forced("torsional"))
     assert len(shown.rows) == 3
     assert "critical speed" not in shown.note
     assert "2 peaks below 5 %" in shown.note
@@ -733,10 +760,11 @@ def test_sources_show_modes_that_depend_on_them_and_all_points_have_names(result
     one = record["sources"][0]
     one |= {"first_mode": 2, "first_frequencies": [7.3, 49.2, 129.1]}
     one |= {"crankshaft_frequencies": [49.2, 129.1, 207.6]}
-    table = source_table(record)
+    read = Vibration.from_record(record)
+    table = read.source_table()
     assert "of the crankshaft, from mode 2 on" in table.title
-    assert table.rows[0][2] == [49.2, 129.1, 207.6]
-    note = mode_table(record).note
+    assert table.rows[0][2] == (49.2, 129.1, 207.6)
+    note = read.mode_table().note
     last = len(record["nodes"]) - 1
     assert f"0 free end, 1 to 6 cylinder 1 to cylinder 6, {last} flywheel" in note
 
@@ -745,22 +773,17 @@ LIMIT_STRESS, TWIST = "torsional stress of crankshaft", "torsional amplitude of 
 
 
 @pytest.fixture
-def record():
-    def check(limit, place, unit, value):
-        return {
-            "limit": limit,
-            "place": place,
-            "unit": unit,
-            "speed_rpm": 498.0,
-            "value": value,
-            "permitted": 2e7 if unit == "Pa" else 1e-3,
-            "used": None if value is None else 0.5,
-            "passed": value is not None,
-            "running": None,
-            "above": None,
-        }
+def record(results):
+    assessment = results["vibration"]["assessment"]
+    first = assessment["checks"][0] | {"speed_rpm": 498.0, "running": None, "above": None}
 
-    return {
+    def check(limit, place, unit, value):
+        known = {"limit": limit, "place": place, "unit": unit, "value": value}
+        used = {"used": None if value is None else 0.5, "passed": value is not None}
+        return first | known | used | {"permitted": 2e7 if unit == "Pa" else 1e-3}
+
+    limit = assessment["limits"][0]
+    return assessment | {
         "running_rpm": [200.0, 515.0],
         "uncertainty": {},
         "checks": [
@@ -769,21 +792,22 @@ def record():
             check(LIMIT_STRESS, "cylinder 1 - cylinder 2", "Pa", 2e6),
         ],
         "limits": [
-            {"name": LIMIT_STRESS, "judged_to_rpm": 575.0, "source": "A rule", "assumed": True},
-            {"name": TWIST, "judged_to_rpm": 515.0, "source": "The maker", "assumed": False},
+            limit
+            | {"name": LIMIT_STRESS, "judged_to_rpm": 575.0, "source": "A rule", "assumed": True},
+            limit
+            | {"name": TWIST, "judged_to_rpm": 515.0, "source": "The maker", "assumed": False},
         ],
         "remarks": [],
         "barred": [],
         "started_through": [],
         "sentence": "Fine.",
-        "decision": {"status": "acceptable", "sentence": ""},
+        "decision": {"status": "acceptable", "sentence": "", "trials": []},
         "beside": [],
     }
 
 
-def test_speeds_above_the_running_range_are_explained(record, capsys):
-    print_assessment(record, parse_output_units("rpm"))
-    lines = capsys.readouterr().out.splitlines()
+def test_speeds_above_the_running_range_are_explained(record):
+    lines = [*assessment_parts(Assessment.from_record(record), parse_output_units("rpm"))]
     assert (
         f"Limit on {LIMIT_STRESS}: A rule, assumed; judged from 200 to 575 rpm, because it also "
         "applies above the highest running speed of 515 rpm." in lines
@@ -791,19 +815,25 @@ def test_speeds_above_the_running_range_are_explained(record, capsys):
     assert f"Limit on {TWIST}: The maker; judged from 200 to 515 rpm." in lines
 
 
-def test_what_decides_stands_before_the_verdict_with_the_values_assumed(record, capsys):
-    record["decision"] = {"status": "undecided", "sentence": "acceptable with this: give that"}
-    print_judgment(record)
-    assert capsys.readouterr().out.splitlines()[-2:] == [
+def test_what_decides_stands_before_the_verdict_with_the_values_assumed(record):
+    record["decision"] = {
+        "status": "undecided",
+        "sentence": "acceptable with this: give that",
+        "trials": [],
+    }
+    assert [*judgment(Assessment.from_record(record))][-2:] == [
         f"Verdict: {VERDICTS['undecided'].lower()}, acceptable with this: give that.",
         "With the values used: Fine.",
     ]
 
 
-def test_a_verdict_that_only_its_barred_ranges_hang_on_says_so(record, capsys):
-    record["decision"] = {"status": "acceptable", "sentence": "no speeds need be barred with this"}
-    print_judgment(record)
-    assert capsys.readouterr().out.splitlines()[-2:] == [
+def test_a_verdict_that_only_its_barred_ranges_hang_on_says_so(record):
+    record["decision"] = {
+        "status": "acceptable",
+        "sentence": "no speeds need be barred with this",
+        "trials": [],
+    }
+    assert [*judgment(Assessment.from_record(record))][-2:] == [
         "Verdict: Fine.",
         "It depends on assumed or uncertain values: no speeds need be barred with this.",
     ]

@@ -11,6 +11,7 @@ from comparing import close
 from crankbase.diagrams import draw_curves, figure
 from crankfem.analyses.throw import formula_records
 from crankfem.analyses.throw.formula_records import (
+    ElementValues,
     EngineSpread,
     Ratio,
     fe_axial,
@@ -110,7 +111,9 @@ def test_all_engines_in_one_table(call, monkeypatch, analysis):
 
 def test_summary_over_engines():
     def engine(name, ratio, valid):
-        return EngineSpread(name, 0.1, {}, 0.0, {"axial": {"Dorey": Ratio(ratio, valid)}})
+        return EngineSpread(
+            name, 0.1, ElementValues(1.0, 1.0, 0.0), {"axial": {"Dorey": Ratio(ratio, valid)}}
+        )
 
     spreads = [engine("a", 0.5, True), engine("b", 2.0, True), engine("c", 27.0, False)]
     found = formula_spreads(spreads, "axial")["Dorey"]

@@ -24,7 +24,7 @@ from crankfem.analyses.vibration.engine_excitation import (
     engine_load,
     failing_harmonics,
 )
-from crankfem.cli.tables.vibration_tables import print_load
+from crankfem.cli.console import print_parts
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.sections.excitation_sections import (
@@ -621,8 +621,7 @@ def test_power_that_does_not_fit_and_the_load_are_told(engine):
 
 def test_the_console_tells_the_load_of_each_speed(engine, capsys):
     changed = engine.changed(engine={"rated_power": 480e3}, load={"law": "propeller"})
-    told = engine_load(changed, cf.engines.mechanism_of(changed)).to_record()
-    print_load(told)
+    print_parts(engine_load(changed, cf.engines.mechanism_of(changed)).parts())
     out = " ".join(capsys.readouterr().out.split())
     assert "rated power 480 kW (mean effective pressure 1.15 MPa) is 0.842 of it" in out
     assert "power at the flywheel to its cube; friction takes 2.16 bar at every speed" in out

@@ -295,13 +295,13 @@ def alike(one, other):
 
 @pytest.mark.further
 def test_one_throw_by_name_gives_the_vibration_of_a_plain_file(both, lightly):
+
     from crankfem.analyses.record import with_units
-    from crankfem.analyses.vibration.records import run_record
 
     plain, named, analysis = both
     ours = engine_vibration(named, analysis={"a": analysis}, coupled=True)
     theirs = engine_vibration(plain, analysis=analysis, coupled=True)
-    records = [json.loads(json.dumps(with_units(run_record(run)))) for run in (theirs, ours)]
+    records = [json.loads(json.dumps(with_units(run))) for run in (theirs, ours)]
     for record in records:
         for one in record["assumed"]:  # the same values, in fields of the throw's own name
             one["field"] = one["field"].replace("throws.a.", "throw.")

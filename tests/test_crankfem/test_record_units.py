@@ -6,13 +6,15 @@ import shlex
 import pytest
 import typer
 
+import crankfem as cf
 from crankbase.quantity import POWER_OF_TEN, UNITS
+from crankbase.results import units
 from crankbase.table import SI, OutputUnit, OutputUnits
 from crankfem.analyses.record import units_of, with_units
-from crankfem.analyses.vibration.records import run_record
+from crankfem.analyses.shaft.chain_vibration import ChainVibration
+from crankfem.analyses.vibration.tables import vibration_parts
 from crankfem.cli.app import app
-from crankfem.cli.tables.vibration_tables import chain_record, print_run
-from crankfem.files.chain.chain_file import load_chain
+from crankfem.cli.console import print_parts
 from fem.responses import RESPONSES
 from json_units import numbers_with_units
 from stand_ins import stored_results, typed
@@ -124,10 +126,10 @@ def test_so_have_numbers_of_finite_elements(line, lightly, call, printed):
 
 @pytest.mark.slow
 def test_so_have_those_of_vibration(coupled_vibration, printed):
-    record = with_units(run_record(coupled_vibration("6chn25-34")))
-    content = json.loads(json.dumps(record))
+    run = coupled_vibration("6chn25-34")
+    content = json.loads(json.dumps(with_units(run)))
     printed.clear()
-    print_run(record, SI)
+    print_parts(vibration_parts(run, SI))
     assert compared(content, printed) > 150
 
 
@@ -166,7 +168,6 @@ def test_responses_have_their_own_units():
 
 @pytest.mark.parametrize(("kind", "inertia"), [("axial", "kg"), ("torsional", "kg m^2")])
 def test_a_chain_has_the_units_of_its_kind(kind, inertia):
-    record = chain_record(load_chain("mwm-six")) | {"kind": kind}
-    told = units_of(record, within=kind)
+    told = units(ChainVibration("mine", kind, cf.Chain([0.1, 0.78], [9e5]), {}))
     assert told["inertia"] == told["modes.modal_inertia"] == inertia
     assert told["stiffness"] == told["ground"] == {"axial": "N/m", "torsional": "N m/rad"}[kind]

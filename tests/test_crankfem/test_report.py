@@ -19,12 +19,9 @@ from comparing import close
 from crankbase.input_file import InputFile
 from crankfem.analyses.provenance import provenance, repetition, run_command, used_files
 from crankfem.analyses.run_results import run_checks, unbalanced_share
-from crankfem.analyses.throw.throw_record import (
-    ThrowResults,
-    compliance_tables,
-    regression_record,
-)
-from crankfem.analyses.vibration import records
+from crankfem.analyses.throw.formula_records import Regression, compared_compliances
+from crankfem.analyses.throw.throw_record import ThrowResults
+from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.files.reading.data_files import data_folder
 from crankfem.report import text_filters
 from crankfem.report.figures import load_figures, script_text
@@ -221,46 +218,46 @@ def test_each_limit_stands_once_at_its_worst_place(results):
     checks = results["vibration"]["assessment"]["checks"]
     checks.append(checks[0] | {"limit": "axial force", "used": 0.5, "passed": True})
     shown = summary(typed(results))["limits"]
-    assert [own["limit"] for own in shown] == ["torsional stress of crankshaft", "axial force"]
-    assert shown[0]["used"] == max(check["used"] for check in checks)
+    names = [own.check.limit.name for own in shown]
+    assert names == ["torsional stress of crankshaft", "axial force"]
+    assert shown[0].use.used == close(max(check["used"] for check in checks), rel=1e-5)
 
 
 def test_compliances_of_all_sources_stand_side_by_side(results):
-    found = compliance_tables(
-        ThrowResults.from_record(results["throw"]), results["formulas"], results["vibration"]
-    )
-    axial, torsional = (found["tables"][kind]["rows"] for kind in ("axial", "torsional"))
-    assert [row["name"] for row in axial[:3]] == [
+    whole = typed(results)
+    sources = {kind: whole.vibration.modes(kind).sources for kind in ("axial", "torsional")}
+    found = compared_compliances(whole.throw, whole.formulas, sources)
+    axial, torsional = (found.tables[kind] for kind in ("axial", "torsional"))
+    assert [row.name for row in axial[:3]] == [
         "finite elements",
         "finite elements, pinned throughout",
         "regression of the study",
     ]
-    assert axial[0]["beside"] == 1.0
-    assert axial[0]["frequency"] == close(76.76, abs=0.01)
+    assert axial[0].beside == 1.0
+    assert axial[0].frequency == close(76.76, abs=0.01)
     # Softer throws in the shaft make lower frequencies, whatever the single throw's value.
-    shown = sorted((row["in_shaft"], row["frequency"]) for row in axial if row["frequency"])
+    shown = sorted((row.in_shaft, row.frequency) for row in axial if row.frequency)
     frequencies = [frequency for _, frequency in shown]
     assert len(frequencies) > 8
     assert all(later < 1.01 * earlier for earlier, later in pairwise(frequencies))
     assert len(axial) == 3 + 9
     assert len(torsional) == 3 + 5
     # A remark that several formulas share is a note said once.
-    assert len(found["notes"]) == len(set(found["notes"]))
-    used = {number for row in (*axial, *torsional) for number in row["notes"]}
-    assert used == set(range(1, len(found["notes"]) + 1))
-    applying = [row["beside"] for row in axial[3:] if row["applies"]]
-    assert found["range"]["axial"] == (min(applying), max(applying))
+    assert len(found.notes) == len(set(found.notes))
+    used = {number for row in (*axial, *torsional) for number in row.notes}
+    assert used == set(range(1, len(found.notes) + 1))
+    applying = [row.beside for row in axial[3:] if row.applies]
+    assert found.range["axial"] == (min(applying), max(applying))
 
 
 def test_the_regression_answers_with_the_chosen_form(model_file):
     fit = ComplianceModel.load(model_file).responses["axial_compliance"]
-    found = regression_record({"axial": (1.3e-9, fit)}, "the saved model six.json")
-    assert set(found) == {"axial"}
-    assert found["axial"]["largest_error_held_out"] == fit.largest_heldout_error
-    assert found["axial"]["of"] == "the saved model six.json"
-    assert found["axial"]["remarks"][0].startswith("Quadratic equation fitted to 9 designs; its")
+    found = Regression.by_equation(1.3e-9, fit, "the saved model six.json")
+    assert found.largest_error_held_out == fit.largest_heldout_error
+    assert found.of == "the saved model six.json"
+    assert found.remarks[0].startswith("Quadratic equation fitted to 9 designs; its")
     unjudged = fit.model_copy(update={"largest_heldout_error": None})
-    (said,) = regression_record({"axial": (1.3e-9, unjudged)})["axial"]["remarks"]
+    (said,) = Regression.by_equation(1.3e-9, unjudged).remarks
     assert said.endswith("none was held out to judge it.")
 
 
@@ -601,6 +598,8 @@ def changed(results):
     vibration["assessment"]["checks"][0] |= {"value": 2.449e9, "used": 115.45}
     vibration["assessment"]["uncertainty"]["axial"]["amplitudes"] = {
         "samples": 200,
+        "nominal": 400e-6,
+        "highest": 600e-6,
         "percentile_5": 341e-6,
         "percentile_95": 512e-6,
     }
@@ -633,7 +632,7 @@ def test_speeds_at_which_cylinders_act_together_are_marked(results, page):
     for kind in ("axial", "torsional"):
         results["vibration"][kind]["criticals"] = []
     results = without_gas(results)
-    first = {"speed_rpm": 300.0, "frequency": 15.0, "mode": 1}
+    first = {"speed_rpm": 300.0, "frequency": 15.0, "mode": 1, "in_running_range": True}
     sums = enumerate((0.2, 0.49, 0.51, 1.0))
     results["vibration"]["axial"]["criticals"] = [
         first | {"order": 3.0 + place, "phase_sum": one} for place, one in sums
@@ -811,9 +810,8 @@ def test_power_is_compared_where_vibration_is_bounded(unbounded, error):
         error=0.25,
         dashpot_names=(),
     )
-    response = SimpleNamespace(speeds=np.array([10.0, 20.0]))
-    found = records._power(SimpleNamespace(power=power, response=response))
-    assert found["error"] == error
+    forced = SimpleNamespace(power=power, speeds=np.array([10.0, 20.0]))
+    assert ForcedVibration.largest_power.func(forced).error == error
 
 
 def test_where_vibration_is_unbounded_at_all_speeds_its_power_is_not_judged(checks_stored):

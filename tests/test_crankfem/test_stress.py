@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,11 +17,11 @@ from crankfem.analyses.throw.pictures.stress_picture import (
     picture_arrays,
     picture_stresses,
 )
-from crankfem.analyses.throw.stress import stress_record, stress_tables
+from crankfem.analyses.throw.stress import StressResults, _down, _up, stress_results
 from crankfem.cli.app import app
-from crankfem.cli.tables.throw_tables import _down, _rule_sentences, _sentences, _up, print_stresses
+from crankfem.cli.console import print_parts
 from fem import fillet_stress
-from fem.fillet_peaks import unit_loads
+from fem.fillet_peaks import FilletMeshing, ReadingQuality, unit_loads
 from fem.fillet_stress import fillet_stresses, nominal_hole_stress
 from fem.symmetry import radial_directions
 from geometry.mesh import mesh_throw
@@ -70,7 +71,7 @@ def arrays(found):
 @pytest.mark.slow
 @pytest.mark.parametrize("part", PARTS)
 def test_record_is_strict_json_with_every_load_and_fillet(found, part):
-    record = stress_record(found[part])
+    record = stress_results(found[part]).to_record()
     assert json.loads(json.dumps(record, allow_nan=False)) == record
     kinds = [load["kind"] for load in record["loads"]]
     pins = 2 if part == "full" else 1
@@ -86,8 +87,9 @@ def test_record_is_strict_json_with_every_load_and_fillet(found, part):
     assert record["error_estimate"] == found[part].error_estimate
 
 
-def printed(record, capsys):
-    print_stresses(record)
+def printed(stresses, capsys):
+    results = stress_results(stresses)
+    print_parts([*results.tables(), *results.sentences()])
     return " ".join(capsys.readouterr().out.split())
 
 
@@ -99,13 +101,11 @@ def test_what_misses_a_limit_of_the_rule_by_little_does_not_look_as_if_it_met_it
         "5.9",
         "6.0",
     )
-    meshing = {"size_share": 0.2501, "layers": (1.0, 2.0, 3.01), "across_web": 5.96, "met": False}
-    quality = {"normal_share": 0.01, "spread": 0.0501, "met": False}
-    record = {
-        "meshings": [meshing],
-        "loads": [{"kind": "torsion", "fillets": [{"quality": quality}]}],
-    }
-    mesh, stresses = _rule_sentences(record)
+    meshing = FilletMeshing("pin", 0.003, 0.2501, (1.0, 2.0, 3.01), 5.96)
+    load = SimpleNamespace(
+        kind="torsion", fillets=[SimpleNamespace(quality=ReadingQuality(0.01, 0.0501))]
+    )
+    mesh, stresses = StressResults.rule_sentences(SimpleNamespace(meshings=[meshing], loads=[load]))
     assert "0.26 of the radius (allowed 0.25), layers below 1.0, 2.0, 3.1 quarters" in mesh
     assert "5.9 elements across the web (6 or more)" in mesh
     assert "within 5.1 % of their mean (5 %)" in stresses
@@ -114,7 +114,7 @@ def test_what_misses_a_limit_of_the_rule_by_little_does_not_look_as_if_it_met_it
 @pytest.mark.slow
 def test_what_the_rule_asks_of_mesh_and_stresses_is_told(found, capsys):
     stresses = replace(found["quarter"], mesh="m53")
-    text = printed(stress_record(stresses), capsys)
+    text = printed(stresses, capsys)
     size = max(meshing.size_share for meshing in stresses.meshings)
     assert (
         f"Mesh of UR M53, Appendix III, not met: largest element of the fillets {_up(size, 2)} of"
@@ -135,12 +135,12 @@ def test_what_the_rule_asks_of_mesh_and_stresses_is_told(found, capsys):
             assert peak.rule_factor == factors.get(load.kind, peak.von_mises_factor)
             # Of two principal stresses and a free surface, half the von Mises stress at least.
             assert 0.5 <= peak.shear / peak.von_mises <= 1.0 / math.sqrt(3.0) + 1e-9
-    assert "Appendix III" not in printed(stress_record(found["quarter"]), capsys)
+    assert "Appendix III" not in printed(found["quarter"], capsys)
 
 
 @pytest.mark.slow
 def test_sharp_corners_get_no_number(found, capsys):
-    text = printed(stress_record(found["half"]), capsys)
+    text = printed(found["half"], capsys)
     assert text.count("left journal") == text.count("right journal") == 5
     assert "No stress is given at pin, left web; pin, right web: without a fillet" in text
     assert "Locations at -x have the same stresses" in text
@@ -148,17 +148,17 @@ def test_sharp_corners_get_no_number(found, capsys):
 
 @pytest.mark.slow
 def test_halves_of_a_split_pin_meet_at_a_sharp_corner(found, capsys):
-    text = printed(stress_record(found["full"]), capsys)
+    text = printed(found["full"], capsys)
     assert "No stress is given at pin and pin 2 where they meet:" in text
     assert "-x" not in text
 
 
 @pytest.mark.slow
 def test_accuracy_not_met_is_said(found, capsys):
-    record = stress_record(replace(found["half"], accuracy=0.02))
-    assert not record["accuracy_met"]
-    text = printed(record, capsys)
-    assert f" to {100.0 * record['error_estimate']:.2g} %, not the 2 % requested." in text
+    stresses = replace(found["half"], accuracy=0.02)
+    assert not stresses.accuracy_met
+    text = printed(stresses, capsys)
+    assert f" to {100.0 * stresses.error_estimate:.2g} %, not the 2 % requested." in text
 
 
 # ------------------------------------------------------------------------------------------- command
@@ -349,15 +349,16 @@ def test_factors_at_exits(hole_found, throw):
 
 @pytest.mark.slow
 def test_records_tables_and_pictures_have_them_beside_the_fillets(hole_found):
-    record = stress_record(hole_found)
+    results = stress_results(hole_found)
+    record = results.to_record()
     assert record["dimensions"]["oil_holes"][0]["diameter"] == 0.03
     own = record["loads"][1]["oil_holes"]
     assert [(one["diameter"], one["exit_radius"]) for one in own] == [(0.03, 0.0)] * 2
     assert own[0]["factor"] == hole_found.at_oil_holes(hole_found.loaded.loads[1])[0].factor
-    table = stress_tables(record)[1]
+    table = results.tables()[1]
     assert table.title.startswith("Torque: largest stresses at fillets and exits of oil holes")
     assert [row[0] for row in table.rows][-1] == "pin, oil hole 1 at 180 deg"
-    assert any("to a depth of one diameter" in sentence for sentence in _sentences(record))
+    assert any("to a depth of one diameter" in sentence for sentence in results.sentences())
     drawn = picture_arrays(hole_found)
     assert drawn["places"].shape == (
         5,
@@ -378,10 +379,9 @@ def test_records_tables_and_pictures_have_them_beside_the_fillets(hole_found):
         rim = drawn["places"][number, 1, 0]
         assert math.hypot(rim[0], rim[1] - 0.17) == close(0.09)
         assert rim[2] == close(hole.von_mises_place[2])
-    # Records that older releases wrote have no such key; the left fillets of two say all.
-    for load in record["loads"]:
-        del load["oil_holes"]
-    assert len(stress_tables(record)[1].rows) == 2
+    # Without holes the left fillets of two say all.
+    loads = tuple(replace(load, oil_holes=()) for load in results.loads)
+    assert len(replace(results, loads=loads).tables()[1].rows) == 2
     frame = hole_found.to_pandas()
     assert len(frame) == len(hole_found.peaks) + len(hole_found.hole_peaks)
     assert frame["fillet"].tolist()[4:6] == [peak.name for peak in hole_found.hole_peaks[:2]]

@@ -29,7 +29,6 @@ from crankfem.analyses.shaft.whole_shaft import (
 from crankfem.analyses.vibration.engine_limits import engine_limits, even_firing_interval
 from crankfem.analyses.vibration.modes import axial_weights
 from crankfem.analyses.vibration.plots import plot_shaft_modes
-from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.whole_verdict import (
     WholeTorsion,
@@ -179,7 +178,7 @@ def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibra
     for peaks in zip(*(_peaks(run) for run in runs), strict=True):
         assert peaks[1] == close(peaks[0], rel=1e-6)
     # The thrust bearing, here at the flywheel, by the whole shaft.
-    told = run_record(runs[0])["axial_force"].running_whole
+    told = runs[0].thrust.running_whole
     speeds, moved = (
         getattr(runs[0].comparison.coupled.split("main bearing 7 uz"), name)
         for name in ("speeds", "both_sum")
@@ -238,11 +237,11 @@ def test_a_makers_chain_of_the_plant_is_not_compared(six, monkeypatch):
     monkeypatch.setattr("crankfem.analyses.vibration.run.whole_shaft", lambda *_: whole)
     run = engine_vibration(longer, analysis=analysis, coupled=True)
     assert (run.comparison.axial, run.comparison.torsional) == (None, None)
-    told = run_record(run)
-    assert told["axial_force"].running_whole is None
+    told = run.to_record()
+    assert told["axial_force"]["running_whole"] is None
     assert told["not_comparable"] in told["assessment"]["by_whole"][0]
     running = (run.engine_file.engine.lowest_speed, run.engine_file.engine.highest_speed)
-    record = told["whole"].to_record()
+    record = told["whole"]
     assert record["chains"] == {}
     assert record["axial_split"]["both"] > 1e-6
     split = run.comparison.coupled.split("main bearing 1 uz")

@@ -86,8 +86,20 @@ def test_bounds_of_frequencies_are_those_of_the_models_band(fitted, figure, kind
     figure("end of the band", (spread.low, spread.high), (LOW, HIGH), 1e-9)
     chain = getattr(fitted, kind).chosen.chain.chain
     assert not np.any(chain.distributed_inertia)
-    figure("lowest frequency", uncertain.lowest[0], first_frequency(chain, HIGH), 1e-9, "Hz")
-    figure("highest frequency", uncertain.highest[0], first_frequency(chain, LOW), 1e-9, "Hz")
+    figure(
+        "lowest frequency",
+        uncertain.frequencies[0].lowest,
+        first_frequency(chain, HIGH),
+        1e-9,
+        "Hz",
+    )
+    figure(
+        "highest frequency",
+        uncertain.frequencies[0].highest,
+        first_frequency(chain, LOW),
+        1e-9,
+        "Hz",
+    )
     for critical in uncertain.critical:
         shares = (critical.low / critical.nominal, critical.high / critical.nominal)
         if critical.mode == 1:

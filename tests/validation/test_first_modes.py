@@ -11,9 +11,6 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankfem.analyses.record import plain
-from crankfem.analyses.vibration.records import run_record
-from crankfem.analyses.vibration.tables import mode_table
 from crankfem.jobs.run_records import _engine_record
 from crankfem.report.summary import summary
 
@@ -37,11 +34,10 @@ def test_a_soft_coupling_is_not_told_as_the_first_mode(run, figure):
     frequencies = run.torsional.chosen.elastic_frequencies
     figure("frequency of the coupling", frequencies[0], coupling, 0.01, "Hz")
     assert run.torsional.chosen.first_frequency == frequencies[1] > 80.0
-    record = run_record(run)["torsional"]
-    shares = {one["number"]: one for one in record["modes"] if not one["rigid"]}
-    assert (shares[1]["of_crankshaft"], shares[2]["of_crankshaft"]) == (False, True)
-    assert shares[1]["crankshaft_share"] < 0.05
-    told = [row[0] for row in mode_table(record).rows]
+    first, second = run.torsional.elastic_modes[:2]
+    assert (first.of_crankshaft, second.of_crankshaft) == (False, True)
+    assert first.crankshaft_share < 0.05
+    told = [row[0] for row in run.torsional.mode_table().rows]
     assert told[1:3] == ["1 (coupling, damper or line)", "2"]
 
 
@@ -52,7 +48,7 @@ def test_summary_names_the_mode_of_the_crankshaft(run):
     results = SimpleNamespace(
         engine=_engine_record(run.engine_file),
         mechanism=None,
-        vibration=plain(run_record(run)),
+        vibration=run,
         inputs=[],
         input_warnings=[],
         checks=[],
@@ -63,7 +59,9 @@ def test_summary_names_the_mode_of_the_crankshaft(run):
     )
     (found,) = [one for one in summary(results)["figures"] if "torsional" in one["label"]]
     first = run.torsional.chosen.first_frequency
-    low, high = (getattr(run.assessment.torsional, end)[1] for end in ("lowest", "highest"))
+    low, high = (
+        getattr(run.assessment.torsional.frequencies[1], end) for end in ("lowest", "highest")
+    )
     assert float(found["value"]) == close(first, rel=0.01)
     assert found["details"][0].startswith(
         f"uncertainty range of the chain {low:.1f} to {high:.1f} Hz"

@@ -295,6 +295,8 @@ class Motion(NamedTuple):
         The same as written in diagrams and reports.
     size : float
         Of that unit, in SI.
+    load, load_printed, inertia, stiffness, compliance : str
+        Units of an element's load, in SI and as printed, and of a chain's other values.
     """
 
     quantity: Literal["displacement", "twist"]
@@ -302,19 +304,27 @@ class Motion(NamedTuple):
     printed: str
     unit: str
     size: float
+    load: str
+    load_printed: str
+    inertia: str
+    stiffness: str
+    compliance: str
 
     def number(self, value: float, digits: int = 3) -> str:
         """Write an SI value in that unit, rounded to so many digits also before the point, as tables do."""
         return significant(float(f"{value / self.size:.{digits}g}"), digits)
 
 
-def _motion(quantity: Literal["displacement", "twist"]) -> Motion:
+def _motion(quantity: Literal["displacement", "twist"], *units: str) -> Motion:
     printed = VIBRATING[quantity]
     si, size = UNITS[printed]
-    return Motion(quantity, si, printed, unit_symbol(printed), size)
+    return Motion(quantity, si, printed, unit_symbol(printed), size, *units)
 
 
-MOTION = {"axial": _motion("displacement"), "torsional": _motion("twist")}
+MOTION = {
+    "axial": _motion("displacement", "N", "kN", "kg", "N/m", "m/N"),
+    "torsional": _motion("twist", "N m", "kN m", "kg m^2", "N m/rad", "rad/(N m)"),
+}
 
 
 Remarks = tuple[str, ...]

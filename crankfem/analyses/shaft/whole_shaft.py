@@ -5,11 +5,11 @@ pins that the file names.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
 
@@ -262,6 +262,14 @@ class ShaftComparison(Result):
     differences: tuple[FrequencyDifference, ...] = ()
     flywheel_tilt: FlywheelTilts | None = None
     running_range: Internal[tuple[float, float]] = (0.0, math.inf)
+
+    @classmethod
+    def from_record(cls, content: "Mapping[str, Any] | Self") -> Self:
+        """Read content of JSON, in which a chain is of the kind that names it."""
+        comparison = super().from_record(content)
+        for kind, verdict in comparison.chains.items():
+            vars(verdict)["kind"] = kind
+        return comparison
 
     @property
     def verdicts(self) -> tuple[ChainVerdict, ...]:

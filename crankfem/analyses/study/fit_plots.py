@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,13 @@ from crankbase.diagrams import (
     GRAY,
     GREEN,
     ORANGE,
+    Dash,
+    Diagram,
+    Dots,
+    Limits,
+    Line,
     display_unit,
+    draw_diagram,
     draw_rows,
     figure,
     legend_inside,
@@ -25,7 +32,7 @@ from crankfem.analyses.study.nominal_throw import factor_sweep, sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits, predicted
 from regression.fits.fits import Fit
 from regression.fits.sensitivity import Sensitivities
-from regression.plots import BARS, POINTS, draw_runs, factor_size, label_factor_axis, response_text
+from regression.plots import BARS, POINTS, draw_runs, factor_label_text, factor_size, response_text
 from regression.runs.study_table import StudyTable
 from regression.throw_values import factor_text
 
@@ -41,48 +48,63 @@ FORMS_DRAWN = 4
 PALE_BLUE = "#b9cfe4"
 
 
-def draw_over_factor(axes: "Axes", table: StudyTable, response: ResponseFits, place: int) -> None:
-    """Draw the chosen equation, and others for comparison, over one factor.
+def factor_diagram(
+    table: StudyTable,
+    response: ResponseFits,
+    place: int,
+    unit: str = "",
+    texts: Sequence[str] = (),
+) -> Diagram:
+    """Describe the chosen equation, and others for comparison, over one factor.
 
     The other factors are those of the nominal throw, or the nearest levels. Filled dots are finite
     element results there; open ones are results elsewhere, shifted along the chosen equation with
     their distance to it unchanged. Over the labels of a choice equations are dashes.
+
+    Parameters
+    ----------
+    unit, texts
+        What a screen tells of a value, and of the designs.
     """
     factor, size = table.plan.factors[place], display_unit(response.unit)[1]
-    forms = forms_drawn(response)
+    labels, forms = factor.labels, forms_drawn(response)
     values = (
-        np.resize(np.arange(len(factor.labels), dtype=np.float64), POINTS)
-        if factor.labels
+        np.arange(len(labels), dtype=np.float64)
+        if labels
         else np.linspace(factor.lowest, factor.highest, POINTS)
     )
     section = factor_sweep(table, response, place, forms, values)
-    x_size = factor_size(factor.unit, factor.labels)
-    styles = iter(("--", ":", "-."))
+    x_size, hover = factor_size(factor.unit, labels), f"%{{y:.5g}}{unit}"
+    dashes: Iterator[Dash] = iter(("dash", "dot", "dashdot"))
+    lines, dots = [], []
     for fit, curve in zip(forms, section.curves, strict=True):
-        look: dict[str, Any] = {"label": response.form_text(fit), "color": GRAY}
-        if fit is response.chosen:
-            look |= {"color": BLUE, "linewidth": 1.8}
+        name, chosen = response.form_text(fit), fit is response.chosen
+        x, y, told = values / x_size, curve / size, f"{fit.form}<br>%{{x:.5g}}<br>{hover}"
+        color, width = (BLUE, 1.8) if chosen else (GRAY, 1.4)
+        if labels:
+            dots.append(Dots(x, y, name, color, "_", hover=told))
         else:
-            look["linestyle"] = next(styles)
-        if factor.labels:
-            look |= {"linestyle": "none", "marker": "_", "markersize": 22, "label": None}
-        axes.plot(values / x_size, curve / size, **look)
+            dash = "solid" if chosen else next(dashes)
+            lines.append(Line(x, y, name, color, told, width, dash))
     x, y = table.values[:, place] / x_size, section.results / size
-    for those, filling, alpha, label in (
-        (~section.on_line, "none", 0.45, "others, moved to this line"),
-        (section.on_line, ORANGE, 1.0, "finite elements"),
+    for those, symbol, name in (
+        (~section.on_line, "O", "other designs, moved to this line"),
+        (section.on_line, "o", "finite elements"),
     ):
-        axes.plot(
-            x[those],
-            y[those],
-            "o",
-            color=ORANGE,
-            markerfacecolor=filling,
-            markersize=3.5,
-            alpha=alpha,
-            label=label if those.any() else None,
-        )
-    label_factor_axis(axes, factor.name, factor.unit, factor.labels)
+        if those.any():
+            own = tuple(compress(texts, those))
+            told = f"<b>{name}</b><br>%{{text}}<br>{hover}"
+            dots.append(Dots(x[those], y[those], name, ORANGE, symbol, hover=told, texts=own))
+    return Diagram(
+        Limits(
+            factor_label_text(factor.name, factor.unit, labels),
+            (-0.5, len(labels) - 0.5) if labels else None,
+            dict(enumerate(labels)) if labels else None,
+        ),
+        Limits(response_text(response.symbol, response.unit)),
+        lines,
+        dots,
+    )
 
 
 def draw_fit_parity(axes: "Axes", table: StudyTable, response: ResponseFits, fit: Fit) -> None:
@@ -195,13 +217,13 @@ def fit_plot_files(response: str) -> list[str]:
 
 
 def plot_response(path: Path, table: StudyTable, response: ResponseFits) -> None:
-    """Plot the chosen equation, and others for comparison, over each factor; see `draw_over_factor`."""
+    """Plot the chosen equation, and others for comparison, over each factor; see `factor_diagram`."""
     factors = table.plan.factors
     with _grid(path, len(factors)) as panels:
         for place, panel in enumerate(panels):
-            draw_over_factor(panel, table, response, place)
-        for panel in panels[::PANELS_PER_ROW]:
-            panel.set_ylabel(response_text(response.symbol, response.unit))
+            draw_diagram(panel, factor_diagram(table, response, place))
+            if place % PANELS_PER_ROW:
+                panel.set_ylabel("")
         handles: dict[str, Any] = {}
         for panel in panels:
             for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.choices import check_choice, check_not_given, is_whole_within
-from crankbase.diagrams import legend_inside, new_axes, write_title
+from crankbase.diagrams import draw_diagram, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, MeshError, visible
 from crankbase.outputs import atomic_file, check_output, is_listed, write_errors
 from crankbase.results import Result, result
@@ -19,7 +19,7 @@ from crankfem.analyses.study.fit_plots import (
     draw_fit_elasticities,
     draw_fit_parity,
     draw_fit_sobol,
-    draw_over_factor,
+    factor_diagram,
     fe_axis_label,
 )
 from crankfem.analyses.study.fit_records import compliance_model
@@ -240,8 +240,7 @@ class StudyResult:
             axes.set_ylabel(f"{response_text(found.symbol, found.unit)} by the equation")
             legend_inside(axes)
         elif show == "response":
-            draw_over_factor(axes, self.table, found, factors.index(along))
-            axes.set_ylabel(response_text(found.symbol, found.unit))
+            draw_diagram(axes, factor_diagram(self.table, found, factors.index(along)))
             write_title(axes, f"{name.replace('_', ' ')}, {found.support}".rstrip(", "))
             legend_inside(axes)
         else:

@@ -10,7 +10,8 @@ from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, result
 from crankbase.table import Column, Table
 from crankfem.analyses.study.response_fits import FittedResponse, ResponseFits
 from regression.fits.equation_text import term_symbols
-from regression.fits.fits import Fit, FitErrors
+from regression.fits.fits import Fit
+from regression.fits.selection import FitErrors
 from regression.fits.sensitivity import Sensitivities
 from regression.plans.plan import ExcludedDesign
 from regression.response_kinds import AXIAL, END_MOMENTS

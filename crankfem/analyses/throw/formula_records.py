@@ -1,9 +1,9 @@
-"""Values of the published formulas for one throw as plain JSON content, with those of finite elements."""
+"""Values of the published formulas for one throw, compared with finite elements, law and regression."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 
@@ -19,12 +19,12 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
-from crankbase.results import Result
-from crankfem.analyses.record import Record, attributes, plain
-from crankfem.analyses.throw.law_record import LAW, law_results
+from crankbase.quantity import percent
+from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, result
+from crankfem.analyses.throw.law_record import LAW, LawAnswer, law_results
 from crankfem.analyses.throw.throw_record import ThrowResults
 from fem.analysis import ThrowAnalysis, analyze_throw
-from fem.angle_law import is_symmetric
+from fem.angle_law import AngleNumbers, is_symmetric
 from fem.material import STEEL, Material
 from fem.plots import ANGLES_DEG
 from fem.supports import Neighbors
@@ -32,38 +32,108 @@ from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula_faults, axial_formulas
 from regression.formulas.case import FormulaValue
 from regression.formulas.torsional_formulas import torsional_formulas
+from regression.models.response_model import ResponseModel
 from regression.plots import draw_formula_bars
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-def formula_records(
+MetrePerNewton = Annotated[float, Quantity("m/N")]
+Kind = Literal["axial", "torsional"]
+KINDS: tuple[Kind, ...] = ("axial", "torsional")
+
+
+@result("axial", "torsional", "error_estimate", eq=True)
+class ElementValues(Result):
+    """Compliances of a throw by finite elements, to compare with the formulas.
+
+    The axial one is in a helix of throws with one angle between them, the torsional one pinned; the
+    error is that of the axial one.
+    """
+
+    axial: MetrePerNewton
+    torsional: Annotated[float, Quantity("rad/(N m)")]
+    error_estimate: Number
+
+
+@result("axial", "torsional", "error_estimate")
+class ElementsOfThrow(ElementValues):
+    """Compliances of a throw by finite elements, rigid sections and the law of the angle among them."""
+
+    axial_rigid_sections: MetrePerNewton
+    # None where the webs differ.
+    angle_law: AngleNumbers | None
+
+
+@result("name", "reason", eq=True)
+class LeftOut(Result):
+    """A formula, the law or a regression without a value, with the reason."""
+
+    name: str
+    reason: str
+
+
+@result("value", "of", "form", eq=True)
+class Regression(Result):
+    """The value of a fitted equation for a throw, with the source of the equation."""
+
+    value: InItsUnit
+    of: str
+    form: str
+    largest_error_held_out: Annotated[float | None, Quantity("1")]
+    remarks: tuple[str, ...]
+    unit: Internal[str] = ""
+
+    @classmethod
+    def by_equation(
+        cls, value: float, fit: ResponseModel, source: str = "the study", *remarks: str
+    ) -> Self:
+        """Return the value [SI] of an equation of a source, with remarks on it."""
+        held = fit.largest_heldout_error
+        judged = (
+            "none was held out to judge it"
+            if held is None
+            else f"its largest error at held-out designs is {percent(held)} %"
+        )
+        fitted = f"{fit.form.capitalize()} equation fitted to {fit.runs} designs; {judged}."
+        return cls(value, source, fit.form, held, (fitted, *remarks), fit.unit)
+
+
+@result("axial", "torsional", "law", "left_out")
+class Formulas(Result):
+    """Values of all published formulas for a throw, with those of finite elements, law and regression.
+
+    Of the law those at the same angle. `left_out` has axial formulas without a value in a printed
+    reading, and what else does not apply.
+    """
+
+    axial: tuple[FormulaValue, ...]
+    torsional: tuple[FormulaValue, ...]
+    law: Mapping[str, LawAnswer] | None
+    left_out: tuple[LeftOut, ...]
+    fe: Annotated[ElementsOfThrow | None, Quantity(left_out=True)] = None
+    regression: Annotated[Mapping[str, Regression] | None, Quantity(left_out=True)] = None
+    gamma_deg: Annotated[float | None, Quantity("deg", left_out=True)] = None
+    constants: Annotated[Mapping[str, float] | None, Quantity("1", left_out=True)] = None
+
+    def of_kind(self, kind: Kind) -> tuple[FormulaValue, ...]:
+        """Return the axial or the torsional formulas."""
+        return self.axial if kind == "axial" else self.torsional
+
+    def by_law(self, kind: Kind) -> LawAnswer | None:
+        """Return the law's compliance."""
+        return (self.law or {}).get(f"{kind}_compliance")
+
+
+def formulas_of(
     throw: CrankThrow,
     material: Material,
     gamma_deg: float = 180.0,
     variant: str = "corrected",
     constants: Mapping[str, float] | None = None,
-) -> Record:
-    """Values of all published formulas for a throw.
-
-    Parameters
-    ----------
-    gamma_deg, variant, constants
-        As in `axial_formulas`.
-
-    Returns
-    -------
-    dict
-        "axial" [m/N] and "torsional" [rad/(N m)]: a record for each formula; "law": `law_answers`
-        at that angle, None if it does not cover the throw; "left_out": axial formulas without a value in
-        a printed reading, and the law without results, with the reason.
-
-    Raises
-    ------
-    InputError
-        As `axial_formulas`.
-    """
+) -> Formulas:
+    """Evaluate all published formulas for a throw; arguments and errors as of `axial_formulas`."""
     axial = axial_formulas(
         throw, gamma_deg, material=material, variant=variant, constants=constants
     )
@@ -72,17 +142,12 @@ def formula_records(
     law = law_results(throw, material, gamma_deg)
     if law.answers is None:
         faults |= {LAW: f"the law, {str(law.reason).rstrip('.')}"}
-    return {
-        "axial": _records(axial),
-        "torsional": _records(torsional),
-        "law": None if law.answers is None else plain(law.answers),
-        "left_out": [{"name": name, "reason": reason} for name, reason in faults.items()],
-    }
-
-
-def _records(values: Mapping[str, FormulaValue]) -> list[Record]:
-    names = ("value", "unit", "valid", "variant", "remarks", "source")
-    return [{"name": name, **attributes(formula, *names)} for name, formula in values.items()]
+    return Formulas(
+        axial=tuple(replace(value, name=name) for name, value in axial.items()),
+        torsional=tuple(replace(value, name=name) for name, value in torsional.items()),
+        law=law.answers,
+        left_out=tuple(LeftOut(name, reason) for name, reason in faults.items()),
+    )
 
 
 def fe_axial(analysis: ThrowAnalysis, gamma_deg: float) -> float:
@@ -109,66 +174,43 @@ def fe_axial_curve(analysis: ThrowAnalysis, gammas_deg: Sequence[float]) -> list
     return [analysis.axial_compliance(Neighbors(gamma, gamma)) for gamma in gammas_deg]
 
 
-def fe_record(analysis: ThrowAnalysis, gamma_deg: float) -> Record:
-    """Values by finite elements to compare with the formulas.
-
-    Parameters
-    ----------
-    gamma_deg : float
-        Angle between neighboring cranks [deg].
-
-    Returns
-    -------
-    dict
-        "axial" at that angle [m/N], and with rigid sections "axial_rigid_sections"; "torsional" (pinned)
-        [rad/(N m)], "error_estimate"; and "angle_law", the law's e_0, e_180 [m/N] and rho, None where
-        the webs differ.
-    """
-    law = analysis.angle_law if is_symmetric(analysis.superelement) else None
-    return {
-        "axial": fe_axial(analysis, gamma_deg),
-        "axial_rigid_sections": fe_axial(analysis.with_sections("rigid"), gamma_deg),
-        "torsional": analysis.torsional_compliance("pinned"),
-        "error_estimate": analysis.error_estimate,
-        "angle_law": None
-        if law is None
-        else {"e_0": law.in_line, "e_180": law.opposite, "rho": law.ratio},
-    }
+def by_elements(analysis: ThrowAnalysis, gamma_deg: float = 180.0) -> ElementsOfThrow:
+    """Return the values by finite elements at an angle between neighboring cranks [deg]."""
+    return ElementsOfThrow(
+        axial=fe_axial(analysis, gamma_deg),
+        torsional=analysis.torsional_compliance("pinned"),
+        error_estimate=analysis.error_estimate,
+        axial_rigid_sections=fe_axial(analysis.with_sections("rigid"), gamma_deg),
+        angle_law=analysis.angle_law if is_symmetric(analysis.superelement) else None,
+    )
 
 
+# In the results of a run.
+ANGLES_SHOWN_DEG = np.arange(0.0, 181.0, 5.0)
 # Formulas differ by factors: finite elements within 2 % are far more than enough beside them.
 ACCURACY = 0.02
 
 
-@dataclass(frozen=True)
-class Ratio:
+@result("value", "valid", eq=True)
+class Ratio(Result):
     """Ratio of a formula's value to finite elements, and whether the formula applies to the throw."""
 
-    value: float
+    value: Annotated[float, Quantity("1", key="ratio")]
     valid: bool
 
 
-@dataclass(frozen=True)
-class EngineSpread:
+@result("engine", "overlap", "fe", eq=True)
+class EngineSpread(Result):
     """One engine's formulas compared with finite elements.
 
-    Attributes
-    ----------
-    overlap : float
-        Overlap of main journal and crankpin relative to the crank radius, negative without overlap.
-    fe : mapping of str to float
-        "axial" [m/N] and "torsional" [rad/(N m)] by finite elements.
-    error_estimate : float
-        Relative, of the axial compliance.
-    ratios : mapping of str to mapping of str to Ratio
-        "axial" and "torsional", each formula name to formula / finite elements.
+    The overlap of main journal and crankpin is negative without overlap. `ratios` has formula name to
+    formula / finite elements for each kind.
     """
 
     engine: str
-    overlap: float
-    fe: Mapping[str, float]
-    error_estimate: float
-    ratios: Mapping[str, Mapping[str, Ratio]]
+    overlap: Annotated[float, Quantity("1", "of the crank radius", key="overlap_per_radius")]
+    fe: ElementValues
+    ratios: Annotated[Mapping[str, Mapping[str, Ratio]], Quantity(key="beside_fe")]
 
 
 @dataclass(frozen=True)
@@ -205,19 +247,23 @@ def engine_spread(
     InputError
         As `axial_formulas`.
     """
-    records = formula_records(throw, material, gamma_deg, variant, constants)
-    fe = fe_record(analyze_throw(throw, material, accuracy=accuracy), gamma_deg)
+    formulas = formulas_of(throw, material, gamma_deg, variant, constants)
+    analysis = analyze_throw(throw, material, accuracy=accuracy)
+    fe = ElementValues(
+        fe_axial(analysis, gamma_deg),
+        analysis.torsional_compliance("pinned"),
+        analysis.error_estimate,
+    )
     return EngineSpread(
         engine=engine,
         overlap=throw.overlap / throw.crank_radius,
-        fe={kind: fe[kind] for kind in ("axial", "torsional")},
-        error_estimate=fe["error_estimate"],
+        fe=fe,
         ratios={
             kind: {
-                record["name"]: Ratio(record["value"] / fe[kind], record["valid"])
-                for record in records[kind]
+                formula.name: Ratio(formula.value / getattr(fe, kind), formula.valid)
+                for formula in formulas.of_kind(kind)
             }
-            for kind in ("axial", "torsional")
+            for kind in KINDS
         },
     )
 
@@ -259,7 +305,7 @@ def formula_spreads(spreads: Sequence[EngineSpread], kind: str) -> dict[str, For
         ratios that are not positive.
     """
     names = dict.fromkeys(name for spread in spreads for name in spread.ratios[kind])
-    result = {}
+    summary = {}
     for name in names:
         ratios = [
             ratio.value
@@ -268,23 +314,134 @@ def formula_spreads(spreads: Sequence[EngineSpread], kind: str) -> dict[str, For
         ]
         if ratios:
             mean = math.exp(sum(math.log(ratio) for ratio in ratios) / len(ratios))
-            result[name] = FormulaSpread(min(ratios), mean, max(ratios))
-    return result
+            summary[name] = FormulaSpread(min(ratios), mean, max(ratios))
+    return summary
 
 
-def spread_record(spread: EngineSpread) -> Record:
-    """Return an engine's spread as plain JSON content."""
-    return {
-        "engine": spread.engine,
-        "overlap_per_radius": spread.overlap,
-        "fe": dict(spread.fe) | {"error_estimate": spread.error_estimate},
-        "beside_fe": {
-            kind: {
-                name: {"ratio": ratio.value, "valid": ratio.valid} for name, ratio in ratios.items()
-            }
-            for kind, ratios in spread.ratios.items()
+@result("gamma_deg")
+class CompliancesOverAngle(Result):
+    """Axial compliances of an engine's throw over the angle between neighboring cranks.
+
+    The formulas have None where they give no compliance above zero.
+    """
+
+    gamma_deg: Annotated[FloatArray, Quantity("deg")]
+    fe: Annotated[FloatArray, Quantity("m/N")]
+    formulas: Annotated[Mapping[str, tuple[float | None, ...]], Quantity("m/N")]
+    law: AngleNumbers | None
+
+    def curves(self, throw: ThrowResults) -> Curves:
+        """Describe finite elements and formulas over the angle."""
+        curves = {name: np.array(row, dtype=np.float64) for name, row in self.formulas.items()}
+        bounds = {name: throw.supports[name].axial for name in ("guided", "pinned")}
+        return formulas_over_angle(self.gamma_deg, curves, self.fe, bounds)
+
+
+def compliances_over_angle(
+    throw: CrankThrow, analysis: ThrowAnalysis, law: AngleNumbers | None
+) -> CompliancesOverAngle:
+    """Return the axial compliances by finite elements and formulas over the angle."""
+    tables = [
+        axial_formulas(throw, gamma, material=analysis.material)
+        for gamma in ANGLES_SHOWN_DEG.tolist()
+    ]
+    return CompliancesOverAngle(
+        gamma_deg=ANGLES_SHOWN_DEG,
+        fe=np.array(fe_axial_curve(analysis, ANGLES_SHOWN_DEG.tolist())),
+        formulas={
+            name: tuple(table[name].value if table[name].value > 0.0 else None for table in tables)
+            for name in tables[0]
         },
-    }
+        law=law,
+    )
+
+
+@dataclass(frozen=True)
+class ComparedRow:
+    """A source's compliance in the report's table.
+
+    Attributes
+    ----------
+    beside : float
+        Divided by that of finite elements.
+    in_shaft, frequency : float or None
+        Mean over the throws in the shaft with that source, and the first natural frequency that follows
+        [Hz]; None where the source is not used.
+    notes : list of int
+        Numbers of its notes.
+    """
+
+    name: str
+    value: float
+    beside: float
+    in_shaft: float | None
+    frequency: float | None
+    applies: bool
+    notes: list[int]
+
+
+@dataclass(frozen=True)
+class ComparedCompliances:
+    """The rows of each kind, the notes by their numbers from 1, and the ratios of formulas that apply.
+
+    `range` is None where fewer than two apply.
+    """
+
+    tables: Mapping[str, list[ComparedRow]]
+    notes: list[str]
+    range: Mapping[str, tuple[float, float] | None]
+
+
+def compared_compliances(
+    throw: ThrowResults,
+    formulas: Formulas,
+    sources_in_shaft: Mapping[str, Sequence[Any]] | None = None,
+) -> ComparedCompliances:
+    """Compare the compliances of a throw by all sources.
+
+    Parameters
+    ----------
+    sources_in_shaft : mapping, optional
+        `SourceFrequencies` by kind of vibration.
+    """
+    numbers: dict[str, int] = {}
+    tables: dict[str, list[ComparedRow]] = {}
+    ranges: dict[str, tuple[float, float] | None] = {}
+    for kind in KINDS:
+        fe = getattr(throw.supports["pinned"], kind)
+        chains = {chain.source: chain for chain in (sources_in_shaft or {}).get(kind, ())}
+        rows: list[ComparedRow] = []
+
+        def add(
+            name: str,
+            value: float,
+            source: str,
+            remarks: Sequence[str] = (),
+            applies: bool = True,
+            fe: float = fe,
+            chains: Mapping[str, Any] = chains,
+            rows: list[ComparedRow] = rows,
+        ) -> None:
+            chain = chains.get(source)
+            mean = None if chain is None else chain.mean_compliance
+            first = None if chain is None else chain.first_frequency
+            notes = sorted(numbers.setdefault(text, len(numbers) + 1) for text in remarks)
+            rows.append(ComparedRow(name, value, value / fe, mean, first, applies, notes))
+
+        add("finite elements", fe, "fe")
+        add("finite elements, pinned throughout", fe, "fe pinned")
+        if fitted := (formulas.regression or {}).get(kind):
+            add(f"regression of {fitted.of}", fitted.value, "regression", fitted.remarks)
+        if law := formulas.by_law(kind):
+            width = percent(law.upper / law.value - 1.0)
+            text = f"Fitted to finite elements of thousands of throws; 95 of 100 err by less than {width} %."
+            add("the law", law.value, "law", [text])
+        for formula in formulas.of_kind(kind):
+            add(formula.name, formula.value, formula.name, formula.remarks, formula.valid)
+        applying = [formula.value / fe for formula in formulas.of_kind(kind) if formula.valid]
+        ranges[kind] = (min(applying), max(applying)) if len(applying) > 1 else None
+        tables[kind] = rows
+    return ComparedCompliances(tables, list(numbers), ranges)
 
 
 NANO = 1e9
@@ -385,8 +542,8 @@ def plot_run_formulas(results: Result | Mapping[str, Any], axes: "Axes | None" =
             "results: given some without angle_law and throw; allowed is the content of a run's "
             "results.json, because these hold what is drawn."
         )
-    throw = ThrowResults.from_record(content["throw"])
-    described = run_formulas_over_angle(content["angle_law"], throw)
+    shown = CompliancesOverAngle.from_record(content["angle_law"])
+    described = shown.curves(ThrowResults.from_record(content["throw"]))
     return _draw(axes, described, "Axial compliance over the angle")
 
 
@@ -398,15 +555,6 @@ def _draw(axes: "Axes | None", described: Curves, title: str) -> "Axes":
     )
     write_title(axes, title)
     return axes
-
-
-def run_formulas_over_angle(law: Mapping[str, Any], throw: ThrowResults) -> Curves:
-    """Describe finite elements and formulas over the angle, from the results of a run."""
-    supports = throw.supports
-    # Where a formula gives no compliance above zero, there is null, which becomes nan.
-    curves = {name: np.array(values, dtype=np.float64) for name, values in law["formulas"].items()}
-    bounds = {name: supports[name].axial for name in ("guided", "pinned")}
-    return formulas_over_angle(np.array(law["gamma_deg"]), curves, np.array(law["fe"]), bounds)
 
 
 def formulas_over_angle(

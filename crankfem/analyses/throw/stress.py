@@ -1,20 +1,34 @@
-"""Stresses at a throw's fillets and oil holes as plain numbers, and the tables made from them."""
+"""Stresses at a throw's fillets and oil holes: their numbers, tables and sentences."""
 
+import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
 
+from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError, MeshError, SolveError
-from crankbase.results import plain
+from crankbase.results import Number, Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
-from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.stress_picture import RENDER, picture_arrays, picture_name
-from crankfem.analyses.throw.throw_record import dimensions_of
+from crankfem.analyses.throw.throw_record import ThrowInFile, dimensions_of
 from fem import fillet_stress
-from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak
+from fem.fillet_peaks import (
+    ACROSS_WEB,
+    LARGEST_NORMAL,
+    LARGEST_SIZE,
+    LARGEST_SPREAD,
+    LAYERS,
+    RULE_LOADS,
+    FilletMeshing,
+    FilletPeak,
+    FilletStresses,
+    OilHolePeak,
+    ReadingQuality,
+)
 from fem.material import Material
 from geometry.throw import CrankThrow
 
@@ -101,105 +115,259 @@ class StressRendering(OffscreenProcess):
 LOAD = 1000.0
 
 
-def stress_record(stresses: FilletStresses) -> Record:
-    """Plain content of the stresses at a throw's fillets and oil holes, in SI units."""
-    mesh = stresses.loaded.mesh
-    return {
-        "dimensions": plain(dimensions_of(stresses.throw)),
-        "material": stresses.loaded.material.model_dump(),
-        "support": "pinned",
-        "end_sections": stresses.loaded.end_sections,
-        "loads": [
-            {
-                "load": load.name,
-                "kind": load.kind,
-                "unit": load.unit,
-                "stress_unit": f"Pa/({load.unit})" if " " in load.unit else f"Pa/{load.unit}",
-                "fillets": [
-                    {"fillet": peak.name, "radius": peak.fillet.radius, **_peak_record(peak)}
-                    for peak in stresses.under(load)
-                ],
-                "oil_holes": [
-                    {
-                        "exit": peak.name,
-                        "diameter": 2.0 * peak.outlet.drilling.radius,
-                        "exit_radius": peak.outlet.drilling.exit_radius,
-                        **_peak_record(peak),
-                    }
-                    for peak in stresses.at_oil_holes(load)
-                ],
-            }
-            for load in stresses.loaded.loads
-        ],
-        **attributes(stresses, "sharp_corners", "error_estimate", "accuracy", "accuracy_met"),
-        "elements_across_fillets": stresses.fineness,
-        "mesh": stresses.mesh,
-        "meshings": [
-            attributes(meshing, "fillet", "size", "size_share", "layers", "across_web", "met")
-            for meshing in stresses.meshings
-        ],
-        "rule_met": stresses.rule_met,
-        "unknowns": mesh.unknowns,
-        "solved_part": mesh.part,
-        "mended_elements": mesh.mended_elements,
-        "meshing_attempts": list(mesh.attempts),
-        "solver": stresses.loaded.solver,
-        "pictures": [],
-    }
+StressPerLoad = Annotated[float, Quantity(".stress_unit")]
+Stresses = Annotated[FloatArray, Quantity(".stress_unit")]
+Place = Annotated[FloatArray, Quantity("m")]
 
 
-def _peak_record(peak: FilletPeak | OilHolePeak) -> Record:
-    return {
-        **attributes(
-            peak,
-            *("principal", "principal_place", "principals", "von_mises", "von_mises_place"),
-            *("shear", "shear_place", "nominal", "factor", "von_mises_factor", "shear_factor"),
-            *("rule_factor", "error_estimate"),
-        ),
-        "quality": attributes(peak.quality, "normal_share", "spread", "met"),
-    }
+@result("name", "factor")
+class StressPeak(Result):
+    """The largest stresses at one location under one unit load, as `fem.fillet_peaks.FilletPeak` has them."""
+
+    name: str
+    principal: StressPerLoad
+    principal_place: Place
+    principals: Stresses
+    von_mises: StressPerLoad
+    von_mises_place: Place
+    shear: StressPerLoad
+    shear_place: Place
+    nominal: StressPerLoad
+    factor: Number
+    von_mises_factor: Number
+    shear_factor: Number
+    rule_factor: Annotated[float | None, Quantity("1")]
+    error_estimate: Number
+    quality: ReadingQuality
 
 
-def stress_tables(record: Record, units: OutputUnits = SI) -> list[Table]:
-    """Return a table of the largest stresses for each load; of a symmetric throw the left half."""
-    length = units.of("mm")
-    tables = []
-    for load in record["loads"]:
-        fillets, holes = load["fillets"], load.get("oil_holes", [])
-        shown = fillets[: len(fillets) // 2] if mirrored(record) else fillets
-        stress = _stress_per_load(load["unit"], units)
-        by_rule = any(peak.get("rule_factor") is not None for peak in (*shown, *holes))
-        tables.append(
-            Table(
-                f"{load['load'].capitalize()}: largest stresses at fillets"
-                f"{' and exits of oil holes' if holes else ''} [{stress.name}]",
-                [
-                    Column("fillet or exit" if holes else "fillet", words=True),
-                    *(
-                        Column(name, stress, bare=True)
-                        for name in ("principal", "Mises", "nominal")
-                    ),
-                    Column("factor", decimals=2),
-                    *([Column("M53", decimals=2)] if by_rule else []),
-                    Column("principal at x y z", length),
-                ],
-                [
+@result("name", "factor")
+class FilletStress(StressPeak):
+    """The largest stresses at a fillet."""
+
+    name: Annotated[str, Quantity(key="fillet")]
+    radius: Annotated[float, Quantity("m")]
+
+
+@result("name", "factor")
+class OilHoleStress(StressPeak):
+    """The largest stresses at an exit of an oil hole."""
+
+    name: Annotated[str, Quantity(key="exit")]
+    diameter: Annotated[float, Quantity("m")]
+    exit_radius: Annotated[float, Quantity("m")]
+
+
+@result("load", "unit")
+class LoadStresses(Result):
+    """The stresses of a throw under one unit load."""
+
+    load: str
+    kind: str
+    unit: str
+    stress_unit: str
+    fillets: tuple[FilletStress, ...]
+    oil_holes: tuple[OilHoleStress, ...]
+
+    @property
+    def peaks(self) -> tuple[FilletStress | OilHoleStress, ...]:
+        """Those of fillets, then those of oil holes."""
+        return (*self.fillets, *self.oil_holes)
+
+
+@result("error_estimate", "accuracy", "unknowns")
+class StressResults(Result):
+    """Stresses at a throw's fillets and oil holes under unit loads."""
+
+    dimensions: CrankThrow | ThrowInFile
+    material: Material
+    support: str
+    end_sections: str
+    loads: tuple[LoadStresses, ...]
+    sharp_corners: tuple[str, ...]
+    error_estimate: Number
+    accuracy: Number
+    accuracy_met: bool
+    elements_across_fillets: Number
+    mesh: str
+    meshings: tuple[FilletMeshing, ...]
+    rule_met: bool
+    unknowns: int
+    solved_part: str
+    mended_elements: int
+    meshing_attempts: tuple[str, ...]
+    solver: str
+    pictures: tuple[str, ...] = ()
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether the left half of a throw, symmetric about its middle, is sufficient."""
+        return self.solved_part == "quarter"
+
+    def tables(self, units: OutputUnits = SI) -> list[Table]:
+        """Return a table of the largest stresses for each load; of a symmetric throw the left half."""
+        length = units.of("mm")
+        tables = []
+        for load in self.loads:
+            holes = load.oil_holes
+            shown = load.fillets[: len(load.fillets) // 2] if self.mirrored else load.fillets
+            peaks: tuple[FilletStress | OilHoleStress, ...] = (*shown, *holes)
+            stress = _stress_per_load(load.unit, units)
+            by_rule = any(peak.rule_factor is not None for peak in peaks)
+            tables.append(
+                Table(
+                    f"{load.load.capitalize()}: largest stresses at fillets"
+                    f"{' and exits of oil holes' if holes else ''} [{stress.name}]",
                     [
-                        (peak.get("fillet") or peak["exit"]).replace("main journal", "journal"),
-                        *(peak[name] for name in ("principal", "von_mises", "nominal", "factor")),
-                        *([peak.get("rule_factor")] if by_rule else []),
-                        _place(peak["principal_place"], length),
-                    ]
-                    for peak in (*shown, *holes)
-                ],
+                        Column("fillet or exit" if holes else "fillet", words=True),
+                        *(
+                            Column(name, stress, bare=True)
+                            for name in ("principal", "Mises", "nominal")
+                        ),
+                        Column("factor", decimals=2),
+                        *([Column("M53", decimals=2)] if by_rule else []),
+                        Column("principal at x y z", length),
+                    ],
+                    [
+                        [
+                            peak.name.replace("main journal", "journal"),
+                            *(peak.principal, peak.von_mises, peak.nominal, peak.factor),
+                            *([peak.rule_factor] if by_rule else []),
+                            _place(peak.principal_place, length),
+                        ]
+                        for peak in peaks
+                    ],
+                )
             )
+        return tables
+
+    def sentences(self) -> list[str]:
+        """Remarks that the tables do not contain."""
+        sentences = [
+            f"Ends pinned, end sections {self.end_sections}. Principal: the largest in magnitude, at the "
+            "location given; Mises: the largest equivalent stress by von Mises; factor: size of the "
+            "principal stress divided by the nominal one, which is a shear stress under a torque; M53: the "
+            "factor as UR M53 defines it, at fillets by the largest shear stress under a torque, by von "
+            "Mises in bending."
+        ]
+        if self.mirrored:
+            sentences.append(
+                "The fillets at the right web have the same stresses, under a torque with the opposite sign."
+            )
+        if self.solved_part != "full":
+            sentences.append(
+                "Locations at -x have the same stresses, under a torque and bending across the crank plane "
+                "with the opposite sign."
+            )
+        if self.sharp_corners:
+            sentences.append(
+                f"No stress is given at {'; '.join(self.sharp_corners)}: without a fillet the elastic "
+                "stress has no bound."
+            )
+        if any(load.oil_holes for load in self.loads):
+            sentences.append(
+                "The exit of an oil hole is its rim and the hole to a depth of one diameter; nominal: the "
+                "stress of the pin or main journal without the hole, on its extreme fiber, wherever the "
+                "hole points."
+            )
+        if self.mesh == "m53":
+            sentences += self.rule_sentences()
+        errors = [peak.error_estimate for load in self.loads for peak in load.peaks]
+        met = "" if self.accuracy_met else f", not the {100.0 * self.accuracy:.2g} % requested"
+        sentences.append(
+            f"Estimated errors of the stresses: {100.0 * min(errors):.2g} to "
+            f"{100.0 * max(errors):.2g} %{met}."
         )
-    return tables
+        sentences += [f"{file} written." for file in self.pictures]
+        return sentences
+
+    def rule_sentences(self) -> list[str]:
+        """The requirements of UR M53, Appendix III, on mesh and stresses, and the values reached."""
+        meshings = self.meshings
+        layers = [max(meshing.layers[k] for meshing in meshings) for k in range(len(LAYERS))]
+        read = [
+            fillet.quality
+            for load in self.loads
+            if load.kind in RULE_LOADS
+            for fillet in load.fillets
+        ]
+
+        def verdict(checks: Sequence[FilletMeshing | ReadingQuality]) -> str:
+            return "met" if all(check.met for check in checks) else "not met"
+
+        return [
+            f"Mesh of UR M53, Appendix III, {verdict(meshings)}: largest element of the fillets "
+            f"{_up(max(meshing.size_share for meshing in meshings), 2)} of the radius (allowed "
+            f"{LARGEST_SIZE:g}), "
+            f"layers below {', '.join(_up(layer, 1) for layer in layers)} quarters of it (1, 2, 3), "
+            f"{_down(min(meshing.across_web for meshing in meshings), 1)} elements across the web "
+            f"({ACROSS_WEB:.0f} or more).",
+            "Its criteria where stresses are read under torque, bending in the crank plane and radial force, "
+            f"{verdict(read)}: smallest principal stress up to "
+            f"{100.0 * max(quality.normal_share for quality in read):.1f} % of the largest "
+            f"(below {100.0 * LARGEST_NORMAL:.0f} %), elements within "
+            f"{_up(100.0 * max(quality.spread for quality in read), 1)} % of their mean "
+            f"({100.0 * LARGEST_SPREAD:.0f} %).",
+        ]
 
 
-def mirrored(record: Record) -> bool:
-    """Return whether the left half of a throw, symmetric about its middle, is sufficient."""
-    return bool(record["solved_part"] == "quarter")
+def stress_results(stresses: FilletStresses) -> StressResults:
+    """Return the numbers of stresses at a throw's fillets and oil holes."""
+    loaded, mesh = stresses.loaded, stresses.loaded.mesh
+    return StressResults(
+        dimensions=dimensions_of(stresses.throw),
+        material=loaded.material,
+        support="pinned",
+        end_sections=loaded.end_sections,
+        loads=tuple(
+            LoadStresses(
+                load=load.name,
+                kind=load.kind,
+                unit=load.unit,
+                stress_unit=f"Pa/({load.unit})" if " " in load.unit else f"Pa/{load.unit}",
+                fillets=tuple(
+                    FilletStress(**_values(peak), radius=peak.fillet.radius)
+                    for peak in stresses.under(load)
+                ),
+                oil_holes=tuple(
+                    OilHoleStress(
+                        **_values(peak),
+                        diameter=2.0 * peak.outlet.drilling.radius,
+                        exit_radius=peak.outlet.drilling.exit_radius,
+                    )
+                    for peak in stresses.at_oil_holes(load)
+                ),
+            )
+            for load in loaded.loads
+        ),
+        sharp_corners=stresses.sharp_corners,
+        error_estimate=stresses.error_estimate,
+        accuracy=stresses.accuracy,
+        accuracy_met=stresses.accuracy_met,
+        elements_across_fillets=stresses.fineness,
+        mesh=stresses.mesh,
+        meshings=stresses.meshings,
+        rule_met=stresses.rule_met,
+        unknowns=mesh.unknowns,
+        solved_part=mesh.part,
+        mended_elements=mesh.mended_elements,
+        meshing_attempts=mesh.attempts,
+        solver=loaded.solver,
+    )
+
+
+def _values(peak: FilletPeak | OilHolePeak) -> dict[str, Any]:
+    return {entry.name: getattr(peak, entry.name) for entry in fields(StressPeak)}
+
+
+def _up(value: float, decimals: int) -> str:
+    """Return a number rounded up, so that a value above its limit never appears to meet it."""
+    return f"{math.ceil(round(value * 10**decimals, 6)) / 10**decimals:.{decimals}f}"
+
+
+def _down(value: float, decimals: int) -> str:
+    """Return a number rounded down, so that a value below its limit never appears to meet it."""
+    return f"{math.floor(round(value * 10**decimals, 6)) / 10**decimals:.{decimals}f}"
 
 
 def _stress_per_load(unit: str, units: OutputUnits) -> OutputUnit:
@@ -213,7 +381,7 @@ def _stress_per_load(unit: str, units: OutputUnits) -> OutputUnit:
     )
 
 
-def _place(place: list[float], length: OutputUnit) -> str:
+def _place(place: FloatArray, length: OutputUnit) -> str:
     values = [value / length.size for value in place]
     digits = 2 if length.wished else 1
     return " ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values)

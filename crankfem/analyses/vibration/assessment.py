@@ -1,18 +1,21 @@
 """Assessment of an engine's forced vibration: limits, verdict, and uncertainty."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import count, pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
 
 import numpy as np
 
 from crankbase.array_checks import FloatArray
-from crankbase.frames import table
-from crankbase.summaries import summarized
+from crankbase.frames import table_of
+from crankbase.quantity import RPM
+from crankbase.results import Flat, Hertz, Internal, Part, Quantity, Result, Speed, result
+from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.assumptions import is_assumed
-from crankfem.analyses.shaft.chains import damped_engine_chain, magnifier_of
+from crankfem.analyses.shaft.chains import MOTION, damped_engine_chain, magnifier_of
 from crankfem.analyses.shaft.sources import source_spread
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_chain
@@ -47,6 +50,7 @@ from dynamics.assessment.uncertainty import (
 )
 from dynamics.assessment.verdict import (
     Decision,
+    LimitCheck,
     Status,
     Trial,
     Verdict,
@@ -78,6 +82,10 @@ HIGHEST_YIELD = 0.7
 STRENGTH_STEP = 1e6
 
 Judged = Callable[[float], Status]
+Motion: TypeAlias = Annotated[float, Quantity(".motion_unit")]
+Parts: TypeAlias = Iterator[Table | str]
+# What a table shows; files hold everything.
+ROWS_SHOWN = 12
 
 
 def engine_decision(
@@ -249,53 +257,159 @@ def _joined(each: Sequence[Sequence[Range]]) -> tuple[Range, ...]:
     return tuple(joined)
 
 
-@summarized("kind", "spreads", "nominal [Hz]", "lowest [Hz]", "highest [Hz]")
-@dataclass(frozen=True, eq=False)
-class Uncertainty:
+@result("mode", "lowest", "nominal", "highest", eq=True)
+class FrequencyRange(Result):
+    """Exact bounds of an elastic natural frequency; modes count from 1."""
+
+    mode: int
+    lowest: Annotated[float, Quantity("Hz", key="low")]
+    nominal: Hertz
+    highest: Annotated[float, Quantity("Hz", key="high")]
+
+
+@result("nominal", "percentile_5", "percentile_95", "highest")
+class SampledAmplitude(Result):
+    """Largest amplitude of the free end over the running range, for many possible chains."""
+
+    samples: int
+    nominal: Motion
+    percentile_5: Motion
+    percentile_95: Motion
+    highest: Motion
+
+
+@result("low", "high", eq=True)
+class SpeedRange(Result):
+    """A range of speeds."""
+
+    low: Speed
+    high: Speed
+
+
+@result("kind", "spreads", "frequencies")
+class Uncertainty(Result):
     """Uncertainty of natural frequencies and amplitudes of one kind.
 
     Attributes
     ----------
     spreads : tuple of Spread
         Uncertain values.
-    lowest, nominal, highest : (m,) arrays
-        Elastic natural frequencies [Hz]; exact bounds.
+    frequencies : tuple of FrequencyRange
+        Elastic natural frequencies.
     critical : tuple of CriticalRange
         Critical speeds in or near the running range, with margins.
-    amplitudes : Samples or None
+    samples : Samples or None
         Largest amplitude of the free end over the running range [rad or m] for many possible chains;
         None unless the engine file has the section [ranges].
-    barred : tuple of pairs of float
-        Speeds to be barred with some compliance of the range [rad/s]; they include those of the verdict.
+    barred : tuple of SpeedRange
+        Speeds to be barred with some compliance of the range; they include those of the verdict.
     """
 
-    kind: str
+    kind: Internal[str]
     spreads: tuple[Spread, ...]
-    lowest: FloatArray
-    nominal: FloatArray
-    highest: FloatArray
+    frequencies: tuple[FrequencyRange, ...]
     critical: tuple[CriticalRange, ...]
-    amplitudes: Samples | None
-    barred: tuple[tuple[float, float], ...] = ()
+    samples: Internal[Samples | None]
+    barred: tuple[SpeedRange, ...] = ()
+
+    @cached_property
+    def amplitudes(self) -> Part[SampledAmplitude | None]:
+        """Figures of the samples."""
+        drawn = self.samples
+        if drawn is None:
+            return None
+        ends = (drawn.nominal, drawn.percentile(5.0), drawn.percentile(95.0), drawn.highest)
+        return SampledAmplitude(len(drawn.values), *map(float, ends))
+
+    @property
+    def motion_unit(self) -> str:
+        """Of amplitudes."""
+        return MOTION[self.kind].si
+
+    @property
+    def barred_within_error(self) -> str:
+        """Which speeds have to be barred over the range of the compliances; empty if none."""
+        shown = ", ".join(f"{RPM * span.low:.0f} to {RPM * span.high:.0f}" for span in self.barred)
+        if not shown:
+            return ""
+        return f"over that range of the compliances, speeds to be barred are within {shown} 1/min"
 
     def to_pandas(self) -> Any:
         """Return a table of the elastic natural frequencies with their bounds.
 
         Units are in ``frame.attrs["units"]``.
         """
-        return table(
-            {
-                "mode": (np.arange(1, len(self.nominal) + 1), "1"),
-                "lowest": (self.lowest, "Hz"),
-                "nominal": (self.nominal, "Hz"),
-                "highest": (self.highest, "Hz"),
-            }
+        return table_of(self.frequencies)
+
+    def parts(self, units: OutputUnits = SI) -> Parts:
+        """Return what is uncertain, margins of critical speeds, and sampled amplitudes."""
+        kind, critical = self.kind.capitalize(), self.critical
+        for spread in self.spreads:
+            yield f"{kind}: {spread.name} {factor_range(spread)} the value used"
+        if self.barred:
+            yield units.text(f"{kind}: {self.barred_within_error}.")
+        yield Table.of_records(
+            f"{kind} critical speeds with uncertainty ranges, and margins to running speeds"
+            + (
+                f", the first {ROWS_SHOWN} of {len(critical)}" if len(critical) > ROWS_SHOWN else ""
+            ),
+            critical[:ROWS_SHOWN],
+            (Column("mode"), "mode"),
+            (Column("order", digits=None), "order"),
+            (Column("speed", "1/min", decimals=1), "nominal"),
+            (Column("lowest", "1/min", decimals=1, bare=True), "low"),
+            (Column("highest", "1/min", decimals=1, bare=True), "high"),
+            (Column("margin", "%", decimals=1), lambda margin: margin.margin or None),
         )
+        drawn, motion = self.amplitudes, units.of(MOTION[self.kind].printed)
+        if drawn is not None:
+            yield (
+                f"{kind} amplitude of the free end at running speeds: nominal "
+                f"{motion.number(drawn.nominal)} {motion.name}; of {drawn.samples} random choices of the "
+                f"uncertain values, 90 % give {motion.number(drawn.percentile_5)} to "
+                f"{motion.number(drawn.percentile_95)} {motion.name}"
+            )
 
 
-@summarized("verdict.status", "decision.status", "limits", "remarks")
-@dataclass(frozen=True, eq=False)
-class Assessment:
+def factor_range(spread: Spread) -> str:
+    """Write the range of a factor.
+
+    Examples
+    --------
+    >>> factor_range(Spread("compliance", 0.6, 1.4))
+    '0.6 to 1.4 times'
+    >>> factor_range(Spread("compliance", 0.9967, 1.0033))
+    '-0.33 to +0.33 % of'
+    """
+    low, high = spread.low, spread.high
+    if max(abs(low - 1.0), abs(high - 1.0)) < 0.1:
+        return f"{100.0 * (low - 1.0):+.2g} to {100.0 * (high - 1.0):+.2g} % of"
+    return f"{low:.3g} to {high:.3g} times"
+
+
+@result("name", "unit", "assumed", eq=True)
+class JudgedLimit(Result):
+    """A limit, its source, and the highest speed at which it is judged."""
+
+    name: str
+    unit: str
+    source: str
+    assumed: bool
+    remark: str
+    judged_to: Speed
+
+
+@result("status", "checks", "barred")
+class OtherVerdict(Result):
+    """The verdict of another model by the same limits."""
+
+    status: str
+    checks: tuple[LimitCheck, ...]
+    barred: tuple[BarredRange, ...]
+
+
+@result("verdict.status", "decision.status", "judged_limits", "all_remarks")
+class Assessment(Result):
     """Verdict and uncertainty of an engine's vibration.
 
     Attributes
@@ -308,6 +422,8 @@ class Assessment:
         Name to limit; those given, or the selected rule.
     remarks : tuple of str
         What was not assessed, or assumed.
+    uncertainty : mapping of str to Uncertainty
+        By kind.
     beside : tuple of str
         What the engine drives where it is not modeled, and where the verdict changes within the range of
         the bearings' stiffness, a sentence each.
@@ -318,21 +434,76 @@ class Assessment:
         sentence each.
     """
 
-    verdict: Verdict
+    verdict: Flat[Verdict]
     decision: Decision
-    limits: dict[str, VibrationLimit]
-    remarks: tuple[str, ...]
-    axial: Uncertainty
-    torsional: Uncertainty
-    beside: tuple[str, ...] = ()
-    whole: Verdict | None = None
+    limits: Internal[dict[str, VibrationLimit]]
+    remarks: Internal[tuple[str, ...]]
+    uncertainty: Mapping[str, Uncertainty]
+    beside: Internal[tuple[str, ...]] = ()
+    whole: Internal[Verdict | None] = None
     by_whole: tuple[str, ...] = ()
+
+    @classmethod
+    def from_record(cls, content: "Mapping[str, Any] | Self") -> Self:
+        """Read content of JSON, in which what is uncertain is of the kind that names it."""
+        assessment = super().from_record(content)
+        for kind, uncertain in assessment.uncertainty.items():
+            vars(uncertain)["kind"] = kind
+        return assessment
+
+    @property
+    def axial(self) -> Uncertainty:
+        """That of the axial vibration."""
+        return self.uncertainty["axial"]
+
+    @property
+    def torsional(self) -> Uncertainty:
+        """That of the torsional vibration."""
+        return self.uncertainty["torsional"]
+
+    @cached_property
+    def all_remarks(self) -> Annotated[tuple[str, ...], Quantity(key="remarks")]:
+        """What was not assessed, or assumed, and open questions of the verdict."""
+        return (*self.remarks, *self.verdict.remarks)
+
+    @cached_property
+    def all_beside(self) -> Annotated[tuple[str, ...], Quantity(key="beside")]:
+        """What stands beside the verdict: the whole crankshaft, and what is not modeled."""
+        return (*self.by_whole, *self.beside)
+
+    @cached_property
+    def judged_limits(self) -> Annotated[tuple[JudgedLimit, ...], Quantity(key="limits")]:
+        """The limits, as far as they are judged."""
+        judged_to = {check.limit.name: check.judged[1] for check in self.verdict.checks}
+        return tuple(
+            JudgedLimit(
+                limit.name,
+                limit.unit,
+                limit.source,
+                limit.assumed,
+                limit.remark,
+                judged_to[limit.name],
+            )
+            for limit in self.limits.values()
+        )
+
+    @cached_property
+    def by_whole_shaft(self) -> Annotated[OtherVerdict | None, Quantity(key="whole")]:
+        """The verdict of the whole crankshaft."""
+        whole = self.whole
+        if whole is None:
+            return None
+        return OtherVerdict(whole.status, whole.checks, (*whole.barred, *whole.started_through))
+
+    @property
+    def undecided(self) -> bool:
+        """Whether the verdict changes with values that are assumed."""
+        return self.decision.status == "undecided"
 
     @property
     def conclusion(self) -> str:
         """What can be concluded despite the assumptions, then the verdict with the values used."""
-        undecided = self.decision.status == "undecided"
-        return conclusion_sentence(self.verdict.sentence, self.decision.sentence, undecided)
+        return conclusion_sentence(self.verdict.sentence, self.decision.sentence, self.undecided)
 
     def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
         """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""
@@ -405,7 +576,7 @@ def assess(
     decision = engine_decision(
         engine_file, verdict.status, findings, lambda changed: status_by(again(changed, chains))
     )
-    trials, uncertain = decision.trials, {}
+    trials, uncertain = decision.trials, dict[str, Uncertainty]()
     for vibration, answer in zip(chains, forced, strict=True):
         error = source_spread(
             engine_file, vibration.kind, vibration.chosen.source, analysis, shaft, model
@@ -433,8 +604,7 @@ def assess(
         limits=limits,
         decision=decide(verdict.status, trials),
         remarks=remarks,
-        axial=uncertain["axial"],
-        torsional=uncertain["torsional"],
+        uncertainty=uncertain,
         beside=unmodeled_plant(engine_file),
     )
 
@@ -487,9 +657,13 @@ def _uncertainty(
     return Uncertainty(
         kind=forced.kind,
         spreads=spreads,
-        lowest=low[rigid:],
-        nominal=chain.modes().frequencies[rigid:],
-        highest=high[rigid:],
+        frequencies=tuple(
+            map(
+                FrequencyRange,
+                count(1),
+                *(each[rigid:].tolist() for each in (low, chain.modes().frequencies, high)),
+            )
+        ),
         critical=critical_ranges(
             chain,
             spreads,
@@ -499,8 +673,8 @@ def _uncertainty(
             damped=lambda own, mode, order: each[own].damped_shifts(mode, order),
             others=others,
         ),
-        amplitudes=amplitudes,
-        barred=barred,
+        samples=amplitudes,
+        barred=tuple(SpeedRange(*span) for span in barred),
     )
 
 

@@ -1,6 +1,6 @@
 """Excitation of an engine's chains: forces of its cylinders over the speeds, torques, a propeller."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Annotated
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
+from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.engine_mechanism import (
     MechanismFile,
     curve_at,
@@ -166,6 +167,28 @@ class EngineLoad(Result):
             f"{self.friction_pressure / 1e5:.3g} bar at every speed, and boost is proportional to the "
             "indicated power, also above rated speed"
         )
+
+    def table(self) -> Table:
+        """Return the load at some speeds."""
+        boosted = any(point.intake_pressure is not None for point in self.points)
+        intake = [(Column("intake pressure", "MPa"), "intake_pressure")] if boosted else []
+        return Table.of_records(
+            "Load of the engine",
+            self.points,
+            (Column("speed", "1/min", decimals=1), "speed"),
+            (Column("indicated power", "kW"), "indicated_power"),
+            (Column("mean indicated pressure", "MPa"), "mean_indicated_pressure"),
+            (Column("peak pressure", "MPa"), "peak_pressure"),
+            *intake,
+            note="Peak and intake pressure are absolute.",
+        )
+
+    def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
+        """Return power, the load as a function of the speed, and the load at some speeds if it varies."""
+        for text in (self.rated.sentence, self.sentence):
+            yield units.text(f"{text[0].upper()}{text[1:]}.")
+        if self.law != "constant":
+            yield self.table()
 
 
 def pressure_over_speeds(

@@ -1,9 +1,9 @@
 """Forced vibration of an engine's chains over its speeds, under the forces of its cylinders."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +13,18 @@ from crankbase.choices import check_choice, check_not_given
 from crankbase.diagrams import write_title
 from crankbase.errors import InputError
 from crankbase.frames import table_of
-from crankbase.summaries import summarized
+from crankbase.quantity import RPM
+from crankbase.results import (
+    Flat,
+    InItsUnit,
+    Internal,
+    Number,
+    Part,
+    Quantity,
+    Result,
+    Speed,
+    result,
+)
 from crankfem.analyses.shaft.chains import MOTION, damped_engine_chain
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.vibration.engine_excitation import (
@@ -42,7 +53,7 @@ from dynamics.critical import major_orders
 from dynamics.excitation.chain_excitation import AxialForceComparison, torque_excitation
 from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics
 from dynamics.indices import at_most, within
-from dynamics.plots.curves import Quantity
+from dynamics.plots.curves import Quantity as Drawn
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical, damped_criticals
 from dynamics.response.forced import ForcedResponse, forced_response
@@ -79,11 +90,11 @@ class ChainAnswer:
         Parts left out of the excitation.
     """
 
-    engine_chain: EngineChain
-    response: ForcedResponse
-    moduli: dict[int, float]
-    by_torque: OrderExcitation | None = None
-    remarks: tuple[str, ...] = ()
+    engine_chain: Internal[EngineChain]
+    response: Internal[ForcedResponse]
+    moduli: Internal[dict[int, float]]
+    by_torque: Internal[OrderExcitation | None] = None
+    remarks: Internal[tuple[str, ...]] = ()
 
     @cached_property
     def modes(self) -> ComplexModes:
@@ -265,9 +276,93 @@ Forced = Literal["amplitude", "load", "stress", "power", "axial forces"]
 FORCED: tuple[Forced, ...] = ("amplitude", "load", "stress", "power", "axial forces")
 
 
-@summarized("kind", "response.orders", "response.speeds [rad/s]", "resonances", "remarks")
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ForcedVibration(ChainAnswer):
+# Shares below this are round-off: the cylinders cancel.
+ROUND_OFF = 1e-12
+
+
+@result("peak", "speed", "plain_sum", eq=True)
+class Largest(Result):
+    """The largest amplitude at some speeds, all orders together, and that of their plain sum."""
+
+    peak: InItsUnit
+    speed: Speed
+    plain_sum: Annotated[float, Quantity(".unit", key="plain_sum_peak")]
+
+    @classmethod
+    def of(cls, series: OrderSeries, place: int, some: Any = slice(None)) -> "Largest":
+        """Find it at a location and at some of the speeds."""
+        summed = series.synthesis
+        amplitude = summed.amplitude[some, place]
+        worst = int(np.argmax(amplitude))
+        plain_sum = float(np.max(summed.plain_sum[some, place]))
+        return cls(float(amplitude[worst]), float(series.speeds[some][worst]), plain_sum)
+
+
+@result("element", "largest.peak", "largest.speed", eq=True)
+class PlacePeak(Result):
+    """The largest amplitude of a location: at all speeds, at running ones, below and above."""
+
+    element: str
+    unit: str
+    largest: Flat[Largest]
+    running: Largest | None
+    below: Largest | None
+    above: Largest | None
+
+
+@result("order", "amplitude", "speed", eq=True)
+class OrderPeak(Result):
+    """The largest amplitude of one order."""
+
+    order: Number
+    amplitude: InItsUnit
+    speed: Speed
+
+
+@result("node", "peaks")
+class FreeEnd(Result):
+    """Motion of a crankshaft's free end over the speed."""
+
+    node: str
+    unit: str
+    synthesis: Annotated[FloatArray, Quantity(".unit", "all orders over the cycle")]
+    plain_sum: Annotated[FloatArray, Quantity(".unit", "of the amplitudes of all orders")]
+    orders: tuple[OrderPeak, ...]
+    peaks: tuple[PlacePeak, ...]
+
+
+@result("order", "alone", "in_shaft", "difference", eq=True)
+class OrderForces(Result):
+    """Largest axial force of any throw at the highest speed by one order, by two methods."""
+
+    order: Number
+    alone: InItsUnit
+    in_shaft: InItsUnit
+    difference: Annotated[float, Quantity("1", "largest of any throw, of the largest in the shaft")]
+    unit: str = "N"
+
+
+@result("largest", "speed", "error")
+class LargestPower(Result):
+    """The largest heat of all damping at any speed, and the error of the power balance.
+
+    Attributes
+    ----------
+    error : float or None
+        None where vibration is unbounded at all speeds.
+    dampers : mapping of str to float
+        Heat of each dashpot then [W].
+    """
+
+    error: Annotated[float | None, Quantity("1")]
+    largest: InItsUnit
+    speed: Speed
+    dampers: Annotated[Mapping[str, float], Quantity("W")]
+    unit: str = "W"
+
+
+@result("kind", "orders", "speeds", "resonances", "damping")
+class ForcedVibration(ChainAnswer, Result):
     """One kind of forced vibration (axial or torsional) of an engine over its speeds.
 
     Attributes
@@ -287,17 +382,116 @@ class ForcedVibration(ChainAnswer):
         Exciting force of each throw by its own coefficient and by the assembled shaft.
     """
 
+    _: KW_ONLY
     damping: tuple[str, ...]
-    forces: CylinderForces
-    running_range: tuple[float, float]
-    judged_range: tuple[float, float]
+    forces: Internal[CylinderForces]
+    running_range: Annotated[
+        tuple[float, float], Quantity("rad/s", exported="1/min", key="running_rpm")
+    ]
+    judged_range: Annotated[
+        tuple[float, float], Quantity("rad/s", exported="1/min", key="judged_rpm")
+    ]
     resonances: tuple[DampedCritical, ...] = ()
-    axial_forces: AxialForceComparison | None = None
+    axial_forces: Internal[AxialForceComparison | None] = None
 
-    @property
-    def kind(self) -> str:
+    @cached_property
+    def kind(self) -> Part[str]:
         """Axial or torsional."""
         return self.engine_chain.kind
+
+    @cached_property
+    def all_remarks(self) -> Annotated[tuple[str, ...], Quantity(key="remarks")]:
+        """Those on the forces that mechanism and load do not have already, and on the excitation."""
+        left_out = ("Assumed: ", "Solved", "One pressure diagram was used")
+        of_forces = (text for text in self.forces.remarks if not text.startswith(left_out))
+        return (*of_forces, *self.remarks)
+
+    @cached_property
+    def method(self) -> Part[str]:
+        """How the equations of motion were solved."""
+        return self.response.method
+
+    @cached_property
+    def orders(self) -> Annotated[FloatArray, Quantity("1")]:
+        """In cycles per crankshaft revolution."""
+        return self.response.orders
+
+    @cached_property
+    def speeds(self) -> Annotated[FloatArray, Quantity("rad/s", exported="1/min")]:
+        """At which vibration is calculated [rad/s]."""
+        return self.response.speeds
+
+    @cached_property
+    def free_end_motion(self) -> Annotated[FreeEnd, Quantity(key="free_end")]:
+        """Motion of the free end over the speed."""
+        series, unit = self.free_end, MOTION[self.kind].si
+        each = zip(series.orders.tolist(), series.amplitude[:, :, 0], strict=True)
+        return FreeEnd(
+            node=series.names[0],
+            unit=unit,
+            synthesis=series.synthesis.amplitude[:, 0],
+            plain_sum=series.synthesis.plain_sum[:, 0],
+            orders=tuple(
+                OrderPeak(order, float(curve.max()), float(series.speeds[curve.argmax()]))
+                for order, curve in each
+            ),
+            peaks=self._peaks(series, unit),
+        )
+
+    @cached_property
+    def load_peaks(self) -> Annotated[tuple[PlacePeak, ...], Quantity(key="loads")]:
+        """Largest torque or force of each element."""
+        return self._peaks(self.loads.elements, MOTION[self.kind].load)
+
+    @cached_property
+    def stress_peaks(self) -> Annotated[tuple[PlacePeak, ...] | None, Quantity(key="stress")]:
+        """Largest nominal stress of each element of the crankshaft; None in the axial direction."""
+        return None if self.stress is None else self._peaks(self.stress, "Pa")
+
+    def _peaks(self, series: OrderSeries, unit: str) -> tuple[PlacePeak, ...]:
+        parts = [some if np.any(some) else None for some in self.speed_parts.values()]
+        return tuple(
+            PlacePeak(
+                name,
+                unit,
+                Largest.of(series, place),
+                *(None if some is None else Largest.of(series, place, some) for some in parts),
+            )
+            for place, name in enumerate(series.names)
+        )
+
+    @cached_property
+    def largest_power(self) -> Annotated[LargestPower, Quantity(key="power")]:
+        """Speed with the most heat, and the error of the power balance."""
+        power = self.power
+        bounded = ~np.any(power.unbounded, axis=0)
+        total = power.dissipated.sum(axis=0, where=~power.unbounded)
+        worst = int(np.argmax(np.where(bounded, total, -1.0)))
+        return LargestPower(
+            error=power.error if np.any(bounded) else None,
+            largest=float(total[worst]),
+            speed=float(self.speeds[worst]),
+            dampers={
+                name: float(power.dashpots[:, worst, place].sum())
+                for place, name in enumerate(power.dashpot_names)
+                if bounded[worst]
+            },
+        )
+
+    @cached_property
+    def forces_by_order(
+        self,
+    ) -> Annotated[tuple[OrderForces, ...] | None, Quantity(key="axial_forces")]:
+        """Largest axial force of any throw at the highest speed, by two methods; None if torsional."""
+        compared = self.axial_forces
+        if compared is None:
+            return None
+        alone, in_shaft = (
+            np.abs(forces[:, -1]).max(axis=1) for forces in (compared.alone, compared.in_shaft)
+        )
+        columns = np.array([alone, in_shaft, compared.difference[:, -1]])
+        columns[:, alone <= ROUND_OFF * alone.max()] = 0.0
+        return tuple(map(OrderForces, self.orders.tolist(), *columns.tolist()))
 
     @cached_property
     def power(self) -> PowerBalance:
@@ -341,7 +535,7 @@ class ForcedVibration(ChainAnswer):
     @property
     def speed_parts(self) -> dict[str, NDArray[np.bool_]]:
         """Which speeds are "running", "below", and "above" as far as assessed."""
-        speeds = self.response.speeds
+        speeds = self.speeds
         low, high = self.running_range
         below, running = ~at_most(low, speeds), within(speeds, low, high)
         above = ~at_most(speeds, high) & at_most(speeds, self.judged_range[1])
@@ -403,7 +597,7 @@ class ForcedVibration(ChainAnswer):
             )
         if show == "load":
             series = self.crank_elements
-            quantity: Quantity = "force" if axial else "torque"
+            quantity: Drawn = "force" if axial else "torque"
             return series.plot(
                 axes,
                 self.largest_place(series),
@@ -432,8 +626,23 @@ class ForcedVibration(ChainAnswer):
         frame = table_of(self.resonances).rename(columns=names)
         units = frame.attrs["units"]
         frame.attrs["units"] = {names.get(name, name): unit for name, unit in units.items()}
-        frame.attrs["units"]["amplitude"] = MOTION[self.kind].si
         return frame
+
+    def columns(self) -> tuple[dict[str, FloatArray], str]:
+        """Return the amplitudes over the speed, of the free end by order and of loads, and a description."""
+        free_end, loads = self.free_end, self.loads.elements
+        unit = MOTION[self.kind].si
+        columns = {
+            "speed_rpm": self.speeds * RPM,
+            f"free_end_synthesis_{unit}": free_end.synthesis.amplitude[:, 0],
+            f"free_end_plain_sum_{unit}": free_end.synthesis.plain_sum[:, 0],
+        }
+        for place, order in enumerate(free_end.orders.tolist()):
+            columns[f"free_end_order_{order:g}_{unit}"] = free_end.amplitude[place, :, 0]
+        for place, name in enumerate(loads.names):
+            load = MOTION[self.kind].load.replace(" ", "")
+            columns[f"{name} [{load}]"] = loads.synthesis.amplitude[:, place]
+        return columns, f"{self.kind} vibration, amplitudes; inf is unbounded"
 
     def to_xarray(self) -> Any:
         """Return the motion of all nodes over orders and speeds; see `ForcedResponse.to_xarray`."""
@@ -545,22 +754,30 @@ def vibrations_at(
 
 
 def resonances_of(
-    engine_file: EngineFile, forced: ForcedVibration, limited: Collection[str] = ()
+    engine_file: EngineFile,
+    forced: ForcedVibration,
+    limited: Collection[str] = (),
+    orders: Collection[float] | None = None,
 ) -> tuple[DampedCritical, ...]:
     """Return the peaks of all elements and nodes, ascending in speed, and then modes without a peak.
 
     Major orders are those in which all cylinders fire in phase. A peak of the exciting forces
     without a mode near it is not a resonance; it is not `in_band`. Places with limits are told first.
     """
-    response = forced.response
+    response, motion = forced.response, MOTION[forced.kind]
     major = major_orders(response.orders, engine_file.engine.firing_angles)
     criticals = damped_criticals(
-        response, speed_range=forced.judged_range, modes=forced.modes, first=limited
+        response,
+        speed_range=forced.judged_range,
+        modes=forced.modes,
+        first=limited,
+        orders=orders,
     )
     listed = [
         replace(
             critical,
             kind="major" if np.any(np.isclose(major, critical.order)) else "minor",
+            unit=motion.load if critical.of_load else motion.si,
             in_running_range=_speed(critical) <= forced.running_range[1],
         )
         for critical in criticals

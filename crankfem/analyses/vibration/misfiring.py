@@ -71,7 +71,7 @@ class Reached(Result):
         """Share of the permitted amplitude; 0 where no limit is stated."""
         return self.used_share or 0.0
 
-    @cached_property
+    @property
     def used_share(self) -> Annotated[float | None, Quantity("1", key="used")]:
         """The same; None where no limit is stated."""
         return None if np.isinf(self.permitted) else self.value / self.permitted

@@ -3,16 +3,20 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.array_checks import FloatArray
 from crankbase.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.frames import table
-from crankbase.summaries import summarized
+from crankbase.frames import table_of
+from crankbase.quantity import RPM
+from crankbase.results import Hertz, Internal, Number, Part, Quantity, Result, Speed, result
+from crankbase.table import Column, Table
 from crankfem.analyses.shaft.chains import (
     MOTION,
     engine_axial_chain,
@@ -25,9 +29,8 @@ from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration.engine_limits import assessment_end_speeds
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.chain_modes import Modes
-from dynamics.chains.engine_chains import EngineChain
+from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FREE_END, EngineChain
 from dynamics.critical import (
-    CriticalSpeed,
     critical_speeds,
     engine_orders,
     major_orders,
@@ -41,6 +44,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SHAPES_SHOWN = 3
+# Resultant of the cylinders on a mode shape from which they count as acting together.
+TOGETHER = 0.5
+Kind = Literal["axial", "torsional"]
 
 
 @dataclass(frozen=True)
@@ -99,12 +105,16 @@ class SourceResult:
         return axes
 
 
-@dataclass(frozen=True)
-class WeightedCritical:
+@result("speed", "order", "mode", "phase_sum", eq=True)
+class WeightedCritical(Result):
     """A critical speed with the relative phase vector sum of the cylinders.
 
     Attributes
     ----------
+    mode : int
+        Elastic mode, from 1.
+    speed : float
+        Where the order meets the mode [rad/s].
     phase_sum : float
         Resultant of the cylinders' unit harmonics, weighted by the mode shape, relative to the largest
         possible one; 0 to 1.
@@ -114,20 +124,18 @@ class WeightedCritical:
         Of the order.
     """
 
-    critical: CriticalSpeed
-    phase_sum: float
+    mode: int
+    order: Number
+    frequency: Hertz
+    speed: Speed
+    phase_sum: Number
     in_running_range: bool = True
-    kind: str = "major"
-
-    @property
-    def frequency(self) -> float:
-        """Of the mode [Hz]."""
-        return self.critical.frequency
+    kind: Internal[str] = "major"
 
     @property
     def speed_rpm(self) -> float:
-        """Where the order meets the mode [1/min]."""
-        return self.critical.speed_rpm
+        """The speed [1/min]."""
+        return self.speed * RPM
 
     @property
     def severity(self) -> float:
@@ -140,9 +148,39 @@ class WeightedCritical:
         return False
 
 
-@summarized("kind", "chosen.elastic_frequencies [Hz]", "criticals", "unusable")
-@dataclass(frozen=True)
-class Vibration:
+@result("number", "frequency", eq=True)
+class ChainMode(Result):
+    """A natural mode of an engine's chain; elastic ones count from 1."""
+
+    number: int
+    frequency: Hertz
+    rigid: bool
+    crankshaft_share: Annotated[
+        float, Quantity("1", "of the strain energy, in the crankshaft itself")
+    ]
+    of_crankshaft: bool
+    node_positions: Annotated[tuple[float, ...], Quantity("1", "in elements from the first point")]
+    shape: Annotated[tuple[float, ...], Quantity("1")]
+
+
+@result("source", "first_frequency", eq=True)
+class SourceFrequencies(Result):
+    """The first frequencies of a chain with the compliances of one source."""
+
+    source: str
+    first_frequencies: Annotated[tuple[float, ...], Quantity("Hz")]
+    first_mode: Annotated[
+        int, Quantity("1", "the crankshaft's own, as chosen compliances number it")
+    ]
+    crankshaft_frequencies: Annotated[tuple[float, ...], Quantity("Hz")]
+    first_frequency: Hertz
+    beside_chosen: Annotated[float, Quantity("1", "ratio of the first frequencies")]
+    mean_compliance: Annotated[float, Quantity(".compliance_unit")]
+    remark: str
+
+
+@result("kind", "frequencies [Hz]", "criticals", "unusable")
+class Vibration(Result):
     """One kind of vibration (axial or torsional) of an engine.
 
     Attributes
@@ -157,11 +195,110 @@ class Vibration:
         In the running range, and above it as far as a limit applies; ascending speed.
     """
 
-    kind: str
-    chosen: SourceResult
-    others: tuple[SourceResult, ...]
+    kind: Kind
+    chosen: Internal[SourceResult]
+    others: Internal[tuple[SourceResult, ...]]
     unusable: tuple[str, ...]
     criticals: tuple[WeightedCritical, ...]
+
+    @cached_property
+    def source(self) -> Part[str]:
+        """Name of the chosen source."""
+        return self.chosen.source
+
+    @cached_property
+    def nodes(self) -> Part[tuple[str, ...]]:
+        """Names of the chain's points."""
+        return tuple(self.chosen.chain.nodes)
+
+    @cached_property
+    def inertia(self) -> Annotated[FloatArray, Quantity(".inertia_unit")]:
+        """Of the points."""
+        return self.chosen.chain.chain.inertia
+
+    @cached_property
+    def stiffness(self) -> Annotated[FloatArray, Quantity(".stiffness_unit")]:
+        """Of the elements."""
+        return self.chosen.chain.chain.stiffness
+
+    @cached_property
+    def ground(self) -> Annotated[FloatArray, Quantity(".stiffness_unit")]:
+        """Stiffness of the points to ground."""
+        return self.chosen.chain.chain.ground
+
+    @cached_property
+    def connections(self) -> Annotated[tuple[tuple[int, int], ...], Quantity("1")]:
+        """Points at the ends of each element, from 0."""
+        return tuple(self.chosen.chain.chain.connections)
+
+    @cached_property
+    def modes(self) -> Part[tuple[ChainMode, ...]]:
+        """Natural modes with the chosen compliances."""
+        modes = self.chosen.modes
+        shares = self.chosen.chain.crankshaft_shares(modes).tolist()
+        return tuple(
+            ChainMode(
+                number=mode + 1 - modes.rigid,
+                frequency=frequency,
+                rigid=mode < modes.rigid,
+                crankshaft_share=shares[mode],
+                of_crankshaft=shares[mode] >= CRANKSHAFT_MODE,
+                node_positions=tuple(modes.node_positions[mode]),
+                shape=tuple(modes.shapes[:, mode].tolist()),
+            )
+            for mode, frequency in enumerate(modes.frequencies.tolist())
+        )
+
+    @cached_property
+    def sources(self) -> Part[tuple[SourceFrequencies, ...]]:
+        """First frequencies with all sources."""
+        chosen = self.chosen.modes
+        # Another source changes this mode's frequency and name, but hardly its number.
+        crankshaft = self.chosen.chain.first_mode(chosen)
+        first = chosen.rigid if crankshaft is None else crankshaft
+        return tuple(
+            SourceFrequencies(
+                source=other.source,
+                first_frequencies=tuple(other.elastic_frequencies[:3].tolist()),
+                first_mode=first - chosen.rigid + 1,
+                crankshaft_frequencies=tuple(other.modes.frequencies[first : first + 3].tolist()),
+                first_frequency=float(other.modes.frequencies[first]),
+                beside_chosen=float(other.modes.frequencies[first] / chosen.frequencies[first]),
+                mean_compliance=float(other.compliances.mean()),
+                remark=other.remark,
+            )
+            for other in self.others
+        )
+
+    @property
+    def frequencies(self) -> list[float]:
+        """Elastic natural frequencies [Hz]."""
+        return [mode.frequency for mode in self.elastic_modes]
+
+    @property
+    def elastic_modes(self) -> list[ChainMode]:
+        """Modes without those of the rigid body."""
+        return [mode for mode in self.modes if not mode.rigid]
+
+    @property
+    def crankshaft_mode(self) -> ChainMode | None:
+        """The crankshaft's first mode, which is not one of coupling, damper or line."""
+        return next((mode for mode in self.elastic_modes if mode.of_crankshaft), None)
+
+    @property
+    def inertia_unit(self) -> str:
+        """Of the points."""
+        return MOTION[self.kind].inertia
+
+    @property
+    def stiffness_unit(self) -> str:
+        """Of the elements."""
+        return MOTION[self.kind].stiffness
+
+    @property
+    def compliance_unit(self) -> str:
+        """Of a throw."""
+        return MOTION[self.kind].compliance
 
     def plot(self, axes: "Axes | None" = None, *, count: int = SHAPES_SHOWN) -> "Axes":
         """Draw the mode shapes of the chosen chain.
@@ -185,20 +322,97 @@ class Vibration:
 
         Units are in ``frame.attrs["units"]``.
         """
-        criticals = [critical.critical for critical in self.criticals]
-        return table(
-            {
-                "mode": ([critical.mode + 1 for critical in criticals], "1"),
-                "order": ([critical.order for critical in criticals], "1"),
-                "frequency": ([critical.frequency for critical in criticals], "Hz"),
-                "speed": ([critical.speed for critical in criticals], "rad/s"),
-                "phase_sum": ([critical.phase_sum for critical in self.criticals], "1"),
-                "in_running_range": (
-                    [critical.in_running_range for critical in self.criticals],
-                    "",
-                ),
-            }
+        return table_of(self.criticals)
+
+    def mode_table(self) -> Table:
+        """Return the natural modes."""
+        # Points have the numbers of their names: throws and main bearings count from 1.
+        first = 0 if self.nodes[0].startswith(FREE_END) else 1
+
+        def name(mode: ChainMode) -> str:
+            beside = "" if mode.of_crankshaft else " (coupling, damper or line)"
+            return "rigid body" if mode.rigid else f"{mode.number}{beside}"
+
+        return Table.of_records(
+            f"{self.kind.capitalize()} modes (compliances: {self.source})",
+            self.modes,
+            (Column("mode", words=True), name),
+            (Column("frequency", "Hz", decimals=2), "frequency"),
+            (Column("[1/min]", decimals=0), lambda mode: 60.0 * mode.frequency),
+            (
+                Column("nodes at", words=True),
+                lambda mode: "moves as one" if mode.rigid else self._still_at(mode, first),
+            ),
+            note=f"Node positions count the chain's points: {_points(self.nodes, first)}.",
         )
+
+    def _still_at(self, mode: ChainMode, first: int) -> str | None:
+        """State the positions of a mode's nodes: by the numbers of the points, or on their branch."""
+        positions_of_nodes = []
+        for position in mode.node_positions:
+            element = min(int(position), len(self.connections) - 1)
+            (left, right), share = self.connections[element], position - element
+            row = f"{first + left + share:.2f}"
+            branch = f"{share:.2f} of the way from {self.nodes[left]} to {self.nodes[right]}"
+            positions_of_nodes.append(row if right == left + 1 else branch)
+        return ", ".join(positions_of_nodes) or None
+
+    def critical_table(self) -> Table:
+        """Return the critical speeds; those at which the cylinders act in phase are marked."""
+        return Table.of_records(
+            f"{self.kind.capitalize()} critical speeds in the running range, without damping",
+            self.criticals,
+            (Column("speed", "1/min", decimals=1), "speed"),
+            (Column("order", digits=None), "order"),
+            (Column("mode"), "mode"),
+            (Column("frequency", "Hz", decimals=2), "frequency"),
+            (Column("phase sum", decimals=3), "phase_sum"),
+            mark=lambda critical: (
+                ("chosen" if critical.phase_sum >= TOGETHER else "")
+                + ("" if critical.in_running_range else " above")
+            ),
+        )
+
+    def source_table(self, label: Callable[[str], str] = str) -> Table:
+        """Return the first frequencies with every source, which `label` puts into words."""
+        first = next((source.first_mode for source in self.sources), 1)
+        # Modes of a coupling or a damper, below the crankshaft's own, hardly depend on its compliances.
+        of_crankshaft = f" of the crankshaft, from mode {first} on," if first > 1 else ""
+        return Table.of_records(
+            f"First {self.kind} frequencies{of_crankshaft} by source of the compliances",
+            self.sources,
+            (Column("source", words=True), lambda source: label(source.source)),
+            (Column("mean compliance", f"1e-9 {self.compliance_unit}"), "mean_compliance"),
+            (Column("frequencies", "Hz", decimals=1), "crankshaft_frequencies"),
+            (Column("ratio to chosen", decimals=3), "beside_chosen"),
+            (Column("how it was used", words=True), "remark"),
+            mark=lambda source: "chosen" if source.source == self.source else "",
+        )
+
+
+def _points(names: Sequence[str], first: int) -> str:
+    """Name all points by their numbers; those whose own numbers ascend along the chain together.
+
+    Examples
+    --------
+    >>> _points(["free end", "throw 1", "throw 2", "throw 3", "flywheel"], 0)
+    '0 free end, 1 to 3 throw 1 to throw 3, 4 flywheel'
+    """
+    runs: list[list[int]] = []
+    for place, name in enumerate(names):
+        before = names[place - 1].rpartition(" ") if place else ("", "", "")
+        stem, _, number = name.rpartition(" ")
+        follows = before[2].isdecimal() and number.isdecimal() and int(number) == int(before[2]) + 1
+        if follows and stem == before[0]:
+            runs[-1].append(place)
+        else:
+            runs.append([place])
+    return ", ".join(
+        f"{first + run[0]} {names[run[0]]}"
+        if len(run) == 1
+        else f"{first + run[0]} to {first + run[-1]} {names[run[0]]} to {names[run[-1]]}"
+        for run in runs
+    )
 
 
 def axial_vibration(
@@ -268,7 +482,7 @@ Weights = Callable[[EngineChain, NDArray[np.float64]], NDArray[np.float64]]
 
 def _vibration(
     engine_file: EngineFile,
-    kind: str,
+    kind: Kind,
     wanted: str,
     sources: Sources,
     make_chain: ChainMaker,
@@ -311,7 +525,10 @@ def _criticals(
     majors = major_orders(orders, engine.firing_angles)
     return tuple(
         WeightedCritical(
-            critical,
+            critical.mode + 1,
+            critical.order,
+            critical.frequency,
+            critical.speed,
             _phase_sum(
                 weights(result.chain, shapes[:, critical.mode]),
                 critical.order,

@@ -2,16 +2,19 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from crankbase.choices import check_choice
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import table
-from crankbase.summaries import summarized
+from crankbase.results import Internal, Part, Quantity, Result, result
+from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_mechanism import MechanismFile, layout_of, mechanism_of
+from crankfem.analyses.record import Record, assumed_values
+from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft, usable_model
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
 from crankfem.analyses.shaft.whole_shaft import (
@@ -24,9 +27,10 @@ from crankfem.analyses.shaft.whole_shaft import (
     with_differences,
 )
 from crankfem.analyses.vibration.assessment import Assessment, assess
-from crankfem.analyses.vibration.axial_cycle import axial_cycle
+from crankfem.analyses.vibration.axial_cycle import AxialForces, axial_cycle, axial_forces
 from crankfem.analyses.vibration.bearing_sweep import (
     BearingSweep,
+    HeldChains,
     bearing_sweep,
     chains_over_bearings,
     held_chains,
@@ -40,9 +44,15 @@ from crankfem.analyses.vibration.engine_excitation import (
 )
 from crankfem.analyses.vibration.forced import EngineChains, ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
-from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
-from crankfem.analyses.vibration.whole_verdict import with_bearings, with_whole_shaft
+from crankfem.analyses.vibration.modes import Kind, Vibration, axial_vibration, torsional_vibration
+from crankfem.analyses.vibration.whole_verdict import (
+    WholeVibration,
+    whole_criticals,
+    with_bearings,
+    with_whole_shaft,
+)
 from crankfem.files.engine.engine_file import EngineFile, load_engine
+from crankfem.files.engine.mechanism_cylinders import firing_evenness, firing_sentence
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
@@ -55,21 +65,19 @@ from regression.models.compliance_model import ComplianceModel
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Kind = Literal["axial", "torsional"]
 Shown = Literal["campbell", "modes", "amplitude", "stress", "load", "power", "limits", "shaft"]
 SHOWN: tuple[Shown, ...] = get_args(Shown)
 # Limits of an engine file by what they are drawn into.
 LIMITS = {"amplitude": "{kind}_amplitude", "stress": "crankshaft_stress"}
 
 
-@summarized(
+@result(
     "engine: engine_file.engine.name",
-    "axial: axial.chosen.elastic_frequencies [Hz]",
-    "torsional: torsional.chosen.elastic_frequencies [Hz]",
+    "axial: axial.frequencies [Hz]",
+    "torsional: torsional.frequencies [Hz]",
     "verdict: assessment.verdict.status",
 )
-@dataclass(frozen=True, eq=False)
-class EngineVibration:
+class EngineVibration(Result):
     """Vibration of an engine, by its uncoupled chains and by its whole crankshaft.
 
     Attributes
@@ -91,7 +99,7 @@ class EngineVibration:
         if the chains have a shaft line or a propeller, which the whole crankshaft lacks.
     misfiring : Misfiring or None
         Vibration of the chains while a cylinder misfires, compared with normal firing.
-    misfiring_note : str
+    misfiring_note : str or None
         Why misfiring was not calculated, if vibration is forced.
     load : EngineLoad or None
         Load at each speed; None if nothing is forced.
@@ -102,21 +110,72 @@ class EngineVibration:
         forced.
     """
 
-    engine_file: EngineFile
-    analyses: dict[str, ThrowAnalysis]
-    shaft: ShaftCompliances
+    engine_file: Internal[EngineFile]
+    analyses: Internal[dict[str, ThrowAnalysis]]
+    shaft: Internal[ShaftCompliances]
     axial: Vibration
     torsional: Vibration
-    forced_axial: ForcedVibration | None
-    forced_torsional: ForcedVibration | None
+    forced_axial: Internal[ForcedVibration | None]
+    forced_torsional: Internal[ForcedVibration | None]
     assessment: Assessment | None
-    whole: WholeShaft | None
-    comparison: ShaftComparison | None
+    whole: Internal[WholeShaft | None]
+    comparison: Internal[ShaftComparison | None]
     misfiring: Misfiring | None = None
-    misfiring_note: str = ""
+    misfiring_note: str | None = None
     load: EngineLoad | None = None
     bearings: BearingSweep | None = None
-    axial_force: AxialForceOverCycle | None = None
+    axial_force: Internal[AxialForceOverCycle | None] = None
+
+    @cached_property
+    def firing(self) -> Part[str]:
+        """Firing order and intervals."""
+        return firing_sentence(self.engine_file.engine)
+
+    @cached_property
+    def firing_remarks(self) -> Part[tuple[str, ...]]:
+        """Remarks on the evenness of firing."""
+        return tuple(firing_evenness(self.engine_file.engine).notes)
+
+    @cached_property
+    def firing_warnings(self) -> Part[tuple[str, ...]]:
+        """What looks wrong in it."""
+        return tuple(firing_evenness(self.engine_file.engine).warnings)
+
+    @cached_property
+    def forced_by_kind(
+        self,
+    ) -> Annotated[dict[str, ForcedVibration] | None, Quantity(key="forced")]:
+        """Forced vibration by kind; None without gas pressure."""
+        both = (self.forced_axial, self.forced_torsional)
+        return {vibration.kind: vibration for vibration in both if vibration is not None} or None
+
+    @cached_property
+    def assumed(self) -> Part[list[Record]]:
+        """Inputs that nobody gave."""
+        return assumed_values(input_values(self.engine_file))
+
+    @cached_property
+    def not_comparable(self) -> Part[str | None]:
+        """Why the whole crankshaft is not compared with the chains."""
+        return not_comparable(self.engine_file) or None
+
+    @cached_property
+    def thrust(self) -> Annotated[AxialForces | None, Quantity(key="axial_force")]:
+        """Axial force over the cycle, and largest at running speeds."""
+        compared = self.comparison
+        if self.axial_force is None or self.forced_axial is None:
+            return None
+        # Without a chain to compare with, the whole crankshaft lacks the plant.
+        coupled = None if compared is None or compared.axial is None else compared.coupled
+        return axial_forces(self.axial_force, self.forced_axial, self.engine_file, coupled)
+
+    @cached_property
+    def whole_crankshaft(self) -> Annotated[WholeVibration | None, Quantity(key="whole")]:
+        """Modes of the whole crankshaft, its comparison with the chains, and its critical speeds."""
+        if self.whole is None or self.comparison is None:
+            return None
+        criticals = whole_criticals(self.engine_file, self.comparison, self.torsional.chosen.chain)
+        return WholeVibration(self.whole, self.comparison, criticals)
 
     @property
     def analysis(self) -> ThrowAnalysis:
@@ -135,7 +194,11 @@ class EngineVibration:
 
     def forced(self, kind: str) -> ForcedVibration | None:
         """Forced vibration of one kind; None if the gas pressure is unknown."""
-        return self.forced_axial if kind == "axial" else self.forced_torsional
+        return (self.forced_by_kind or {}).get(kind)
+
+    def modes(self, kind: str) -> Vibration:
+        """Modes and critical speeds of one kind."""
+        return self.axial if kind == "axial" else self.torsional
 
     @property
     def worst_check(self) -> LimitCheck | None:
@@ -163,10 +226,7 @@ class EngineVibration:
         """
         check_choice("kind", kind, ("axial", "torsional"), "these are calculated")
         check_choice("show", show, SHOWN, "these are diagrams of vibration")
-        vibration, forced = {
-            "axial": (self.axial, self.forced_axial),
-            "torsional": (self.torsional, self.forced_torsional),
-        }[kind]
+        vibration, forced = self.modes(kind), self.forced(kind)
         if show == "modes":
             return vibration.plot(axes)
         if show == "campbell":
@@ -276,7 +336,8 @@ def engine_vibration(
     shaft = compliances_in_shaft(read, analyses)
     axial = axial_vibration(read, analyses, shaft, model)
     torsional = torsional_vibration(read, analyses, shaft, model)
-    held = chains_over_bearings(read, analyses, model)
+    nominal = HeldChains(bearing_stiffness(read).nominal, shaft, axial, torsional)
+    held = chains_over_bearings(read, analyses, model, nominal)
     lengthened = twisted = assessment = whole = comparison = misfiring = axial_force = None
     note = ""
     if coupled:
@@ -345,7 +406,7 @@ def engine_vibration(
         whole=whole,
         comparison=comparison,
         misfiring=misfiring,
-        misfiring_note=note,
+        misfiring_note=note or None,
         load=load,
         bearings=sweep,
         axial_force=axial_force,

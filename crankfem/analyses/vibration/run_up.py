@@ -1,6 +1,6 @@
 """An engine's torsional vibration while its speed rises through all resonances."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from crankbase.errors import InputError
 from crankbase.frames import table_of
 from crankbase.quantity import parse_quantity
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
+from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.shaft.chains import magnifier_damping
 from crankfem.analyses.vibration.run import EngineVibration
 from dynamics.transient.motions import Envelope, TransientMotion, axis_names, transient_motion
@@ -111,6 +112,21 @@ class RunUp(Result):
         Units are in ``frame.attrs["units"]``.
         """
         return table_of(self.springs)
+
+    def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
+        """Return the largest torques, and remarks."""
+        low, high = (units.of("1/min").fixed(speed, 0) for speed in (self.lowest, self.highest))
+        cut = "" if self.complete else ", interrupted"
+        yield Table.of_records(
+            f"Run-up from {low} to {high} {units.of('1/min').name} in {self.duration:g} s{cut}: "
+            "amplitude of the torque in the springs",
+            self.springs,
+            (Column("element", words=True), "element"),
+            (Column("largest", "kN m"), "largest"),
+            (Column("at", "1/min", decimals=0), "at"),
+            (Column("at constant speeds", "kN m"), "steady"),
+        )
+        yield from (units.text(f"Note: {note}") for note in self.notes)
 
 
 def parse_duration(text: str) -> float:

@@ -2,8 +2,8 @@
 
 import functools
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated, Any
+from dataclasses import dataclass, replace
+from typing import Annotated
 
 import typer
 
@@ -107,31 +107,28 @@ def _refuse_beside_published(options: Mapping[str, bool]) -> None:
 
 
 def _one_throw(engine: str, asked: _Request) -> None:
-    from crankfem.analyses.throw.formula_records import fe_record, formula_records
+    from crankfem.analyses.throw.formula_records import by_elements, formulas_of
     from crankfem.cli.arguments import select_throw
     from crankfem.cli.tables import throw_tables
     from fem.analysis import analyze_throw
 
     dimensions, material = select_throw(engine, asked.throw, asked.out.quiet)
     gamma, constants = asked.gamma, asked.constants
-    records: dict[str, Any] = dict(
-        formula_records(dimensions, material, gamma, asked.variant, constants)
+    values = replace(
+        formulas_of(dimensions, material, gamma, asked.variant, constants),
+        gamma_deg=gamma,
+        constants=constants,
     )
-    records |= {"gamma_deg": gamma, "constants": dict(constants)}
     if asked.fe:
-        records["fe"] = fe_record(analyze_throw(dimensions, material), gamma)
+        values = replace(values, fe=by_elements(analyze_throw(dimensions, material), gamma))
     if asked.out.json:
-        print_json(records)
+        print_json(values)
     else:
-        throw_tables.print_one_throw(records, gamma, constants, asked.out.units)
+        throw_tables.print_one_throw(values, gamma, constants, asked.out.units)
 
 
 def _all_engines(asked: _Request) -> None:
-    from crankfem.analyses.throw.formula_records import (
-        engine_spread,
-        spread_of_engines,
-        spread_record,
-    )
+    from crankfem.analyses.throw.formula_records import engine_spread, spread_of_engines
     from crankfem.cli.tables import throw_tables
     from crankfem.files.engine.throw_file import load_throw
     from crankfem.files.reading.data_files import shipped_names
@@ -151,9 +148,9 @@ def _all_engines(asked: _Request) -> None:
         ),
     )
     if asked.out.json:
-        engines = [spread_record(spread) for spread in spreads]
-        constants = dict(asked.constants)
-        print_json({"gamma_deg": asked.gamma, "constants": constants, "engines": engines})
+        print_json(
+            {"gamma_deg": asked.gamma, "constants": dict(asked.constants), "engines": spreads}
+        )
     else:
         throw_tables.print_spread(
             spreads, asked.gamma, asked.variant, asked.constants, asked.out.units
@@ -161,7 +158,6 @@ def _all_engines(asked: _Request) -> None:
 
 
 def _published(json: bool) -> None:
-    from crankfem.analyses.record import attributes
     from crankfem.files.reading.data_files import data_folder
     from regression.formulas.axial_formulas import FINITE_ELEMENTS_DOUBT, read_published_table
 
@@ -171,9 +167,7 @@ def _published(json: bool) -> None:
 
         throw_tables.print_published(values)
         return
-    names = ("engine", "formula", "printed", "exponent_factor", "repaired", "group", "doubt")
-    records = [attributes(value, *names) for value in values]
-    print_json({"unit": "m/N", "values": records, "finite_elements_doubt": FINITE_ELEMENTS_DOUBT})
+    print_json({"unit": "m/N", "values": values, "finite_elements_doubt": FINITE_ELEMENTS_DOUBT})
 
 
 def _pure_number(name: str, text: str) -> float:

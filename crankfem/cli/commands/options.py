@@ -17,6 +17,7 @@ from crankfem.cli.commands import completion
 from crankfem.jobs.exit_codes import EXIT_LIMITS, EXIT_UNDECIDED
 
 if TYPE_CHECKING:
+    from crankfem.analyses.vibration.run import EngineVibration
     from crankfem.files.engine.engine_file import EngineFile
 
 
@@ -192,14 +193,13 @@ def check_has_limits(engine: "EngineFile") -> None:
         )
 
 
-def exit_unless_acceptable(vibration: dict[str, Any]) -> None:
+def exit_unless_acceptable(run: "EngineVibration") -> None:
     """Exit with a code of its own unless the verdict is acceptable, after all has been written and printed.
 
     Parameters
     ----------
-    vibration : dict
-        Record of the vibration, `crankfem.analyses.vibration.records.run_record`, of an engine that
-        `check_has_limits` has let pass.
+    run : EngineVibration
+        Of an engine that `check_has_limits` has let pass.
 
     Raises
     ------
@@ -208,9 +208,9 @@ def exit_unless_acceptable(vibration: dict[str, Any]) -> None:
     """
     from dynamics.wording import undecided_sentence  # here: numpy takes its time
 
-    assessment = vibration["assessment"]
-    decision = assessment["decision"]
-    if decision["status"] == UNDECIDED:
-        console.exit_by_verdict(undecided_sentence(decision["sentence"]), EXIT_UNDECIDED)
-    if decision["status"] == NOT_ACCEPTABLE:
-        console.exit_by_verdict(f"Limits are exceeded: {assessment['sentence']}", EXIT_LIMITS)
+    assert run.assessment is not None
+    decision, verdict = run.assessment.decision, run.assessment.verdict
+    if decision.status == UNDECIDED:
+        console.exit_by_verdict(undecided_sentence(decision.sentence), EXIT_UNDECIDED)
+    if decision.status == NOT_ACCEPTABLE:
+        console.exit_by_verdict(f"Limits are exceeded: {verdict.sentence}", EXIT_LIMITS)

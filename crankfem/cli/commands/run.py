@@ -43,9 +43,9 @@ def run(
     The verdict is printed first and last, with its reasons between; --verbose adds all tables. With
     --quiet only the path of the report is printed.
     """
-    from crankfem.cli.tables.vibration_tables import print_verdict
     from crankfem.jobs.pipeline import run_engine
     from crankfem.jobs.run_computation import RunInputs, read_inputs
+    from crankfem.report.conclusions import verdict_line
 
     source: str | RunInputs = engine
     if strict or model is not None:
@@ -70,25 +70,22 @@ def run(
     else:
         _print(made.results, out.units, verbose=verbose)
         console.print_path(f"Report: {made.report}")
-        print_verdict(made.results.vibration, made.results.strength, out.units)
+        verdict = verdict_line(made.results.vibration, made.results.strength)
+        console.print_line(out.units.text(verdict))
     if strict:
         exit_unless_acceptable(made.results.vibration)
 
 
 def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> None:
     from crankfem.analyses.run_results import NamedThrow
+    from crankfem.analyses.vibration.tables import vibration_parts
     from crankfem.cli.tables import throw_tables
-    from crankfem.cli.tables.vibration_tables import (
-        print_conclusions,
-        print_engine,
-        print_run,
-        print_worst,
-    )
+    from crankfem.report.summary import summary_parts, worst_tables
 
-    print_conclusions(results, units)
-    print_engine(results, units)
+    console.print_parts(summary_parts(results, units))
     if not verbose:
-        print_worst(results.vibration, units)
+        for table in worst_tables(results.vibration, units):
+            console.print_table(table, units, plain=True)
         return
     throws: Mapping[str, Any] = results.throws or {"": results}
     for name, throw in throws.items():
@@ -96,10 +93,10 @@ def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> Non
             cranks = "crank" if len(throw.cranks) == 1 else "cranks"
             console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, throw.cranks))}.")
         throw_tables.print_throw(throw.throw, units)
-        throw_tables.print_one_throw(throw.formulas, 180.0, units=units)
+        throw_tables.print_one_throw(throw.formulas, units=units)
     if results.study is not None:
         console.print_parts(results.study.main_parts())
-    print_run(results.vibration, units)
+    console.print_parts(vibration_parts(results.vibration, units), units)
 
 
 @with_output(files=True)
@@ -161,8 +158,6 @@ def class_(
     out: Output,
 ) -> None:
     """Write the torsional vibration document for a classification society, as HTML for A4."""
-    from crankfem.analyses.record import plain
-    from crankfem.analyses.vibration.records import run_record
     from crankfem.jobs.class_document import write_class_document
 
     with console.RunProgress(out.quiet) as progress:
@@ -186,4 +181,4 @@ def class_(
             console.print_line(sentence)
         console.print_path(f"Document: {made.page}")
     if strict:
-        exit_unless_acceptable(plain(run_record(made.run)))
+        exit_unless_acceptable(made.run)

@@ -16,7 +16,7 @@ from crankfem.cli.commands.options import (
     ThrowOption,
     with_output,
 )
-from crankfem.cli.console import print_json, print_line, print_table
+from crankfem.cli.console import print_json, print_line, print_parts, print_table
 from fem.wished_accuracy import COMPLIANCE_ACCURACY, STRESS_ACCURACY
 
 if TYPE_CHECKING:
@@ -150,9 +150,8 @@ def stress(
     """
     from crankbase.outputs import protect
     from crankfem.analyses.throw.pictures.stress_picture import picture_name
-    from crankfem.analyses.throw.stress import stress_record
+    from crankfem.analyses.throw.stress import stress_results
     from crankfem.cli.arguments import select_part
-    from crankfem.cli.tables.throw_tables import print_stresses
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import make_output_folder
     from fem.fillet_peaks import unit_loads
@@ -167,15 +166,16 @@ def stress(
     stresses = fillet_stresses(
         part, material, accuracy, end_sections=cast(Any, end_sections), mesh=cast(Any, mesh)
     )
-    record = stress_record(stresses)
+    results = stress_results(stresses)
     if pictures is not None:
         from crankfem.analyses.throw.pictures.stress_picture import picture_stresses
 
-        record["pictures"] = [str(file) for file in picture_stresses(stresses, pictures)]
+        made = tuple(str(file) for file in picture_stresses(stresses, pictures))
+        results = replace(results, pictures=made)
     if out.json:
-        print_json(record)
+        print_json(results)
     else:
-        print_stresses(record, out.units)
+        print_parts([*results.tables(out.units), *results.sentences()], out.units)
 
 
 @with_output(files=True)

@@ -1,6 +1,6 @@
 """Vibration of an engine, or of a chain that a file describes."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -15,11 +15,7 @@ from crankfem.cli.commands.options import (
     exit_unless_acceptable,
     with_output,
 )
-from crankfem.cli.console import print_json
-
-if TYPE_CHECKING:
-    from crankbase.table import OutputUnits
-    from crankfem.files.reading.toml_file import TomlFile
+from crankfem.cli.console import print_json, print_parts
 
 
 @with_output(files=True, units=True)
@@ -68,21 +64,33 @@ def vibration(
     if content is None or file_kind(content) == "chain":
         options = (run_up, csv, pictures, model)
         others = coupled or strict or any(option is not None for option in options)
-        _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
+        if others:
+            raise InputError(
+                f"{engine}: is a chain file, which has no cylinders; allowed with it are --json, --units and "
+                "--quiet, because the other options are about what an engine excites."
+            )
+        from crankfem.analyses.shaft.chain_vibration import chain_vibration
+
+        chain = chain_vibration(content or engine)
+        if out.json:
+            print_json(chain)
+        else:
+            print_parts(chain.parts(), out.units)
         return
     from crankbase.outputs import protect
+    from crankbase.results import units as result_units
     from crankfem.analyses.engine_mechanism import engine_inputs, mechanism_of
-    from crankfem.analyses.record import plain, with_units
+    from crankfem.analyses.record import with_units
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
     from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
     from crankfem.analyses.vibration.engine_excitation import refuse_forced_vibration
-    from crankfem.analyses.vibration.records import forced_columns, run_record
     from crankfem.analyses.vibration.run import engine_vibration
+    from crankfem.analyses.vibration.tables import vibration_parts
     from crankfem.cli.console import write_columns
-    from crankfem.cli.tables.vibration_tables import print_run, print_run_up, print_verdict
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.jobs.outputs import make_output_folder
+    from crankfem.report.conclusions import verdict_line
 
     if run_up is not None:
         from crankfem.analyses.vibration.run_up import parse_duration
@@ -119,10 +127,9 @@ def vibration(
         progress.finish()
     written = []
     if tables is not None:
-        for forced in (run.forced_axial, run.forced_torsional):
-            if forced is not None:
-                written.append(tables / f"{forced.kind}.csv")
-                write_columns(written[-1], *forced_columns(forced))
+        for kind, forced in (run.forced_by_kind or {}).items():
+            written.append(tables / f"{kind}.csv")
+            write_columns(written[-1], *forced.columns())
         if run.axial_force is not None:
             written.append(tables / "axial_force.csv")
             write_columns(written[-1], *axial_cycle_columns(run.axial_force))
@@ -131,35 +138,18 @@ def vibration(
         if speed_up is not None:
             written.append(drawn / "run_up.svg")
             picture_run_up(written[-1], run, speed_up)
-    results = run_record(run) | ({} if speed_up is None else {"run_up": speed_up})
-    record = with_units(results) if out.json else plain(results)
     if out.json:
-        print_json(record | {"files": [str(path) for path in written]})
-    else:
-        print_run(record, out.units)
+        record = with_units(run) | {"files": [str(path) for path in written]}
         if speed_up is not None:
-            print_run_up(record["run_up"], out.units)
+            record["run_up"] = speed_up.to_record()
+            record["units"] |= result_units(speed_up, "run_up.")
+        print_json(record)
+    else:
+        print_parts(vibration_parts(run, out.units), out.units)
+        if speed_up is not None:
+            print_parts(speed_up.parts(out.units), out.units)
         for path in written:
             console.print_line(f"Written: {path}")
-        print_verdict(record, None, out.units)
+        console.print_line(out.units.text(verdict_line(run)))
     if strict:
-        exit_unless_acceptable(record)
-
-
-def _print_chain_modes(
-    path: str, content: "TomlFile | None", json: bool, units: "OutputUnits", *, only_engines: bool
-) -> None:
-    """Print the modes of a chain file."""
-    from crankfem.cli.tables.vibration_tables import chain_record, print_chain
-    from crankfem.files.chain.chain_file import load_chain
-
-    if only_engines:
-        raise InputError(
-            f"{path}: is a chain file, which has no cylinders; allowed with it are --json, --units and "
-            "--quiet, because the other options are about what an engine excites."
-        )
-    record = chain_record(load_chain(content or path))
-    if json:
-        print_json(record, record["kind"])
-    else:
-        print_chain(record, units)
+        exit_unless_acceptable(run)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from rich.table import Table as RichTable
 
@@ -11,12 +10,14 @@ from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.mechanism.mechanism_results import intervals_text
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.formula_records import (
+    KINDS,
     EngineSpread,
+    Formulas,
     FormulaSpread,
+    Kind,
     Ratio,
     formula_spreads,
 )
-from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import (
     NOT_CORRECTED,
     ReactionResults,
@@ -25,14 +26,6 @@ from crankfem.analyses.throw.throw_record import (
 from crankfem.cli import console
 from crankfem.cli.arguments import angle_text
 from crankfem.cli.console import print_line, print_notes, print_table
-from fem.fillet_peaks import (
-    ACROSS_WEB,
-    LARGEST_NORMAL,
-    LARGEST_SIZE,
-    LARGEST_SPREAD,
-    LAYERS,
-    RULE_LOADS,
-)
 from regression.formulas.axial_formulas import (
     AXIAL_FORMULAS,
     FINITE_ELEMENTS,
@@ -70,102 +63,8 @@ _PARTS = {
 }
 
 
-def print_stresses(record: Record, units: OutputUnits = SI) -> None:
-    """Print a table for each load, and the remarks."""
-    for table in stress_tables(record, units):
-        print_table(table, units)
-    for sentence in _sentences(record):
-        print_line(sentence)
-
-
-def _up(value: float, decimals: int) -> str:
-    """Return a number rounded up, so that a value above its limit never appears to meet it."""
-    return f"{math.ceil(round(value * 10**decimals, 6)) / 10**decimals:.{decimals}f}"
-
-
-def _down(value: float, decimals: int) -> str:
-    """Return a number rounded down, so that a value below its limit never appears to meet it."""
-    return f"{math.floor(round(value * 10**decimals, 6)) / 10**decimals:.{decimals}f}"
-
-
-def _rule_sentences(record: Record) -> list[str]:
-    """The requirements of UR M53, Appendix III, on mesh and stresses, and the values reached."""
-    meshings = record["meshings"]
-    layers = [max(meshing["layers"][k] for meshing in meshings) for k in range(len(LAYERS))]
-    read = [
-        fillet["quality"]
-        for load in record["loads"]
-        if load["kind"] in RULE_LOADS
-        for fillet in load["fillets"]
-    ]
-
-    def verdict(checks: list[Record]) -> str:
-        return "met" if all(check["met"] for check in checks) else "not met"
-
-    return [
-        f"Mesh of UR M53, Appendix III, {verdict(meshings)}: largest element of the fillets "
-        f"{_up(max(one['size_share'] for one in meshings), 2)} of the radius (allowed {LARGEST_SIZE:g}), "
-        f"layers below {', '.join(_up(layer, 1) for layer in layers)} quarters of it (1, 2, 3), "
-        f"{_down(min(one['across_web'] for one in meshings), 1)} elements across the web "
-        f"({ACROSS_WEB:.0f} or more).",
-        "Its criteria where stresses are read under torque, bending in the crank plane and radial force, "
-        f"{verdict(read)}: smallest principal stress up to "
-        f"{100.0 * max(one['normal_share'] for one in read):.1f} % of the largest "
-        f"(below {100.0 * LARGEST_NORMAL:.0f} %), elements within "
-        f"{_up(100.0 * max(one['spread'] for one in read), 1)} % of their mean "
-        f"({100.0 * LARGEST_SPREAD:.0f} %).",
-    ]
-
-
-def _sentences(record: Record) -> list[str]:
-    """Remarks that the tables do not contain."""
-    sentences = [
-        f"Ends pinned, end sections {record['end_sections']}. Principal: the largest in magnitude, at the "
-        "location given; Mises: the largest equivalent stress by von Mises; factor: size of the principal "
-        "stress divided by the nominal one, which is a shear stress under a torque; M53: the factor as UR "
-        "M53 defines it, at fillets by the largest shear stress under a torque, by von Mises in bending."
-    ]
-    if mirrored(record):
-        sentences.append(
-            "The fillets at the right web have the same stresses, under a torque with the opposite sign."
-        )
-    if record["solved_part"] != "full":
-        sentences.append(
-            "Locations at -x have the same stresses, under a torque and bending across the crank plane "
-            "with the opposite sign."
-        )
-    if record["sharp_corners"]:
-        sentences.append(
-            f"No stress is given at {'; '.join(record['sharp_corners'])}: without a fillet the elastic "
-            "stress has no bound."
-        )
-    if any(load.get("oil_holes") for load in record["loads"]):
-        sentences.append(
-            "The exit of an oil hole is its rim and the hole to a depth of one diameter; nominal: the stress "
-            "of the pin or main journal without the hole, on its extreme fiber, wherever the hole points."
-        )
-    if record.get("mesh") == "m53":
-        sentences += _rule_sentences(record)
-    errors = [
-        peak["error_estimate"]
-        for load in record["loads"]
-        for peak in (*load["fillets"], *load.get("oil_holes", ()))
-    ]
-    met = (
-        "" if record["accuracy_met"] else f", not the {100.0 * record['accuracy']:.2g} % requested"
-    )
-    sentences.append(
-        f"Estimated errors of the stresses: {100.0 * min(errors):.2g} to {100.0 * max(errors):.2g} %{met}."
-    )
-    sentences += [f"{file} written." for file in record["pictures"]]
-    return sentences
-
-
 # What may stand behind a number.
 MARKS = ("*", "?")
-# The row of finite elements among those of formulas.
-_ELEMENTS: dict[str, Any] = {"name": "finite elements", "valid": None, "remarks": ()}
-_LAW = _ELEMENTS | {"name": "the law"}
 
 
 def _print_title(text: str) -> None:
@@ -178,79 +77,65 @@ def _given(constants: Mapping[str, float] | None) -> str:
 
 
 def print_one_throw(
-    records: dict[str, Any],
-    gamma_deg: float,
+    formulas: Formulas,
+    gamma_deg: float = 180.0,
     constants: Mapping[str, float] | None = None,
     units: OutputUnits = SI,
 ) -> None:
-    """Print the formulas for one throw, with finite elements if they are among the records."""
-    fe = records.get("fe")
-    for kind, support in (("axial", f"neighbors at {gamma_deg:g} deg"), ("torsional", "pinned")):
+    """Print the formulas for one throw, with finite elements if they have them."""
+    fe = formulas.fe
+    for kind in KINDS:
+        support = f"neighbors at {gamma_deg:g} deg" if kind == "axial" else "pinned"
         angle = f", gamma = {angle_text(gamma_deg)}{_given(constants)}" if kind == "axial" else ""
         beside = "" if fe is None else f" (finite elements: {support})"
-        left_out = records["left_out"] if kind == "axial" else []
-        _print_kind(
-            f"{kind.capitalize()} compliance{angle}{beside}",
-            records[kind],
-            left_out,
-            None if fe is None else fe[kind],
-            (records.get("law") or {}).get(f"{kind}_compliance"),
-            units,
-        )
-    if fe is not None and fe["angle_law"] is not None:
-        law, axial = fe["angle_law"], units.of("1e-9 m/N")
+        _print_title(f"{kind.capitalize()} compliance{angle}{beside}")
+        _print_kind(formulas, kind, units)
+    if fe is not None and (law := fe.angle_law) is not None:
+        axial = units.of("1e-9 m/N")
         print_line(
             "Finite elements over the angle: e(gamma) = e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma/2)) "
-            f"with e_0 = {axial.with_name(law['e_0'])}, e_180 = {axial.with_name(law['e_180'])}, "
-            f"rho = {law['rho']:.3g}."
+            f"with e_0 = {axial.with_name(law.in_line)}, e_180 = {axial.with_name(law.opposite)}, "
+            f"rho = {law.ratio:.3g}."
         )
 
 
-def _print_kind(
-    title: str,
-    records: list[dict[str, Any]],
-    left_out: list[dict[str, Any]],
-    fe: float | None,
-    law: dict[str, Any] | None,
-    units: OutputUnits,
-) -> None:
-    texts = [text for record in records for text in record["remarks"]]
-    numbers = {text: str(place) for place, text in enumerate(dict.fromkeys(texts), start=1)}
-    unit = units.of(f"1e-9 {records[0]['unit'] if records else 'm/N'}")
+def _print_kind(formulas: Formulas, kind: Kind, units: OutputUnits) -> None:
+    values, law = formulas.of_kind(kind), formulas.by_law(kind)
+    fe = None if formulas.fe is None else getattr(formulas.fe, kind)
+    texts = dict.fromkeys(text for formula in values for text in formula.remarks)
+    numbers = {text: place for place, text in enumerate(texts, start=1)}
+    unit = units.of(f"1e-9 {values[0].unit if values else 'm/N'}")
+    columns = [Column("formula", words=True), Column(f"value [{unit.name}]")]
+    columns += [Column("ratio to FE")] if fe else []
+    columns += [Column("applies", words=True), Column("remarks", words=True)]
 
-    def remarks(record: dict[str, Any]) -> str:
-        return ", ".join(sorted((numbers[text] for text in record["remarks"]), key=int))
+    def row(name: str, value: float, applies: str = "", remarks: Sequence[str] = ()) -> list[str]:
+        shown = unit.number(value) if unit.wished else significant(value / unit.size)
+        ratio = [f"{value / fe:.2f}"] if fe else []
+        noted = ", ".join(map(str, sorted(numbers[text] for text in remarks)))
+        return [name, shown, *ratio, applies, noted]
 
-    applies = {True: "yes", False: "no", None: ""}
-    elements = [] if fe is None else [_ELEMENTS | {"value": fe}]
-    by_law = [] if law is None else [_LAW | {"value": law["value"]}]
-    ratio = [(Column("ratio to FE"), lambda record: f"{record['value'] / fe:.2f}")] if fe else []
-    # As a line of its own, because a table breaks its title at its own width.
-    _print_title(title)
-    print_table(
-        Table.of_records(
-            "",
-            [*elements, *by_law, *records],
-            (Column("formula", words=True), "name"),
-            (Column(f"value [{unit.name}]"), lambda record: _four_digits(record["value"], unit)),
-            *ratio,
-            (Column("applies", words=True), lambda record: applies[record["valid"]]),
-            (Column("remarks", words=True), remarks),
-        )
-    )
+    rows = [] if fe is None else [row("finite elements", fe)]
+    rows += [] if law is None else [row("the law", law.value)]
+    rows += [
+        row(formula.name, formula.value, "yes" if formula.valid else "no", formula.remarks)
+        for formula in values
+    ]
+    # Its title is a line of its own, because a table breaks its title at its own width.
+    print_table(Table("", columns, rows))
     for text, place in numbers.items():
         print_line(units.text(f"  {place}. {text}"))
-    for record in left_out:
-        print_line(units.text(f"  Left out: {record['reason']}."))
+    for without in formulas.left_out if kind == "axial" else ():
+        print_line(units.text(f"  Left out: {without.reason}."))
     if law is not None:
-        low, high = (unit.with_name(law[end]) for end in ("lower", "upper"))
-        beside = "neighbors" in law["support"]
+        low, high = (unit.with_name(end) for end in (law.lower, law.upper))
+        beside = "neighbors" in law.support
         softer = ", and omits the bending of sections between neighbors" if beside else ""
         print_line(
             "  The law, fitted to finite elements with rigid end sections, has a band of "
             f"{low} to {high} (95 of 100 throws are in theirs){softer}."
         )
-    inside = [record["value"] / fe for record in records if record["valid"]] if fe else []
+    inside = [formula.value / fe for formula in values if formula.valid] if fe else []
     if len(inside) > 1:
         print_line(
             f"  The {len(inside)} formulas that apply give {min(inside):.2f} to {max(inside):.2f} times the "
@@ -282,7 +167,7 @@ def print_spread(
             [
                 spread.engine,
                 f"{spread.overlap:.2f}",
-                _compliance(spread.fe[kind], unit),
+                _compliance(getattr(spread.fe, kind), unit),
                 *(_ratio(spread.ratios[kind].get(name)) for name in names),
             ]
             for spread in spreads
@@ -340,11 +225,6 @@ def _wide_table(columns: Sequence[str]) -> RichTable:
             column, justify="left" if place == 0 else "right", no_wrap=place == 0, overflow="fold"
         )
     return table
-
-
-def _four_digits(value: float, unit: OutputUnit) -> str:
-    """Write a value with four digits, zeros at the end among them."""
-    return unit.number(value) if unit.wished else significant(value / unit.size)
 
 
 def _compliance(value: float, unit: OutputUnit) -> str:
@@ -413,7 +293,7 @@ def print_reactions(results: ReactionResults, units: OutputUnits) -> None:
         print_line(units.text(f"Reactions {name}: left out; {reason}"))
 
 
-KINDS = {
+FILE_KINDS = {
     "engine": "It describes a whole engine",
     "mechanism": "It describes cranks, rods and pistons, not a whole engine",
     "throw": "It describes a throw, not an engine",
@@ -433,7 +313,7 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
     print_line(f"{record['file']}: valid {record['kind']} file{counted}{warned}.")
     for warning in warnings:
         print_line(units.text(f"Warning: {warning.rstrip('.')}."))
-    print_line(f"{KINDS[record['kind']]}; use it with: {', '.join(record['commands'])}.")
+    print_line(f"{FILE_KINDS[record['kind']]}; use it with: {', '.join(record['commands'])}.")
     print_line(f"Sections: {', '.join(record['sections'])}.")
     if record["arrangement"] is not None:
         _print_arrangement(record["engine"], record["arrangement"], units)

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.diagrams import BLUE, GRAY, GREEN, ORANGE
-from crankfem.analyses.study.nominal_throw import factor_sweep
+from crankbase.diagrams import BLUE, ORANGE
+from crankfem.analyses.study.fit_plots import factor_diagram
 from crankfem.analyses.study.response_fits import ResponseFits, predicted
 from crankfem.report.interactive.style import (
     Figure,
@@ -15,78 +15,37 @@ from crankfem.report.interactive.style import (
     axis,
     choice,
     choice_labels,
+    described_traces,
     design_texts,
     display_unit,
-    display_values,
     dots,
     factor_text,
     factor_title,
     layout,
     level,
-    line,
-    literal,
     rounded,
     symbol_text,
     visibility_by_choice,
     with_unit,
 )
-from regression.fits.fits import Fit
 from regression.plans.factors import Factor
 from regression.runs.study_table import StudyTable
 
 Array = NDArray[np.float64]
 
-POINTS = 41
-# Forms drawn beside the chosen one; more of them cannot be told apart.
-COMPARED, COMPARED_LOOKS = 4, ("dash", "dot", "dashdot", "longdash")
 KINDS = ((False, BLUE, "circle", "fitted runs"), (True, ORANGE, "diamond", "held out"))
 
 
 def response_over_factors(table: StudyTable, response: ResponseFits) -> Figure:
-    """Draw the chosen equation, and others beside it, over one factor at a time.
-
-    The other factors stay at the nominal throw, or at the levels next to it. Filled dots are finite
-    element results there; open ones are results elsewhere, moved there along the chosen equation: they
-    keep their distance to it.
-    """
-    unit, size = display_unit(response.unit)
+    """Draw the chosen equation, and others beside it, over one factor at a time; see `factor_diagram`."""
+    unit = display_unit(response.unit)[0]
     factors = table.plan.factors
     texts = design_texts(factors, table.values)
-    # The chosen form, then some to compare it with.
-    others = [fit for fit in response.fits if fit is not response.chosen]
-    forms = [response.chosen, *others[:COMPARED]]
     traces: list[Part] = []
     owners: list[int] = []
-    for place, factor in enumerate(factors):
-        sweep = (
-            np.arange(len(factor.labels), dtype=np.float64)
-            if factor.labels
-            else np.linspace(factor.lowest, factor.highest, POINTS)
-        )
-        section = factor_sweep(table, response, place, forms, sweep)
-        x, on_line = display_values(factor, section.values), section.on_line
-        panel = [
-            _curve(factor, x, curve / size, fit, number, unit)
-            for number, (fit, curve) in enumerate(zip(forms, section.curves, strict=True))
-        ]
-        y = section.results / size
-        across = display_values(factor, table.values[:, place])
-        for those, symbol, name in (
-            (~on_line, "circle-open", "other designs, moved to this line"),
-            (on_line, "circle", "finite elements"),
-        ):
-            if those.any():
-                panel.append(
-                    dots(
-                        across[those],
-                        y[those],
-                        name,
-                        ORANGE,
-                        f"<b>{name}</b><br>%{{text}}<br>{with_unit('%{y:.5g}', unit)}",
-                        text=[text for text, chosen_ in zip(texts, those, strict=True) if chosen_],
-                        marker={"symbol": symbol, "line": {"color": ORANGE, "width": 1}},
-                    )
-                )
+    for place in range(len(factors)):
+        shown_unit = with_unit("", unit)
+        panel = described_traces(factor_diagram(table, response, place, shown_unit, texts))
         traces += [trace | ({} if place == 0 else {"visible": False}) for trace in panel]
         owners += [place] * len(panel)
     changes = [
@@ -170,23 +129,6 @@ def parity(table: StudyTable, response: ResponseFits) -> Figure:
         "yaxis2": axis("error [%]", domain=[0.0, 0.34], anchor="x2"),
     }
     return traces, made | lower
-
-
-def _curve(factor: Factor, x: Array, y: Array, fit: Fit, number: int, unit: str) -> Part:
-    """Return a form's curve over a factor, of a choice its marks; the chosen one comes first."""
-    chosen = number == 0
-    made = line(
-        x,
-        y,
-        f"{fit.form} (chosen)" if chosen else fit.form,
-        BLUE if chosen else (GRAY, GREEN)[number % 2],
-        f"{literal(fit.form)}<br>%{{x:.5g}}<br>{with_unit('%{y:.5g}', unit)}",
-        width=2.6 if chosen else 1.5,
-        dash="solid" if chosen else COMPARED_LOOKS[number - 1],
-    )
-    if factor.labels:
-        made |= {"mode": "markers", "marker": {"symbol": "line-ew-open", "size": 22}}
-    return made
 
 
 def _ticks(factor: Factor) -> Part:

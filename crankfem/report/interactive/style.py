@@ -467,9 +467,9 @@ def figure_of(curves: Curves, title: str) -> Figure:
 
 
 # Sizes of dots [pixels]: of those without weights by symbol, and at weights 0 and 1.
-DOT_SIZES = {"o": 7.0, "x": 9.0}
+DOT_SIZES = {"o": 7.0, "x": 9.0, "_": 22.0}
 LEAST_DOT, DOT_GROWTH = 5.0, 12.0
-SYMBOLS = {"o": "circle", "X": "x", "x": "x-thin"}
+SYMBOLS = {"o": "circle", "O": "circle-open", "X": "x", "x": "x-thin", "_": "line-ew-open"}
 
 
 def diagram_figure(diagram: Diagram, title: str, height: int = HEIGHT) -> Figure:
@@ -552,7 +552,7 @@ def described_traces(diagram: Diagram) -> list[Part]:
         more["marker"] = {
             "symbol": symbols[0] if len(symbols) == 1 and drawn.weights is None else symbols
         }
-        if drawn.symbols == "x":
+        if drawn.symbols in ("x", "_", "O"):
             more["marker"]["line"] = {"color": drawn.color, "width": 2}
         size: Any = DOT_SIZES.get(drawn.symbols, 7.0)
         if drawn.weights is not None:

@@ -11,9 +11,9 @@ from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.titles import at_speed, short_name
 from crankfem.analyses.vibration.engine_limits import limited_series
 from crankfem.analyses.vibration.misfiring import FiringCheck
-from crankfem.analyses.vibration.modes import SourceResult, Vibration
+from crankfem.analyses.vibration.modes import Kind, SourceResult, Vibration
 from crankfem.analyses.vibration.plots import plot_shaft_modes
-from crankfem.analyses.vibration.run import EngineVibration, Kind
+from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.report.interactive.plot import Plot, Plots, picture, plot_of_curves
 from crankfem.report.interactive.style import (
     Figure,
@@ -132,9 +132,6 @@ def _title(what: str) -> Callable[[EngineVibration], str]:
 
 
 def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
-    def vibration(run: EngineVibration) -> Vibration:
-        return run.axial if kind == "axial" else run.torsional
-
     shapes, itself = _title(f"{kind} mode shapes"), _title(kind)
     return (
         Plot(
@@ -142,7 +139,7 @@ def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
             f"First {kind} mode shapes",
             f"{kind.capitalize()}: first mode shapes; crosses mark the nodes.",
             picture(lambda axes, run: run.plot(axes, kind=kind, show="modes"), shapes, height=3.6),
-            lambda run: mode_shapes(vibration(run).chosen, shapes(run)),
+            lambda run: mode_shapes(run.modes(kind).chosen, shapes(run)),
         ),
         Plot(
             f"{kind}_campbell",
@@ -151,7 +148,7 @@ def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
             "larger dots have larger amplitudes and frequencies include damping; an overdamped mode is "
             "shown at its undamped frequency.",
             picture(lambda axes, run: run.plot(axes, kind=kind), itself, height=4.8),
-            lambda run: _campbell(run, vibration(run), itself(run)),
+            lambda run: _campbell(run, run.modes(kind), itself(run)),
         ),
         plot_of_curves(
             f"{kind}_amplitude",
