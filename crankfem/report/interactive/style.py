@@ -23,6 +23,7 @@ from crankbase.diagrams import (
     Line,
     Mark,
     Note,
+    Shape,
     order_line_style,
 )
 from crankbase.quantity import DISPLAY_UNITS, format_number
@@ -478,12 +479,23 @@ def diagram_figure(diagram: Diagram, title: str, height: int = HEIGHT) -> Figure
         band(low, high, color, name=name, showlegend=True)
         for low, high, color, name in diagram.bands
     ]
+    shapes += [_described_shape(shape) for shape in diagram.shapes]
+    x, y = _described_axis(diagram.x), _described_axis(diagram.y)
+    if diagram.bands:
+        x["showgrid"] = False
+    if diagram.level or diagram.equal:
+        shapes.append(level(0.0))
+    if diagram.equal:
+        upright = {"xref": "x", "yref": "y domain", "x0": 0, "x1": 0, "y0": 0, "y1": 1}
+        shapes.append(level(0.0) | upright)
+        x |= {"constrain": "domain"}
+        y |= {"constrain": "domain", "scaleanchor": "x"}
     made = layout(
-        _described_axis(diagram.x) | ({"showgrid": False} if diagram.bands else {}),
-        _described_axis(diagram.y),
+        x,
+        y,
         title=title,
         height=height,
-        shapes=[*shapes, *([level(0.0)] if diagram.level else [])],
+        shapes=shapes,
         annotations=[_described_note(text) for text in diagram.notes],
     )
     if any(dots.weights is not None for dots in diagram.dots):
@@ -500,6 +512,22 @@ def _described_axis(limits: Limits) -> Part:
     return axis(limits.label, **more)
 
 
+def _described_shape(shape: Shape) -> Part:
+    (left, bottom), (right, top) = shape.low, shape.high
+    return {
+        "type": "circle" if shape.round else "rect",
+        "xref": "x",
+        "yref": "y",
+        "x0": left,
+        "x1": right,
+        "y0": bottom,
+        "y1": top,
+        "fillcolor": shape.color,
+        "line": {"color": GRAY, "width": 1},
+        "layer": "below",
+    }
+
+
 def _described_note(described: Note) -> Part:
     if described.side == "line":
         # Above the dots of weak resonances on the line, and orders do not run through it.
@@ -510,11 +538,11 @@ def _described_note(described: Note) -> Part:
             "bgcolor": "rgba(255, 255, 255, 0.85)",
         }
         return note(described.text, color=described.color, x=described.x, y=described.y, **look)
-    look = (
-        {"xanchor": "left"}
-        if described.side == "right"
-        else {"xanchor": "center", "yanchor": "bottom"}
-    )
+    look = {
+        "middle": {},
+        "right": {"xanchor": "left"},
+        "above": {"xanchor": "center", "yanchor": "bottom"},
+    }[described.side]
     return note(described.text, size=11, color=TEXT_COLOR, x=described.x, y=described.y, **look)
 
 
@@ -529,6 +557,8 @@ def described_traces(diagram: Diagram) -> list[Part]:
             key = (drawn.group, drawn.name)
             more |= {"legendgroup": drawn.group, "showlegend": key not in named}
             named.add(key)
+        if drawn.numbers:
+            more["customdata"] = drawn.numbers
         if isinstance(drawn, Line):
             if drawn.marker:
                 more |= {"mode": "lines+markers", "marker": {"size": round(2.0 * drawn.marker)}}
