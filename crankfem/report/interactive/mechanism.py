@@ -1,7 +1,5 @@
 """The crank mechanism at one speed: loads of crankpin and main bearing, forces of a piston."""
 
-from pathlib import Path
-
 from crankfem.analyses.mechanism.hinged_rods import piston_names
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
 from crankfem.analyses.mechanism.plots import (
@@ -68,11 +66,6 @@ def _has(run: MechanismRun) -> list[str]:
     return [*([] if balanced else ["unbalanced"]), *(["hinged rods"] if run.hinged_rods else [])]
 
 
-def _draw_accelerations(path: Path, run: MechanismRun) -> None:
-    names = piston_names(run.layout, hinged_group(run.layout))
-    plot_accelerations(path, run.layout, run.speed, names, title=_engine(run))
-
-
 MECHANISM: Plots[MechanismRun] = Plots(
     (
         *_of_bearing(
@@ -129,7 +122,13 @@ MECHANISM: Plots[MechanismRun] = Plots(
             "accelerations",
             "Accelerations of the pistons of main and hinged rods, by order",
             "Pistons on the first crankpin with hinged rods, each at the same angle from its own top.",
-            _draw_accelerations,
+            lambda path, run: plot_accelerations(
+                path,
+                run.layout,
+                run.speed,
+                piston_names(run.layout, hinged_group(run.layout)),
+                title=_engine(run),
+            ),
             needs="hinged rods",
         ),
     ),

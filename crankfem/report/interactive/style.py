@@ -411,11 +411,12 @@ def figure_of(curves: Curves, title: str) -> Figure:
         # The first of several shapes stands in the legend, from where it switches all.
         legend = {"name": mark.name, "legendgroup": mark.name, "showlegend": mark.name not in named}
         named.add(mark.name)
-        shapes.append(
-            _upright(mark, **legend)
-            if isinstance(mark, Mark)
-            else band(mark.low, mark.high, mark.color, **legend)
-        )
+        if isinstance(mark, Band):
+            shapes.append(band(mark.low, mark.high, mark.color, **legend))
+            continue
+        upright = {"xref": "x", "yref": "paper", "x0": mark.place, "x1": mark.place, "y1": 1}
+        line_look = {"color": mark.color, "width": 1, "dash": "dot"}
+        shapes.append({"type": "line", "y0": 0, "line": line_look} | upright | legend)
     ends = {} if curves.x_range is None else {"range": list(curves.x_range)}
     ticks = {} if curves.x_step is None else {"dtick": curves.x_step, "tick0": 0}
     if curves.signed:
@@ -430,19 +431,6 @@ def figure_of(curves: Curves, title: str) -> Figure:
         title=title,
         shapes=shapes,
     )
-
-
-def _upright(mark: Mark, **more: object) -> Part:
-    return {
-        "type": "line",
-        "xref": "x",
-        "yref": "paper",
-        "x0": mark.place,
-        "x1": mark.place,
-        "y0": 0,
-        "y1": 1,
-        "line": {"color": mark.color, "width": 1, "dash": "dot"},
-    } | more
 
 
 # Sizes of dots [pixels]: of those without weights by symbol, and at weights 0 and 1.
@@ -562,21 +550,19 @@ def described_traces(diagram: Diagram) -> list[Part]:
                     **more,
                 )
             )
-        else:
-            traces.append(_weighted_dots(drawn, more))
+            continue
+        symbols = [SYMBOLS[symbol] for symbol in drawn.symbols]
+        more["marker"] = {
+            "symbol": symbols[0] if len(symbols) == 1 and drawn.weights is None else symbols
+        }
+        if drawn.symbols in ("x", "_", "O"):
+            more["marker"]["line"] = {"color": drawn.color, "width": 2}
+        size: Any = DOT_SIZES.get(drawn.symbols, 7.0)
+        if drawn.weights is not None:
+            size = [round(LEAST_DOT + DOT_GROWTH * weight, 1) for weight in drawn.weights]
+        if drawn.texts:
+            more["text"] = list(drawn.texts)
+        traces.append(
+            dots(drawn.x, drawn.y, drawn.name, drawn.color, drawn.hover, size=size, **more)
+        )
     return traces
-
-
-def _weighted_dots(drawn: Dots, more: Part) -> Part:
-    symbols = [SYMBOLS[symbol] for symbol in drawn.symbols]
-    more["marker"] = {
-        "symbol": symbols[0] if len(symbols) == 1 and drawn.weights is None else symbols
-    }
-    if drawn.symbols in ("x", "_", "O"):
-        more["marker"]["line"] = {"color": drawn.color, "width": 2}
-    size: Any = DOT_SIZES.get(drawn.symbols, 7.0)
-    if drawn.weights is not None:
-        size = [round(LEAST_DOT + DOT_GROWTH * weight, 1) for weight in drawn.weights]
-    if drawn.texts:
-        more["text"] = list(drawn.texts)
-    return dots(drawn.x, drawn.y, drawn.name, drawn.color, drawn.hover, size=size, **more)
