@@ -44,20 +44,25 @@ def response_over_factors(table: StudyTable, response: ResponseFits) -> Figure:
     traces: list[Part] = []
     owners: list[int] = []
     for place in range(len(factors)):
-        told = with_unit("", unit)
-        panel = described_traces(factor_diagram(table, response, place, told, texts))
+        shown_unit = with_unit("", unit)
+        panel = described_traces(factor_diagram(table, response, place, shown_unit, texts))
         traces += [trace | ({} if place == 0 else {"visible": False}) for trace in panel]
         owners += [place] * len(panel)
     changes = [
         [{"visible": visible}, {"xaxis.title.text": factor_title(factor), **_ticks(factor)}]
         for visible, factor in zip(visibility_by_choice(owners, len(factors)), factors, strict=True)
     ]
+    # A menu knows no markup.
+    menu_texts = [
+        unescape(factor_text(factor).replace("<sub>", "_").replace("</sub>", ""))
+        for factor in factors
+    ]
     ticks = {name.removeprefix("xaxis."): value for name, value in _ticks(factors[0]).items()}
     return traces, layout(
         axis(factor_title(factors[0]), **ticks),
         axis(f"{symbol_text(response.symbol)} [{unit}]"),
         title=f"{response.response.replace('_', ' ')} over one factor",
-        updatemenus=[choice("over", [_plain(factor_text(f)) for f in factors], changes)],
+        updatemenus=[choice("over", menu_texts, changes)],
     )
 
 
@@ -136,8 +141,3 @@ def _ticks(factor: Factor) -> Part:
         "xaxis.ticktext": choice_labels(factor),
         "xaxis.autorange": True,
     }
-
-
-def _plain(text: str) -> str:
-    """Write a label for a menu, which knows no markup."""
-    return unescape(text.replace("<sub>", "_").replace("</sub>", ""))

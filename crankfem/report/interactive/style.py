@@ -23,6 +23,7 @@ from crankbase.diagrams import (
     Line,
     Mark,
     Note,
+    Shape,
     order_line_style,
 )
 from crankbase.quantity import DISPLAY_UNITS, format_number
@@ -289,11 +290,6 @@ def number(value: float, digits: int = 4) -> str:
     return format_number(value + 0.0, digits)
 
 
-def degrees_of(radians: ArrayLike) -> NDArray[np.float64]:
-    """Return angles in degrees."""
-    return np.rad2deg(np.asarray(radians, dtype=np.float64))
-
-
 Array = NDArray[np.float64]
 
 
@@ -449,11 +445,12 @@ def figure_of(curves: Curves, title: str) -> Figure:
         # The first of several shapes stands in the legend, from where it switches all.
         legend = {"name": mark.name, "legendgroup": mark.name, "showlegend": mark.name not in named}
         named.add(mark.name)
-        shapes.append(
-            _upright(mark, **legend)
-            if isinstance(mark, Mark)
-            else band(mark.low, mark.high, mark.color, **legend)
-        )
+        if isinstance(mark, Band):
+            shapes.append(band(mark.low, mark.high, mark.color, **legend))
+            continue
+        upright = {"xref": "x", "yref": "paper", "x0": mark.place, "x1": mark.place, "y1": 1}
+        line_look = {"color": mark.color, "width": 1, "dash": "dot"}
+        shapes.append({"type": "line", "y0": 0, "line": line_look} | upright | legend)
     ends = {} if curves.x_range is None else {"range": list(curves.x_range)}
     ticks = {} if curves.x_step is None else {"dtick": curves.x_step, "tick0": 0}
     if curves.signed:
@@ -470,19 +467,6 @@ def figure_of(curves: Curves, title: str) -> Figure:
     )
 
 
-def _upright(mark: Mark, **more: object) -> Part:
-    return {
-        "type": "line",
-        "xref": "x",
-        "yref": "paper",
-        "x0": mark.place,
-        "x1": mark.place,
-        "y0": 0,
-        "y1": 1,
-        "line": {"color": mark.color, "width": 1, "dash": "dot"},
-    } | more
-
-
 # Sizes of dots [pixels]: of those without weights by symbol, and at weights 0 and 1.
 DOT_SIZES = {"o": 7.0, "x": 9.0, "_": 22.0}
 LEAST_DOT, DOT_GROWTH = 5.0, 12.0
@@ -495,12 +479,23 @@ def diagram_figure(diagram: Diagram, title: str, height: int = HEIGHT) -> Figure
         band(low, high, color, name=name, showlegend=True)
         for low, high, color, name in diagram.bands
     ]
+    shapes += [_described_shape(shape) for shape in diagram.shapes]
+    x, y = _described_axis(diagram.x), _described_axis(diagram.y)
+    if diagram.bands:
+        x["showgrid"] = False
+    if diagram.level or diagram.equal:
+        shapes.append(level(0.0))
+    if diagram.equal:
+        upright = {"xref": "x", "yref": "y domain", "x0": 0, "x1": 0, "y0": 0, "y1": 1}
+        shapes.append(level(0.0) | upright)
+        x |= {"constrain": "domain"}
+        y |= {"constrain": "domain", "scaleanchor": "x"}
     made = layout(
-        _described_axis(diagram.x) | ({"showgrid": False} if diagram.bands else {}),
-        _described_axis(diagram.y),
+        x,
+        y,
         title=title,
         height=height,
-        shapes=[*shapes, *([level(0.0)] if diagram.level else [])],
+        shapes=shapes,
         annotations=[_described_note(text) for text in diagram.notes],
     )
     if any(dots.weights is not None for dots in diagram.dots):
@@ -517,6 +512,22 @@ def _described_axis(limits: Limits) -> Part:
     return axis(limits.label, **more)
 
 
+def _described_shape(shape: Shape) -> Part:
+    (left, bottom), (right, top) = shape.low, shape.high
+    return {
+        "type": "circle" if shape.round else "rect",
+        "xref": "x",
+        "yref": "y",
+        "x0": left,
+        "x1": right,
+        "y0": bottom,
+        "y1": top,
+        "fillcolor": shape.color,
+        "line": {"color": GRAY, "width": 1},
+        "layer": "below",
+    }
+
+
 def _described_note(described: Note) -> Part:
     if described.side == "line":
         # Above the dots of weak resonances on the line, and orders do not run through it.
@@ -527,11 +538,11 @@ def _described_note(described: Note) -> Part:
             "bgcolor": "rgba(255, 255, 255, 0.85)",
         }
         return note(described.text, color=described.color, x=described.x, y=described.y, **look)
-    look = (
-        {"xanchor": "left"}
-        if described.side == "right"
-        else {"xanchor": "center", "yanchor": "bottom"}
-    )
+    look = {
+        "middle": {},
+        "right": {"xanchor": "left"},
+        "above": {"xanchor": "center", "yanchor": "bottom"},
+    }[described.side]
     return note(described.text, size=11, color=TEXT_COLOR, x=described.x, y=described.y, **look)
 
 
@@ -546,6 +557,8 @@ def described_traces(diagram: Diagram) -> list[Part]:
             key = (drawn.group, drawn.name)
             more |= {"legendgroup": drawn.group, "showlegend": key not in named}
             named.add(key)
+        if drawn.numbers:
+            more["customdata"] = drawn.numbers
         if isinstance(drawn, Line):
             if drawn.marker:
                 more |= {"mode": "lines+markers", "marker": {"size": round(2.0 * drawn.marker)}}
@@ -564,21 +577,19 @@ def described_traces(diagram: Diagram) -> list[Part]:
                     **more,
                 )
             )
-        else:
-            traces.append(_weighted_dots(drawn, more))
+            continue
+        symbols = [SYMBOLS[symbol] for symbol in drawn.symbols]
+        more["marker"] = {
+            "symbol": symbols[0] if len(symbols) == 1 and drawn.weights is None else symbols
+        }
+        if drawn.symbols in ("x", "_", "O"):
+            more["marker"]["line"] = {"color": drawn.color, "width": 2}
+        size: Any = DOT_SIZES.get(drawn.symbols, 7.0)
+        if drawn.weights is not None:
+            size = [round(LEAST_DOT + DOT_GROWTH * weight, 1) for weight in drawn.weights]
+        if drawn.texts:
+            more["text"] = list(drawn.texts)
+        traces.append(
+            dots(drawn.x, drawn.y, drawn.name, drawn.color, drawn.hover, size=size, **more)
+        )
     return traces
-
-
-def _weighted_dots(drawn: Dots, more: Part) -> Part:
-    symbols = [SYMBOLS[symbol] for symbol in drawn.symbols]
-    more["marker"] = {
-        "symbol": symbols[0] if len(symbols) == 1 and drawn.weights is None else symbols
-    }
-    if drawn.symbols in ("x", "_", "O"):
-        more["marker"]["line"] = {"color": drawn.color, "width": 2}
-    size: Any = DOT_SIZES.get(drawn.symbols, 7.0)
-    if drawn.weights is not None:
-        size = [round(LEAST_DOT + DOT_GROWTH * weight, 1) for weight in drawn.weights]
-    if drawn.texts:
-        more["text"] = list(drawn.texts)
-    return dots(drawn.x, drawn.y, drawn.name, drawn.color, drawn.hover, size=size, **more)
