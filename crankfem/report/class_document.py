@@ -36,7 +36,10 @@ def render_class_document(
             engine=engine,
             file=file.path.name,
             parts=parts,
-            pictures={name: _embedded(path) for name, path in pictures.items()},
+            pictures={
+                name: f"data:image/svg+xml;base64,{base64.b64encode(path.read_bytes()).decode()}"
+                for name, path in pictures.items()
+            },
             schematic=engine_schematic(cranks, run.torsional),
             sources=file.sources,
             created=created,
@@ -44,7 +47,3 @@ def render_class_document(
             style=Markup("\n".join(template_text(name) for name in STYLES)),
         )
     )
-
-
-def _embedded(path: Path) -> str:
-    return f"data:image/svg+xml;base64,{base64.b64encode(path.read_bytes()).decode()}"
