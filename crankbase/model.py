@@ -246,6 +246,8 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
     section: ClassVar[str] = ""
     # Fields that choose how to calculate: their defaults assume nothing of what is calculated.
     choices: ClassVar[frozenset[str]] = frozenset()
+    # Fields that others may give in another form: their defaults then assume nothing.
+    other_forms: ClassVar[dict[str, tuple[str, ...]]] = {}
     # Fields that Python takes by position, too: those of a short record.
     positional: ClassVar[tuple[str, ...]] = ()
 

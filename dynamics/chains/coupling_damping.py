@@ -34,7 +34,7 @@ def one_convention(field: str, given: Mapping[str, float | None]) -> float:
     values = {name: value for name, value in given.items() if value}
     if len(values) > 1:
         raise InputError(
-            f"{field}{list(values)[1]}: given together with {next(iter(values))}; allowed is one of "
+            f"{field}{list(values)[1]}: given both it and {next(iter(values))}; allowed is one of "
             "loss_factor, relative_damping and magnifier, because each is the same damping in another "
             "convention."
         )

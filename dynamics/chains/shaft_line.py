@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol, Self, get_args
+from typing import ClassVar, Literal, Protocol, Self, get_args
 
 import numpy as np
 from pydantic import model_validator
@@ -36,6 +36,9 @@ class Driven(InputModel):
     """Driven machine behind a coupling at the flywheel."""
 
     section = "driven"
+    other_forms: ClassVar[dict[str, tuple[str, ...]]] = {
+        "coupling_loss_factor": ("coupling_relative_damping", "coupling_magnifier")
+    }
 
     inertia: float = quantity_field(
         "inertia of the driven machine, referred to the crankshaft", "kg m^2", 1e-9, 1e8

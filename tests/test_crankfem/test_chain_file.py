@@ -11,7 +11,7 @@ from crankbase.errors import InputError
 from crankfem.files.chain.chain_file import load_chain, read_chain_text, write_chain_text
 from crankfem.files.reading.data_files import shipped_names
 from dynamics.chains.chain import Chain, Dashpot, Gear
-from dynamics.chains.shaft_line import ShaftCone, shaft_cylinder, shaft_flange
+from dynamics.chains.shaft_line import DrivenMachine, ShaftCone, shaft_cylinder, shaft_flange
 from fem.material import STEEL
 
 
@@ -477,3 +477,13 @@ def test_a_flexibility_of_zero_is_rigid_and_one_speed_leaves_the_frequencies(loa
             .replace("relative_damping", "magnifier")
             .replace("1.0", "0.0")
         )
+
+
+def test_a_couplings_damping_names_its_convention():
+    machine = {"inertia": 200.0, "coupling_stiffness": 1e5}
+    factor = DrivenMachine(**machine, coupling_loss_factor=0.2).ring.loss_factor
+    psi = DrivenMachine(**machine, coupling_relative_damping=0.4 * np.pi).ring.loss_factor
+    magnifier = DrivenMachine(**machine, coupling_magnifier=5.0).ring.loss_factor
+    assert [psi, magnifier] == close([factor] * 2)
+    with pytest.raises(InputError, match="loss_factor"):
+        DrivenMachine(**machine, coupling_loss_factor=0.2, coupling_magnifier=5.0)

@@ -451,7 +451,11 @@ class TomlFile:
             if name in values:
                 source, assumed = self.provenance.get(field_name, (self.path.name, False))
                 shown = _show(values[name])
-            elif value is None or field_extra(info, "feature"):
+            elif (
+                value is None
+                or field_extra(info, "feature")
+                or any(form in values for form in type(made).other_forms.get(name, ()))
+            ):
                 continue
             else:
                 source, assumed = "default", name not in type(made).choices
