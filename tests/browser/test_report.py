@@ -66,8 +66,7 @@ def test_the_report_is_valid_html(report):
         check=False,
     )
     messages = json.loads(done.stderr)["messages"]
-    told = [f"{m['type']}, line {m.get('lastLine')}: {m['message']}" for m in messages]
-    assert told == []
+    assert [f"{m['type']}, line {m.get('lastLine')}: {m['message']}" for m in messages] == []
     assert done.returncode == 0
 
 
@@ -94,8 +93,7 @@ def test_the_report_asks_for_nothing_and_complains_of_nothing(report, open_page)
 
 def test_the_report_fits_the_page_at_any_width(report, open_page):
     for width in (1600, 1000, 400):
-        page = open_page(report, width)
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert open_page(report, width).evaluate("document.documentElement.scrollWidth") <= width
 
 
 @pytest.mark.parametrize("width", [1200, 400])

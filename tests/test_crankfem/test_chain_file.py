@@ -237,8 +237,7 @@ def chains(draw):
 @settings(max_examples=20, deadline=None)
 @given(chains(), st.sampled_from(["torsional", "axial"]))
 def test_text_reads_back_to_the_last_digit(chain, kind):
-    text = write_chain_text(chain, kind, "any")
-    read = read_chain_text(text)
+    read = read_chain_text(write_chain_text(chain, kind, "any"))
     assert (read.kind, read.name) == (kind, "any")
     assert same(read.chain, chain)
 

@@ -367,11 +367,9 @@ def test_what_is_uncertain_names_the_bearings_and_the_crankshafts_own_first_mode
         read = typed(results).vibration
         return uncertain_sentence(read, read.assessment, "torsional")
 
-    before = told()
-    assert "bearings" not in before
+    assert "bearings" not in told()
     vibration["bearings"] = BEARINGS | {"stiffness": [2.2e8, 2.2e9, 2.2e10]}
-    own = vibration["torsional"]["modes"]
-    first, second = (one for one in own if one["number"] in (1, 2))
+    first, second = (one for one in vibration["torsional"]["modes"] if one["number"] in (1, 2))
     first["of_crankshaft"], second["of_crankshaft"] = False, True
     bounds = vibration["assessment"]["uncertainty"]["torsional"]["frequencies"][1]
     said = told()
@@ -433,8 +431,7 @@ def test_uses_at_and_above_running_speeds_stand_apart(results):
         check["running"] = own | {"used": used}
         check["above"] = own | {"used": used + 0.3, "speed_rpm": 570.0}
         check["in_running_range"] = False
-    read = typed(results).vibration.assessment.verdict.checks
-    (shown,) = worst_of_each(read[:2])
+    (shown,) = worst_of_each(typed(results).vibration.assessment.verdict.checks[:2])
     assert (shown.use.used, shown.above.used) == (0.9, 1.2)
     assert (
         "80 % of the permitted 21.2 MPa; above the running range" in conclusions(typed(results))[0]

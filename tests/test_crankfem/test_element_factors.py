@@ -81,8 +81,7 @@ def judge(vibration):
 def test_factors_are_largest_stresses_over_nominal_ones(stresses, file):
     """Written out: W_eqw = 285 x 68^2 / 6 mm3, W_P = pi/16 D^3; middle of the web at 101.5 mm of 410 mm."""
     left, right = throw_webs(file.throw, file.strength)
-    found = element_factors(stresses, (left, right))
-    own = found["left web"]
+    own = element_factors(stresses, (left, right))["left web"]
     peaks = {(one.load.kind, one.name): one for one in stresses.peaks}
     web, pin, journal = 0.285 * 0.068**2 / 6.0, "pin, left web", "left main journal"
     assert own.alpha_bending == close(peaks["bending", pin].von_mises * web)

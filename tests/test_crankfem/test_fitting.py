@@ -150,8 +150,7 @@ def test_the_record_of_a_study_fits_nothing_anew(table, fits, monkeypatch):
         raise AssertionError
 
     monkeypatch.setattr("crankfem.analyses.study.response_fits.fit_form", refuse)
-    reasons = fitted_study(table, fits).unfitted
-    assert reasons == fits["mass"].unfitted
+    assert fitted_study(table, fits).unfitted == fits["mass"].unfitted
 
 
 def test_imported_rows_without_errors_leave_the_others_known(table, fits):
@@ -393,8 +392,7 @@ def test_measured_throws_have_the_part_of_their_line(tmp_path):
 @pytest.mark.parametrize("study", ["outlines", "table", "family"])
 def test_diagrams(study, request, tmp_path):
     some = request.getfixturevalue(study)
-    found = fit_study(some)["axial_compliance"]
-    paths = plot_fits(tmp_path / "plots", some, found)
+    paths = plot_fits(tmp_path / "plots", some, fit_study(some)["axial_compliance"])
     assert [path.name for path in paths] == [
         f"axial_compliance_{name}.svg"
         for name in ("response", "parity", "effects", "sensitivities")

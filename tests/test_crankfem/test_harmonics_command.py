@@ -115,8 +115,7 @@ def test_table_writes_too(call, tmp_path):
 )
 def test_cylinders_of_a_table_add_up_as_their_shifted_samples(call, tmp_path, firing):
     arguments = ("--orders", "8.5", "--csv", "h.csv")
-    record = call("harmonics", TABLE, *firing, *arguments, "--json").json()
-    found = record["cylinders"]
+    found = call("harmonics", TABLE, *firing, *arguments, "--json").json()["cylinders"]
     assert found["firing_angles_deg"] == [0.0, 540.0, 180.0, 360.0]
     assert found["leading_orders"] == [2.0, 4.0, 6.0, 8.0]
     # Four rows of samples, each shifted by its firing angle; their order 9 cancels.
@@ -169,8 +168,7 @@ def test_orders_that_all_cancel_have_no_picture_of_round_off(tmp_path, call):
 
 def test_the_picture_of_a_table_ends_at_the_order_asked_for(tmp_path):
     table = cf.load_torque_table(TABLE)
-    shown = table.harmonics().up_to(1.5)
-    paths = picture_torque_table(tmp_path, table, shown)
+    paths = picture_torque_table(tmp_path, table, table.harmonics().up_to(1.5))
     assert [path.name for path in paths] == table_files(())
     texts = [path.read_text(encoding="utf-8") for path in paths]
     assert "<!-- sum up to order 1.5 -->" in texts[0]

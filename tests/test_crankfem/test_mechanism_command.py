@@ -232,8 +232,7 @@ def test_fast_engines_are_told_without_powers_of_ten(call, tmp_path):
 
 @pytest.mark.slow
 def test_a_whole_engine_serves_as_its_mechanism(v8):
-    whole = run_mechanism(load_engine("8chn13-14"))
-    assert whole.torque.power == v8.torque.power
+    assert run_mechanism(load_engine("8chn13-14")).torque.power == v8.torque.power
 
 
 def test_rows_alike_become_one():

@@ -148,8 +148,7 @@ def test_every_command_is_looked_at():
         for name, command in group.commands.items()
         if any(option.name == "json" for option in command.params)
     }
-    lines = [*QUICK, *MODEL, *SLOW]
-    assert commands == {line.partition(" ")[0] for line in lines} | ELSEWHERE
+    assert commands == {line.partition(" ")[0] for line in [*QUICK, *MODEL, *SLOW]} | ELSEWHERE
 
 
 def test_all_numbers_of_stored_results_have_units():

@@ -294,8 +294,7 @@ def test_what_an_engines_vibration_is_made_of(vibration):
     assert bounds.to_pandas()["highest"].to_numpy() == close(
         [mode.highest for mode in bounds.frequencies]
     )
-    checks = vibration.assessment.verdict.checks
-    assert len(vibration.assessment.to_pandas()) == len(checks)
+    assert len(vibration.assessment.to_pandas()) == len(vibration.assessment.verdict.checks)
 
     shaft = vibration.whole
     assert len(shaft.to_pandas()) == len(shaft.modes.frequencies)

@@ -180,8 +180,7 @@ def test_lookup_and_fit_continue_from_a_run(finished_run, call, tmp_path):
     answer = call("fit", finished_run.folder / "study.sqlite", "--model", "again.json", "--json")
     assert answer.code == 0, answer.err
     assert answer.json()["computed_now"] == 0
-    again = ComplianceModel.load(tmp_path / "again.json")
-    assert again.responses == model.responses
+    assert ComplianceModel.load(tmp_path / "again.json").responses == model.responses
 
 
 @pytest.mark.further

@@ -149,8 +149,7 @@ def test_an_assumed_magnifier_does_not_damp_a_coupling_whose_damping_is_given(tm
     ]
     np.testing.assert_allclose(np.abs(twist), np.abs(by_hand), rtol=0.03)
     # One that is given for every mode adds to it.
-    given = "[damping]\ntorsional_magnifier = 40\n\n"
-    both = system(given + driven).system.damping_ratios()
+    both = system("[damping]\ntorsional_magnifier = 40\n\n" + driven).system.damping_ratios()
     assert both[0] == close(0.5 * loss + 0.0125, rel=0.01)
 
 
@@ -472,8 +471,7 @@ def test_normal_firing_stands_beside_each_misfiring_cylinder(coarse, run):
     assert found.sentence.startswith(
         f"With cylinder {stress.cylinders[0]} misfiring, torsional stress"
     )
-    record = run.to_record()
-    assert record["misfiring"]["checks"][0]["cylinders"] == list(stress.cylinders)
+    assert run.to_record()["misfiring"]["checks"][0]["cylinders"] == list(stress.cylinders)
 
 
 @pytest.mark.slow

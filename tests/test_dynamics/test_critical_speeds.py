@@ -40,8 +40,7 @@ def test_unusable_frequencies_and_orders_are_refused():
 def test_weights_bring_out_a_minor_order():
     angles = even_firing_angles((1, 3, 4, 2))
     # Order 0.5 fires at 0, 270, 90, 180 deg of phase: 1 - 0.5 and 0.8 + 0.2 at right angles.
-    found = vector_sums([0.5], angles, [1.0, 0.8, -0.2, 0.5])
-    assert found == close([math.hypot(0.5, 1.0)])
+    assert vector_sums([0.5], angles, [1.0, 0.8, -0.2, 0.5]) == close([math.hypot(0.5, 1.0)])
 
 
 def test_unusable_vector_sums_are_refused():
@@ -153,8 +152,7 @@ def test_of_a_system_and_with_gears():
     assert complex_modes(damped(geared)).frequencies == close(
         geared.modes().frequencies[1:], rel=1e-3
     )
-    found = damped_criticals(response(damped(geared)))
-    assert {one.place for one in found} == {"node 0 - node 1"}
+    assert {one.place for one in damped_criticals(response(damped(geared)))} == {"node 0 - node 1"}
 
 
 @pytest.mark.parametrize("chain", [damped(ROW), ViscousDamper(0.5, 30.0).attached(ROW, 0)])
@@ -303,8 +301,7 @@ def test_forces_that_another_vibration_brings():
     chain = damped(Chain([1.0, 100.0], [1e7], names=["a", "b"]), magnifier=30.0)
     forces = np.zeros((2, 1, 2), dtype=complex)
     forces[:, 0, 0] = [5.0, 50.0]
-    own = OrderExcitation([1.0, 6.0], [speed], forces)
-    response = forced_response(chain, own)
+    response = forced_response(chain, OrderExcitation([1.0, 6.0], [speed], forces))
     brought = OrderExcitation([1.0, 6.0], [speed], 0.8 * forces)
     found = peak_cause(
         response, response.elastic, "a", 0, unit="m", kind="axial", driven=(brought, torsional)

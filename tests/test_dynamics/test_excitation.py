@@ -68,8 +68,7 @@ def test_torques_act_on_the_nodes_of_throws():
     first = TORSIONAL.throw_nodes[0]
     by_throw = FORCES.torque[:, :, ::2] + FORCES.torque[:, :, 1::2]
     assert found.forces[:, :, first : first + 3] == close(by_throw, abs=1e-9)
-    others = np.delete(found.forces, list(TORSIONAL.throw_nodes), axis=2)
-    assert np.all(others == 0.0)
+    assert np.all(np.delete(found.forces, list(TORSIONAL.throw_nodes), axis=2) == 0.0)
     angles = RANDOM.uniform(0.0, 40.0, 9)
     over_time = node_torques(HARMONICS, TORSIONAL, SPEEDS[1], shaft_angle_deg=np.degrees(angles))
     waves = found.at_angle(1, shaft_angle_deg=np.degrees(angles))

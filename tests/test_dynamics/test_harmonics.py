@@ -180,8 +180,7 @@ def test_closing_sample_does_not_count_twice():
     """With both ends of the cycle the harmonics would change: it is refused where angles tell."""
     angles_deg = np.arange(0.0, 721.0, 20.0)
     values = 3.0 + 2.0 * np.cos(np.radians(0.5 * angles_deg))
-    right = harmonics(values[:-1], angles_deg=angles_deg[:-1])
-    assert right.mean == close(3.0, rel=1e-14)
+    assert harmonics(values[:-1], angles_deg=angles_deg[:-1]).mean == close(3.0, rel=1e-14)
     assert harmonics(values).mean != close(3.0, rel=1e-3)
     with pytest.raises(InputError, match="closing sample; leave it out"):
         harmonics(values, angles_deg=angles_deg)

@@ -166,8 +166,7 @@ def shaft_modes():
 def coupled():
     """Of a chain in place of a shaft: its nodes are the points."""
     one = response()
-    names = ("main bearing 1 uz", "damper ring")
-    shaft = SimpleNamespace(names=names, system=one.system)
+    shaft = SimpleNamespace(names=("main bearing 1 uz", "damper ring"), system=one.system)
     shaft.point = partial(CrankshaftSystem.point, shaft)
     return CoupledResponse(shaft, one, one)
 

@@ -116,8 +116,7 @@ def test_the_strongest_reason_against_barring_is_one_of_running_speeds():
     (barred,) = judge([(CRANKSHAFT, peak(29.0, 200e6))], RUNNING, RULE).barred
     assert barred.low < RUNNING[0] < barred.high
     (reason,) = barred.refusals
-    told = float(re.search(r"at ([\d.]+) 1/min", reason)[1])
-    assert told >= 0.999 * RUNNING[0] * 30.0 / np.pi
+    assert float(re.search(r"at ([\d.]+) 1/min", reason)[1]) >= 0.999 * RUNNING[0] * 30.0 / np.pi
     # At the rated speed it matters that it is the rated speed, not how far the range goes on above.
     wide = AmplitudeCurve("shaft", SPEEDS, np.where(SPEEDS > 95.0, 80e6, 1e6))
     (at_rated,) = judge([(CRANKSHAFT, wide)], RUNNING, RULE).barred

@@ -163,8 +163,7 @@ def test_each_part_gives_the_same(coarse, mirror, condensed, dynamic, whole):
         works = np.abs(dynamic.pin_loads)
         for unknowns in (slice(0, 12), slice(12, None)):
             tolerance = 1e-6 * works[:, unknowns].max()
-            found = np.abs(other.pin_loads[:, unknowns])
-            assert found == close(works[:, unknowns], abs=tolerance)
+            assert np.abs(other.pin_loads[:, unknowns]) == close(works[:, unknowns], abs=tolerance)
         assert of_free_throw(other) == close(of_free_throw(dynamic), rel=1e-8)
 
 

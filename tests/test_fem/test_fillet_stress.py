@@ -564,8 +564,7 @@ def test_corners_of_a_part_without_a_fillet_are_named(dimensions, tmp_path, monk
     for name, value in COARSE_STRESSES.items():
         monkeypatch.setattr(fillet_stress, name, value)
     half = CrankThrow(**dimensions | {"pin_fillet_radius": 0.0})
-    part = import_throw(write_step(half, tmp_path / "half.step"))
-    found = fillet_stresses(part, accuracy=0.2)
+    found = fillet_stresses(import_throw(write_step(half, tmp_path / "half.step")), accuracy=0.2)
     assert found.sharp_corners == ("pin, left web", "pin, right web")
     assert {peak.name for peak in found.peaks} == {"left main journal", "right main journal"}
     assert math.isfinite(found.error_estimate)

@@ -89,8 +89,7 @@ def finer(throw, mesh, level):
     found = {}
     for target in (0.02, 0.01):
         sizes = refined_sizes(mesh, level.errors, target)
-        made = mesh_throw(throw, sizes=sizes)
-        found[target] = (sizes, solve_level(made, PROBLEM))
+        found[target] = (sizes, solve_level(mesh_throw(throw, sizes=sizes), PROBLEM))
     return found
 
 
@@ -243,8 +242,7 @@ def test_a_mesh_that_gets_no_better_ends_the_search(throw, mesh, level):
     factor, part, sizes = mesher.asked[1]
     assert (factor, part) == (1.0, "auto")
     wished = AIM_FILLETED * MOST_CORRECTED * 0.004 / level.effectivity
-    expected = refined_sizes(mesh, level.errors, wished)
-    assert np.array_equal(sizes.sizes, expected.sizes)
+    assert np.array_equal(sizes.sizes, refined_sizes(mesh, level.errors, wished).sizes)
     assert found.error_estimate == level.error_estimate > 0.004
 
 

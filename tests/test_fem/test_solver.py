@@ -118,8 +118,7 @@ def graded(spread):
 
 
 def rough_inverse(upper, error):
-    whole = upper + np.triu(upper, 1).T
-    inverse = np.linalg.inv(whole) * (1.0 + error)
+    inverse = np.linalg.inv(upper + np.triu(upper, 1).T) * (1.0 + error)
     return lambda sides: inverse @ sides
 
 

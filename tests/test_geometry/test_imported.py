@@ -355,8 +355,7 @@ def two_pins(dimensions):
 
 @pytest.mark.slow
 def test_two_pins_in_any_order(two_pins, folder):
-    text = name_faces(step_text(two_pins), usual_names(two_pins))
-    path = write(folder / "two.step", text)
+    path = write(folder / "two.step", name_faces(step_text(two_pins), usual_names(two_pins)))
     imported = import_throw(path, pins=("pin 2", "pin"))
     assert_same_throw(imported, two_pins)
     assert not imported.filleted

@@ -213,8 +213,7 @@ def test_any_obround_is_convex_and_closed(foot, tip, distance, share):
 def test_a_rectangle_rounded_to_the_full_is_an_obround():
     rounded = rectangle(0.3, 0.15, 0.15, 0.17, 0.15, 0.0)
     v = np.linspace(-0.15, 0.32, 101)
-    expected = obround(0.3, 0.15, 0.15, 0.17).half_width(v)
-    assert rounded.half_width(v) == close(expected, abs=1e-12)
+    assert rounded.half_width(v) == close(obround(0.3, 0.15, 0.15, 0.17).half_width(v), abs=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -144,8 +144,7 @@ def test_an_exported_table_comes_back_with_all_digits(plan, store, tmp_path):
     table = run_plan(plan, store)
     export_table(table, tmp_path / "runs.csv")
     other = tmp_path / "other.sqlite"
-    rows = len(table.values)
-    assert import_results(plan, other, tmp_path / "runs.csv").rows == rows
+    assert import_results(plan, other, tmp_path / "runs.csv").rows == len(table.values)
     assert import_results(plan, other, tmp_path / "runs.csv").rows == 0
     back = read_study(other)
     assert back.values.tolist() == table.values.tolist()

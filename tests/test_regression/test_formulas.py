@@ -57,8 +57,7 @@ FINITE_ELEMENTS = [
 def test_ratio_to_finite_elements(dimensions, compliance, ratios):
     values = axial_formulas(throw_of_mm(*dimensions), constants={"k_gorbunov": 0.5})
     names = ("Anderson", "Gorbunov", "Skorchev", "Draminsky (1)", "Draminsky (2)", "Stoyanov")
-    found = [values[name].value / (compliance * 1e-9) for name in names]
-    assert found == close(ratios, abs=0.011)
+    assert [values[name].value / (compliance * 1e-9) for name in names] == close(ratios, abs=0.011)
 
 
 def test_values_by_hand():

@@ -57,8 +57,7 @@ def test_the_file_of_a_throw_says_the_same(client, throw, tmp_path):
     }
     file = tmp_path / "mine.toml"
     file.write_text(client.validate(given).toml)
-    read = client.check_file(file)
-    assert read.kind == "throw"
+    assert client.check_file(file).kind == "throw"
     assert load_throw(file) == (
         CrankThrow.from_text(
             {
@@ -164,8 +163,7 @@ def test_an_analysis_gives_what_the_library_gives(client, throw):
 
 def test_models_are_listed_described_and_looked_up(client, throw):
     assert client.models() == ["six"]
-    told = client.describe_model("six")
-    assert told.ranges["web_thickness"] == (0.045, 0.09)
+    assert client.describe_model("six").ranges["web_thickness"] == (0.045, 0.09)
     one = client.lookup("six", throw=throw).responses["axial_compliance"]
     assert one.value == close(1.3e-9)
     assert one.lower < one.value < one.upper

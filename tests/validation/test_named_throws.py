@@ -171,8 +171,7 @@ def test_the_torsional_chain(run, analyses, figure):
     cranks = [analyses[name].masses.inertia_about_shaft + rods for name in NAMES]
     joined = np.array([0.0, *twist]) / 2.0 + np.array([*twist, 0.0]) / 2.0
     chain = run.torsional_chain
-    wanted = [FREE_END, *cranks, FLYWHEEL_INERTIA]
-    figure("inertias", chain.inertia, wanted, EXACT, "kg m^2")
+    figure("inertias", chain.inertia, [FREE_END, *cranks, FLYWHEEL_INERTIA], EXACT, "kg m^2")
     figure("stiffness between the cranks", chain.stiffness, 1.0 / joined, SOLVED, "N m/rad")
 
 

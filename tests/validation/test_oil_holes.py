@@ -105,8 +105,7 @@ def test_volume_of_a_rounded_exit_by_counting(tilt, figure):
     distance, _ = KDTree(centers).query(np.column_stack([p, q, t])[left])
     share = float(np.sum(distance > hole.exit_radius)) / count
     spread = math.sqrt(share / count)
-    found = outlet.rounding_volume
-    figure("volume of a rounded exit", found, share, 4.0 * spread / share, "m^3")
+    figure("volume of a rounded exit", outlet.rounding_volume, share, 4.0 * spread / share, "m^3")
 
 
 HOLES = {
@@ -163,8 +162,7 @@ def drilled_bar(diameter, bore, fineness, exit_radius=0.0):
 def exit_factors(diameter, bore, fineness):
     """Largest principal stresses at the exit beside those of the full section: tension, torsion, bending."""
     mesh, hole = drilled_bar(diameter, bore, fineness)
-    loaded = solve_unit_loads(mesh, unit_loads(np.zeros((0, 3))), STEEL)
-    surface = fillet_surface(loaded)
+    surface = fillet_surface(solve_unit_loads(mesh, unit_loads(np.zeros((0, 3))), STEEL))
     at_exit = hole.exits[0].holds(surface.points)
     largest = np.abs(largest_principal(principal_stresses(surface.stress[at_exit])))
     area, modulus = math.pi / 4.0 * (1.0 - bore**2), math.pi / 32.0 * (1.0 - bore**4)

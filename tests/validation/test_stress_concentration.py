@@ -85,8 +85,7 @@ def revolved(part, length, outline, size):
 
 def largest_at_notch(mesh):
     """Largest principal stresses (4,), without signs, under the unit loads of the ends."""
-    loaded = solve_unit_loads(mesh, unit_loads(np.zeros((0, 3))), STEEL)
-    surface = fillet_surface(loaded)
+    surface = fillet_surface(solve_unit_loads(mesh, unit_loads(np.zeros((0, 3))), STEEL))
     return np.abs(largest_principal(principal_stresses(surface.stress))).max(axis=0)
 
 
