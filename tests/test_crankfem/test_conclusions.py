@@ -653,8 +653,7 @@ def test_a_critical_speed_stands_once_with_all_that_is_known_of_it(results):
 
 
 def test_each_of_two_peaks_of_one_mode_has_a_row(results):
-    vibration = results["vibration"]
-    peaks = vibration["forced"]["torsional"]["resonances"]
+    peaks = results["vibration"]["forced"]["torsional"]["resonances"]
     first = next(one for one in peaks if one["order"] == 12.0)
     peaks.append({**first, "speed_rpm": 0.9 * first["speed_rpm"], "value": 0.5e-3})
     table = speed_table(typed(results).vibration, most=99)
@@ -695,8 +694,7 @@ def test_no_critical_speed_is_both_inside_and_outside_the_running_range(results)
 
 
 def test_an_order_without_a_peak_is_not_called_unbounded(results):
-    vibration = results["vibration"]
-    one = vibration["forced"]["axial"]["resonances"][0]
+    one = results["vibration"]["forced"]["axial"]["resonances"][0]
     one |= {"speed_rpm": None, "amplitude": None, "unbounded": False}
     table = speed_table(typed(results).vibration, most=99)
     (row,) = (texts for texts in table.texts() if "no peak" in texts)
@@ -728,8 +726,7 @@ def test_a_mode_that_makes_no_peak_has_no_critical_speed_outside(results):
 
 def test_every_peak_is_in_the_table_or_told_to_be_left_out(results):
     """A branch's peak counts by its own largest one, small peaks and those of the forces in a sentence."""
-    vibration = results["vibration"]
-    record = vibration["forced"]["torsional"]
+    record = results["vibration"]["forced"]["torsional"]
     one = next(own for own in record["resonances"] if own["order"] == 12.0)
     new = {"place": "pump shaft", "value": 294.0, "unit": "N m", "others": [], "modes": [2]}
     new |= {"mode": 2, "in_band": True, "spread_rpm": [440.0, 440.0], "in_running_range": True}

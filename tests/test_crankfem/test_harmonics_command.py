@@ -66,8 +66,7 @@ def test_large_torques_are_told_in_one_unit_a_table(call):
     ],
 )
 def test_unit_and_digits_of_a_table(values, name, text):
-    unit = table_unit(values, "N m")
-    assert unit.with_unit(values[0]) == f"{text} {name}"
+    assert table_unit(values, "N m").with_unit(values[0]) == f"{text} {name}"
     assert table_unit([], "N").name == "N"
 
 
@@ -428,8 +427,7 @@ def test_guides_by_the_series_turn_in_the_exact_mechanism():
 @pytest.mark.slow
 def test_flywheels_at_another_speed():
     """With the best pressure, not that of the design; both documented to the last digit given."""
-    run = run_hinge(load_hinge(SHIPPED), speed=142.0 * np.pi / 30.0)
-    (other,) = run.others
+    (other,) = run_hinge(load_hinge(SHIPPED), speed=142.0 * np.pi / 30.0).others
     assert other.flywheel_with_hinge == close(2277.0, abs=0.5)
     assert other.flywheel == close(33514.0, abs=0.5)
 

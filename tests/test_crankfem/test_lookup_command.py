@@ -604,8 +604,7 @@ def test_check_tells_which_command_fits(silent, saved, edit, call, tmp_path):
     assert "class" not in record["commands"]  # without gas pressure
     assert "class" in call("check", "6chn25-34", "--json").json()["commands"]
     assert any("the section [study] is not run" in one for one in record["remarks"])
-    thick = edit(text, {"throw.web_thickness": '"99 mm"'})
-    answer = call("check", written(tmp_path, thick))
+    answer = call("check", written(tmp_path, edit(text, {"throw.web_thickness": '"99 mm"'})))
     assert answer.code == 2
     assert "the throw that its study varies: web_thickness: given 99 mm" in answer.err
 

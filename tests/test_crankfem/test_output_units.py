@@ -40,8 +40,7 @@ def test_without_a_wish_everything_stays_in_si():
 
 
 def test_large_numbers_have_no_exponent():
-    unit = parse_output_units("in, lbf").of("kN m")
-    assert unit.number(30730.0) == "272000"
+    assert parse_output_units("in, lbf").of("kN m").number(30730.0) == "272000"
 
 
 def test_quantities_in_sentences():

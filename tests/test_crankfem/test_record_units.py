@@ -136,8 +136,7 @@ def test_so_have_those_of_vibration(coupled_vibration, printed):
 @pytest.mark.further
 def test_units_take_little_of_a_results_file(finished_run):
     results = finished_run.results
-    numbers = numbers_with_units(results)
-    assert len(numbers) > 10000
+    assert len(numbers_with_units(results)) > 10000
     assert len(json.dumps(results["units"], indent=1)) < 0.03 * len(json.dumps(results, indent=1))
 
 

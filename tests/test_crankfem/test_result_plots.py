@@ -236,8 +236,7 @@ def test_a_mechanism(mechanism):
     balanced = mechanism.plot(show="moment balance")
     assert balanced.get_title(loc="left").startswith("moment of inertia forces")
     assert not balanced.has_data()
-    frame = mechanism.to_pandas()
-    assert frame["work"].tolist() == [one.work for one in mechanism.works]
+    assert mechanism.to_pandas()["work"].tolist() == [one.work for one in mechanism.works]
     for options, message in (
         ({"show": "bearing", "number": 8}, "number: given 8; allowed is 1 to 7 for the bearings, "),
         (
@@ -300,8 +299,7 @@ def test_what_an_engines_vibration_is_made_of(vibration):
     assert len(shaft.to_pandas()) == len(shaft.modes.frequencies)
     assert shaft.plot(mode=3, radius=0.17).has_data()
     axes = vibration.comparison.plot(show="axial")
-    match = vibration.comparison.axial.response
-    assert axes.lines[0].get_ydata() == close(1e6 * match.shaft)
+    assert axes.lines[0].get_ydata() == close(1e6 * vibration.comparison.axial.response.shaft)
     assert vibration.comparison.plot().has_data()
     looked_at = sum(len(one.modes) for one in vibration.comparison.verdicts)
     assert len(vibration.comparison.to_pandas()) == looked_at

@@ -376,14 +376,12 @@ def forces():
 def chains():
     """Of the straight shaft: masses at the sections, half inertias at both ends of a throw."""
     axial = axial_chain([1.0 / AXIAL] * 3, [SPRING_MASS] * 3, 400.0, 3, 5e8)
-    torsional = torsional_chain([1.0 / TWIST] * 3, [INERTIA] * 3, 50.0)
-    return axial, torsional
+    return axial, torsional_chain([1.0 / TWIST] * 3, [INERTIA] * 3, 50.0)
 
 
 def test_coupling_makes_chains_insufficient():
     axial, _ = chains()
-    matches = matching_modes(straight(0.3), axial, 1e4)
-    verdict = ChainVerdict(matches)
+    verdict = ChainVerdict(matching_modes(straight(0.3), axial, 1e4))
     assert not verdict.suffices
     assert any("%" in reason for reason in verdict.reasons)
     nothing = ChainVerdict((ModeMatch("axial", 0, 50.0, None, None, 0.0, 0.0),))

@@ -80,8 +80,7 @@ def response(chain, orders=(1.0, 2.0), node=0, speeds=SPEEDS):
 
 
 def test_a_mode_that_creeps_is_none():
-    modes = complex_modes(damped(MAIN, modal_damping=1.5))
-    assert modes.eigenvalues.size == 0
+    assert complex_modes(damped(MAIN, modal_damping=1.5)).eigenvalues.size == 0
     found = damped_criticals(response(damped(MAIN, modal_damping=1.5)), node=0)
     assert [(one.order, one.mode, one.has_peak) for one in found] == [
         (1.0, 1, False),
@@ -188,8 +187,7 @@ def test_what_is_asked_for():
     part = damped_criticals(run, speed_range=(60.0, 140.0))
     assert 0 < len(part) < len(every)
     assert {one.speed for one in part} <= {one.speed for one in every}
-    frame = table_of(every)
-    assert frame["speed"].tolist() == [one.speed for one in every]
+    assert table_of(every)["speed"].tolist() == [one.speed for one in every]
     assert every[0].speed_rpm == close(every[0].speed * 30.0 / np.pi)
     assert repr(every[0]).startswith("DampedCritical(order 1, mode 1, has_peak yes, speed_rpm ")
 

@@ -289,8 +289,7 @@ def at_first_node(speed, nodes=3):
 
 def test_dashpots_told_in_any_order_join_a_chain():
     dashpots = [Dashpot(2, 3, 1.0), Dashpot(1, 2, 1.0), Dashpot(0, 1, 1.0)]
-    chain = Chain([1.0] * 4, [], connections=[], dashpots=dashpots)
-    assert len(chain.dashpots) == 3
+    assert len(Chain([1.0] * 4, [], connections=[], dashpots=dashpots).dashpots) == 3
 
 
 @pytest.mark.parametrize(("inertia", "pair"), [([1.0, 3.0], (0, 1)), ([3.0, 1.0], (1, 0))])

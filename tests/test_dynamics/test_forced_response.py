@@ -86,8 +86,7 @@ def test_loads_and_stress():
     twist = -2.0 / (2.0 * dynamic - w**2)
     np.testing.assert_allclose(loads.elements.values[:, :, 0], dynamic * twist, rtol=1e-10)
     np.testing.assert_allclose(loads.elastic.values[:, :, 0], 2e4 * twist, rtol=1e-10)
-    modulus = section_modulus("torsional", [0.05], [0.02])
-    stress = alternating_stress(loads, modulus)
+    stress = alternating_stress(loads, section_modulus("torsional", [0.05], [0.02]))
     np.testing.assert_allclose(
         stress.amplitude[:, :, 0],
         2e4 * np.abs(twist) * 16.0 * 0.05 / (np.pi * (0.05**4 - 0.02**4)),
@@ -272,8 +271,7 @@ LOSS_TWO = Chain([1.0, 1.0], [2e4])  # 200 rad/s
 
 def magnification(chain, speed):
     """Amplitude at resonance over the static one of the elastic mode."""
-    count = chain.chain.inertia.size
-    forces = np.array([1.0, -1.0])[:count] * np.ones((1, 1, 1))
+    forces = np.array([1.0, -1.0])[: chain.chain.inertia.size] * np.ones((1, 1, 1))
     found = forced_response(chain, OrderExcitation([1.0], [speed], forces))
     static = 1.0 / speed**2
     return found.amplitude[0, 0, 0] / static
@@ -455,8 +453,7 @@ def peak_excitation(speeds, orders=ORDERS):
 
 def test_each_resonance_is_calculated_at_its_own_speed():
     chain = damped(ENGINE)
-    response = forced_response(chain, peak_excitation([100.0, 300.0]))
-    table = resonances(response)
+    table = resonances(forced_response(chain, peak_excitation([100.0, 300.0])))
     frequencies = ENGINE.modes().frequencies
     assert [own.speed for own in table] == sorted(own.speed for own in table)
     assert {own.mode for own in table} == {1, 2}
@@ -602,8 +599,7 @@ def test_diagrams_take_their_height_and_orders_from_running_speeds(series):
     loud = OrderSeries(series.orders, series.speeds, values, series.unbounded, series.names)
     running = (float(GRID_SPEEDS[30]), float(GRID_SPEEDS[119]))
     curves = loud.over_speed(0, quantity_display(None, "SI"), running=running, main_orders=1)
-    plain = loud.synthesis.plain_sum[30:120, 0]
-    assert curves.top == close(1.08 * plain.max())
+    assert curves.top == close(1.08 * loud.synthesis.plain_sum[30:120, 0].max())
     assert [band.name for band in curves.bands] == 2 * ["outside the running range"]
     assert curves.bands[0].high == close(running[0] * 30.0 / np.pi)
     (main,) = (one.name for one in curves.series if one.role == "order" and one.main)

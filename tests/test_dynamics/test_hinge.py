@@ -76,8 +76,7 @@ def test_same_as_the_forces_of_the_mechanism():
     kinematics=st.sampled_from(KINEMATICS),
 )
 def test_the_hinge_gives_over_a_turn_what_it_takes(speed, length, share, peak, kinematics):
-    rod = ConnectingRod(length, 150.0, share * length, 5.0)
-    engine = replace(ENGINE, rod=rod)
+    engine = replace(ENGINE, rod=ConnectingRod(length, 150.0, share * length, 5.0))
     found = hinge_moment(
         engine, lambda a: 3e5 * np.exp(np.cos(a - peak)), speed, kinematics=kinematics, samples=360
     )

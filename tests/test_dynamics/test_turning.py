@@ -30,8 +30,7 @@ class BrokenPressure:
     strokes = 4
 
     def at(self, *, angle_deg):
-        angle = np.radians(angle_deg)
-        return np.where(np.asarray(angle) > 0.2, np.nan, 1e5)
+        return np.where(np.asarray(np.radians(angle_deg)) > 0.2, np.nan, 1e5)
 
 
 def constant(value):

@@ -230,8 +230,7 @@ def test_analysis_of_a_throw_with_two_pins(opposite):
     assert len(found.classes) == 2
     assert found.accuracy_met
     for pin in (0, 1):
-        direction = radial_directions(opposite)[pin]
-        forces = found.reactions(1e5 * direction, pin=pin)
+        forces = found.reactions(1e5 * radial_directions(opposite)[pin], pin=pin)
         thrust = found.influence_coefficient(pin=pin) * 1e5 / found.axial_compliance()
         assert forces.left.force[2] == close(thrust, rel=1e-6)
     with pytest.raises(
@@ -254,8 +253,7 @@ def test_analysis_of_a_throw_with_two_pins(opposite):
 @pytest.mark.parametrize("kind", ["models", "skewed_models"])
 def test_few_classes_are_enough_for_these_supports(request, kind, support):
     for classes, superelement in request.getfixturevalue(kind).values():
-        copies = classes[0].symmetry.copies
-        part = {4: "quarter", 2: "half", 1: "full"}[copies]
+        part = {4: "quarter", 2: "half", 1: "full"}[classes[0].symmetry.copies]
         by_class = {found.symmetry: found for found in classes}
         expected = support_throw(superelement, support)
         axial, influence = class_axial_compliances(by_class[axial_class(part)], support)

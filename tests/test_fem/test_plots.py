@@ -95,8 +95,7 @@ def test_only_known_quantities(analysis, shaft):
 
 
 def test_the_band_is_the_estimated_error(analysis):
-    axes = analysis.plot()
-    vertices = axes.collections[0].get_paths()[0].vertices
+    vertices = analysis.plot().collections[0].get_paths()[0].vertices
     highest = analysis.over_angle().max() * 1e9
     assert vertices[:, 1].max() == close(1.05 * highest)
 

@@ -40,11 +40,9 @@ def test_a_throw_is_drawn_to_scale(throw):
 
 def test_dimensions_are_written_in_millimeters(throw):
     axes = throw.plot()
-    texts = {text.get_text() for text in axes.texts}
-    assert {"$h$ 68", "395"} <= texts
+    assert {"$h$ 68", "395"} <= {text.get_text() for text in axes.texts}
     assert "lengths in mm" in axes.get_title("left")
-    end = throw.plot(view="left end")
-    assert "$R$ 170" in {text.get_text() for text in end.texts}
+    assert "$R$ 170" in {text.get_text() for text in throw.plot(view="left end").texts}
 
 
 @pytest.mark.slow

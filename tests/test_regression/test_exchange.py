@@ -81,8 +81,7 @@ def table_of(path, *lines):
 
 
 def test_an_exported_table_tells_everything_with_units(store, tmp_path):
-    plan = plan_of_levels(THROW, {"web_width": (0.270, 0.280)}, held_out=1)
-    table = run_plan(plan, store)
+    table = run_plan(plan_of_levels(THROW, {"web_width": (0.270, 0.280)}, held_out=1), store)
     assert export_table(table, tmp_path / "runs.csv").rows == 3
     rows = read(tmp_path / "runs.csv")
     assert [row["role"] for row in rows] == [RUN, RUN, HELD_OUT]

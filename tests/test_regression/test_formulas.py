@@ -209,8 +209,7 @@ def test_formulas_without_an_angle_say_so():
 
 
 def test_anderson_without_a_web_left_is_refused():
-    short = throw_of_mm(40, 200, 180, 100, 100, 250, 40)
-    value = axial_formula("Anderson", short)
+    value = axial_formula("Anderson", throw_of_mm(40, 200, 180, 100, 100, 250, 40))
     assert not value.valid
     assert any("k_1" in remark for remark in value.remarks)
 
@@ -382,8 +381,7 @@ def test_values_by_hand_torsional():
 
 
 def test_ker_wilson_without_a_web_left_is_refused():
-    short = throw_of_mm(70, 200, 180, 100, 100, 250, 40)
-    values = torsional_formulas(short)
+    values = torsional_formulas(throw_of_mm(70, 200, 180, 100, 100, 250, 40))
     assert not values["Ker Wilson"].valid
     assert values["Carter"].valid
 

@@ -74,8 +74,7 @@ def first_frequency(chain, factor):
         matrix[np.ix_([one, other], [one, other])] += stiffness * np.array([[1, -1], [-1, 1]])
     matrix += np.diag(chain.ground)
     squares = np.sort(np.linalg.eigvals(np.linalg.solve(masses, matrix)).real)
-    rigid = 0 if np.any(chain.ground) else 1
-    return np.sqrt(squares[rigid]) / (2.0 * np.pi)
+    return np.sqrt(squares[0 if np.any(chain.ground) else 1]) / (2.0 * np.pi)
 
 
 @pytest.mark.parametrize("kind", ["axial", "torsional"])

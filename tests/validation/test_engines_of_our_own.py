@@ -98,5 +98,4 @@ def test_parts_of_orders_make_the_largest_stress(run, figure):
 
 def test_files_are_accepted():
     for name in NAMES:
-        engine = cf.load_engine(FOLDER / f"{name}.toml")
-        assert engine.engine.cylinders in (5, 8, 12)
+        assert cf.load_engine(FOLDER / f"{name}.toml").engine.cylinders in (5, 8, 12)

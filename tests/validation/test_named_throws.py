@@ -158,8 +158,7 @@ def test_the_axial_chain(run, analyses, figure):
     for place, spring in enumerate(1.0 / lengthening):
         matrix[place : place + 2, place : place + 2] += spring * np.array([[1, -1], [-1, 1]])
     root = np.sqrt(masses)
-    squares = np.linalg.eigvalsh(matrix / np.outer(root, root))
-    frequencies = np.sqrt(squares) / (2.0 * math.pi)
+    frequencies = np.sqrt(np.linalg.eigvalsh(matrix / np.outer(root, root))) / (2.0 * math.pi)
     figure("natural frequencies", run.axial.chosen.elastic_frequencies, frequencies, SOLVED, "Hz")
 
 

@@ -122,8 +122,7 @@ def test_solid_and_mesh_lose_what_the_hole_takes(hole, dimensions, figure):
     throw = plain.changed(oil_holes=(OilHole(part="pin", diameter=0.03, **hole),))
     taken = throw.parts.drillings[0].volume
     assert plain.volume - throw.volume == close(taken, rel=1e-9)
-    copies = {"quarter": 4.0, "half": 2.0}[throw.symmetry]
-    solid = copies * throw_solid(throw).volume
+    solid = {"quarter": 4.0, "half": 2.0}[throw.symmetry] * throw_solid(throw).volume
     figure("volume of a throw with a hole", solid, throw.volume, 1e-3, "m^3")
     figure("volume of the hole in the throw", plain.volume - solid, taken, 1e-3, "m^3")
     meshed = mesh_mass_properties(mesh_throw(throw), 1.0).mass
@@ -232,5 +231,4 @@ def test_a_small_hole_has_the_factors_of_a_plate(figure):
 @pytest.mark.further
 def test_twice_as_many_elements_change_little(bars, figure):
     for case in ((0.1, 0.0), (0.2, 0.4)):
-        finer = exit_factors(*case, 24.0)
-        figure("factors on a mesh twice as fine", bars[case], finer, 0.02)
+        figure("factors on a mesh twice as fine", bars[case], exit_factors(*case, 24.0), 0.02)
