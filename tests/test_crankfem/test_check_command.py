@@ -612,8 +612,7 @@ def test_a_template_is_written_and_valid(call, tmp_path):
     assert answer.out.rstrip().endswith("crankfem run mine.toml")
     read = load_engine(tmp_path / "mine.toml")
     # All that stands for an engine is assumed; names, numbers of cylinders and choices are not.
-    given = {record.field for record in read.records if not record.assumed}
-    assert given == {
+    assert {record.field for record in read.records if not record.assumed} == {
         "engine.name",
         "engine.cylinders",
         "engine.strokes",

@@ -223,8 +223,7 @@ def test_modes_with_little_part_in_a_resonance_are_not_named(results):
 
 
 def test_a_verdict_that_hangs_on_assumptions_is_undecided(results):
-    assessment = results["vibration"]["assessment"]
-    assessment["decision"] = {
+    results["vibration"]["assessment"]["decision"] = {
         "status": "undecided",
         "sentence": "acceptable with a tensile strength of 590 MPa",
         "trials": [],
@@ -544,8 +543,7 @@ def test_the_tensile_strength_decides_on_what_is_kept():
 
 
 def test_the_yield_strength_decides_on_what_is_passed():
-    found = decided(PASSED)
-    assert found.sentence == (
+    assert decided(PASSED).sentence == (
         "acceptable with a yield strength of 248 MPa, not with 247 MPa (225 MPa assumed): give "
         "limits.yield_strength"
     )
@@ -730,10 +728,9 @@ def test_every_peak_is_in_the_table_or_told_to_be_left_out(results):
     one = next(own for own in record["resonances"] if own["order"] == 12.0)
     new = {"place": "pump shaft", "value": 294.0, "unit": "N m", "others": [], "modes": [2]}
     new |= {"mode": 2, "in_band": True, "spread_rpm": [440.0, 440.0], "in_running_range": True}
-    at = enumerate((1.0, 0.6, 0.06, 0.04, 0.01))
     record["resonances"] = [
         one | new | {"speed_rpm": 440.0 + place, "order": 4.0 + place, "severity": share}
-        for place, share in at
+        for place, share in enumerate((1.0, 0.6, 0.06, 0.04, 0.01))
     ]
     record["resonances"].append(record["resonances"][0] | {"in_band": False, "order": 20.0})
     table = speed_table(typed(results).vibration, most=2)

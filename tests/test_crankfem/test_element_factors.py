@@ -179,13 +179,12 @@ def test_an_unsafe_shear_factor_names_its_method_and_its_error():
     web = cf.strength.CrankWeb(0.18, 0.22, 0.17, 0.068, 0.285, 0.012, 0.012)
     formulas = cf.strength.ConcentrationFactors(web)
     larger = 1.2 * formulas.beta_shear
-    elements = ElementFactors(web, **FACTORS | {"beta_shear": larger})
     throw = engine_strength.ThrowStrength(
         number=1,
         places=(),
         webs={},
         factors={"left web": formulas},
-        elements={"left web": elements},
+        elements={"left web": ElementFactors(web, **FACTORS | {"beta_shear": larger})},
         torque=None,
         fit=None,
     )

@@ -222,10 +222,9 @@ def test_sensitivities_under_a_constraint(capsys):
     With places a, b from 0 to 1 the constraint is a + b <= 1, whose indices of a + b are 1/4 (first), 3/4
     (total) and, as both are alike, 1/2 (Shapley).
     """
-    factors = (Factor("web_thickness", "m", 0.060, 0.080), Factor("pin_length", "m", 0.120, 0.160))
     plan = StudyPlan(
         THROW,
-        factors,
+        (Factor("web_thickness", "m", 0.060, 0.080), Factor("pin_length", "m", 0.120, 0.160)),
         DesignChoice("latin hypercube", runs=12),
         relations={"main_journal_length": "400 mm - 2 * web_thickness"},
         constraints=("pin_length - main_journal_length <= -120 mm",),
@@ -378,8 +377,7 @@ def test_measured_throws_have_the_part_of_their_line(tmp_path):
     }
     table = study_table(plan, planned.designs, outcomes, rows)
     found = comparisons(table, compliance_model(table, fit_study(table), "power law"))
-    widths = (0.3, throw.web_width, 0.36)
-    for one, width in zip(found, widths, strict=True):
+    for one, width in zip(found, (0.3, throw.web_width, 0.36), strict=True):
         assert one.calculated == close(1e3 * width * 0.045, rel=1e-9)
     assert [len(one.remarks) for one in found] == [0, 0, 1]
     assert "360 mm" in found[2].remarks[0]

@@ -164,8 +164,7 @@ def test_pictures_of_the_angle(tmp_path):
     throw, _ = load_throw("6chn25-34")
     tables = [axial_formulas(throw, gamma) for gamma in gammas]
     values = {name: np.array([t[name].value for t in tables]) for name in AXIAL_FORMULA_NAMES}
-    bounds = {"guided": 0.2e-9, "pinned": 1e-9}
-    curves = formulas_over_angle(gammas, values, law * 1e-9, bounds)
+    curves = formulas_over_angle(gammas, values, law * 1e-9, {"guided": 0.2e-9, "pinned": 1e-9})
     with figure(tmp_path / "formulas.svg") as axes:
         draw_curves(axes, curves)
         axes.legend()

@@ -283,8 +283,7 @@ def test_the_section_alone(call, tmp_path):
     record = call("two-mass", "two.toml", "--order", "14", "--json").json()
     assert record["resonant_speed_rpm"] == close(2224.7, abs=0.05)
     assert record["resonances"] is record["shaft_torque"] is record["running_rpm"] is None
-    out = call("two-mass", "two.toml").out
-    assert out.splitlines()[1:] == [
+    assert call("two-mass", "two.toml").out.splitlines()[1:] == [
         "Order 6 resonates at 5190.9 1/min.",
         "No torque table is given: how strongly order 6 excites is open.",
     ]

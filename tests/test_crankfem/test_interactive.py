@@ -216,14 +216,13 @@ def test_units_over_speed(series, quantity, title, factor):
 def shaft(count=14):
     """Modes of a shaft of four nodes, listed out of their order along it, one of them rigid."""
     chance = np.random.default_rng(3)
-    shares = chance.dirichlet(np.ones(3), count).T
     return SimpleNamespace(
         positions=np.array([0.0, 0.9, 0.3, 0.6]),
         names=tuple(f"mode {number}" for number in range(count)),
         rigid=1,
         frequencies=10.0 * np.arange(count),
         motions=chance.normal(size=(4, 6, count)),
-        shares=tuple(shares),
+        shares=tuple(chance.dirichlet(np.ones(3), count).T),
         label=lambda mode: f"kind {mode}",
     )
 
@@ -694,8 +693,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
     (menu,) = figures["shaft_modes"]["layout"]["updatemenus"]
     first = menu["buttons"][0]
     assert first["label"] == f"{modes.frequencies[modes.rigid]:.1f} Hz: {modes.label(modes.rigid)}"
-    curves = figures["shaft_modes"]["data"][:4]
-    assert max(max(map(abs, curve["y"])) for curve in curves) == 1
+    assert max(max(map(abs, curve["y"])) for curve in figures["shaft_modes"]["data"][:4]) == 1
     shape = run.torsional.chosen.modes.shapes[:, run.torsional.chosen.modes.rigid]
     drawn = figures["torsional_modes"]["data"][0]
     ends = run.torsional.chosen.chain.chain.connections[0]

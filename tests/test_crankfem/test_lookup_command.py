@@ -452,8 +452,7 @@ def test_an_unknown_name_to_minimize(run, path):
 
 
 def test_a_frequency_needs_its_compliance(run, path):
-    model = ComplianceModel.load(path)
-    ComplianceModel(responses={"mass": model.responses["mass"]}).save(path)
+    ComplianceModel(responses={"mass": ComplianceModel.load(path).responses["mass"]}).save(path)
     with pytest.raises(InputError, match="given for a model without torsional_compliance"):
         run(
             *("optimum", path, "--minimize", "mass", "--engine", ENGINE),

@@ -542,8 +542,7 @@ def test_every_value_says_where_it_comes_from(name):
     fields = [f for section in sections for f in values(section, content.sections[section])]
     # What needs no source: names and counts of the engine.
     plain = {"engine.name", "engine.cylinders", "engine.strokes"}
-    without = [f for f in fields if f not in plain and not content.provenance.get(f, ("",))[0]]
-    assert not without
+    assert not [f for f in fields if f not in plain and not content.provenance.get(f, ("",))[0]]
 
 
 @pytest.mark.parametrize("name", SHIPPED_FULL)

@@ -141,10 +141,9 @@ def test_units_take_little_of_a_results_file(finished_run):
 
 
 def test_every_command_is_looked_at():
-    group = typer.main.get_command(app)
     commands = {
         name
-        for name, command in group.commands.items()
+        for name, command in typer.main.get_command(app).commands.items()
         if any(option.name == "json" for option in command.params)
     }
     assert commands == {line.partition(" ")[0] for line in [*QUICK, *MODEL, *SLOW]} | ELSEWHERE

@@ -143,8 +143,7 @@ def test_forms_of_a_response(study):
     found = study.fits["axial_compliance"]
     frame = found.to_pandas()
     assert frame.loc[frame["chosen"], "form"].item() == found.chosen.form
-    axes = found.plot()
-    assert [bar.get_width() for bar in axes.patches] == close(
+    assert [bar.get_width() for bar in found.plot().patches] == close(
         [100.0 * fit.largest_heldout_error for fit in found.fits]
     )
     assert study.to_pandas()["held_out"].sum() == 3
@@ -188,11 +187,9 @@ def test_formulas_of_a_throw_in_bars(dimensions):
 def test_formulas_over_the_angle(dimensions):
     throw = cf.CrankThrow(**dimensions)
     axes = plot_formulas_over_angle(throw)
-    found = axial_formulas(throw, gamma_deg=60.0)
-    curves = {line.get_label(): line.get_ydata()[12] for line in axes.lines}
-    assert curves == {
+    assert {line.get_label(): line.get_ydata()[12] for line in axes.lines} == {
         name: close(1e9 * one.value if one.value > 0.0 else np.nan, nan_ok=True)
-        for name, one in found.items()
+        for name, one in axial_formulas(throw, gamma_deg=60.0).items()
     }
 
 

@@ -77,8 +77,7 @@ def test_node_on_an_inertia_counts_once():
 
 
 def test_node_of_two_masses_divides_the_shaft_by_their_inertias():
-    modes = Chain([3.0, 1.0], [5.0]).modes()
-    assert modes.node_positions[1] == close((0.25,))
+    assert Chain([3.0, 1.0], [5.0]).modes().node_positions[1] == close((0.25,))
 
 
 def test_lowest_frequency_of_a_stiff_chain_on_a_soft_support():

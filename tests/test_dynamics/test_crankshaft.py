@@ -384,8 +384,7 @@ def test_coupling_makes_chains_insufficient():
     verdict = ChainVerdict(matching_modes(straight(0.3), axial, 1e4))
     assert not verdict.suffices
     assert any("%" in reason for reason in verdict.reasons)
-    nothing = ChainVerdict((ModeMatch("axial", 0, 50.0, None, None, 0.0, 0.0),))
-    assert nothing.reasons == (
+    assert ChainVerdict((ModeMatch("axial", 0, 50.0, None, None, 0.0, 0.0),)).reasons == (
         "The whole shaft has no mode like the axial mode of the chain at 50.0 Hz.",
     )
 
@@ -491,12 +490,11 @@ def test_torque_of_the_chain_is_that_of_the_pins(forces):
         turning[[5, 11, 12]] = 0.5, 0.5, 1.0
         mass += INERTIA * np.outer(turning, turning)
         own = np.array([[-SPRING_RADIUS, 0.0, 0.0, 0.0, 0.0, 1.0]])
-        pins = np.concatenate((base.pin_loads, own[None]), axis=1)
         throws.append(
             ShaftThrow(
                 stiffness,
                 mass,
-                pins,
+                np.concatenate((base.pin_loads, own[None]), axis=1),
                 base.pins,
                 SPRING_LENGTH,
                 crank_angle_deg=math.degrees(float(angle)),
@@ -590,8 +588,7 @@ def twisting_throw(angle_deg):
         side = np.eye(6)
         side[0, 4], side[1, 3] = arm, -arm
         relative[:, first : first + 6] = side if first else -side
-    springs = np.diag([STIFF, STIFF, ALONG, STIFF, STIFF, LINE_TWIST])
-    stiffness = relative.T @ springs @ relative
+    stiffness = relative.T @ np.diag([STIFF, STIFF, ALONG, STIFF, STIFF, LINE_TWIST]) @ relative
     body = [LINE_MASS / 2.0] * 3 + [3.0, 3.0, LINE_LEFT * LINE_INERTIA]
     mass = np.diag([*body, *body, 0.0])
     stiffness[12, 12] = 4.0 * LINE_TWIST

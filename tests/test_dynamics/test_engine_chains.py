@@ -111,7 +111,6 @@ def test_the_hub_of_a_damper_makes_a_free_end():
 
 
 def test_axial_chain_with_damping_damper_and_shaft_line():
-    line = ShaftLine([shaft_cylinder(3.0, 0.2)], name="line").chain("axial")
     built = axial_chain(
         *([1e-9, 2e-9], [100.0, 140.0], 500.0, 1, 3e8),
         thrust_damping=9.0,
@@ -119,7 +118,7 @@ def test_axial_chain_with_damping_damper_and_shaft_line():
         loss_factor=0.01,
         section_damping=[4.0, 5.0, 6.0],
         damper=AxialDamper(1e5, stiffness=2e7, mass=30.0),
-        shaft_line=line,
+        shaft_line=ShaftLine([shaft_cylinder(3.0, 0.2)], name="line").chain("axial"),
     )
     chain = built.chain
     assert built.nodes[-2:] == ("main bearing 3, flywheel", "line 1")
@@ -174,10 +173,9 @@ def test_throw_inertias_of_several_cylinders(v_four):
     assert half[0] == close(throw_inertia(0.5, [3.0 - at_piston] * 2, [2.0 + at_piston] * 2, 0.07))
     exact = throw_inertias(v_four, [0.5, 0.6], reciprocating="mean")
     # The mean of the whole engine's reduced inertia, by another path through the mechanism.
-    models = tuple(cylinder.rod.model("rigid") for cylinder in v_four.cylinders)
     whole, _ = reduced_inertia(
         v_four,
-        models,
+        tuple(cylinder.rod.model("rigid") for cylinder in v_four.cylinders),
         shaft_angles_deg=np.degrees(np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)),
     )
     assert exact.sum() == close(1.1 + whole.mean(), rel=1e-12)
@@ -295,8 +293,7 @@ def test_dashpots_told_in_any_order_join_a_chain():
 @pytest.mark.parametrize(("inertia", "pair"), [([1.0, 3.0], (0, 1)), ([3.0, 1.0], (1, 0))])
 def test_node_of_a_mode_lies_near_the_larger_inertia(inertia, pair):
     # Motions are as 3 to -1: the node lies at 3/4 of the element, from the smaller inertia.
-    modes = Chain(inertia, [4.0], connections=[pair]).modes()
-    assert modes.node_positions[1] == close((0.75,))
+    assert Chain(inertia, [4.0], connections=[pair]).modes().node_positions[1] == close((0.75,))
 
 
 def test_kinetic_shares_with_distributed_inertia_add_up_to_one():

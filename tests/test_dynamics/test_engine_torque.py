@@ -37,12 +37,11 @@ class SmoothPressure:
 
 
 def in_line_two_stroke():
-    cranks = np.radians([0.0, 120.0, 240.0])
     cylinders = [
         EngineCylinder(
             0.12, 3.0, ROD, crank_angle_deg=math.degrees(c), position=0.2 * i, pin_offset=0.003
         )
-        for i, c in enumerate(cranks.tolist())
+        for i, c in enumerate(np.radians([0.0, 120.0, 240.0]).tolist())
     ]
     return EngineLayout(0.07, cylinders, [1, 3, 2], strokes=2)
 

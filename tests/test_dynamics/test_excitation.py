@@ -333,12 +333,11 @@ def test_what_does_not_fit_is_refused_cylinder(changed, sentence):
 
 
 def test_a_firing_order_that_does_not_fit_the_cranks_is_refused():
-    cranks = np.radians([0.0, 180.0, 180.0, 0.0]).tolist()
     cylinders = [
         EngineCylinder(
             0.12, 3.0, ROD, crank_angle_deg=math.degrees(c), bank_angle_deg=0.0, position=0.2 * i
         )
-        for i, c in enumerate(cranks)
+        for i, c in enumerate(np.radians([0.0, 180.0, 180.0, 0.0]).tolist())
     ]
     with pytest.raises(InputError, match=r"firing_order: given \[1, 4, 3, 2\]; allowed is an"):
         EngineLayout(0.07, cylinders, [1, 4, 3, 2])

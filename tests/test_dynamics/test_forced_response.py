@@ -116,8 +116,7 @@ def test_forces_of_inertia_are_exact_between_speeds():
 
 
 def test_phasors_from_samples_and_aliasing():
-    angle = np.radians(np.arange(0.0, 720.0, 30.0))
-    found = harmonics(10.0 + 8.0 * np.cos(1.5 * angle - 0.4))
+    found = harmonics(10.0 + 8.0 * np.cos(1.5 * np.radians(np.arange(0.0, 720.0, 30.0)) - 0.4))
     np.testing.assert_allclose(
         phasors_of(found, [1.0, 1.5]), [0.0, 8.0 * np.exp(-0.4j)], atol=1e-14
     )
@@ -223,12 +222,11 @@ def test_any_chain(seed):
     loads = element_loads(own)
     dashpot = np.zeros((1, 6))
     dashpot[0, [0, 3]] = -1.0, 1.0
-    w = own.angular_frequencies[:, :, np.newaxis]
     left = (
         loads.elements.values @ chain.elongations()
         + loads.dashpots.values @ dashpot
         + loads.ground.values
-        - w**2 * (own.motion @ chain.mass_matrix())
+        - own.angular_frequencies[:, :, np.newaxis] ** 2 * (own.motion @ chain.mass_matrix())
         - excitation.forces
     ) @ chain.expansion()
     assert np.max(np.abs(left)) < 1e-10 * np.max(np.abs(loads.elements.values))
@@ -518,11 +516,10 @@ GRID_SPEEDS = np.linspace(40.0, 80.0, 150)
 def series():
     rng = np.random.default_rng(7)
     shape = (6, GRID_SPEEDS.size, 4)
-    values = rng.normal(size=shape) + 1j * rng.normal(size=shape)
     return OrderSeries(
         0.5 * np.arange(1.0, 7.0),
         GRID_SPEEDS,
-        values,
+        rng.normal(size=shape) + 1j * rng.normal(size=shape),
         np.zeros(shape[:2], bool),
         ("a", "b", "c", "d"),
     )

@@ -68,13 +68,12 @@ def web(size=0.2, semi_built=False, **ratios):
     own = USUAL | ratios
     overlap, journal = own.pop("overlap"), own.pop("journal")
     radius = 0.5 * (1.0 + journal) - overlap
-    lengths = {name: size * value for name, value in own.items()}
     return CrankWeb(
         pin_diameter=size,
         journal_diameter=size * journal,
         crank_radius=size * radius,
         semi_built=semi_built,
-        **lengths,
+        **{name: size * value for name, value in own.items()},
     )
 
 

@@ -250,13 +250,12 @@ def test_gas_as_a_function_of_place_and_direction():
 
 @pytest.mark.parametrize("direction_matters", [False, True])
 def test_engine_stops_and_says_so(direction_matters):
-    gas = constant(0.0) if direction_matters else None
     found = turn_freely(
         hinged_pair(),
         start_angle_deg=math.degrees(0.3),
         start_speed=40.0,
         duration=20.0,
-        gas=gas,
+        gas=constant(0.0) if direction_matters else None,
         load=60.0,
         samples=201,
     )

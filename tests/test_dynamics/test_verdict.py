@@ -365,8 +365,7 @@ def resonance(speeds, critical, magnifier=40.0):
 
 def test_edges_lie_where_the_limit_is_met_and_never_too_narrow():
     speeds = np.linspace(20.0, 90.0, 701)
-    curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0))
-    (found,) = exceeded_ranges(LIMIT, curve)
+    (found,) = exceeded_ranges(LIMIT, AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0)))
     # Of r^4 - (2 - 1/M^2) r^2 + 1 - 1/10^2 = 0, the speeds at which the amplitude is 10.
     low, high = 50.0 * np.sqrt(np.sort(np.roots([1.0, -(2.0 - 1.0 / 40.0**2), 1.0 - 1e-2])))
     # Straight lines over steps of 0.1 stray by step^2/8 times curvature over slope, about 0.001.

@@ -82,10 +82,9 @@ def models(mesh, half_mesh, full_mesh, condensed):
 def skewed_models(two_loads, two_radials, mirror, condensed):
     """Unequal ends and two loads: half and full models of the same, and one without any symmetry."""
     half = skewed(two_loads, symmetric=True)
-    full = mirror(half)
     return {
         "half": condensed(half, radials=two_radials),
-        "full": condensed(full, radials=two_radials),
+        "full": condensed(mirror(half), radials=two_radials),
         "free": condensed(skewed(mirror(two_loads), symmetric=False), radials=two_radials),
     }
 

@@ -381,8 +381,7 @@ def test_true_errors_are_those_estimated(throw, accuracy, reference):
 
 @pytest.mark.slow
 def test_errors_fall_with_the_accuracy(coarse):
-    finer = evaluate_throw(PLAIN, accuracy=0.004)
-    for name, error in finer.errors.items():
+    for name, error in evaluate_throw(PLAIN, accuracy=0.004).errors.items():
         if name != "mass":
             assert 0.0 < error < coarse.errors[name], name
     assert coarse.errors["mass"] < 1e-4

@@ -24,14 +24,13 @@ from geometry.mass import mass_properties
 @pytest.fixture(scope="module")
 def analysis(throw, mesh, classes, superelement):
     """An analysis on the coarse mesh that all tests share."""
-    masses = mass_properties(mesh, STEEL.density)
     return ThrowAnalysis(
         throw=throw,
         material=STEEL,
         superelement=superelement,
         mesh=mesh,
         classes=classes,
-        masses=masses,
+        masses=mass_properties(mesh, STEEL.density),
         error_estimate=0.05,
         accuracy=0.1,
     )
@@ -124,12 +123,11 @@ def test_the_grid_of_a_throw(analysis):
 
 
 def test_the_axial_answers_alone(analysis, mesh, classes):
-    part = next(one for one in classes if one.symmetry == axial_class(mesh.part))
     alone = AxialAnalysis(
         throw=analysis.throw,
         material=STEEL,
         mesh=mesh,
-        part=part,
+        part=next(one for one in classes if one.symmetry == axial_class(mesh.part)),
         error_estimate=0.05,
         accuracy=0.1,
     )

@@ -131,8 +131,7 @@ def test_the_classes_share_out_all_motions(part):
     together = np.hstack([symmetry.ends for symmetry in classes])
     assert together.shape == (12, 12)
     assert together.T @ together == close((2.0 if part == "quarter" else 1.0) * np.eye(12))
-    shares = np.vstack([symmetry.shares for symmetry in classes])
-    assert together @ shares == close(np.eye(12))
+    assert together @ np.vstack([symmetry.shares for symmetry in classes]) == close(np.eye(12))
 
 
 ROUND_OFF = 1e-11

@@ -86,7 +86,6 @@ def test_a_mesh_shows_what_looks_at_the_eye():
     """One tetrahedron with its corner at the origin, seen along +z: one face looks there."""
     points = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]])
     facets = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    solid = SolidProperties(1e-3 / 6.0, np.full(3, 0.025), np.eye(3))
     mesh = ThrowMesh(
         part="half",
         length=0.1,
@@ -96,7 +95,7 @@ def test_a_mesh_shows_what_looks_at_the_eye():
         surfaces={"web": facets[[0, 1, 3]], "crank plane": facets[[2]]},
         size_factor=1.0,
         mended_elements=0,
-        solid=solid,
+        solid=SolidProperties(1e-3 / 6.0, np.full(3, 0.025), np.eye(3)),
     )
     axes = mesh.plot(eye=(0.0, 0.0, 1.0))
     (drawn,) = [one for one in axes.collections if isinstance(one, PolyCollection)]

@@ -163,12 +163,11 @@ def test_of_throw_refuses_what_the_models_throws_did_not_have(model, change, mat
 
 
 def test_what_the_models_throws_had_must_be_there():
-    part = {"counterweight": {"outer_radius": 0.3, "angle": 2.0}}
     model = ComplianceModel(
         responses={"axial_compliance": group_response(frame, 1.0 / (E * 0.18), "e_n", "m/N")},
         fixed=FIXED,
         ranges=BOX,
-        throw=THROW | part,
+        throw=THROW | {"counterweight": {"outer_radius": 0.3, "angle": 2.0}},
         material=STEEL.model_dump(),
     )
     large = THROW | {"counterweight": {"outer_radius": 0.3, "angle": 2.0}}

@@ -286,8 +286,7 @@ def test_latin_hypercube_has_one_run_in_each_stratum(runs, seed):
     values = hypercube(BOX, runs, seed)
     low, high = np.array(list(BOX.values())).T
     # Values are rounded to 12 digits, which may carry one over the edge of its stratum.
-    strata = np.floor((values - low) / (high - low) * runs + 1e-9).astype(int)
-    for column in strata.T:
+    for column in np.floor((values - low) / (high - low) * runs + 1e-9).astype(int).T:
         assert sorted(column) == list(range(runs))
     assert np.all(values >= low)
     assert np.all(values <= high)
@@ -360,8 +359,7 @@ def test_drawing_goes_on_until_enough_points_can_be_used():
     assert np.all(points[taken][:, 0] < 0.2)
     assert np.array_equal(impossible, points[:, 0] >= 0.2)
     points, taken, _ = draw_feasible_points(draw, lambda p: p[:, 0] < 0.2, 10, in_order=True)
-    usable = np.flatnonzero(points[:, 0] < 0.2)
-    assert np.flatnonzero(taken).tolist() == usable[:10].tolist()
+    assert np.flatnonzero(taken).tolist() == np.flatnonzero(points[:, 0] < 0.2)[:10].tolist()
     assert draw_feasible_points(draw, lambda p: p[:, 0] < 0.0, 10, in_order=False) is None
 
 

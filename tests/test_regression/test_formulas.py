@@ -192,8 +192,7 @@ def test_printed_tsniimf_has_no_value_without_overlap():
 
 def test_formulas_without_an_angle_say_so():
     values = axial_formulas(LOW_SPEED, 120.0)
-    without = {name for name, value in values.items() if not value.valid}
-    assert without == {
+    assert {name for name, value in values.items() if not value.valid} == {
         "Guglielmotti-Macchiotta",
         "Draminsky (1)",
         "TsNIIMF",

@@ -48,10 +48,9 @@ def model(fit):
 def table(dimensions):
     outline = Factor.of_labels("web_outline", ("obround", "rectangle"))
     factors = (Factor("web_width", "m", 0.27, 0.33), outline)
-    values = np.array([[0.27, 0.0], [0.30, 1.0], [0.33, 0.0]])
     return StudyTable(
         plan=StudyPlan(CrankThrow(**dimensions), factors),
-        values=values,
+        values=np.array([[0.27, 0.0], [0.30, 1.0], [0.33, 0.0]]),
         held_out=np.array([False, True, False]),
         responses={"axial_compliance_pinned": np.array([1.3e-9, 1.2e-9, 1.1e-9])},
         errors={"axial_compliance_pinned": np.full(3, 0.01)},

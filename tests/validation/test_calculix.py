@@ -171,8 +171,7 @@ def test_reactions(compared, support, figure):
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_the_compression_is_c_z_over_e(compared, support, figure):
     """Our compression by a radial force Z beside c Z / e_n of two other steps of CalculiX."""
-    throw = compared.analysis.throw
-    for pin, axis in enumerate(throw.pin_axes):
+    for pin, axis in enumerate(compared.analysis.throw.pin_axes):
         radial = -np.array([*axis, 0.0]) / np.linalg.norm(axis)
         compression = compared.analysis.reactions(radial, support, pin).left.force[2]
         influence = compared.steps["influence", support, pin].motions[8]

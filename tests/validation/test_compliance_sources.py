@@ -32,8 +32,7 @@ LOW, HIGH = 1.0 / (1.0 + ERROR), 1.0 / (1.0 - ERROR)
 @pytest.fixture(scope="module")
 def plain():
     """The shipped six in bearings of one stiffness, of few orders."""
-    engine = cf.load_engine("6chn25-34")
-    return engine.changed(
+    return cf.load_engine("6chn25-34").changed(
         bearings={"stiffness": 2e9},
         vibration={"highest_order": 6.0},
         damping={"torsional_magnifier": 30.0, "axial_magnifier": 30.0},

@@ -70,8 +70,7 @@ class Quarter:
         places = np.flatnonzero((self.free & ~held).ravel())
         fields = prescribed.copy()
         sides = (loads - symmetric_product(self.stiffness, fields))[places]
-        matrix = self.stiffness[places][:, places].tocsr()
-        fields[places] = solve_symmetric(matrix, sides)[0]
+        fields[places] = solve_symmetric(self.stiffness[places][:, places].tocsr(), sides)[0]
         return fields
 
     def section(self):

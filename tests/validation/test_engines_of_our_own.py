@@ -32,8 +32,7 @@ def run(request):
 def twists(run, order, speeds):
     """Twists of the crankshaft's elements times their stiffness, (S, e), at speeds of one order."""
     response, chain = run.response, run.response.chain
-    place = response.orders.tolist().index(order)
-    forces = response.excitation.at_speeds(speeds).forces[place]
+    forces = response.excitation.at_speeds(speeds).forces[response.orders.tolist().index(order)]
     w = (order * speeds)[:, np.newaxis, np.newaxis]
     system = response.system
     dynamic = system.stiffness + 1j * system.loss + 1j * w * system.damping - w**2 * system.mass

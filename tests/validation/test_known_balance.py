@@ -200,8 +200,7 @@ def test_flat_twin():
         ],
         [1, 2],
     )
-    found = balance(replace(twin, rotating=balancing_masses(twin)), SPEED)
-    for row in found.rows:
+    for row in balance(replace(twin, rotating=balancing_masses(twin)), SPEED).rows:
         assert row.force_balanced
         assert row.moment.major == approx(size(row.order) * PITCH)
         # Forces to the side tilt the engine about the vertical.

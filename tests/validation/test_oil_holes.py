@@ -221,9 +221,8 @@ def test_factors_at_sharp_exits(bars, figure):
 
 @pytest.mark.further
 def test_a_small_hole_has_the_factors_of_a_plate(figure):
-    found = exit_factors(0.02, 0.0, 12.0)
     for load, own, expected in zip(
-        ("tension", "torsion", "bending"), found, (3, 4, 3), strict=True
+        ("tension", "torsion", "bending"), exit_factors(0.02, 0.0, 12.0), (3, 4, 3), strict=True
     ):
         figure(f"bar with a hole of 0.02 diameters in {load}", own, expected, 0.03)
 
