@@ -216,13 +216,14 @@ def test_units_over_speed(series, quantity, title, factor):
 def shaft(count=14):
     """Modes of a shaft of four nodes, listed out of their order along it, one of them rigid."""
     chance = np.random.default_rng(3)
+    shares = chance.dirichlet(np.ones(3), count).T
     return SimpleNamespace(
         positions=np.array([0.0, 0.9, 0.3, 0.6]),
         names=tuple(f"mode {number}" for number in range(count)),
         rigid=1,
         frequencies=10.0 * np.arange(count),
         motions=chance.normal(size=(4, 6, count)),
-        shares=tuple(chance.dirichlet(np.ones(3), count).T),
+        shares=tuple(shares),
         label=lambda mode: f"kind {mode}",
     )
 

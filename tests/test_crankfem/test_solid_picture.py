@@ -129,7 +129,8 @@ def check_picture(path, pixels):
     assert 0.1 < np.mean(white) < 0.8  # the paper
     assert 0.001 < np.mean(dark) < 0.2  # lines and shadows
     assert np.mean(~white & ~dark) > 0.15  # steel
-    assert np.concatenate([seen[0], seen[-1], seen[:, 0], seen[:, -1]]).min() > 0.99
+    border = np.concatenate([seen[0], seen[-1], seen[:, 0], seen[:, -1]])
+    assert border.min() > 0.99
     # Nothing but a narrow margin is left round the solid.
     inked = ~white
     for side in (inked.any(axis=0), inked.any(axis=1)):

@@ -588,7 +588,8 @@ def twisting_throw(angle_deg):
         side = np.eye(6)
         side[0, 4], side[1, 3] = arm, -arm
         relative[:, first : first + 6] = side if first else -side
-    stiffness = relative.T @ np.diag([STIFF, STIFF, ALONG, STIFF, STIFF, LINE_TWIST]) @ relative
+    springs = np.diag([STIFF, STIFF, ALONG, STIFF, STIFF, LINE_TWIST])
+    stiffness = relative.T @ springs @ relative
     body = [LINE_MASS / 2.0] * 3 + [3.0, 3.0, LINE_LEFT * LINE_INERTIA]
     mass = np.diag([*body, *body, 0.0])
     stiffness[12, 12] = 4.0 * LINE_TWIST

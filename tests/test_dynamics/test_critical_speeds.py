@@ -346,9 +346,10 @@ def random_chain(random):
         connections=ends,
         gears=[Gear(int(random.integers(count)), count + 1, float(random.uniform(-3.0, 3.0)))],
     )
+    relative = {int(random.integers(len(ends))): 10.0 ** random.uniform(-1.0, 2.0)}
     return damped(
         chain,
-        relative={int(random.integers(len(ends))): 10.0 ** random.uniform(-1.0, 2.0)},
+        relative=relative,
         loss_factor=float(random.uniform(0.0, 0.1)),
         modal_damping=10.0 ** random.uniform(-2.5, -0.7),
     )

@@ -222,11 +222,12 @@ def test_any_chain(seed):
     loads = element_loads(own)
     dashpot = np.zeros((1, 6))
     dashpot[0, [0, 3]] = -1.0, 1.0
+    w = own.angular_frequencies[:, :, np.newaxis]
     left = (
         loads.elements.values @ chain.elongations()
         + loads.dashpots.values @ dashpot
         + loads.ground.values
-        - own.angular_frequencies[:, :, np.newaxis] ** 2 * (own.motion @ chain.mass_matrix())
+        - w**2 * (own.motion @ chain.mass_matrix())
         - excitation.forces
     ) @ chain.expansion()
     assert np.max(np.abs(left)) < 1e-10 * np.max(np.abs(loads.elements.values))
@@ -516,10 +517,11 @@ GRID_SPEEDS = np.linspace(40.0, 80.0, 150)
 def series():
     rng = np.random.default_rng(7)
     shape = (6, GRID_SPEEDS.size, 4)
+    values = rng.normal(size=shape) + 1j * rng.normal(size=shape)
     return OrderSeries(
         0.5 * np.arange(1.0, 7.0),
         GRID_SPEEDS,
-        rng.normal(size=shape) + 1j * rng.normal(size=shape),
+        values,
         np.zeros(shape[:2], bool),
         ("a", "b", "c", "d"),
     )

@@ -48,7 +48,8 @@ def box(cells, uneven=0.0):
     corners[turned] = corners[turned][:, [1, 0, 2, 3]]
     ends = np.sort(corners[:, np.array(EDGES)].reshape(-1, 2), axis=1)
     edges, number = np.unique(ends, axis=0, return_inverse=True)
-    return np.vstack([points, points[edges].mean(axis=1)]), np.hstack(
+    middles = points[edges].mean(axis=1)
+    return np.vstack([points, middles]), np.hstack(
         [corners, len(points) + number.reshape(-1, len(EDGES))]
     )
 

@@ -24,13 +24,14 @@ from geometry.mass import mass_properties
 @pytest.fixture(scope="module")
 def analysis(throw, mesh, classes, superelement):
     """An analysis on the coarse mesh that all tests share."""
+    masses = mass_properties(mesh, STEEL.density)
     return ThrowAnalysis(
         throw=throw,
         material=STEEL,
         superelement=superelement,
         mesh=mesh,
         classes=classes,
-        masses=mass_properties(mesh, STEEL.density),
+        masses=masses,
         error_estimate=0.05,
         accuracy=0.1,
     )

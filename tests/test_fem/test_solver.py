@@ -124,10 +124,11 @@ def rough_inverse(upper, error):
 def test_a_rough_solver_leads_to_round_off():
     upper = graded(3.0)
     wanted = np.random.default_rng(5).normal(size=(30, 2)) * (1e-9, 1e9)
+    whole = upper + np.triu(upper, 1).T
     found = refined_solution(
         sparse.csr_array(upper),
         np.abs(upper).sum(axis=1).max(),
-        (upper + np.triu(upper, 1).T) @ wanted,
+        whole @ wanted,
         rough_inverse(upper, 1e-3),
     )
     assert found == close(wanted, rel=1e-10)

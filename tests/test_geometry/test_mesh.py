@@ -119,7 +119,8 @@ def test_sharp_corners_have_no_fillet_surface_and_small_elements(dimensions):
     mesh = mesh_throw(throw, 1.0)
     assert len(mesh.surfaces[FILLET]) == 0
     corner = throw.main_journal_diameter / 2.0
-    on_corner = (np.abs(np.hypot(mesh.points[:, 0], mesh.points[:, 1]) - corner) < 1e-9) & (
+    radius = np.hypot(mesh.points[:, 0], mesh.points[:, 1])
+    on_corner = (np.abs(radius - corner) < 1e-9) & (
         np.abs(mesh.points[:, 2] - throw.main_journal_length / 2.0) < 1e-9
     )
     # Nodes stand about half an element's length apart along the half circle.

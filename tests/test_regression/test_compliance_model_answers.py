@@ -251,9 +251,10 @@ def test_band_between_neighbors_covers_the_bands_of_its_parts(model):
             "tilt_stiffness_ratio",
         )
     ]
+    inner = np.random.default_rng(1).random((200, 3))
     values = [
         law(120.0, *(p.lower + u * (p.upper - p.lower) for p, u in zip(parts, row, strict=True)))
-        for row in np.random.default_rng(1).random((200, 3))
+        for row in inner
     ]
     assert found.lower <= min(values) < max(values) <= found.upper
     # A softer throw, or a smaller rho, gives more.

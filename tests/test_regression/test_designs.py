@@ -286,7 +286,8 @@ def test_latin_hypercube_has_one_run_in_each_stratum(runs, seed):
     values = hypercube(BOX, runs, seed)
     low, high = np.array(list(BOX.values())).T
     # Values are rounded to 12 digits, which may carry one over the edge of its stratum.
-    for column in np.floor((values - low) / (high - low) * runs + 1e-9).astype(int).T:
+    strata = np.floor((values - low) / (high - low) * runs + 1e-9).astype(int)
+    for column in strata.T:
         assert sorted(column) == list(range(runs))
     assert np.all(values >= low)
     assert np.all(values <= high)

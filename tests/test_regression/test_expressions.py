@@ -69,8 +69,9 @@ def value_of(text, unit="m"):
 )
 def test_expressions(text, unit, expected):
     # Ten degrees stand above with ten digits.
+    rel = 1e-9 if "deg" in str(text) else 1e-12
     assert np.broadcast_to(value_of(text, unit), (2,)) == close(
-        np.broadcast_to(expected, (2,)), rel=1e-9 if "deg" in str(text) else 1e-12
+        np.broadcast_to(expected, (2,)), rel=rel
     )
 
 

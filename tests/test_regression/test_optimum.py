@@ -424,7 +424,8 @@ def test_the_worst_places_lie_outside_the_runs_and_apart(form):
     chosen = grid[worst_places([judged(form, places=grid)], 4)]
     assert chosen[0].tolist() in [[a, b] for a in (0.8, 2.2) for b in (0.8, 2.2)]
     assert np.any((chosen == 0.8) | (chosen == 2.2), axis=1).all()
-    assert np.linalg.norm(chosen[:, None] - chosen, axis=2)[~np.eye(4, dtype=bool)].min() > 0.5
+    distances = np.linalg.norm(chosen[:, None] - chosen, axis=2)
+    assert distances[~np.eye(4, dtype=bool)].min() > 0.5
 
 
 def test_as_many_runs_as_coefficients_tell_nothing_of_the_error():

@@ -153,9 +153,10 @@ def test_accelerations_as_mechanism_tells_them(figure):
         if not turn:
             return RADIUS * (1 - np.cos(angle)) + LENGTH * (1 - np.cos(beta))
         lean = RADIUS * np.sin(angle) - PIN_RADIUS * np.sin(beta)
+        beta_1 = np.arcsin(lean / HINGED_LENGTH)
         return (
             RADIUS * (1 - np.cos(angle))
-            + HINGED_LENGTH * (1 - np.cos(np.arcsin(lean / HINGED_LENGTH)))
+            + HINGED_LENGTH * (1 - np.cos(beta_1))
             + PIN_RADIUS * (1 - np.cos(beta))
         )
 
