@@ -296,7 +296,7 @@ def _by_whole(vibration: EngineVibration, assessment: Assessment) -> str:
 def _other_models(vibration: EngineVibration, assessment: Assessment) -> str:
     """State what is not modeled, and whether the verdict hangs on the bearings."""
     bearings = vibration.bearings
-    found = [text for text in assessment.all_beside if text not in assessment.by_whole]
+    found = [*assessment.all_beside[len(assessment.by_whole) :]]
     found += bearings.sentences if bearings is not None and bearings.flips else ()
     return with_three_digits(
         " ".join(dict.fromkeys(found))

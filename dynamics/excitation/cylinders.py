@@ -55,6 +55,7 @@ from dynamics.torque import DEFAULT_SAMPLES, checked_throws, throws_along_shaft
 TURN = 2.0 * math.pi
 # The forces of moving masses are smooth: so many samples of a turn tell all harmonics that matter.
 INERTIA_SAMPLES = 720
+PRESSURE_DIAGRAM = "pressure diagram"
 
 
 @summarized("orders", "crank_radius [m]", "throws", "takes_load", "remarks")
@@ -73,6 +74,8 @@ class CylinderHarmonics:
     one_diagram : str
         What is used at all speeds though it belongs to one: "pressure diagram", "torque diagram", or ""
         for nothing.
+    changes : tuple of str
+        Those of the remarks that tell of changes made to the diagrams.
     """
 
     orders: FloatArray
@@ -83,7 +86,8 @@ class CylinderHarmonics:
     inertia: ComplexArray
     takes_load: bool
     one_diagram: str
-    remarks: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
+    changes: tuple[str, ...] = ()
 
     def phasors(self, speeds: FloatArray, load: Load | None = None) -> ComplexArray:
         """Return mean and phasors of T and Z of each cylinder, (K + 1, S, c, 2) [N].
@@ -211,13 +215,14 @@ def cylinder_harmonics(
         takes_load=any(source.takes_load for source in sources),
         one_diagram=_one_diagram([source.at_all_speeds for source in sources]),
         remarks=tuple(dict.fromkeys(text for source in sources for text in source.remarks)),
+        changes=tuple(dict.fromkeys(text for source in sources for text in source.changes)),
     )
 
 
 def _one_diagram(at_all_speeds: Sequence[bool]) -> str:
     """State what is used at all speeds: the pressure of all cylinders, that of some, or nothing."""
     if at_all_speeds and all(at_all_speeds):
-        return "pressure diagram"
+        return PRESSURE_DIAGRAM
     some = [str(number) for number, constant in enumerate(at_all_speeds, start=1) if constant]
     return f"pressure diagram of cylinder {', '.join(some)}" if some else ""
 
@@ -274,6 +279,8 @@ class CylinderForces:
         Throw of each cylinder, from 0 at the free end.
     remarks : tuple of str
         Assumptions, a sentence each.
+    own_remarks : tuple of str
+        Those of them that neither the cycle in the cylinders nor the load tells.
     of_inertia : bool
         Whether forces of moving masses are included.
     """
@@ -287,6 +294,7 @@ class CylinderForces:
     crank_radius: float
     throws: tuple[int, ...]
     remarks: tuple[str, ...] = ()
+    own_remarks: tuple[str, ...] = ()
     of_inertia: bool = True
 
     @property
@@ -467,10 +475,9 @@ def forces_at_speeds(
     """
     running = checked_speeds(speeds)
     phasors = harmonics.phasors(running, load)
-    remarks = harmonics.remarks
+    used: tuple[str, ...] = ()
     if harmonics.one_diagram and running.size > 1:
-        remarks = (
-            *remarks,
+        used = (
             f"One {harmonics.one_diagram} was used at all speeds from {per_minute(float(running[0]))} to "
             f"{per_minute(float(running[-1]))}, although it changes with speed and load.",
         )
@@ -483,7 +490,8 @@ def forces_at_speeds(
         mean_radial=phasors[0, ..., 1].real,
         crank_radius=harmonics.crank_radius,
         throws=harmonics.throws,
-        remarks=remarks,
+        remarks=harmonics.remarks + used,
+        own_remarks=harmonics.changes + (used if harmonics.one_diagram != PRESSURE_DIAGRAM else ()),
         of_inertia=bool(np.any(harmonics.inertia)),
     )
 
@@ -563,5 +571,4 @@ def torque_harmonics(
         inertia=np.zeros((asked.size + 1, firing.size, 2), dtype=np.complex128),
         takes_load=False,
         one_diagram="torque diagram",
-        remarks=(),
     )

@@ -24,11 +24,10 @@ from crankbase.diagrams import (
     Mark,
     Note,
     Shape,
-    order_line_style,
+    display_unit,
 )
-from crankbase.quantity import DISPLAY_UNITS, format_number
+from crankbase.quantity import format_number
 from regression.plans.factors import Factor
-from regression.throw_values import factor_label
 
 DIGITS = 5
 
@@ -201,12 +200,6 @@ def dots(
     } | more
 
 
-def line_style(number: int) -> Part:
-    """Line style of one of many curves, color and dashes, as arguments of `line`."""
-    color, dash, _ = order_line_style(number)
-    return {"color": color, "dash": dash}
-
-
 def band(low: float, high: float, color: str, **more: Any) -> Part:
     """Return a shaded range of x, below everything."""
     return {
@@ -293,21 +286,17 @@ def number(value: float, digits: int = 4) -> str:
 Array = NDArray[np.float64]
 
 
-def symbol_text(symbol: str) -> str:
-    """Write a symbol such as L_shm with its index set low.
+def marked_up(text: str) -> str:
+    r"""Write the mathematics of a label, as matplotlib reads it, in plotly's markup.
 
     Examples
     --------
-    >>> symbol_text("L_shm")
-    'L<sub>shm</sub>'
+    >>> marked_up(r"$L_{\mathrm{shm}}$ by FE [$10^{-9}$ m/N]")
+    'L<sub>shm</sub> by FE [10<sup>-9</sup> m/N]'
     """
-    return re.sub(r"^([A-Za-z]+)_(\w+)$", r"\1<sub>\2</sub>", symbol)
-
-
-def display_unit(unit: str) -> tuple[str, float]:
-    """Return the unit in which a quantity of an SI unit is shown, and its size in SI."""
-    text, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
-    return text.replace("1e-9", "10<sup>-9</sup>") or "1", size
+    text = re.sub(r"\$(\w+)\$", r"\1", text)
+    text = re.sub(r"\$(\w+)_\{\\mathrm\{(\w+)\}\}\$", r"\1<sub>\2</sub>", text)
+    return re.sub(r"\$(\w+)\^\{(-?\w+)\}\$", r"\1<sup>\2</sup>", text)
 
 
 def with_unit(number: str, unit: str) -> str:
@@ -315,37 +304,14 @@ def with_unit(number: str, unit: str) -> str:
     return f"{number}·{unit}" if unit.startswith("10<") else f"{number} {unit}"
 
 
-def factor_text(factor: Factor) -> str:
-    """Write "web width B"."""
-    symbol = factor_label(factor.name).symbol
-    words = literal(factor.name.replace("_", " "))
-    return words if symbol == factor.name else f"{words} {symbol_text(symbol)}"
-
-
-def factor_title(factor: Factor) -> str:
-    """Write "web width B [mm]"."""
-    if factor.labels:
-        return factor_text(factor)
-    return f"{factor_text(factor)} [{display_unit(factor.unit)[0]}]"
-
-
-def choice_labels(factor: Factor) -> list[str]:
-    """Return the labels of a choice, none of a number."""
-    return [literal(label) for label in factor.labels]
-
-
-def display_values(factor: Factor, values: Array) -> Array:
-    """Return a factor's values in the unit in which they are shown; of a choice the labels' numbers."""
-    return values if factor.labels else values / display_unit(factor.unit)[1]
-
-
 def design_texts(factors: tuple[Factor, ...], values: Array) -> list[str]:
     """Return a text for each design (n, k) that says its dimensions, one a line."""
     columns = []
     for place, factor in enumerate(factors):
-        shown = display_values(factor, values[:, place])
-        unit = display_unit(factor.unit)[0] if factor.unit else ""
-        name, labels = literal(factor.name.replace("_", " ")), choice_labels(factor)
+        text, size = display_unit(factor.unit)
+        shown = values[:, place] if factor.labels else values[:, place] / size
+        unit = marked_up(text) if factor.unit else ""
+        name, labels = literal(factor.name.replace("_", " ")), [*map(literal, factor.labels)]
         columns.append(
             [
                 f"{name} " + (labels[round(value)] if labels else f"{value:.5g} {unit}".strip())
@@ -470,7 +436,14 @@ def figure_of(curves: Curves, title: str) -> Figure:
 # Sizes of dots [pixels]: of those without weights by symbol, and at weights 0 and 1.
 DOT_SIZES = {"o": 7.0, "x": 9.0, "_": 22.0}
 LEAST_DOT, DOT_GROWTH = 5.0, 12.0
-SYMBOLS = {"o": "circle", "O": "circle-open", "X": "x", "x": "x-thin", "_": "line-ew-open"}
+SYMBOLS = {
+    "o": "circle",
+    "D": "diamond",
+    "O": "circle-open",
+    "X": "x",
+    "x": "x-thin",
+    "_": "line-ew-open",
+}
 
 
 def diagram_figure(diagram: Diagram, title: str, height: int = HEIGHT) -> Figure:
@@ -509,7 +482,7 @@ def _described_axis(limits: Limits) -> Part:
     if limits.ticks is not None:
         names = ["<br>".join(map(literal, name.split("\n"))) for name in limits.ticks.values()]
         more |= {"tickvals": list(limits.ticks), "ticktext": names}
-    return axis(limits.label, **more)
+    return axis(marked_up(limits.label), **more)
 
 
 def _described_shape(shape: Shape) -> Part:
