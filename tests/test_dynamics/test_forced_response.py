@@ -662,7 +662,7 @@ def test_a_coupling_over_the_frequency_and_a_bearing_over_the_speed():
 
 
 ENGINE = Chain([0.9, 1.5], [2e5], loss_factor=0.02, names=["a", "b"])
-ORDERS, SPEEDS = np.array([0.5, 1.0, 2.0]), np.linspace(50.0, 300.0, 101)
+VARIED_ORDERS, VARIED_SPEEDS = np.array([0.5, 1.0, 2.0]), np.linspace(50.0, 300.0, 101)
 FORCES = np.full((3, 101, 3), 30.0 + 20.0j) * [1.0, 2.0, 0.0]
 
 
@@ -676,7 +676,7 @@ def coupled_by(stiffness, *, loss_factor=0.1, damping=2.0, variation=None):
 
 
 def response_of(chain):
-    return forced_response(chain, OrderExcitation(ORDERS, SPEEDS, FORCES))
+    return forced_response(chain, OrderExcitation(VARIED_ORDERS, VARIED_SPEEDS, FORCES))
 
 
 def motion_with(order, speed, coupling):
@@ -696,8 +696,8 @@ def test_a_coupling_over_mean_torque_and_frequency_in_one_table():
         frequency=(5.0, 40.0),
         stiffness=tuple(map(tuple, table.T.tolist())),
         loss_factor=tuple(map(tuple, losses.T.tolist())),
-        at_speed=tuple(SPEEDS.tolist()),
-        at_torque=tuple((900.0 * (SPEEDS / 300.0) ** 2).tolist()),
+        at_speed=tuple(VARIED_SPEEDS.tolist()),
+        at_torque=tuple((900.0 * (VARIED_SPEEDS / 300.0) ** 2).tolist()),
     )
     answer = response_of(coupled_by(5e4, variation=variation))
 
@@ -710,16 +710,16 @@ def test_a_coupling_over_mean_torque_and_frequency_in_one_table():
         )
         return 5e4 * stiff * (1.0 + 1j * loss) + 2j * w
 
-    made = [[motion_with(o, s, coupling(o, s)) for s in SPEEDS] for o in ORDERS]
+    made = [[motion_with(o, s, coupling(o, s)) for s in VARIED_SPEEDS] for o in VARIED_ORDERS]
     assert answer.motion == close(np.array(made), 1e-11)
     assert power_balance(answer).error < 1e-11
     twist = answer.motion[:, :, 2] - answer.motion[:, :, 1]
-    springs = np.array([[coupling(o, s) for s in SPEEDS] for o in ORDERS])
+    springs = np.array([[coupling(o, s) for s in VARIED_SPEEDS] for o in VARIED_ORDERS])
     heat = 0.5 * answer.angular_frequencies * springs.imag * np.abs(twist) ** 2
     assert power_balance(answer).elements[:, :, 1] == close(heat, 1e-11)
     assert element_loads(answer).elements.values[:, :, 1] == close(springs * twist, 1e-11)
     peaks = [c for c in damped_criticals(answer, elements=[1]) if c.order == 2.0]
-    finer = np.linspace(SPEEDS[0], SPEEDS[-1], 5001)
+    finer = np.linspace(VARIED_SPEEDS[0], VARIED_SPEEDS[-1], 5001)
     loads = [np.diff(motion_with(2.0, s, c := coupling(2.0, s)))[1] * c.real for s in finer]
     top = finer[np.argmax(np.abs(loads))]
     assert min(abs(peak.speed - top) for peak in peaks if peak.speed > 0.0) < 2e-3 * top
@@ -759,7 +759,7 @@ def test_a_coupling_over_its_amplitude_has_the_one_that_it_reaches():
     )
     chain = coupled_by(5e4, variation=variation)
     answer = response_of(chain)
-    turns = np.exp(1j * ORDERS * np.linspace(0.0, 4.0 * np.pi, 40001)[:, np.newaxis])
+    turns = np.exp(1j * VARIED_ORDERS * np.linspace(0.0, 4.0 * np.pi, 40001)[:, np.newaxis])
 
     def coupling(amplitude, order, speed):
         stiff, loss = (
@@ -769,16 +769,18 @@ def test_a_coupling_over_its_amplitude_has_the_one_that_it_reaches():
         return 5e4 * stiff * (1.0 + 1j * loss) + 2j * order * speed
 
     for place in (0, 30, 60, 100):
-        amplitude, speed = 0.0, SPEEDS[place]
+        amplitude, speed = 0.0, VARIED_SPEEDS[place]
         for _ in range(200):
-            x = np.array([motion_with(o, speed, coupling(amplitude, o, speed)) for o in ORDERS])
+            x = np.array(
+                [motion_with(o, speed, coupling(amplitude, o, speed)) for o in VARIED_ORDERS]
+            )
             course = (turns @ (x[:, 2] - x[:, 1])).real
             amplitude += 0.3 * (0.5 * np.ptp(course) - amplitude)
         assert amplitude > 1e-4
         assert answer.motion[:, place] == close(x, 1e-6)
     assert power_balance(answer).error < 1e-9
     loads = element_loads(answer).elements.synthesis.amplitude
-    small = forced_response(chain, OrderExcitation(ORDERS, SPEEDS, 1e-6 * FORCES))
+    small = forced_response(chain, OrderExcitation(VARIED_ORDERS, VARIED_SPEEDS, 1e-6 * FORCES))
     assert small.motion * 1e6 == close(response_of(coupled_by(5e4)).motion, 1e-3)
     assert np.all(loads[:, 1] > 0.0)
     with pytest.raises(InputError, match="vary with amplitude"):
