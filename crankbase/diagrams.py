@@ -441,6 +441,8 @@ class Diagram:
         Whether a line marks zero.
     equal : bool
         Whether both axes have one scale, with lines at zero of both.
+    diagonal : (low, high) or None
+        Ends of a line where both axes are equal.
     lines_named : bool
         Whether the legend on paper has the lines; that on a screen has all.
     """
@@ -454,11 +456,12 @@ class Diagram:
     shapes: Sequence[Shape] = ()
     level: bool = False
     equal: bool = False
+    diagonal: tuple[float, float] | None = None
     lines_named: bool = True
 
 
 # Sizes of dots on paper [points]: of those without weights by symbol, and at weights 0 and 1.
-DOT_SIZES = {"o": 4.5, "x": 7.0, "_": 22.0}
+DOT_SIZES = {"o": 4.5, "D": 4.5, "x": 7.0, "_": 22.0}
 LEAST_DOT, DOT_GROWTH = 2.5, 9.0
 # Letters that stand side by side under the axis.
 TICK_ROOM = 90
@@ -475,6 +478,8 @@ def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
     if diagram.equal:
         axes.axvline(0.0, color=GRAY, linewidth=1.0)
         axes.set_aspect("equal")
+    if diagram.diagonal is not None:
+        axes.plot(diagram.diagonal, diagram.diagonal, color=GRAY, linewidth=1.0)
     for curve in diagram.lines:
         if curve.main:
             axes.plot(
@@ -490,24 +495,8 @@ def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
     for note in diagram.notes:
         _draw_note(axes, note)
     for dots in diagram.dots:
-        if not dots.main:
-            continue
-        x, y = np.atleast_1d(dots.x), np.atleast_1d(dots.y)
-        symbols = dots.symbols * x.size if len(dots.symbols) == 1 else dots.symbols
-        edge: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5}
-        for place, symbol in enumerate(symbols):
-            size = DOT_SIZES.get(symbol, 4.0)
-            if dots.weights is not None:
-                size = LEAST_DOT + DOT_GROWTH * dots.weights[place]
-            look: dict[str, Any] = {"color": dots.color, "markersize": size}
-            if symbol == "O":
-                symbol, look = "o", look | {"markerfacecolor": "none", "alpha": 0.45}
-            elif symbol not in "x_":
-                look |= edge
-            axes.plot(x[place], y[place], symbol, zorder=3, **look)
-        if x.size and not set("x_") & set(symbols):
-            filling = "none" if dots.symbols == "O" else dots.color
-            axes.plot([], [], "o", color=dots.color, markerfacecolor=filling, label=dots.name)
+        if dots.main:
+            draw_dots(axes, dots)
     axes.set_xlabel(diagram.x.label)
     axes.set_ylabel(diagram.y.label)
     if diagram.x.ticks is not None:
@@ -535,6 +524,29 @@ def _draw_shape(axes: "Axes", shape: Shape) -> None:
     # Over the grid, under the lines.
     patch.set(facecolor=shape.color, edgecolor=GRAY, zorder=1.5)
     axes.add_patch(patch)
+
+
+def draw_dots(axes: "Axes", dots: Dots) -> None:
+    """Draw single points; crosses and dashes have no name in the legend."""
+    x, y = np.atleast_1d(dots.x), np.atleast_1d(dots.y)
+    alike = dots.weights is None and len(dots.symbols) == 1
+    symbols = dots.symbols * x.size if len(dots.symbols) == 1 else dots.symbols
+    named = x.size > 0 and not set("x_") & set(symbols)
+    edge: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5}
+    for place, symbol in enumerate(symbols[:1] if alike else symbols):
+        size = DOT_SIZES.get(symbol, 4.0)
+        if dots.weights is not None:
+            size = LEAST_DOT + DOT_GROWTH * dots.weights[place]
+        look: dict[str, Any] = {"color": dots.color, "markersize": size}
+        if symbol == "O":
+            symbol, look = "o", look | {"markerfacecolor": "none", "alpha": 0.45}
+        elif symbol not in "x_":
+            look |= edge
+        those = slice(None) if alike else place
+        label = dots.name if alike and named else None
+        axes.plot(x[those], y[those], symbol, zorder=3, label=label, **look)
+    if named and not alike:
+        axes.plot([], [], "o", color=dots.color, label=dots.name)
 
 
 def _draw_note(axes: "Axes", note: Note) -> None:
@@ -574,7 +586,11 @@ def bracketed(label: str) -> str:
 def draw_curves(axes: "Axes", curves: Curves) -> None:
     """Draw a diagram on axes; the legend is left to the caller."""
     draw_bands(axes, curves.bands)
-    draw_lines(axes, curves.x, curves.series)
+    for curve in curves.series:
+        if curve.main:
+            color, dash, width = curve.line_style
+            look: dict[str, Any] = {"color": color, "linewidth": width, "linestyle": ON_PAPER[dash]}
+            axes.plot(curves.x, curve.values, label=curve.name, **look)
     for dots in curves.dots:
         axes.plot(dots.x, dots.y, "o", color=dots.color, markersize=4.0, label=dots.name)
     named: set[str] = set()
@@ -595,21 +611,6 @@ def draw_curves(axes: "Axes", curves: Curves) -> None:
     else:
         axes.set_ylim(0.0, curves.top)
     axes.set_ylabel(curves.y_label)
-
-
-def draw_lines(axes: "Axes", x: Array, series: Iterable[Series]) -> None:
-    """Draw the main ones of some series."""
-    for curve in series:
-        if curve.main:
-            color, dash, width = curve.line_style
-            axes.plot(
-                x,
-                curve.values,
-                color=color,
-                linewidth=width,
-                linestyle=ON_PAPER[dash],
-                label=curve.name,
-            )
 
 
 def draw_bands(axes: "Axes", bands: Iterable[Band]) -> None:
