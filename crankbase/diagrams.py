@@ -586,7 +586,11 @@ def bracketed(label: str) -> str:
 def draw_curves(axes: "Axes", curves: Curves) -> None:
     """Draw a diagram on axes; the legend is left to the caller."""
     draw_bands(axes, curves.bands)
-    draw_lines(axes, curves.x, curves.series)
+    for curve in curves.series:
+        if curve.main:
+            color, dash, width = curve.line_style
+            look: dict[str, Any] = {"color": color, "linewidth": width, "linestyle": ON_PAPER[dash]}
+            axes.plot(curves.x, curve.values, label=curve.name, **look)
     for dots in curves.dots:
         axes.plot(dots.x, dots.y, "o", color=dots.color, markersize=4.0, label=dots.name)
     named: set[str] = set()
@@ -607,21 +611,6 @@ def draw_curves(axes: "Axes", curves: Curves) -> None:
     else:
         axes.set_ylim(0.0, curves.top)
     axes.set_ylabel(curves.y_label)
-
-
-def draw_lines(axes: "Axes", x: Array, series: Iterable[Series]) -> None:
-    """Draw the main ones of some series."""
-    for curve in series:
-        if curve.main:
-            color, dash, width = curve.line_style
-            axes.plot(
-                x,
-                curve.values,
-                color=color,
-                linewidth=width,
-                linestyle=ON_PAPER[dash],
-                label=curve.name,
-            )
 
 
 def draw_bands(axes: "Axes", bands: Iterable[Band]) -> None:

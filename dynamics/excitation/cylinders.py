@@ -19,9 +19,10 @@ from crankbase.array_checks import (
     turning_speeds,
 )
 from crankbase.choices import check_choice, whole_number, whole_within
-from crankbase.diagrams import legend_inside, new_axes, write_title
+from crankbase.diagrams import Curves, draw_curves, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
 from dynamics.cycle import cycle_radians, even_angles, order_step
 from dynamics.engine import RodModelName
@@ -44,10 +45,10 @@ from dynamics.harmonics import Harmonics
 from dynamics.plots.curves import (
     KILO,
     MAIN_ORDERS,
-    draw_orders,
+    SPEED_LABEL,
     number_axis,
+    order_series,
     orders_and_speeds,
-    set_speed_axis,
 )
 from dynamics.response.order_excitation import at_angles, checked_speed_index, checked_speeds
 from dynamics.torque import DEFAULT_SAMPLES, checked_throws, throws_along_shaft
@@ -349,10 +350,8 @@ class CylinderForces:
         phasors = self.tangential if show == "tangential" else self.radial
         sizes = KILO * np.abs(phasors[:, :, cylinder - 1])
         axes = new_axes(axes)
-        draw_orders(axes, self.speeds, self.orders, sizes, most)
-        set_speed_axis(axes, self.speeds)
-        axes.set_ylim(bottom=0.0)
-        axes.set_ylabel("amplitude [kN]")
+        series = tuple(order_series(self.orders, sizes, most))
+        draw_curves(axes, Curves(self.speeds * RPM, series, SPEED_LABEL, "amplitude [kN]"))
         write_title(axes, f"Orders of the {show} force, cylinder {cylinder}")
         legend_inside(axes)
         return axes

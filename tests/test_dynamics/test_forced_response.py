@@ -661,7 +661,7 @@ def test_a_coupling_over_the_frequency_and_a_bearing_over_the_speed():
     assert sum(part.contribution for part in cause.parts) == close(cause.amplitude)
 
 
-ENGINE = Chain([0.9, 1.5], [2e5], loss_factor=0.02, names=["a", "b"])
+VARIED_ENGINE = Chain([0.9, 1.5], [2e5], loss_factor=0.02, names=["a", "b"])
 VARIED_ORDERS, VARIED_SPEEDS = np.array([0.5, 1.0, 2.0]), np.linspace(50.0, 300.0, 101)
 FORCES = np.full((3, 101, 3), 30.0 + 20.0j) * [1.0, 2.0, 0.0]
 
@@ -672,7 +672,7 @@ def coupled_by(stiffness, *, loss_factor=0.1, damping=2.0, variation=None):
         stiffness, torsional_damping=damping, loss_factor=loss_factor, variation=variation
     )
     line = ShaftLine([RigidBody(0.5, 1.0, "b"), coupling, RigidBody(1.5, 1.0, "c")])
-    return join_chains(ENGINE, "b", line.chain())
+    return join_chains(VARIED_ENGINE, "b", line.chain())
 
 
 def response_of(chain):

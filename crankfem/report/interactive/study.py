@@ -16,6 +16,7 @@ from crankfem.report.interactive.style import (
     level,
     literal,
     marked_up,
+    shape,
     visibility_by_choice,
     with_unit,
 )
@@ -87,16 +88,13 @@ def parity(table: StudyTable, response: ResponseFits) -> Figure:
     changes = [[{"y": [trace["y"] for trace in traces]}] for traces in shown]
     above, below = diagrams[0]
     assert above.diagonal is not None
-    low, high = above.diagonal
+    low, high = ((end, end) for end in above.diagonal)
     made = layout(
         axis("", matches="x2", showticklabels=False),
         axis(marked_up(above.y.label), domain=[0.42, 1.0]),
         title=f"{response.response.replace('_', ' ')}: equation against finite elements",
         height=560,
-        shapes=[
-            level(low) | {"xref": "x", "x0": low, "x1": high, "y1": high},
-            level(0.0, xref="x2 domain", yref="y2"),
-        ],
+        shapes=[shape("line", low, high), level(2)],
         updatemenus=[choice("form", labels, changes)],
     )
     lower = {

@@ -23,7 +23,6 @@ from crankbase.diagrams import (
     Line,
     Mark,
     Note,
-    Shape,
     display_unit,
 )
 from crankbase.quantity import format_number
@@ -200,35 +199,37 @@ def dots(
     } | more
 
 
+def shape(
+    kind: str,
+    low: tuple[float, float],
+    high: tuple[float, float],
+    axes: tuple[str, str] = ("x", "y"),
+    **more: Any,
+) -> Part:
+    """Return a line, "rect" or "circle" from its lower left to its upper right corner, below everything."""
+    return {
+        "type": kind,
+        "xref": axes[0],
+        "yref": axes[1],
+        "x0": float(low[0]),
+        "x1": float(high[0]),
+        "y0": float(low[1]),
+        "y1": float(high[1]),
+        "line": {"color": GRAY, "width": 1},
+        "layer": "below",
+    } | more
+
+
 def band(low: float, high: float, color: str, **more: Any) -> Part:
-    """Return a shaded range of x, below everything."""
-    return {
-        "type": "rect",
-        "xref": "x",
-        "yref": "paper",
-        "x0": float(low),
-        "x1": float(high),
-        "y0": 0,
-        "y1": 1,
-        "fillcolor": color,
-        "line": {"width": 0},
-        "layer": "below",
-    } | more
+    """Return a shaded range of x."""
+    look = {"fillcolor": color, "line": {"width": 0}}
+    return shape("rect", (low, 0.0), (high, 1.0), ("x", "paper"), **look, **more)
 
 
-def level(value: float, color: str = GRAY, **more: Any) -> Part:
-    """Return a level line across the whole diagram."""
-    return {
-        "type": "line",
-        "xref": "x domain",
-        "yref": "y",
-        "x0": 0,
-        "x1": 1,
-        "y0": float(value),
-        "y1": float(value),
-        "line": {"color": color, "width": 1},
-        "layer": "below",
-    } | more
+def level(number: int = 1) -> Part:
+    """Return a line at zero across the whole diagram of the first or a further vertical axis."""
+    across = "x domain" if number == 1 else f"x{number} domain"
+    return shape("line", (0.0, 0.0), (1.0, 0.0), (across, "y" if number == 1 else f"y{number}"))
 
 
 def note(text: str, *, size: int = 12, color: str = QUIET_COLOR, **place: Any) -> Part:
@@ -404,19 +405,23 @@ def figure_of(curves: Curves, title: str) -> Figure:
         traces.append(
             dots(points.x, points.y, points.name, points.color, literal(points.name) + hover)
         )
-    shapes: list[Part] = [level(0.0)] if curves.signed else []
+    shapes: list[Part] = [level()] if curves.signed else []
     named: set[str] = set()
     drawn: list[Band | Mark] = [*curves.bands, *curves.marks]
     for mark in drawn:
         # The first of several shapes stands in the legend, from where it switches all.
-        legend = {"name": mark.name, "legendgroup": mark.name, "showlegend": mark.name not in named}
+        legend: Part = {
+            "name": mark.name,
+            "legendgroup": mark.name,
+            "showlegend": mark.name not in named,
+        }
         named.add(mark.name)
         if isinstance(mark, Band):
             shapes.append(band(mark.low, mark.high, mark.color, **legend))
             continue
-        upright = {"xref": "x", "yref": "paper", "x0": mark.place, "x1": mark.place, "y1": 1}
-        line_look = {"color": mark.color, "width": 1, "dash": "dot"}
-        shapes.append({"type": "line", "y0": 0, "line": line_look} | upright | legend)
+        look = {"color": mark.color, "width": 1, "dash": "dot"}
+        place = (mark.place, 0.0), (mark.place, 1.0)
+        shapes.append(shape("line", *place, ("x", "paper"), line=look, layer="above", **legend))
     ends = {} if curves.x_range is None else {"range": list(curves.x_range)}
     ticks = {} if curves.x_step is None else {"dtick": curves.x_step, "tick0": 0}
     if curves.signed:
@@ -452,15 +457,17 @@ def diagram_figure(diagram: Diagram, title: str, height: int = HEIGHT) -> Figure
         band(low, high, color, name=name, showlegend=True)
         for low, high, color, name in diagram.bands
     ]
-    shapes += [_described_shape(shape) for shape in diagram.shapes]
+    shapes += [
+        shape("circle" if part.round else "rect", part.low, part.high, fillcolor=part.color)
+        for part in diagram.shapes
+    ]
     x, y = _described_axis(diagram.x), _described_axis(diagram.y)
     if diagram.bands:
         x["showgrid"] = False
     if diagram.level or diagram.equal:
-        shapes.append(level(0.0))
+        shapes.append(level())
     if diagram.equal:
-        upright = {"xref": "x", "yref": "y domain", "x0": 0, "x1": 0, "y0": 0, "y1": 1}
-        shapes.append(level(0.0) | upright)
+        shapes.append(shape("line", (0.0, 0.0), (0.0, 1.0), ("x", "y domain")))
         x |= {"constrain": "domain"}
         y |= {"constrain": "domain", "scaleanchor": "x"}
     made = layout(
@@ -483,22 +490,6 @@ def _described_axis(limits: Limits) -> Part:
         names = ["<br>".join(map(literal, name.split("\n"))) for name in limits.ticks.values()]
         more |= {"tickvals": list(limits.ticks), "ticktext": names}
     return axis(marked_up(limits.label), **more)
-
-
-def _described_shape(shape: Shape) -> Part:
-    (left, bottom), (right, top) = shape.low, shape.high
-    return {
-        "type": "circle" if shape.round else "rect",
-        "xref": "x",
-        "yref": "y",
-        "x0": left,
-        "x1": right,
-        "y0": bottom,
-        "y1": top,
-        "fillcolor": shape.color,
-        "line": {"color": GRAY, "width": 1},
-        "layer": "below",
-    }
 
 
 def _described_note(described: Note) -> Part:
