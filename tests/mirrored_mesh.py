@@ -15,8 +15,7 @@ def add_mirror_image(mesh):
     """Make a half of a quarter, or a full mesh of a half, sharing the nodes on the cut."""
     cut, part = {"quarter": (MIDDLE_PLANE, "half"), "half": (CRANK_PLANE, "full")}[mesh.part]
     axis, place = (2, 0.5 * mesh.length) if cut == MIDDLE_PLANE else (0, 0.0)
-    shared = nodes_on(mesh, cut)
-    others = np.setdiff1d(np.arange(len(mesh.points)), shared)
+    others = np.setdiff1d(np.arange(len(mesh.points)), nodes_on(mesh, cut))
     number = np.arange(len(mesh.points))
     number[others] = len(mesh.points) + np.arange(len(others))
     image = mesh.points[others].copy()

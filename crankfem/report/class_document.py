@@ -28,7 +28,6 @@ def render_class_document(
         When, in words.
     """
     file, engine = run.engine_file, run.engine_file.engine
-    cranks = {"crank_angles": engine.crank_angles, "firing_order": engine.firing_order}
     return (
         page_environment()
         .get_template(TEMPLATE)
@@ -40,7 +39,7 @@ def render_class_document(
                 name: f"data:image/svg+xml;base64,{base64.b64encode(path.read_bytes()).decode()}"
                 for name, path in pictures.items()
             },
-            schematic=engine_schematic(cranks, run.torsional),
+            schematic=engine_schematic(engine.crank_angles, engine.firing_order, run.torsional),
             sources=file.sources,
             created=created,
             version=program_version(),

@@ -217,8 +217,8 @@ def _axial_amplitude(results: RunResults) -> str:
     forced = results.vibration.forced("axial")
     if forced is None:
         return ""
-    low, high = (results.engine[f"{end}_speed_rpm"] / RPM for end in ("lowest", "highest"))
-    inside = within(forced.speeds, low, high)
+    engine = results.engine
+    inside = within(forced.speeds, engine.lowest_speed, engine.highest_speed)
     if not np.any(inside):
         return ""
     reached = forced.free_end_motion.synthesis[inside]
@@ -361,7 +361,7 @@ def _without_forces(results: RunResults) -> list[str]:
     one = count == 1
     return [
         "Amplitudes and stresses are not calculated, so nothing can be compared with limits.",
-        f"{count} critical speed{'' if one else 's'} of orders up to {engine['highest_order']:g} "
+        f"{count} critical speed{'' if one else 's'} of orders up to {engine.highest_order:g} "
         f"{'is' if one else 'are'} in the running range.",
         *([f"{assumed} of {len(inputs)} inputs are assumed."] if assumed else []),
         "Add a section [gas] to the engine file to define the excitation.",

@@ -1,14 +1,12 @@
 """A schematic of the engine: cylinders and cranks, flywheel, damper and line along the shaft, and a star."""
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Sequence
 
 from markupsafe import Markup, escape
 
 from crankfem.analyses.vibration.modes import Vibration
 
-Record = Mapping[str, Any]
 # Lengths of the drawing, without a unit.
 STEP, SHAFT, HEIGHT, STAR = 46.0, 118.0, 190.0, 170.0
 LEAST_DISC, LARGEST_DISC, THROW = 9.0, 44.0, 26.0
@@ -16,13 +14,15 @@ PISTON, APART = 24.0, 11.0
 LINE, FILL, ACCENT = "#1d2733", "#e9f1f8", "#1f5f99"
 
 
-def engine_schematic(engine: Record, chain: Vibration) -> Markup:
+def engine_schematic(
+    angles: Sequence[float], firing_order: Sequence[int], chain: Vibration
+) -> Markup:
     """Draw the engine as its torsional chain has it, from the free end, and the star of its cranks.
 
     Parameters
     ----------
-    engine : mapping
-        Its cranks by their angles.
+    angles : sequence of float
+        Of its cranks [rad].
     chain : Vibration
         The points of its torsional chain with their inertias.
 
@@ -31,7 +31,6 @@ def engine_schematic(engine: Record, chain: Vibration) -> Markup:
     Markup
         An SVG element.
     """
-    angles = engine["crank_angles"]
     names = chain.nodes
     # Those that ride on the free end.
     rings = {name for name in names if "ring" in name.split() or "damper" in name}
@@ -65,7 +64,7 @@ def engine_schematic(engine: Record, chain: Vibration) -> Markup:
             named_place, named_at = place, below
             drawn.append(_label(x, below, name))
     total = width + STAR
-    order = "-".join(map(str, engine["firing_order"]))
+    order = "-".join(map(str, firing_order))
     label = f"The engine along its shaft: {', '.join(names)}; firing order {order}"
     return Markup(
         '<svg viewBox="0 0 {} {}" role="img" aria-label="{}" '
@@ -134,7 +133,7 @@ def _crank(x: float, angle: float, number: str) -> Markup:
     )
 
 
-def _star(x: float, angles: list[float]) -> Markup:
+def _star(x: float, angles: Sequence[float]) -> Markup:
     """Draw the cranks as seen from the free end; cranks that stand alike share an arm."""
     y, arm = SHAFT - 22.0, 46.0
     arms: dict[int, list[int]] = {}

@@ -97,7 +97,9 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
         .render(
             r=results,
             first=summary(results),
-            schematic=engine_schematic(results.engine, vibration.torsional),
+            schematic=engine_schematic(
+                results.engine.crank_angles, results.engine.firing_order, vibration.torsional
+            ),
             compliances=compared_compliances(
                 results.throw,
                 results.formulas,

@@ -19,7 +19,7 @@ from crankbase.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra
 from crankbase.quantity import parse_quantity
-from crankfem.analyses.file_check import shape_record
+from crankfem.analyses.file_check import throw_shape
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.formula_records import formulas_of
 from crankfem.analyses.throw.law_record import LAW_BANDS, end_answers, neighbor_answers
@@ -330,7 +330,7 @@ async def validate_throw(request: Request) -> Response:
     throw, material = asked.read_throw(), asked.read_material()
     return answer(
         {
-            "shape": shape_record(throw),
+            "shape": throw_shape(throw).to_record(),
             "dimensions": throw.model_dump(mode="json", exclude_defaults=True),
             "material": material.model_dump(),
             "toml": "\n".join([*_toml("throw", throw), *_toml("material", material)]) + "\n",

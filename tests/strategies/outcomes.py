@@ -110,10 +110,9 @@ def bad_sentence(message: str) -> str:
 
 def where_raised(error: BaseException) -> str:
     """Say which error it is and where it was raised, the last place within the project."""
-    frames = traceback.extract_tb(error.__traceback__)
     own = [
         one
-        for one in frames
+        for one in traceback.extract_tb(error.__traceback__)
         if "site-packages" not in one.filename and "/lib/python" not in one.filename
     ]
     at = " < ".join(f"{'/'.join(one.filename.split('/')[-2:])}:{one.lineno}" for one in own[:-5:-1])

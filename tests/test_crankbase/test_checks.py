@@ -187,8 +187,7 @@ def test_derived_dimensions(dimensions):
 
 
 def test_a_changed_record_keeps_what_was_given_alone(dimensions):
-    changed = CrankThrow(**dimensions).changed(pin_length=0.150)
-    assert changed.model_fields_set == set(dimensions)
+    assert CrankThrow(**dimensions).changed(pin_length=0.150).model_fields_set == set(dimensions)
 
 
 @pytest.mark.parametrize(

@@ -50,8 +50,7 @@ def test_millimetres_are_the_number_that_python_writes(number):
     ],
 )
 def test_speed_of_rotation_counts_revolutions_unless_it_names_an_angle(text, per_second):
-    value = parse_quantity(text, "rad/s", "speed")
-    assert value == close(2.0 * math.pi * per_second, rel=1e-14)
+    assert parse_quantity(text, "rad/s", "speed") == close(2.0 * math.pi * per_second, rel=1e-14)
 
 
 @pytest.mark.parametrize("text", ["52 rad/s", "52 radian/second"])

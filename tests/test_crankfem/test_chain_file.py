@@ -44,8 +44,7 @@ def test_shipped_chains_tell_their_frequencies_and_sources():
         found = load_chain(name)
         head = found.path.read_text(encoding="utf-8").split("[chain]")[0]
         told = [float(text) for text in re.findall(r"\d+\.\d", head.split("frequencies:")[1])]
-        frequencies = found.chain.modes().frequencies
-        assert frequencies[1 : 1 + len(told)] == close(told, abs=0.051)
+        assert found.chain.modes().frequencies[1 : 1 + len(told)] == close(told, abs=0.051)
         assert found.sources
         assert all(record.source and not record.assumed for record in found.records)
 
@@ -243,8 +242,7 @@ def chains(draw):
 @settings(max_examples=20, deadline=None)
 @given(chains(), st.sampled_from(["torsional", "axial"]))
 def test_text_reads_back_to_the_last_digit(chain, kind):
-    text = write_chain_text(chain, kind, "any")
-    read = read_chain_text(text)
+    read = read_chain_text(write_chain_text(chain, kind, "any"))
     assert (read.kind, read.name) == (kind, "any")
     assert same(read.chain, chain)
 

@@ -207,8 +207,7 @@ def test_firing_intervals_are_shown(call, engine, intervals, said):
         call("check", engine, "--json").json()["arrangement"]["firing_intervals_deg"] == intervals
     )
     assert said in " ".join(call("check", engine).out.split())
-    answer = call("mechanism", engine, "--json").json()
-    assert answer["firing_intervals_deg"] == close(intervals)
+    assert call("mechanism", engine, "--json").json()["firing_intervals_deg"] == close(intervals)
     assert said in " ".join(call("mechanism", engine).out.split())
 
 
@@ -376,8 +375,7 @@ def test_what_does_not_fit_within_a_chain(told):
 
 def test_lines_of_a_chain_in_text(told):
     text = "torsional: x\na  60\n  1e6 N\nb  7 kg m^2  grond 3\n"
-    found = told(load_chain, text, {}, "mine.txt")
-    assert found == ["line 2", "line 3", "line 4"]
+    assert told(load_chain, text, {}, "mine.txt") == ["line 2", "line 3", "line 4"]
     text = "torsional\na  60 kg m^2\n  1 N m/rad  to c\nb  7 kg m^2\n  1 N m/rad\n"
     assert told(load_chain, text, {}, "mine.txt") == ["line 3", "line 5"]
 
@@ -525,8 +523,7 @@ def cheap_part(path):
     if inputs.with_gas is None and engine.gas_map is None:
         return
     harmonics = engine_harmonics(engine, inputs.mechanism)
-    rated = engine.engine.rated_speed
-    forces_over_speeds(engine, harmonics, np.array([0.9, 1.0]) * rated)
+    forces_over_speeds(engine, harmonics, np.array([0.9, 1.0]) * engine.engine.rated_speed)
     engine_load(engine, inputs.mechanism)
     if engine.strength is not None:
         supported_throws(engine, mechanism=inputs.mechanism)
@@ -615,8 +612,7 @@ def test_a_template_is_written_and_valid(call, tmp_path):
     assert answer.out.rstrip().endswith("crankfem run mine.toml")
     read = load_engine(tmp_path / "mine.toml")
     # All that stands for an engine is assumed; names, numbers of cylinders and choices are not.
-    given = {record.field for record in read.records if not record.assumed}
-    assert given == {
+    assert {record.field for record in read.records if not record.assumed} == {
         "engine.name",
         "engine.cylinders",
         "engine.strokes",

@@ -48,8 +48,7 @@ def test_holzer_table_balances_in_a_row():
         own = holzer_table(chain, modes, mode)
         assert own.amplitude[0] == 1.0
         w = modes.angular_frequencies[mode]
-        wanted = 1e-3 * w**2 * chain.inertia * own.amplitude
-        assert own.inertia_torque == close(wanted)
+        assert own.inertia_torque == close(1e-3 * w**2 * chain.inertia * own.amplitude)
         # What the masses so far bring, the next shaft passes on.
         sums = np.cumsum(own.inertia_torque)
         assert own.torque == close(-sums[:-1], rel=1e-7, abs=1e-9 * np.max(np.abs(sums)))
@@ -300,6 +299,5 @@ def test_sentences_for_wrong_input(call, tmp_path):
     assert "output: given 'file'" in refused.err
     assert file.read_text(encoding="utf-8") == "mine"
     assert "output: given ''" in call("class", "6chn25-34", "--output", "").err
-    chain = call("class", "mwm-six", "--output", str(tmp_path / "out"))
-    assert chain.code == 2
+    assert call("class", "mwm-six", "--output", str(tmp_path / "out")).code == 2
     assert not (tmp_path / "out").exists()

@@ -289,8 +289,7 @@ def test_fields_are_explained(call):
     for word in ("[throw] (required)", "[[throw.further_pins]]", "web_tip_thickness", "D_shm"):
         assert word in answer.out
     assert "[rod]" not in answer.out
-    content = call("fields", "--json").json()
-    titles = [table["title"] for table in content["sections"]]
+    titles = [table["title"] for table in call("fields", "--json").json()["sections"]]
     assert {"[engine]", "[throw.counterweight]", "[rod]"} <= set(titles)
     wrong = call("fields", "thrust")
     assert wrong.code == 2
@@ -421,8 +420,7 @@ def test_throw_as_json(call):
 @pytest.mark.slow
 def test_a_pin_force_of_three_components(call):
     arguments = ("--accuracy", "0.1", "--pin-force", "4, -10, 1 kN")
-    answer = call("throw", "yamz-5340", *arguments)
-    out = " ".join(answer.out.split())
+    out = " ".join(call("throw", "yamz-5340", *arguments).out.split())
     assert "Reactions to a force of 4, -10, 1 kN (x, y, z) on the pin, length kept" in out
     assert (
         "P: axial force at the right end that keeps the length under a force of 4, -10, 1 kN" in out

@@ -223,8 +223,7 @@ def test_modes_with_little_part_in_a_resonance_are_not_named(results):
 
 
 def test_a_verdict_that_hangs_on_assumptions_is_undecided(results):
-    assessment = results["vibration"]["assessment"]
-    assessment["decision"] = {
+    results["vibration"]["assessment"]["decision"] = {
         "status": "undecided",
         "sentence": "acceptable with a tensile strength of 590 MPa",
         "trials": [],
@@ -367,11 +366,9 @@ def test_what_is_uncertain_names_the_bearings_and_the_crankshafts_own_first_mode
         read = typed(results).vibration
         return uncertain_sentence(read, read.assessment, "torsional")
 
-    before = told()
-    assert "bearings" not in before
+    assert "bearings" not in told()
     vibration["bearings"] = BEARINGS | {"stiffness": [2.2e8, 2.2e9, 2.2e10]}
-    own = vibration["torsional"]["modes"]
-    first, second = (one for one in own if one["number"] in (1, 2))
+    first, second = (one for one in vibration["torsional"]["modes"] if one["number"] in (1, 2))
     first["of_crankshaft"], second["of_crankshaft"] = False, True
     bounds = vibration["assessment"]["uncertainty"]["torsional"]["frequencies"][1]
     said = told()
@@ -433,8 +430,7 @@ def test_uses_at_and_above_running_speeds_stand_apart(results):
         check["running"] = own | {"used": used}
         check["above"] = own | {"used": used + 0.3, "speed_rpm": 570.0}
         check["in_running_range"] = False
-    read = typed(results).vibration.assessment.verdict.checks
-    (shown,) = worst_of_each(read[:2])
+    (shown,) = worst_of_each(typed(results).vibration.assessment.verdict.checks[:2])
     assert (shown.use.used, shown.above.used) == (0.9, 1.2)
     assert (
         "80 % of the permitted 21.2 MPa; above the running range" in conclusions(typed(results))[0]
@@ -547,8 +543,7 @@ def test_the_tensile_strength_decides_on_what_is_kept():
 
 
 def test_the_yield_strength_decides_on_what_is_passed():
-    found = decided(PASSED)
-    assert found.sentence == (
+    assert decided(PASSED).sentence == (
         "acceptable with a yield strength of 248 MPa, not with 247 MPa (225 MPa assumed): give "
         "limits.yield_strength"
     )
@@ -656,8 +651,7 @@ def test_a_critical_speed_stands_once_with_all_that_is_known_of_it(results):
 
 
 def test_each_of_two_peaks_of_one_mode_has_a_row(results):
-    vibration = results["vibration"]
-    peaks = vibration["forced"]["torsional"]["resonances"]
+    peaks = results["vibration"]["forced"]["torsional"]["resonances"]
     first = next(one for one in peaks if one["order"] == 12.0)
     peaks.append({**first, "speed_rpm": 0.9 * first["speed_rpm"], "value": 0.5e-3})
     table = speed_table(typed(results).vibration, most=99)
@@ -698,8 +692,7 @@ def test_no_critical_speed_is_both_inside_and_outside_the_running_range(results)
 
 
 def test_an_order_without_a_peak_is_not_called_unbounded(results):
-    vibration = results["vibration"]
-    one = vibration["forced"]["axial"]["resonances"][0]
+    one = results["vibration"]["forced"]["axial"]["resonances"][0]
     one |= {"speed_rpm": None, "amplitude": None, "unbounded": False}
     table = speed_table(typed(results).vibration, most=99)
     (row,) = (texts for texts in table.texts() if "no peak" in texts)
@@ -731,15 +724,13 @@ def test_a_mode_that_makes_no_peak_has_no_critical_speed_outside(results):
 
 def test_every_peak_is_in_the_table_or_told_to_be_left_out(results):
     """A branch's peak counts by its own largest one, small peaks and those of the forces in a sentence."""
-    vibration = results["vibration"]
-    record = vibration["forced"]["torsional"]
+    record = results["vibration"]["forced"]["torsional"]
     one = next(own for own in record["resonances"] if own["order"] == 12.0)
     new = {"place": "pump shaft", "value": 294.0, "unit": "N m", "others": [], "modes": [2]}
     new |= {"mode": 2, "in_band": True, "spread_rpm": [440.0, 440.0], "in_running_range": True}
-    at = enumerate((1.0, 0.6, 0.06, 0.04, 0.01))
     record["resonances"] = [
         one | new | {"speed_rpm": 440.0 + place, "order": 4.0 + place, "severity": share}
-        for place, share in at
+        for place, share in enumerate((1.0, 0.6, 0.06, 0.04, 0.01))
     ]
     record["resonances"].append(record["resonances"][0] | {"in_band": False, "order": 20.0})
     table = speed_table(typed(results).vibration, most=2)

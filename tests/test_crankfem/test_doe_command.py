@@ -367,8 +367,7 @@ def test_fit_prints_and_saves_a_model(store, call, tmp_path):
 def test_fit_writes_diagrams_and_json(store, call, tmp_path):
     answer = call("fit", store, "--plots", "diagrams", "--json", "--model", "other.json")
     assert answer.code == 0, answer.err
-    record = answer.json()
-    assert record["fits"]["mass"]["chosen"] in ("interactions", "quadratic")
+    assert answer.json()["fits"]["mass"]["chosen"] in ("interactions", "quadratic")
     assert len(list((tmp_path / "diagrams").glob("axial_compliance_*.svg"))) == 4
     assert (tmp_path / "other.json").exists()
 

@@ -81,8 +81,7 @@ def judge(vibration):
 def test_factors_are_largest_stresses_over_nominal_ones(stresses, file):
     """Written out: W_eqw = 285 x 68^2 / 6 mm3, W_P = pi/16 D^3; middle of the web at 101.5 mm of 410 mm."""
     left, right = throw_webs(file.throw, file.strength)
-    found = element_factors(stresses, (left, right))
-    own = found["left web"]
+    own = element_factors(stresses, (left, right))["left web"]
     peaks = {(one.load.kind, one.name): one for one in stresses.peaks}
     web, pin, journal = 0.285 * 0.068**2 / 6.0, "pin, left web", "left main journal"
     assert own.alpha_bending == close(peaks["bending", pin].von_mises * web)
@@ -147,8 +146,7 @@ def test_finite_elements_count_if_the_file_says_so(judge, stresses):
 def test_cranks_outside_the_formulas_are_judged_by_finite_elements(judge, stresses):
     """The stresses are those of another web: only who judges is tested."""
     wide = {"web_width": 0.42}
-    refused = judge(stresses, throw=wide)
-    assert "use finite elements" in " ".join(refused.left_out)
+    assert "use finite elements" in " ".join(judge(stresses, throw=wide).left_out)
     found = judge(stresses, throw=wide, factors="finite elements")
     assert found.left_out == ()
     assert found.passed is not None
@@ -181,13 +179,12 @@ def test_an_unsafe_shear_factor_names_its_method_and_its_error():
     web = cf.strength.CrankWeb(0.18, 0.22, 0.17, 0.068, 0.285, 0.012, 0.012)
     formulas = cf.strength.ConcentrationFactors(web)
     larger = 1.2 * formulas.beta_shear
-    elements = ElementFactors(web, **FACTORS | {"beta_shear": larger})
     throw = engine_strength.ThrowStrength(
         number=1,
         places=(),
         webs={},
         factors={"left web": formulas},
-        elements={"left web": elements},
+        elements={"left web": ElementFactors(web, **FACTORS | {"beta_shear": larger})},
         torque=None,
         fit=None,
     )

@@ -64,8 +64,7 @@ def puppet(throw):
     s = 0.5 * (D + throw["main_journal_diameter"]) - R
     pin = R**2 * (L + 0.33 * h) / (2.1e11 * math.pi * D**4 / 64)
     web = 8 * R**3 / (2.1e11 * B * (h**2 + 0.3 * s**2) ** 1.5)
-    share = 1.0 if throw["web_outline"] == "obround" else 0.9
-    e = 0.6 * pin + 0.5 * web * share
+    e = 0.6 * pin + 0.5 * web * (1.0 if throw["web_outline"] == "obround" else 0.9)
     return {
         "axial_compliance_pinned": e,
         "axial_compliance_in_line": 0.3 * e + 0.1 * pin,
@@ -150,8 +149,7 @@ def test_the_record_of_a_study_fits_nothing_anew(table, fits, monkeypatch):
         raise AssertionError
 
     monkeypatch.setattr("crankfem.analyses.study.response_fits.fit_form", refuse)
-    reasons = fitted_study(table, fits).unfitted
-    assert reasons == fits["mass"].unfitted
+    assert fitted_study(table, fits).unfitted == fits["mass"].unfitted
 
 
 def test_imported_rows_without_errors_leave_the_others_known(table, fits):
@@ -224,10 +222,9 @@ def test_sensitivities_under_a_constraint(capsys):
     With places a, b from 0 to 1 the constraint is a + b <= 1, whose indices of a + b are 1/4 (first), 3/4
     (total) and, as both are alike, 1/2 (Shapley).
     """
-    factors = (Factor("web_thickness", "m", 0.060, 0.080), Factor("pin_length", "m", 0.120, 0.160))
     plan = StudyPlan(
         THROW,
-        factors,
+        (Factor("web_thickness", "m", 0.060, 0.080), Factor("pin_length", "m", 0.120, 0.160)),
         DesignChoice("latin hypercube", runs=12),
         relations={"main_journal_length": "400 mm - 2 * web_thickness"},
         constraints=("pin_length - main_journal_length <= -120 mm",),
@@ -257,8 +254,7 @@ def test_model_gives_what_the_chosen_equation_gives(table, fits):
     values = surface(table.plan, fits["axial_compliance"], fits["axial_compliance"].chosen)
     expected = float(values(np.array([list(point.values())]))[0])
     assert model.axial_compliance(**point) == close(expected, rel=1e-12)
-    linear = compliance_model(table, fits, "linear")
-    assert linear.responses["mass"].form == "linear"
+    assert compliance_model(table, fits, "linear").responses["mass"].form == "linear"
 
 
 # What a dimension may be spelled out as although it is so anyway, and its base with a range.
@@ -341,8 +337,7 @@ def test_measured_values_are_compared(tmp_path, capsys):
         "B,,175,95,\n"
     )
     table = puppet_table(plan, read_rows(path, plan))
-    model = compliance_model(table, fit_study(table))
-    found = comparisons(table, model)
+    found = comparisons(table, compliance_model(table, fit_study(table)))
     mass = puppet(THROW.model_dump(mode="json") | {"web_width": 0.3})["mass"]
     assert found[0].ratio == close(mass / 95.0, rel=1e-6)
     assert found[1].reason == "the model has no such response"
@@ -382,8 +377,7 @@ def test_measured_throws_have_the_part_of_their_line(tmp_path):
     }
     table = study_table(plan, planned.designs, outcomes, rows)
     found = comparisons(table, compliance_model(table, fit_study(table), "power law"))
-    widths = (0.3, throw.web_width, 0.36)
-    for one, width in zip(found, widths, strict=True):
+    for one, width in zip(found, (0.3, throw.web_width, 0.36), strict=True):
         assert one.calculated == close(1e3 * width * 0.045, rel=1e-9)
     assert [len(one.remarks) for one in found] == [0, 0, 1]
     assert "360 mm" in found[2].remarks[0]
@@ -393,8 +387,7 @@ def test_measured_throws_have_the_part_of_their_line(tmp_path):
 @pytest.mark.parametrize("study", ["outlines", "table", "family"])
 def test_diagrams(study, request, tmp_path):
     some = request.getfixturevalue(study)
-    found = fit_study(some)["axial_compliance"]
-    paths = plot_fits(tmp_path / "plots", some, found)
+    paths = plot_fits(tmp_path / "plots", some, fit_study(some)["axial_compliance"])
     assert [path.name for path in paths] == [
         f"axial_compliance_{name}.svg"
         for name in ("response", "parity", "effects", "sensitivities")

@@ -213,8 +213,7 @@ def test_the_command_line_refuses_a_unit_that_is_no_number(capsys, monkeypatch):
 
 
 def test_a_number_within_an_array_shows_itself():
-    nominal = np.array(1.5)
-    assert "1.5" in repr(cf.limits.Samples((), np.ones((2, 0)), np.ones(2), nominal))
+    assert "1.5" in repr(cf.limits.Samples((), np.ones((2, 0)), np.ones(2), np.array(1.5)))
 
 
 def test_no_main_orders_where_no_speed_counts():

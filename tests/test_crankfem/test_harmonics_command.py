@@ -66,8 +66,7 @@ def test_large_torques_are_told_in_one_unit_a_table(call):
     ],
 )
 def test_unit_and_digits_of_a_table(values, name, text):
-    unit = table_unit(values, "N m")
-    assert unit.with_unit(values[0]) == f"{text} {name}"
+    assert table_unit(values, "N m").with_unit(values[0]) == f"{text} {name}"
     assert table_unit([], "N").name == "N"
 
 
@@ -115,8 +114,7 @@ def test_table_writes_too(call, tmp_path):
 )
 def test_cylinders_of_a_table_add_up_as_their_shifted_samples(call, tmp_path, firing):
     arguments = ("--orders", "8.5", "--csv", "h.csv")
-    record = call("harmonics", TABLE, *firing, *arguments, "--json").json()
-    found = record["cylinders"]
+    found = call("harmonics", TABLE, *firing, *arguments, "--json").json()["cylinders"]
     assert found["firing_angles_deg"] == [0.0, 540.0, 180.0, 360.0]
     assert found["leading_orders"] == [2.0, 4.0, 6.0, 8.0]
     # Four rows of samples, each shifted by its firing angle; their order 9 cancels.
@@ -169,8 +167,7 @@ def test_orders_that_all_cancel_have_no_picture_of_round_off(tmp_path, call):
 
 def test_the_picture_of_a_table_ends_at_the_order_asked_for(tmp_path):
     table = cf.load_torque_table(TABLE)
-    shown = table.harmonics().up_to(1.5)
-    paths = picture_torque_table(tmp_path, table, shown)
+    paths = picture_torque_table(tmp_path, table, table.harmonics().up_to(1.5))
     assert [path.name for path in paths] == table_files(())
     texts = [path.read_text(encoding="utf-8") for path in paths]
     assert "<!-- sum up to order 1.5 -->" in texts[0]
@@ -286,8 +283,7 @@ def test_the_section_alone(call, tmp_path):
     record = call("two-mass", "two.toml", "--order", "14", "--json").json()
     assert record["resonant_speed_rpm"] == close(2224.7, abs=0.05)
     assert record["resonances"] is record["shaft_torque"] is record["running_rpm"] is None
-    out = call("two-mass", "two.toml").out
-    assert out.splitlines()[1:] == [
+    assert call("two-mass", "two.toml").out.splitlines()[1:] == [
         "Order 6 resonates at 5190.9 1/min.",
         "No torque table is given: how strongly order 6 excites is open.",
     ]
@@ -430,8 +426,7 @@ def test_guides_by_the_series_turn_in_the_exact_mechanism():
 @pytest.mark.slow
 def test_flywheels_at_another_speed():
     """With the best pressure, not that of the design; both documented to the last digit given."""
-    run = run_hinge(load_hinge(SHIPPED), speed=142.0 * np.pi / 30.0)
-    (other,) = run.others
+    (other,) = run_hinge(load_hinge(SHIPPED), speed=142.0 * np.pi / 30.0).others
     assert other.flywheel_with_hinge == close(2277.0, abs=0.5)
     assert other.flywheel == close(33514.0, abs=0.5)
 

@@ -135,8 +135,7 @@ def test_a_slip_is_warned_of_and_not_refused(tmp_path, six_cylinders, edit, fiel
 
 def test_the_throw_must_fit_the_bore():
     """Cylinders of twice the bore on the same throw would overlap."""
-    file = load_any("6chn25-34")
-    larger = mechanism_of(file.changed(engine={"bore": 0.5})).warnings
+    larger = mechanism_of(load_any("6chn25-34").changed(engine={"bore": 0.5})).warnings
     assert any("which is 0.82 times the bore for each cylinder of a bank" in one for one in larger)
 
 

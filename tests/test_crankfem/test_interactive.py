@@ -295,8 +295,7 @@ def test_names_are_no_markup(load, studied):
         ({"text": design_texts((choice,), np.array([[0.0], [1.0]]))}, {}),
     ]
     for figure in figures:
-        every = list(texts(figure))
-        shown = [text for text in every if "R&" in text]
+        shown = [text for text in texts(figure) if "R&" in text]
         assert shown
         for text in shown:
             assert not re.search(r"<a|<b>R|%\{x\}", text)
@@ -644,8 +643,7 @@ def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch):
         (values,) = changes[label]["intensity"]
         assert len(values) == len(named(traces, "fillet stress")["x"])
         largest = max(peak.von_mises for peak in stresses.peaks if peak.load.kind == kind)
-        on_fillets = changes[label]["cmax"]
-        assert on_fillets == [close(1e-3 * largest)]
+        assert changes[label]["cmax"] == [close(1e-3 * largest)]
         # The surface shows its corner nodes: the largest of all may be a middle one.
         assert 0.8 * largest * 1e-3 < max(values)
 
@@ -687,8 +685,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
         curve = named(figures["misfiring_stress"]["data"], name)
         near = np.interp(found.speed * RPM, curve["x"], curve["y"])
         assert near == close(found.value / 1e6, rel=0.02)
-    orders = named(figures["torsional_campbell"]["data"], "orders")
-    assert orders["legendgroup"] == "orders"
+    assert named(figures["torsional_campbell"]["data"], "orders")["legendgroup"] == "orders"
     told = " ".join(
         text for trace in figures["torsional_campbell"]["data"] for text in trace.get("text", ())
     )
@@ -697,8 +694,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
     (menu,) = figures["shaft_modes"]["layout"]["updatemenus"]
     first = menu["buttons"][0]
     assert first["label"] == f"{modes.frequencies[modes.rigid]:.1f} Hz: {modes.label(modes.rigid)}"
-    curves = figures["shaft_modes"]["data"][:4]
-    assert max(max(map(abs, curve["y"])) for curve in curves) == 1
+    assert max(max(map(abs, curve["y"])) for curve in figures["shaft_modes"]["data"][:4]) == 1
     shape = run.torsional.chosen.modes.shapes[:, run.torsional.chosen.modes.rigid]
     drawn = figures["torsional_modes"]["data"][0]
     ends = run.torsional.chosen.chain.chain.connections[0]

@@ -452,8 +452,7 @@ def test_an_unknown_name_to_minimize(run, path):
 
 
 def test_a_frequency_needs_its_compliance(run, path):
-    model = ComplianceModel.load(path)
-    ComplianceModel(responses={"mass": model.responses["mass"]}).save(path)
+    ComplianceModel(responses={"mass": ComplianceModel.load(path).responses["mass"]}).save(path)
     with pytest.raises(InputError, match="given for a model without torsional_compliance"):
         run(
             *("optimum", path, "--minimize", "mass", "--engine", ENGINE),
@@ -604,8 +603,7 @@ def test_check_tells_which_command_fits(silent, saved, edit, call, tmp_path):
     assert "class" not in record["commands"]  # without gas pressure
     assert "class" in call("check", "6chn25-34", "--json").json()["commands"]
     assert any("the section [study] is not run" in one for one in record["remarks"])
-    thick = edit(text, {"throw.web_thickness": '"99 mm"'})
-    answer = call("check", written(tmp_path, thick))
+    answer = call("check", written(tmp_path, edit(text, {"throw.web_thickness": '"99 mm"'})))
     assert answer.code == 2
     assert "the throw that its study varies: web_thickness: given 99 mm" in answer.err
 

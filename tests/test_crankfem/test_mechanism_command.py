@@ -77,8 +77,7 @@ def test_the_balance_says_what_is_in_it(v8):
     found = engine_balance(v8)
     throw, density = v8.mechanism.throw, v8.mechanism.material.density
     bare = throw_masses(throw.changed(left_web=None, right_web=None), density)
-    solid = throw_masses(throw, density)
-    moments = [own.mass * own.center[1] for own in (solid, bare)]
+    moments = [own.mass * own.center[1] for own in (throw_masses(throw, density), bare)]
     for row in found.throws:
         # Two rods on each pin, 2.66264 kg of each at it.
         assert row.rods == close((2 * 2.66264 * 0.07, 0.0))
@@ -232,8 +231,7 @@ def test_fast_engines_are_told_without_powers_of_ten(call, tmp_path):
 
 @pytest.mark.slow
 def test_a_whole_engine_serves_as_its_mechanism(v8):
-    whole = run_mechanism(load_engine("8chn13-14"))
-    assert whole.torque.power == v8.torque.power
+    assert run_mechanism(load_engine("8chn13-14")).torque.power == v8.torque.power
 
 
 def test_rows_alike_become_one():

@@ -105,8 +105,7 @@ def test_a_pressure_table_beside_the_file(tmp_path):
     (tmp_path / "gas.csv").write_text(f"crank_angle_deg,absolute_pressure_bar\n{rows}\n")
     lines = input_path("6chn25-34").read_text(encoding="utf-8").splitlines()
     (peak,) = (line for line in lines if line.startswith("peak_pressure"))
-    path = written(tmp_path, {peak: 'pressure_table = "gas.csv"'})
-    mechanism = load_mechanism(path)
+    mechanism = load_mechanism(written(tmp_path, {peak: 'pressure_table = "gas.csv"'}))
     assert mechanism.pressure[5].at(angle_deg=np.degrees([math.radians(10.0)]))[0] == close(
         1e5 * (1.5 + 80.0 * math.exp(-((2.0 / 25.0) ** 2))), rel=1e-6
     )
@@ -721,8 +720,7 @@ def test_ranges_become_spreads_of_each_chain():
         {"axial_compliance": [0.97, 1.05], "thrust_stiffness": [0.5, 2.0], "damping": [0.5, 2.0]},
         "ranges",
     )
-    axial = section.axial_spreads()
-    assert [(s.kind, s.low, s.high) for s in axial] == [
+    assert [(s.kind, s.low, s.high) for s in section.axial_spreads()] == [
         ("compliance", 0.97, 1.05),
         ("ground stiffness", 0.5, 2.0),
         ("all damping", 0.5, 2.0),

@@ -387,8 +387,7 @@ def test_a_regression_that_does_not_know_a_throw_is_left_out():
     pinned = [own.axial_compliance("pinned") for own in crank_analyses(engine, analyses)]
     lengths = np.array([throw.pin_length for throw in engine.crank_throws])
     assert found.compliances == close(1e-9 * (1 + lengths) * shaft.axial / pinned)
-    plain = Model([engine.named_throws["plain"]])
-    unknown = axial_vibration(engine, analyses, shaft, plain)
+    unknown = axial_vibration(engine, analyses, shaft, Model([engine.named_throws["plain"]]))
     assert "regression" not in [own.source for own in unknown.others]
     assert unknown.unusable[0].startswith("regression: does not apply to throw heavy:")
     formulas = next(own for own in unknown.others if own.source == "Dorey").compliances
@@ -543,8 +542,7 @@ def test_every_value_says_where_it_comes_from(name):
     fields = [f for section in sections for f in values(section, content.sections[section])]
     # What needs no source: names and counts of the engine.
     plain = {"engine.name", "engine.cylinders", "engine.strokes"}
-    without = [f for f in fields if f not in plain and not content.provenance.get(f, ("",))[0]]
-    assert not without
+    assert not [f for f in fields if f not in plain and not content.provenance.get(f, ("",))[0]]
 
 
 @pytest.mark.parametrize("name", SHIPPED_FULL)

@@ -40,8 +40,7 @@ def test_without_a_wish_everything_stays_in_si():
 
 
 def test_large_numbers_have_no_exponent():
-    unit = parse_output_units("in, lbf").of("kN m")
-    assert unit.number(30730.0) == "272000"
+    assert parse_output_units("in, lbf").of("kN m").number(30730.0) == "272000"
 
 
 def test_quantities_in_sentences():
@@ -232,8 +231,7 @@ def test_texts_of_a_file_are_shown(call, tmp_path, edit, six_cylinders, change):
 
 
 def test_names_of_sections_and_files_are_shown(call, tmp_path, six_cylinders):
-    text = f'{six_cylinders}\n["{TOML}"]\nx = 1\n'
-    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(f'{six_cylinders}\n["{TOML}"]\nx = 1\n', encoding="utf-8")
     shown(call("check", "mine.toml"))
     shown(call("check", f"{EVIL}.toml"))
     shown(call(EVIL))
@@ -291,8 +289,7 @@ def test_a_narrow_terminal_loses_nothing(call, monkeypatch, line):
 @pytest.mark.slow
 @pytest.mark.parametrize("given", [{"COLUMNS": "0"}, {"COLUMNS": "²", "LINES": "²"}])
 def test_impossible_sizes_are_none(spawn, spawn_environment, given):
-    expected = spawn("new", "--list")
-    assert spawn("new", "--list", env=spawn_environment(**given)) == expected
+    assert spawn("new", "--list", env=spawn_environment(**given)) == spawn("new", "--list")
 
 
 @pytest.mark.slow

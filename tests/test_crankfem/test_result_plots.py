@@ -143,8 +143,7 @@ def test_forms_of_a_response(study):
     found = study.fits["axial_compliance"]
     frame = found.to_pandas()
     assert frame.loc[frame["chosen"], "form"].item() == found.chosen.form
-    axes = found.plot()
-    assert [bar.get_width() for bar in axes.patches] == close(
+    assert [bar.get_width() for bar in found.plot().patches] == close(
         [100.0 * fit.largest_heldout_error for fit in found.fits]
     )
     assert study.to_pandas()["held_out"].sum() == 3
@@ -188,11 +187,9 @@ def test_formulas_of_a_throw_in_bars(dimensions):
 def test_formulas_over_the_angle(dimensions):
     throw = cf.CrankThrow(**dimensions)
     axes = plot_formulas_over_angle(throw)
-    found = axial_formulas(throw, gamma_deg=60.0)
-    curves = {line.get_label(): line.get_ydata()[12] for line in axes.lines}
-    assert curves == {
+    assert {line.get_label(): line.get_ydata()[12] for line in axes.lines} == {
         name: close(1e9 * one.value if one.value > 0.0 else np.nan, nan_ok=True)
-        for name, one in found.items()
+        for name, one in axial_formulas(throw, gamma_deg=60.0).items()
     }
 
 
@@ -236,8 +233,7 @@ def test_a_mechanism(mechanism):
     balanced = mechanism.plot(show="moment balance")
     assert balanced.get_title(loc="left").startswith("moment of inertia forces")
     assert not balanced.has_data()
-    frame = mechanism.to_pandas()
-    assert frame["work"].tolist() == [one.work for one in mechanism.works]
+    assert mechanism.to_pandas()["work"].tolist() == [one.work for one in mechanism.works]
     for options, message in (
         ({"show": "bearing", "number": 8}, "number: given 8; allowed is 1 to 7 for the bearings, "),
         (
@@ -294,15 +290,13 @@ def test_what_an_engines_vibration_is_made_of(vibration):
     assert bounds.to_pandas()["highest"].to_numpy() == close(
         [mode.highest for mode in bounds.frequencies]
     )
-    checks = vibration.assessment.verdict.checks
-    assert len(vibration.assessment.to_pandas()) == len(checks)
+    assert len(vibration.assessment.to_pandas()) == len(vibration.assessment.verdict.checks)
 
     shaft = vibration.whole
     assert len(shaft.to_pandas()) == len(shaft.modes.frequencies)
     assert shaft.plot(mode=3, radius=0.17).has_data()
     axes = vibration.comparison.plot(show="axial")
-    match = vibration.comparison.axial.response
-    assert axes.lines[0].get_ydata() == close(1e6 * match.shaft)
+    assert axes.lines[0].get_ydata() == close(1e6 * vibration.comparison.axial.response.shaft)
     assert vibration.comparison.plot().has_data()
     looked_at = sum(len(one.modes) for one in vibration.comparison.verdicts)
     assert len(vibration.comparison.to_pandas()) == looked_at

@@ -180,8 +180,7 @@ def test_lookup_and_fit_continue_from_a_run(finished_run, call, tmp_path):
     answer = call("fit", finished_run.folder / "study.sqlite", "--model", "again.json", "--json")
     assert answer.code == 0, answer.err
     assert answer.json()["computed_now"] == 0
-    again = ComplianceModel.load(tmp_path / "again.json")
-    assert again.responses == model.responses
+    assert ComplianceModel.load(tmp_path / "again.json").responses == model.responses
 
 
 @pytest.mark.further
@@ -286,8 +285,7 @@ def test_what_cannot_be_drawn_costs_no_other_result(
     answer = call("run", one_cylinder("Engine SECOND"), "--json")
     assert answer.code == 0, answer.err
     results = answer.json()
-    lost = {"axial_campbell", "torsional_campbell"}
-    assert set(results["pictures"]) == set(drawn) - lost
+    assert set(results["pictures"]) == set(drawn) - {"axial_campbell", "torsional_campbell"}
     assert {"axial_campbell", "drawing"} - set(results["interactive"]) == {"drawing"}
     assert "crankpin_polar" not in results["interactive"]
     for what in ("picture axial_campbell", "interactive plot crankpin_polar", "throw.vtu"):

@@ -629,8 +629,7 @@ def test_an_input_stays_even_if_forced(line, call, link):
 
 def test_another_store_is_no_model_either(store, call, tmp_path):
     shutil.copy(store, tmp_path / "other.sqlite")
-    answer = call("fit", store.name, "--model", "other.sqlite", "--force")
-    assert answer.code == 2
+    assert call("fit", store.name, "--model", "other.sqlite", "--force").code == 2
     assert (tmp_path / "other.sqlite").read_bytes() == store.read_bytes()
 
 

@@ -82,8 +82,7 @@ def test_surface_of_a_shaft_encloses_throws_and_ends():
     shaft = shaft_of("quarter")
     surface = shaft_surface(shaft, fineness=3)
     ends = sum(0.25 * math.pi * d**2 * (high - low) for d, low, high in shaft.end_cylinders)
-    expected = 3 * throw_of("quarter").volume + ends
-    assert volume_inside(surface) == close(expected, rel=5e-4)
+    assert volume_inside(surface) == close(3 * throw_of("quarter").volume + ends, rel=5e-4)
     z = surface.points[:, 2]
     np.testing.assert_allclose((z.min(), z.max()), shaft.reach, atol=1e-9)
 

@@ -150,8 +150,7 @@ def test_what_is_said_of_a_strong_and_of_a_weak_shaft(usual, judged):
 def test_barred_ranges_are_left_out(usual, judged):
     speed = usual.throws[3].torque.speed
     barred = [(0.95 * speed, 1.02 * speed)]
-    verdict = SimpleNamespace(verdict=SimpleNamespace(ranges_to_bar=barred))
-    found = judged(assessment=verdict)
+    found = judged(assessment=SimpleNamespace(verdict=SimpleNamespace(ranges_to_bar=barred)))
     for before, after in zip(usual.throws, found.throws, strict=True):
         assert after.torque.value <= before.torque.value * (1.0 + 1e-12)
         assert not barred[0][0] < after.torque.speed < barred[0][1]
@@ -170,8 +169,7 @@ def test_hardening_is_judged_at_the_surface_and_below(usual, judged):
     }
     after = by_name(judged(hardening=given), 4)
     assert after["oil hole"].row() == before["oil hole"].row()
-    factors = usual.throws[3].factors["left web"]
-    below = cf.strength.factors_below(factors, "pin fillet", 3e-3)
+    below = cf.strength.factors_below(usual.throws[3].factors["left web"], "pin fillet", 3e-3)
     pin = before["pin fillet"]
     deep = math.hypot(
         below[0] * pin.nominal_bending + 10e6, math.sqrt(3.0) * below[1] * pin.nominal_torsion

@@ -296,8 +296,7 @@ def test_a_plan_is_shown(read, capsys, monkeypatch):
         f'{WIDTH}\n{RANGE}\nweb_outline = ["obround", "rectangle"]',
         '[study.relations]\npin_fillet_radius = "0.07 * pin_diameter"',
     )
-    planned = plan_designs(read(text))
-    listed = PlannedDesigns.of(planned)
+    listed = PlannedDesigns.of(plan_designs(read(text)))
     console.print_parts(listed.parts())
     shown = capsys.readouterr().out
     assert "Full factorial, 3 x 2 x 2 = 12 runs, 6 of them excluded; 10 held-out designs" in shown

@@ -149,8 +149,7 @@ def test_an_assumed_magnifier_does_not_damp_a_coupling_whose_damping_is_given(tm
     ]
     np.testing.assert_allclose(np.abs(twist), np.abs(by_hand), rtol=0.03)
     # One that is given for every mode adds to it.
-    given = "[damping]\ntorsional_magnifier = 40\n\n"
-    both = system(given + driven).system.damping_ratios()
+    both = system("[damping]\ntorsional_magnifier = 40\n\n" + driven).system.damping_ratios()
     assert both[0] == close(0.5 * loss + 0.0125, rel=0.01)
 
 
@@ -323,8 +322,7 @@ def test_unbounded_vibration_is_null_in_records(run):
     forced = run.forced_torsional
     nothing = np.zeros_like(forced.response.unbounded)
     nothing[23, 10] = True
-    response = replace(forced.response, unbounded=nothing)
-    record = replace(forced, response=response).to_record()
+    record = replace(forced, response=replace(forced.response, unbounded=nothing)).to_record()
     assert record["free_end"]["synthesis"][10] is None
     assert record["free_end"]["orders"][23]["amplitude"] is None
     assert record["free_end"]["synthesis"][11] is not None
@@ -393,8 +391,7 @@ def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_oth
     driven = {"inertia": 200.0, "coupling_stiffness": 1e5, "coupling_loss_factor": 0.2}
     limits = {"coupling_torque": 3e3, "coupling_torque_passing": 4e4, "crankshaft_stress": 90e6}
     engine = run.engine_file.changed(driven=driven, limits=limits)
-    strict = engine_vibration(engine, analysis=coarse)
-    found = strict.misfiring
+    found = engine_vibration(engine, analysis=coarse).misfiring
     check = found.worst
     assert check.quantity == "torque of coupling"
     assert check.normal.used < 1.0 < check.misfiring.used
@@ -472,8 +469,7 @@ def test_normal_firing_stands_beside_each_misfiring_cylinder(coarse, run):
     assert found.sentence.startswith(
         f"With cylinder {stress.cylinders[0]} misfiring, torsional stress"
     )
-    record = run.to_record()
-    assert record["misfiring"]["checks"][0]["cylinders"] == list(stress.cylinders)
+    assert run.to_record()["misfiring"]["checks"][0]["cylinders"] == list(stress.cylinders)
 
 
 @pytest.mark.slow

@@ -375,8 +375,7 @@ def test_what_an_adequate_chain_exceeds_is_not_acceptable_by_the_whole_crankshaf
 def test_verdicts_that_differ_leave_it_undecided(verdict_six):
     bad, fine, other = (judged(verdict_six, compared(torque)) for torque in (1e5, 1e2, 1e5))
     decided = decide("not acceptable", [])
-    same = decision_by_both(decided, bad, bad)
-    assert same is decided
+    assert decision_by_both(decided, bad, bad) is decided
     for whole, chains, said in (
         (fine, bad, "acceptable by the whole crankshaft, not by the lumped model"),
         (bad, fine, "acceptable by the lumped model, not by the whole crankshaft"),

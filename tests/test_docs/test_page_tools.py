@@ -140,10 +140,9 @@ def test_every_file_has_its_section_and_figures(build, figures):
 @pytest.mark.parametrize("file", FILES)
 def test_figures_belong_to_tests_that_there_are(file, figures):
     """And no test that records one is without its figures."""
-    tree = ast.parse((VALIDATION / f"{file}.py").read_text(encoding="utf-8"))
     recording = {
         node.name
-        for node in tree.body
+        for node in ast.parse((VALIDATION / f"{file}.py").read_text(encoding="utf-8")).body
         if isinstance(node, ast.FunctionDef)
         and node.name.startswith("test_")
         and "figure" in {argument.arg for argument in node.args.args}

@@ -49,7 +49,6 @@ def engine_with_everything():
         main = made_cylinder(
             0.2, 20.0, MAIN, math.degrees(crank), math.degrees(-0.35), place, pin_offset=0.01
         )
-        pin = SlavePin(2 * number + 1, 0.1, angle_deg=math.degrees(0.75))
         hinged = made_cylinder(
             0.2,
             18.0,
@@ -58,7 +57,7 @@ def engine_with_everything():
             math.degrees(0.45),
             place,
             pin_offset=-0.006,
-            slave_pin=pin,
+            slave_pin=SlavePin(2 * number + 1, 0.1, angle_deg=math.degrees(0.75)),
         )
         cylinders += [main, hinged]
     weights = [
@@ -242,10 +241,9 @@ def test_stars_with_each_cylinders_own_harmonics_sum_to_the_engines():
     own = [torque.cylinder_harmonics(number) for number in (1, 2, 3, 4)]
     whole = torque.harmonics()
     # Not the half sampling rate, where the phase is not that of a shifted wave.
-    orders = whole.orders[:-1]
     stars = star_diagram(
         engine,
-        orders,
+        whole.orders[:-1],
         amplitudes=np.array([each.amplitude[:-1] for each in own]).T,
         phases_deg=np.degrees(np.array([each.phase[:-1] for each in own]).T),
     )

@@ -376,18 +376,15 @@ def forces():
 def chains():
     """Of the straight shaft: masses at the sections, half inertias at both ends of a throw."""
     axial = axial_chain([1.0 / AXIAL] * 3, [SPRING_MASS] * 3, 400.0, 3, 5e8)
-    torsional = torsional_chain([1.0 / TWIST] * 3, [INERTIA] * 3, 50.0)
-    return axial, torsional
+    return axial, torsional_chain([1.0 / TWIST] * 3, [INERTIA] * 3, 50.0)
 
 
 def test_coupling_makes_chains_insufficient():
     axial, _ = chains()
-    matches = matching_modes(straight(0.3), axial, 1e4)
-    verdict = ChainVerdict(matches)
+    verdict = ChainVerdict(matching_modes(straight(0.3), axial, 1e4))
     assert not verdict.suffices
     assert any("%" in reason for reason in verdict.reasons)
-    nothing = ChainVerdict((ModeMatch("axial", 0, 50.0, None, None, 0.0, 0.0),))
-    assert nothing.reasons == (
+    assert ChainVerdict((ModeMatch("axial", 0, 50.0, None, None, 0.0, 0.0),)).reasons == (
         "The whole shaft has no mode like the axial mode of the chain at 50.0 Hz.",
     )
 
@@ -493,12 +490,11 @@ def test_torque_of_the_chain_is_that_of_the_pins(forces):
         turning[[5, 11, 12]] = 0.5, 0.5, 1.0
         mass += INERTIA * np.outer(turning, turning)
         own = np.array([[-SPRING_RADIUS, 0.0, 0.0, 0.0, 0.0, 1.0]])
-        pins = np.concatenate((base.pin_loads, own[None]), axis=1)
         throws.append(
             ShaftThrow(
                 stiffness,
                 mass,
-                pins,
+                np.concatenate((base.pin_loads, own[None]), axis=1),
                 base.pins,
                 SPRING_LENGTH,
                 crank_angle_deg=math.degrees(float(angle)),

@@ -40,8 +40,7 @@ def test_unusable_frequencies_and_orders_are_refused():
 def test_weights_bring_out_a_minor_order():
     angles = even_firing_angles((1, 3, 4, 2))
     # Order 0.5 fires at 0, 270, 90, 180 deg of phase: 1 - 0.5 and 0.8 + 0.2 at right angles.
-    found = vector_sums([0.5], angles, [1.0, 0.8, -0.2, 0.5])
-    assert found == close([math.hypot(0.5, 1.0)])
+    assert vector_sums([0.5], angles, [1.0, 0.8, -0.2, 0.5]) == close([math.hypot(0.5, 1.0)])
 
 
 def test_unusable_vector_sums_are_refused():
@@ -81,8 +80,7 @@ def response(chain, orders=(1.0, 2.0), node=0, speeds=SPEEDS):
 
 
 def test_a_mode_that_creeps_is_none():
-    modes = complex_modes(damped(MAIN, modal_damping=1.5))
-    assert modes.eigenvalues.size == 0
+    assert complex_modes(damped(MAIN, modal_damping=1.5)).eigenvalues.size == 0
     found = damped_criticals(response(damped(MAIN, modal_damping=1.5)), node=0)
     assert [(one.order, one.mode, one.has_peak) for one in found] == [
         (1.0, 1, False),
@@ -153,8 +151,7 @@ def test_of_a_system_and_with_gears():
     assert complex_modes(damped(geared)).frequencies == close(
         geared.modes().frequencies[1:], rel=1e-3
     )
-    found = damped_criticals(response(damped(geared)))
-    assert {one.place for one in found} == {"node 0 - node 1"}
+    assert {one.place for one in damped_criticals(response(damped(geared)))} == {"node 0 - node 1"}
 
 
 @pytest.mark.parametrize("chain", [damped(ROW), ViscousDamper(0.5, 30.0).attached(ROW, 0)])
@@ -190,8 +187,7 @@ def test_what_is_asked_for():
     part = damped_criticals(run, speed_range=(60.0, 140.0))
     assert 0 < len(part) < len(every)
     assert {one.speed for one in part} <= {one.speed for one in every}
-    frame = table_of(every)
-    assert frame["speed"].tolist() == [one.speed for one in every]
+    assert table_of(every)["speed"].tolist() == [one.speed for one in every]
     assert every[0].speed_rpm == close(every[0].speed * 30.0 / np.pi)
     assert repr(every[0]).startswith("DampedCritical(order 1, mode 1, has_peak yes, speed_rpm ")
 
@@ -303,8 +299,7 @@ def test_forces_that_another_vibration_brings():
     chain = damped(Chain([1.0, 100.0], [1e7], names=["a", "b"]), magnifier=30.0)
     forces = np.zeros((2, 1, 2), dtype=complex)
     forces[:, 0, 0] = [5.0, 50.0]
-    own = OrderExcitation([1.0, 6.0], [speed], forces)
-    response = forced_response(chain, own)
+    response = forced_response(chain, OrderExcitation([1.0, 6.0], [speed], forces))
     brought = OrderExcitation([1.0, 6.0], [speed], 0.8 * forces)
     found = peak_cause(
         response, response.elastic, "a", 0, unit="m", kind="axial", driven=(brought, torsional)

@@ -111,7 +111,6 @@ def test_the_hub_of_a_damper_makes_a_free_end():
 
 
 def test_axial_chain_with_damping_damper_and_shaft_line():
-    line = ShaftLine([shaft_cylinder(3.0, 0.2)], name="line").chain("axial")
     built = axial_chain(
         *([1e-9, 2e-9], [100.0, 140.0], 500.0, 1, 3e8),
         thrust_damping=9.0,
@@ -119,7 +118,7 @@ def test_axial_chain_with_damping_damper_and_shaft_line():
         loss_factor=0.01,
         section_damping=[4.0, 5.0, 6.0],
         damper=AxialDamper(1e5, stiffness=2e7, mass=30.0),
-        shaft_line=line,
+        shaft_line=ShaftLine([shaft_cylinder(3.0, 0.2)], name="line").chain("axial"),
     )
     chain = built.chain
     assert built.nodes[-2:] == ("main bearing 3, flywheel", "line 1")
@@ -174,10 +173,9 @@ def test_throw_inertias_of_several_cylinders(v_four):
     assert half[0] == close(throw_inertia(0.5, [3.0 - at_piston] * 2, [2.0 + at_piston] * 2, 0.07))
     exact = throw_inertias(v_four, [0.5, 0.6], reciprocating="mean")
     # The mean of the whole engine's reduced inertia, by another path through the mechanism.
-    models = tuple(cylinder.rod.model("rigid") for cylinder in v_four.cylinders)
     whole, _ = reduced_inertia(
         v_four,
-        models,
+        tuple(cylinder.rod.model("rigid") for cylinder in v_four.cylinders),
         shaft_angles_deg=np.degrees(np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)),
     )
     assert exact.sum() == close(1.1 + whole.mean(), rel=1e-12)
@@ -289,15 +287,13 @@ def at_first_node(speed, nodes=3):
 
 def test_dashpots_told_in_any_order_join_a_chain():
     dashpots = [Dashpot(2, 3, 1.0), Dashpot(1, 2, 1.0), Dashpot(0, 1, 1.0)]
-    chain = Chain([1.0] * 4, [], connections=[], dashpots=dashpots)
-    assert len(chain.dashpots) == 3
+    assert len(Chain([1.0] * 4, [], connections=[], dashpots=dashpots).dashpots) == 3
 
 
 @pytest.mark.parametrize(("inertia", "pair"), [([1.0, 3.0], (0, 1)), ([3.0, 1.0], (1, 0))])
 def test_node_of_a_mode_lies_near_the_larger_inertia(inertia, pair):
     # Motions are as 3 to -1: the node lies at 3/4 of the element, from the smaller inertia.
-    modes = Chain(inertia, [4.0], connections=[pair]).modes()
-    assert modes.node_positions[1] == close((0.75,))
+    assert Chain(inertia, [4.0], connections=[pair]).modes().node_positions[1] == close((0.75,))
 
 
 def test_kinetic_shares_with_distributed_inertia_add_up_to_one():
@@ -345,8 +341,7 @@ def test_loss_factor_damps_a_mode_far_below_the_highest():
 @pytest.mark.parametrize("method", ["modal", "direct"])
 def test_undamped_mode_is_unbounded_within_a_billionth_of_its_frequency(away, unbounded, method):
     speed = ROW.modes().angular_frequencies[1] * (1.0 + away)
-    found = forced_response(ROW, at_first_node(speed), method=method)
-    assert found.unbounded[0, 0] == unbounded
+    assert forced_response(ROW, at_first_node(speed), method=method).unbounded[0, 0] == unbounded
 
 
 def test_rigid_motion_of_unknowns_behind_a_gear():
@@ -392,8 +387,7 @@ def test_forces_of_inertia_are_met_between_speeds(speeds):
     squares = 3.0 + 1j * np.square(speeds)
     acting = OrderExcitation([1.0], speeds, squares[np.newaxis, :, np.newaxis] * np.ones(2))
     asked = np.array([50.0, 55.0, 93.0])
-    found = acting.at_speeds(asked).forces[0, :, 0]
-    assert np.allclose(found, 3.0 + 1j * asked**2, rtol=1e-12)
+    assert np.allclose(acting.at_speeds(asked).forces[0, :, 0], 3.0 + 1j * asked**2, rtol=1e-12)
 
 
 def test_forces_that_are_no_numbers_are_refused():

@@ -37,12 +37,11 @@ class SmoothPressure:
 
 
 def in_line_two_stroke():
-    cranks = np.radians([0.0, 120.0, 240.0])
     cylinders = [
         EngineCylinder(
             0.12, 3.0, ROD, crank_angle_deg=math.degrees(c), position=0.2 * i, pin_offset=0.003
         )
-        for i, c in enumerate(cranks.tolist())
+        for i, c in enumerate(np.radians([0.0, 120.0, 240.0]).tolist())
     ]
     return EngineLayout(0.07, cylinders, [1, 3, 2], strokes=2)
 
@@ -209,8 +208,7 @@ def test_closing_sample_is_dropped(written):
 
 @pytest.mark.parametrize(("strokes", "last"), [(None, 480.0), (4, 480.0), (2, 240.0)])
 def test_cycle_angles_are_turned_into_crank_angles(written, strokes, last):
-    path = written(CYCLE + "0,1\n120,2\n240,3\n360,1\n")
-    table = read_torque_table(path, strokes=strokes)
+    table = read_torque_table(written(CYCLE + "0,1\n120,2\n240,3\n360,1\n"), strokes=strokes)
     assert table.crank_angle_deg.tolist() == [0.0, last / 2.0, last]
 
 

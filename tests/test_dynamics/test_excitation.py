@@ -68,8 +68,7 @@ def test_torques_act_on_the_nodes_of_throws():
     first = TORSIONAL.throw_nodes[0]
     by_throw = FORCES.torque[:, :, ::2] + FORCES.torque[:, :, 1::2]
     assert found.forces[:, :, first : first + 3] == close(by_throw, abs=1e-9)
-    others = np.delete(found.forces, list(TORSIONAL.throw_nodes), axis=2)
-    assert np.all(others == 0.0)
+    assert np.all(np.delete(found.forces, list(TORSIONAL.throw_nodes), axis=2) == 0.0)
     angles = RANDOM.uniform(0.0, 40.0, 9)
     over_time = node_torques(HARMONICS, TORSIONAL, SPEEDS[1], shaft_angle_deg=np.degrees(angles))
     waves = found.at_angle(1, shaft_angle_deg=np.degrees(angles))
@@ -108,8 +107,7 @@ def test_influence_of_neighbors_and_pins():
     assert found == close(wanted / E_THROWS, abs=1e-9 * np.abs(wanted / E_THROWS).max())
     split = np.repeat(influence, 2, axis=1)
     assert axial_throw_forces(FORCES, E_THROWS, split, pins=range(6)) == close(found)
-    radial_only = axial_throw_forces(FORCES, E_THROWS, influence[..., 0])
-    assert radial_only != close(found)
+    assert axial_throw_forces(FORCES, E_THROWS, influence[..., 0]) != close(found)
 
 
 def test_comparison_shows_what_neighbors_do():
@@ -335,12 +333,11 @@ def test_what_does_not_fit_is_refused_cylinder(changed, sentence):
 
 
 def test_a_firing_order_that_does_not_fit_the_cranks_is_refused():
-    cranks = np.radians([0.0, 180.0, 180.0, 0.0]).tolist()
     cylinders = [
         EngineCylinder(
             0.12, 3.0, ROD, crank_angle_deg=math.degrees(c), bank_angle_deg=0.0, position=0.2 * i
         )
-        for i, c in enumerate(cranks)
+        for i, c in enumerate(np.radians([0.0, 180.0, 180.0, 0.0]).tolist())
     ]
     with pytest.raises(InputError, match=r"firing_order: given \[1, 4, 3, 2\]; allowed is an"):
         EngineLayout(0.07, cylinders, [1, 4, 3, 2])

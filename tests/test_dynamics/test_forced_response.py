@@ -86,8 +86,7 @@ def test_loads_and_stress():
     twist = -2.0 / (2.0 * dynamic - w**2)
     np.testing.assert_allclose(loads.elements.values[:, :, 0], dynamic * twist, rtol=1e-10)
     np.testing.assert_allclose(loads.elastic.values[:, :, 0], 2e4 * twist, rtol=1e-10)
-    modulus = section_modulus("torsional", [0.05], [0.02])
-    stress = alternating_stress(loads, modulus)
+    stress = alternating_stress(loads, section_modulus("torsional", [0.05], [0.02]))
     np.testing.assert_allclose(
         stress.amplitude[:, :, 0],
         2e4 * np.abs(twist) * 16.0 * 0.05 / (np.pi * (0.05**4 - 0.02**4)),
@@ -117,8 +116,7 @@ def test_forces_of_inertia_are_exact_between_speeds():
 
 
 def test_phasors_from_samples_and_aliasing():
-    angle = np.radians(np.arange(0.0, 720.0, 30.0))
-    found = harmonics(10.0 + 8.0 * np.cos(1.5 * angle - 0.4))
+    found = harmonics(10.0 + 8.0 * np.cos(1.5 * np.radians(np.arange(0.0, 720.0, 30.0)) - 0.4))
     np.testing.assert_allclose(
         phasors_of(found, [1.0, 1.5]), [0.0, 8.0 * np.exp(-0.4j)], atol=1e-14
     )
@@ -272,8 +270,7 @@ LOSS_TWO = Chain([1.0, 1.0], [2e4])  # 200 rad/s
 
 def magnification(chain, speed):
     """Amplitude at resonance over the static one of the elastic mode."""
-    count = chain.chain.inertia.size
-    forces = np.array([1.0, -1.0])[:count] * np.ones((1, 1, 1))
+    forces = np.array([1.0, -1.0])[: chain.chain.inertia.size] * np.ones((1, 1, 1))
     found = forced_response(chain, OrderExcitation([1.0], [speed], forces))
     static = 1.0 / speed**2
     return found.amplitude[0, 0, 0] / static
@@ -455,8 +452,7 @@ def peak_excitation(speeds, orders=ORDERS):
 
 def test_each_resonance_is_calculated_at_its_own_speed():
     chain = damped(ENGINE)
-    response = forced_response(chain, peak_excitation([100.0, 300.0]))
-    table = resonances(response)
+    table = resonances(forced_response(chain, peak_excitation([100.0, 300.0])))
     frequencies = ENGINE.modes().frequencies
     assert [own.speed for own in table] == sorted(own.speed for own in table)
     assert {own.mode for own in table} == {1, 2}
@@ -602,8 +598,7 @@ def test_diagrams_take_their_height_and_orders_from_running_speeds(series):
     loud = OrderSeries(series.orders, series.speeds, values, series.unbounded, series.names)
     running = (float(GRID_SPEEDS[30]), float(GRID_SPEEDS[119]))
     curves = loud.over_speed(0, quantity_display(None, "SI"), running=running, main_orders=1)
-    plain = loud.synthesis.plain_sum[30:120, 0]
-    assert curves.top == close(1.08 * plain.max())
+    assert curves.top == close(1.08 * loud.synthesis.plain_sum[30:120, 0].max())
     assert [band.name for band in curves.bands] == 2 * ["outside the running range"]
     assert curves.bands[0].high == close(running[0] * 30.0 / np.pi)
     (main,) = (one.name for one in curves.series if one.role == "order" and one.main)
@@ -666,8 +661,8 @@ def test_a_coupling_over_the_frequency_and_a_bearing_over_the_speed():
     assert sum(part.contribution for part in cause.parts) == close(cause.amplitude)
 
 
-ENGINE = Chain([0.9, 1.5], [2e5], loss_factor=0.02, names=["a", "b"])
-ORDERS, SPEEDS = np.array([0.5, 1.0, 2.0]), np.linspace(50.0, 300.0, 101)
+VARIED_ENGINE = Chain([0.9, 1.5], [2e5], loss_factor=0.02, names=["a", "b"])
+VARIED_ORDERS, VARIED_SPEEDS = np.array([0.5, 1.0, 2.0]), np.linspace(50.0, 300.0, 101)
 FORCES = np.full((3, 101, 3), 30.0 + 20.0j) * [1.0, 2.0, 0.0]
 
 
@@ -677,11 +672,11 @@ def coupled_by(stiffness, *, loss_factor=0.1, damping=2.0, variation=None):
         stiffness, torsional_damping=damping, loss_factor=loss_factor, variation=variation
     )
     line = ShaftLine([RigidBody(0.5, 1.0, "b"), coupling, RigidBody(1.5, 1.0, "c")])
-    return join_chains(ENGINE, "b", line.chain())
+    return join_chains(VARIED_ENGINE, "b", line.chain())
 
 
 def response_of(chain):
-    return forced_response(chain, OrderExcitation(ORDERS, SPEEDS, FORCES))
+    return forced_response(chain, OrderExcitation(VARIED_ORDERS, VARIED_SPEEDS, FORCES))
 
 
 def motion_with(order, speed, coupling):
@@ -701,8 +696,8 @@ def test_a_coupling_over_mean_torque_and_frequency_in_one_table():
         frequency=(5.0, 40.0),
         stiffness=tuple(map(tuple, table.T.tolist())),
         loss_factor=tuple(map(tuple, losses.T.tolist())),
-        at_speed=tuple(SPEEDS.tolist()),
-        at_torque=tuple((900.0 * (SPEEDS / 300.0) ** 2).tolist()),
+        at_speed=tuple(VARIED_SPEEDS.tolist()),
+        at_torque=tuple((900.0 * (VARIED_SPEEDS / 300.0) ** 2).tolist()),
     )
     answer = response_of(coupled_by(5e4, variation=variation))
 
@@ -715,16 +710,16 @@ def test_a_coupling_over_mean_torque_and_frequency_in_one_table():
         )
         return 5e4 * stiff * (1.0 + 1j * loss) + 2j * w
 
-    made = [[motion_with(o, s, coupling(o, s)) for s in SPEEDS] for o in ORDERS]
+    made = [[motion_with(o, s, coupling(o, s)) for s in VARIED_SPEEDS] for o in VARIED_ORDERS]
     assert answer.motion == close(np.array(made), 1e-11)
     assert power_balance(answer).error < 1e-11
     twist = answer.motion[:, :, 2] - answer.motion[:, :, 1]
-    springs = np.array([[coupling(o, s) for s in SPEEDS] for o in ORDERS])
+    springs = np.array([[coupling(o, s) for s in VARIED_SPEEDS] for o in VARIED_ORDERS])
     heat = 0.5 * answer.angular_frequencies * springs.imag * np.abs(twist) ** 2
     assert power_balance(answer).elements[:, :, 1] == close(heat, 1e-11)
     assert element_loads(answer).elements.values[:, :, 1] == close(springs * twist, 1e-11)
     peaks = [c for c in damped_criticals(answer, elements=[1]) if c.order == 2.0]
-    finer = np.linspace(SPEEDS[0], SPEEDS[-1], 5001)
+    finer = np.linspace(VARIED_SPEEDS[0], VARIED_SPEEDS[-1], 5001)
     loads = [np.diff(motion_with(2.0, s, c := coupling(2.0, s)))[1] * c.real for s in finer]
     top = finer[np.argmax(np.abs(loads))]
     assert min(abs(peak.speed - top) for peak in peaks if peak.speed > 0.0) < 2e-3 * top
@@ -764,7 +759,7 @@ def test_a_coupling_over_its_amplitude_has_the_one_that_it_reaches():
     )
     chain = coupled_by(5e4, variation=variation)
     answer = response_of(chain)
-    turns = np.exp(1j * ORDERS * np.linspace(0.0, 4.0 * np.pi, 40001)[:, np.newaxis])
+    turns = np.exp(1j * VARIED_ORDERS * np.linspace(0.0, 4.0 * np.pi, 40001)[:, np.newaxis])
 
     def coupling(amplitude, order, speed):
         stiff, loss = (
@@ -774,16 +769,18 @@ def test_a_coupling_over_its_amplitude_has_the_one_that_it_reaches():
         return 5e4 * stiff * (1.0 + 1j * loss) + 2j * order * speed
 
     for place in (0, 30, 60, 100):
-        amplitude, speed = 0.0, SPEEDS[place]
+        amplitude, speed = 0.0, VARIED_SPEEDS[place]
         for _ in range(200):
-            x = np.array([motion_with(o, speed, coupling(amplitude, o, speed)) for o in ORDERS])
+            x = np.array(
+                [motion_with(o, speed, coupling(amplitude, o, speed)) for o in VARIED_ORDERS]
+            )
             course = (turns @ (x[:, 2] - x[:, 1])).real
             amplitude += 0.3 * (0.5 * np.ptp(course) - amplitude)
         assert amplitude > 1e-4
         assert answer.motion[:, place] == close(x, 1e-6)
     assert power_balance(answer).error < 1e-9
     loads = element_loads(answer).elements.synthesis.amplitude
-    small = forced_response(chain, OrderExcitation(ORDERS, SPEEDS, 1e-6 * FORCES))
+    small = forced_response(chain, OrderExcitation(VARIED_ORDERS, VARIED_SPEEDS, 1e-6 * FORCES))
     assert small.motion * 1e6 == close(response_of(coupled_by(5e4)).motion, 1e-3)
     assert np.all(loads[:, 1] > 0.0)
     with pytest.raises(InputError, match="vary with amplitude"):

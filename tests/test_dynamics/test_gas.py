@@ -152,8 +152,7 @@ def test_closing_sample_may_differ_by_what_is_printed(written):
 def test_motored_cycle_is_read(written):
     angles = np.arange(-360.0, 360.0, 1.0)
     values = 1.0 + 34.0 * np.exp(-40.0 * np.sin((angles + 0.7) * np.pi / 720.0) ** 2)
-    found = read_pressure_table(written(table(angles, values)))
-    assert found.peak_angle_deg == close(-1.0)
+    assert read_pressure_table(written(table(angles, values))).peak_angle_deg == close(-1.0)
 
 
 ANGLES = np.arange(0.0, 720.0, 5.0)
@@ -556,8 +555,7 @@ def test_usual_values_are_named_with_their_reasons():
     assert len(remarks) == len(cycle.assumed)
     assert "Assumed: combustion_start -6 deg, because " in "".join(remarks)
     assert usual_gas_cycle(10.0, intake_pressure=1e5).exhaust_pressure == 1.05e5
-    found = gas_cycle(cycle, cycle_position, AREA, heat=100.0)
-    assert found.pressure.remarks == remarks
+    assert gas_cycle(cycle, cycle_position, AREA, heat=100.0).pressure.remarks == remarks
     assert usual_gas_cycle(10.0, **{n: getattr(cycle, n) for n in USUAL_VALUES}).assumed == ()
 
 

@@ -19,8 +19,7 @@ def sample_angles(count, strokes, start=0.0):
 
 @pytest.mark.parametrize("phase_deg", [10.0, 100.0, 190.0, 280.0])
 def test_phase_lies_in_the_quadrant_of_its_signs(phase_deg):
-    angle = sample_angles(12, 2)
-    found = harmonics(np.sin(angle + np.radians(phase_deg)), 2)
+    found = harmonics(np.sin(sample_angles(12, 2) + np.radians(phase_deg)), 2)
     assert np.degrees(found.phase[0]) == close(phase_deg)
 
 
@@ -180,8 +179,7 @@ def test_closing_sample_does_not_count_twice():
     """With both ends of the cycle the harmonics would change: it is refused where angles tell."""
     angles_deg = np.arange(0.0, 721.0, 20.0)
     values = 3.0 + 2.0 * np.cos(np.radians(0.5 * angles_deg))
-    right = harmonics(values[:-1], angles_deg=angles_deg[:-1])
-    assert right.mean == close(3.0, rel=1e-14)
+    assert harmonics(values[:-1], angles_deg=angles_deg[:-1]).mean == close(3.0, rel=1e-14)
     assert harmonics(values).mean != close(3.0, rel=1e-3)
     with pytest.raises(InputError, match="closing sample; leave it out"):
         harmonics(values, angles_deg=angles_deg)
@@ -189,8 +187,7 @@ def test_closing_sample_does_not_count_twice():
 
 def test_an_order_beyond_the_samples_would_appear_as_a_lower_one():
     """Order 7 in 12 samples of a two-stroke cycle looks like order 5: so it is refused."""
-    angles = sample_angles(12, 2)
-    found = harmonics(np.sin(7.0 * angles), 2)
+    found = harmonics(np.sin(7.0 * sample_angles(12, 2)), 2)
     assert found.amplitude[4] == close(1.0)
     with pytest.raises(InputError, match="order: given 7; allowed are 1 to 6"):
         found.index_of(7)

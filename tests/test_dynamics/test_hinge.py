@@ -76,8 +76,7 @@ def test_same_as_the_forces_of_the_mechanism():
     kinematics=st.sampled_from(KINEMATICS),
 )
 def test_the_hinge_gives_over_a_turn_what_it_takes(speed, length, share, peak, kinematics):
-    rod = ConnectingRod(length, 150.0, share * length, 5.0)
-    engine = replace(ENGINE, rod=rod)
+    engine = replace(ENGINE, rod=ConnectingRod(length, 150.0, share * length, 5.0))
     found = hinge_moment(
         engine, lambda a: 3e5 * np.exp(np.cos(a - peak)), speed, kinematics=kinematics, samples=360
     )
@@ -380,8 +379,7 @@ def test_equation_of_motion_in_time(point):
 
     turn = steady_hinge_turn(point, top_speed=SPEED)
     duration = 0.6 * 2.0 * np.pi / turn.mean_speed
-    found = solve_ivp(slope, (0.0, duration), (0.0, SPEED), rtol=1e-9, atol=1e-9)
-    angle, speed = found.y[:, -1]
+    angle, speed = solve_ivp(slope, (0.0, duration), (0.0, SPEED), rtol=1e-9, atol=1e-9).y[:, -1]
     # Straight lines between 2880 values of a smooth curve: 1e-6 of it.
     expected = np.interp(angle, np.radians(turn.angles_deg), turn.speed)
     assert 2.0 < angle < 6.0
@@ -393,8 +391,7 @@ def test_flywheel_reaches_what_it_is_for(point):
     assert steady_hinge_turn(point, flywheel=inertia).fluctuation == close(0.01, rel=1e-9)
     # Classical: at an almost constant speed it stores what the hinge would store. The engine's own
     # inertia is 0.1 % of it, and squares of the fluctuation are left out: another 1 %.
-    stored = float(np.ptp(point.stored_energy))
-    assert inertia == close(stored / (0.01 * SPEED**2), rel=0.01)
+    assert inertia == close(float(np.ptp(point.stored_energy)) / (0.01 * SPEED**2), rel=0.01)
     assert flywheel_for(point, 50.0) > 0.0
     with pytest.raises(InputError, match="fluctuation: given 1e-12"):
         flywheel_for(point, 1e-12)

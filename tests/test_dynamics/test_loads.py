@@ -81,8 +81,7 @@ def test_bearings_carry_forces_and_moments_of_all_loads_turning_masses_included(
         RotatingMass(0.2, angle_deg=math.degrees(-1.0), position=0.32),
     )
     gain = 4000.0
-    engine = twin(*masses)
-    forces = forces_of(engine, crank_acceleration=gain)
+    forces = forces_of(twin(*masses), crank_acceleration=gain)
     loads = main_bearing_loads(forces, BEARINGS)
     total, moment = forces.crankpin.sum(axis=0), forces.crankpin.T @ [0.06, 0.24]
     for mass in masses:
@@ -105,8 +104,7 @@ def test_bearings_carry_forces_and_moments_of_all_loads_turning_masses_included(
 
 def test_a_hinged_rod_loads_the_shaft_where_the_main_rod_does():
     hinged = cylinder(bank=60.0, position=0.04, slave_pin=SlavePin(1, 0.06, angle_deg=60.0))
-    engine = EngineLayout(0.07, [cylinder(position=0.04), hinged], [1, 2])
-    forces = forces_of(engine)
+    forces = forces_of(EngineLayout(0.07, [cylinder(position=0.04), hinged], [1, 2]))
     loads = main_bearing_loads(forces, [0.0, 0.16])
     np.testing.assert_allclose(loads[0].force, 0.75 * forces.crankpin.sum(axis=0), rtol=1e-12)
 

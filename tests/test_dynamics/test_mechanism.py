@@ -333,8 +333,7 @@ def test_torque_is_gas_and_friction_power_less_the_rise_of_kinetic_energy(model,
             for n in (1, 2)
         ]
     )
-    power = np.sum((RUB - GAS) * slopes, axis=0)
-    wanted = power - (0.5 * slope * SPEED**2 + inertia * GAIN)
+    wanted = np.sum((RUB - GAS) * slopes, axis=0) - (0.5 * slope * SPEED**2 + inertia * GAIN)
     torque = np.sum(forces.torque, axis=0)
     np.testing.assert_allclose(torque, wanted, rtol=0.0, atol=1e-9 * np.max(np.abs(wanted)))
 
@@ -414,14 +413,12 @@ def test_what_each_model_keeps(rod):
         assert model.mass == close(rod.mass, rel=1e-13)
         assert model.center.real == close(rod.center_distance, abs=1e-13 * rod.length)
         # The parallel axis theorem ties what the model says of itself to its point masses.
-        about = inertia_about(model, model.center)
-        assert model.inertia == close(about, abs=1e-13 * size)
+        assert model.inertia == close(inertia_about(model, model.center), abs=1e-13 * size)
     for name in ("rigid", "three-mass"):
         kept = inertia_about(rod.model(name), rod.center)
         assert kept == close(rod.inertia, abs=1e-13 * size)
     assert rod.model("rigid").places == (rod.center,)
-    on_axis = complex(rod.center_distance)
-    kept = inertia_about(rod.model("two-mass with inertia"), on_axis)
+    kept = inertia_about(rod.model("two-mass with inertia"), complex(rod.center_distance))
     assert kept == close(rod.inertia, abs=1e-13 * size)
     for name in ("two-mass", "two-mass with inertia"):
         assert rod.model(name).center.imag == 0.0
@@ -541,8 +538,7 @@ def test_with_lateral_offset_only_the_rigid_rod_is_the_rigid_rod():
     }
     size = largest(found["rigid"].crankpin)
     for name in ROD_MODELS[1:]:
-        apart = largest(found[name].crankpin - found["rigid"].crankpin)
-        assert apart > 0.01 * size
+        assert largest(found[name].crankpin - found["rigid"].crankpin) > 0.01 * size
 
 
 def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():
@@ -550,8 +546,7 @@ def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():
         strokes = 4
 
         def at(self, *, angle_deg):
-            angle = np.radians(angle_deg)
-            return 1e5 + 1e4 * np.mod(angle, 4.0 * math.pi)
+            return 1e5 + 1e4 * np.mod(np.radians(angle_deg), 4.0 * math.pi)
 
     rod = ConnectingRod(0.265, 5.0, 0.097, 0.069)
     cylinders = [

@@ -166,8 +166,7 @@ def shaft_modes():
 def coupled():
     """Of a chain in place of a shaft: its nodes are the points."""
     one = response()
-    names = ("main bearing 1 uz", "damper ring")
-    shaft = SimpleNamespace(names=names, system=one.system)
+    shaft = SimpleNamespace(names=("main bearing 1 uz", "damper ring"), system=one.system)
     shaft.point = partial(CrankshaftSystem.point, shaft)
     return CoupledResponse(shaft, one, one)
 
@@ -233,8 +232,7 @@ def steady(unbounded=False):
 @cache
 def turning_cycle():
     one = steady()
-    chain = SimpleNamespace(system=one.system)
-    rest = (0.0, 0.0, 0.0, 0.0, 0.0, chain, "")
+    rest = (0.0, 0.0, 0.0, 0.0, 0.0, SimpleNamespace(system=one.system), "")
     motion = one.motion
     return TurningCycle(
         100.0, 2, 50.0, np.degrees(ANGLES), motion, 100.0 + motion, one.torque, *rest
@@ -651,8 +649,7 @@ def test_a_verdict_draws_the_worst_five_and_counts_the_rest():
     curves = [AmplitudeCurve(f"shaft {n}", SPEEDS, np.full(5, 5e6 * n)) for n in range(1, 8)]
     limit = verdict().checks[0].limit
     found = judge([(limit, one) for one in curves], (60.0, 140.0), BarredRangeRule(140.0))
-    axes = found.plot(Figure().subplots())
-    *drawn, rest, permitted = axes.lines
+    *drawn, rest, permitted = found.plot(Figure().subplots()).lines
     names = [line.get_label() for line in drawn]
     assert names == [f"torsional stress of shaft, shaft {n}" for n in (7, 6, 5, 4, 3)]
     assert rest.get_label() == "and 2 more, used less"

@@ -68,13 +68,12 @@ def web(size=0.2, semi_built=False, **ratios):
     own = USUAL | ratios
     overlap, journal = own.pop("overlap"), own.pop("journal")
     radius = 0.5 * (1.0 + journal) - overlap
-    lengths = {name: size * value for name, value in own.items()}
     return CrankWeb(
         pin_diameter=size,
         journal_diameter=size * journal,
         crank_radius=size * radius,
         semi_built=semi_built,
-        **lengths,
+        **{name: size * value for name, value in own.items()},
     )
 
 
@@ -422,8 +421,7 @@ def test_no_plane_among_many_is_worse():
         30.0 * np.cos(CYCLE + 0.3),
         70.0 * np.sin(CYCLE) + 20.0 * np.cos(3.0 * CYCLE),
     )
-    rng = np.random.default_rng(2)
-    normals = rng.normal(size=(3000, 3))
+    normals = np.random.default_rng(2).normal(size=(3000, 3))
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     tensor = np.zeros((len(CYCLE), 3, 3))
     tensor[:, 0, 0], tensor[:, 1, 1] = history[:, 0], history[:, 1]
@@ -493,8 +491,7 @@ def test_cones_by_quadrature(left, right, share, shape):
 
     def powers(z, power):
         outer = left + (right - left) * z / length
-        inner = bore if shape == "cylindrical" else bore * outer / left
-        return outer**power - inner**power
+        return outer**power - (bore if shape == "cylindrical" else bore * outer / left) ** power
 
     def along(function):
         return quad(function, 0.0, length, epsabs=0.0, epsrel=1e-12)[0]

@@ -98,8 +98,7 @@ def test_failure_of_a_cylinder_takes_over_at_its_time():
     curve = SpeedCurve.constant(80.0, 10.0, start_angle_deg=math.degrees(1.0))
     plain = transient_motion(chain, before, curve)
     # A time between two steps of the plain run, so that all samples fall together.
-    at = float(plain.time[1000])
-    run = transient_motion(chain, before, curve, changes=[(at, after)])
+    run = transient_motion(chain, before, curve, changes=[(float(plain.time[1000]), after)])
     wanted = transient_motion(chain, after, curve, step=plain.step)
     size = np.abs(plain.torque).max()
     assert run.time.size == plain.time.size == wanted.time.size
@@ -146,8 +145,7 @@ def test_speed_curve():
     assert np.allclose(np.radians(curve.angle_deg([0.0, 0.5, 1.0, 3.0])), [2.0, 9.5, 22.0, 72.0])
     times = np.linspace(0.0, 3.0, 31)
     assert np.allclose(curve.time_at(angle_deg=curve.angle_deg(times)), times, atol=1e-12)
-    down = SpeedCurve.ramp(30.0, 10.0, acceleration=5.0)
-    assert down.duration == 4.0
+    assert SpeedCurve.ramp(30.0, 10.0, acceleration=5.0).duration == 4.0
     sampled = SpeedCurve.sampled(lambda time: 10.0 + 5.0 * time, 2.0, samples=11)
     assert np.isclose(np.radians(sampled.angle_deg(2.0)), 30.0)
 
@@ -468,8 +466,7 @@ def test_free_chain_moves_about_its_even_turning_and_follows_the_angle_it_starts
     )
     wanted = forced_response(chain, acting).nodes.at_angle(0, shaft_angle_deg=run.shaft_angle_deg)
     # A free chain drifts by the error of its first speed times the time.
-    off = np.abs(run.motion + run.rigid_motion - wanted)
-    assert off.max() < 1e-8 * np.abs(wanted).max()
+    assert np.abs(run.motion + run.rigid_motion - wanted).max() < 1e-8 * np.abs(wanted).max()
 
 
 @pytest.mark.parametrize(("away", "unbounded"), [(0.9e-9, True), (1.1e-9, False)])
@@ -493,8 +490,7 @@ def test_load_step_on_an_oscillator():
     silent = OrderExcitation([1.0], [10.0], np.zeros((1, 1, 1)))
     loads = [LoadStep(0.5, 0, 3.0)]
     run = transient_motion(chain, silent, SpeedCurve.constant(10.0, 2.0), loads=loads, start="rest")
-    since = np.maximum(run.time - 0.5, 0.0)
-    wanted = 3.0 / 25.0 * (1.0 - np.cos(5.0 * since))
+    wanted = 3.0 / 25.0 * (1.0 - np.cos(5.0 * np.maximum(run.time - 0.5, 0.0)))
     assert np.allclose(run.motion[:, 0], wanted, rtol=0.0, atol=1e-9 * 0.24)
 
 

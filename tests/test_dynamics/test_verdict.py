@@ -100,8 +100,7 @@ def test_below_the_lowest_running_speed_it_is_only_started_through():
 
 
 def test_a_range_below_the_lowest_speed_is_not_judged_at_full_load():
-    finding = [(CRANKSHAFT, peak(20.0, 100e6))]
-    verdict = judge(finding, RUNNING, RULE, full_load=True)
+    verdict = judge([(CRANKSHAFT, peak(20.0, 100e6))], RUNNING, RULE, full_load=True)
     assert verdict.status == "fine"
     (below,) = verdict.started_through
     assert "not judged" in below.sentence
@@ -116,8 +115,7 @@ def test_the_strongest_reason_against_barring_is_one_of_running_speeds():
     (barred,) = judge([(CRANKSHAFT, peak(29.0, 200e6))], RUNNING, RULE).barred
     assert barred.low < RUNNING[0] < barred.high
     (reason,) = barred.refusals
-    told = float(re.search(r"at ([\d.]+) 1/min", reason)[1])
-    assert told >= 0.999 * RUNNING[0] * 30.0 / np.pi
+    assert float(re.search(r"at ([\d.]+) 1/min", reason)[1]) >= 0.999 * RUNNING[0] * 30.0 / np.pi
     # At the rated speed it matters that it is the rated speed, not how far the range goes on above.
     wide = AmplitudeCurve("shaft", SPEEDS, np.where(SPEEDS > 95.0, 80e6, 1e6))
     (at_rated,) = judge([(CRANKSHAFT, wide)], RUNNING, RULE).barred
@@ -367,11 +365,9 @@ def resonance(speeds, critical, magnifier=40.0):
 
 def test_edges_lie_where_the_limit_is_met_and_never_too_narrow():
     speeds = np.linspace(20.0, 90.0, 701)
-    curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0))
-    (found,) = exceeded_ranges(LIMIT, curve)
+    (found,) = exceeded_ranges(LIMIT, AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0)))
     # Of r^4 - (2 - 1/M^2) r^2 + 1 - 1/10^2 = 0, the speeds at which the amplitude is 10.
-    squares = np.sort(np.roots([1.0, -(2.0 - 1.0 / 40.0**2), 1.0 - 1e-2]))
-    low, high = 50.0 * np.sqrt(squares)
+    low, high = 50.0 * np.sqrt(np.sort(np.roots([1.0, -(2.0 - 1.0 / 40.0**2), 1.0 - 1e-2])))
     # Straight lines over steps of 0.1 stray by step^2/8 times curvature over slope, about 0.001.
     assert low - 2e-3 < found.low < low
     assert high < found.high < high + 2e-3
@@ -532,8 +528,7 @@ def test_neither_an_end_of_the_speeds_nor_a_bend_of_the_limit_is_a_peak():
     # The vibration rises all along, its use of the limit is largest where the limit bends.
     bent = LimitCurve(lambda speed: np.interp(speed, [40.0, 60.0, 80.0], [20.0, 10.0, 60.0]))
     limit = replace(LIMIT, continuous=bent)
-    rising = AmplitudeCurve("shaft", speeds, 0.25 * speeds)
-    (found,) = exceeded_ranges(limit, rising)
+    (found,) = exceeded_ranges(limit, AmplitudeCurve("shaft", speeds, 0.25 * speeds))
     assert found.low < 60.0 < found.high
     assert found.peaks == ()
 

@@ -158,8 +158,7 @@ def test_the_rule_is_exact_to_seventh_order():
     for powers in product(range(8), repeat=3):
         if sum(powers) <= 7:
             exact = math.prod(map(math.factorial, powers)) / math.factorial(sum(powers) + 3)
-            found = weights @ np.prod(where.T**powers, axis=1)
-            assert found == close(exact, rel=1e-12)
+            assert weights @ np.prod(where.T**powers, axis=1) == close(exact, rel=1e-12)
 
 
 FACES = np.array([[0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 2, 3, 6, 9, 7]])

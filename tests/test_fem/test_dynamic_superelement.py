@@ -163,8 +163,7 @@ def test_each_part_gives_the_same(coarse, mirror, condensed, dynamic, whole):
         works = np.abs(dynamic.pin_loads)
         for unknowns in (slice(0, 12), slice(12, None)):
             tolerance = 1e-6 * works[:, unknowns].max()
-            found = np.abs(other.pin_loads[:, unknowns])
-            assert found == close(works[:, unknowns], abs=tolerance)
+            assert np.abs(other.pin_loads[:, unknowns]) == close(works[:, unknowns], abs=tolerance)
         assert of_free_throw(other) == close(of_free_throw(dynamic), rel=1e-8)
 
 
@@ -181,8 +180,7 @@ def test_corrections_are_worth_many_modes(coarse, coarse_classes, plain, truth):
 
 def test_rigid_end_sections_make_the_free_throw_stiffer(coarse, truth):
     """Each frequency rises, by some per cent at most in the lowest modes."""
-    free = free_modes(coarse, STEEL, count=6).frequencies
-    ratio = truth[:6] / free
+    ratio = truth[:6] / free_modes(coarse, STEEL, count=6).frequencies
     assert np.all(ratio > 1.0)
     assert ratio.max() < 1.1
 
@@ -343,8 +341,7 @@ def test_neighbors_of_other_degree_and_bore_share_the_lower_and_the_wider(solved
     four, two = solved["quarter", 4][1], solved["quarter", 2][1]
     ring = replace(two.joined.sections, bore=0.05)
     wide = replace(two, bending=two.joined.shared_with(ring))
-    shared = sharing_sections([four, wide])
-    assert [one.sections for one in shared] == [ring, ring]
+    assert [one.sections for one in sharing_sections([four, wide])] == [ring, ring]
     # Pinned axially and laterally at mean motions over other rings, the shaft is nearly the same.
     angles = [0.0, 120.0, 240.0]
     one, other = (

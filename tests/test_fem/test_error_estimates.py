@@ -281,8 +281,7 @@ def corrected_straightened(mesh):
 
 def same_work(load, taken, count):
     """The load whose work on coarse displacements is that of a load on the fine mesh."""
-    shapes = taken(np.eye(count))[load.nodes]
-    values = np.einsum("sc,ks...->kc...", shapes, load.values)
+    values = np.einsum("sc,ks...->kc...", taken(np.eye(count))[load.nodes], load.values)
     return NodalLoads(np.arange(count), load.images, values)
 
 
@@ -318,9 +317,7 @@ def test_corrected_answers_are_told_as_such(throw, analysis, capsys):
         1.0 - discrete.axial_compliance() / analysis.axial_compliance(), rel=1e-9
     )
     assert results.remarks == tuple(throw.remarks)
-    bars = analysis.error_bars("guided")
-    errors = results.supports["guided"].errors
-    assert errors.row() == bars.row()
+    assert results.supports["guided"].errors.row() == analysis.error_bars("guided").row()
     print_throw(results)
     told = capsys.readouterr().out
     assert f"(e_n within {100 * analysis.error_estimate:.2g} %)" in told

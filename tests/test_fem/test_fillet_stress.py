@@ -137,8 +137,7 @@ def test_a_bent_cylinder_has_the_stress_of_a_beam():
         moved = np.column_stack([-ratio * x * y, -0.5 * (z**2 + ratio * (y**2 - x**2)), y * z])
         stress = stress_on(points, facets, moved / STEEL.youngs_modulus)
         errors = np.abs(stress - np.outer(y, np.eye(6)[2])).max(axis=1)
-        turned = np.arctan2(y, x)
-        away = (np.abs(turned - 0.6) < 0.35) & (np.abs(z - 0.75) < 0.45)
+        away = (np.abs(np.arctan2(y, x) - 0.6) < 0.35) & (np.abs(z - 0.75) < 0.45)
         inside.append(errors[away].max())
         anywhere.append(errors.max())
     assert inside[0] < 1e-3
@@ -433,8 +432,7 @@ def test_loads_out_of_balance_are_refused(fields):
 
 def test_strain_energy_is_that_of_the_amplitudes(fields):
     """End loads in balance do the work c^2 / 2 on the motions that they make."""
-    rng = np.random.default_rng(3)
-    motions = rng.normal(size=12)
+    motions = np.random.default_rng(3).normal(size=12)
     ends = fields.superelement.stiffness @ motions
     amplitudes = fields.amplitudes(ends, np.zeros(6))
     assert amplitudes[:6] @ amplitudes[:6] == close(motions @ ends)
@@ -541,8 +539,7 @@ def test_nominal_section_lies_in_the_middle_of_the_overlap(dimensions):
     assert 0.25 < section.width < 0.299
     # The slope starts beyond the collar of the main journal.
     assert section.thickness == close(0.06)
-    far = replace(web.slopes[0], start=0.05, end=0.295)
-    sloped = replace(web, slopes=(far,))
+    sloped = replace(web, slopes=(replace(web.slopes[0], start=0.05, end=0.295),))
     parts = replace(throw.parts, webs=(sloped, throw.parts.webs[1]))
     assert web_section(parts, sloped).thickness == close(0.06 - 0.01 * 0.045 / 0.245)
 
@@ -564,8 +561,7 @@ def test_corners_of_a_part_without_a_fillet_are_named(dimensions, tmp_path, monk
     for name, value in COARSE_STRESSES.items():
         monkeypatch.setattr(fillet_stress, name, value)
     half = CrankThrow(**dimensions | {"pin_fillet_radius": 0.0})
-    part = import_throw(write_step(half, tmp_path / "half.step"))
-    found = fillet_stresses(part, accuracy=0.2)
+    found = fillet_stresses(import_throw(write_step(half, tmp_path / "half.step")), accuracy=0.2)
     assert found.sharp_corners == ("pin, left web", "pin, right web")
     assert {peak.name for peak in found.peaks} == {"left main journal", "right main journal"}
     assert math.isfinite(found.error_estimate)

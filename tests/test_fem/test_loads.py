@@ -81,8 +81,7 @@ def resultants(mesh, loads, center):
 def test_unit_loads_on_pins_have_unit_resultants(part, throw):
     (loads,) = unit_pin_loads(part)
     center = np.array([0.0, throw.crank_radius, throw.length / 2.0])
-    found = resultants(part, loads, pin_surfaces(part)[0].center)
-    assert found == close(np.eye(6), abs=ROUND_OFF)
+    assert resultants(part, loads, pin_surfaces(part)[0].center) == close(np.eye(6), abs=ROUND_OFF)
     assert pin_surfaces(part)[0].center == close(center, abs=5e-6)  # of a coarse mesh
 
 
@@ -133,8 +132,7 @@ def test_pressures_grow_with_the_load_and_mirror_with_it(surface, force, moment,
     # Images: itself, across the middle plane, across the crank plane, across both.
     for signs, images in ((MIRROR_X, [2, 3, 0, 1]), (MIRROR_Z, [1, 0, 3, 2])):
         mirrored = pin_load(surface, signs[:3] * force, signs[3:] * moment, "cosine").values
-        expected = loads[images] * signs[:3, None]
-        assert np.abs(mirrored - expected).max() <= 1e-11 * size
+        assert np.abs(mirrored - loads[images] * signs[:3, None]).max() <= 1e-11 * size
 
 
 def test_a_load_pressed_from_the_other_side_is_another_one(surface):

@@ -82,10 +82,9 @@ def models(mesh, half_mesh, full_mesh, condensed):
 def skewed_models(two_loads, two_radials, mirror, condensed):
     """Unequal ends and two loads: half and full models of the same, and one without any symmetry."""
     half = skewed(two_loads, symmetric=True)
-    full = mirror(half)
     return {
         "half": condensed(half, radials=two_radials),
-        "full": condensed(full, radials=two_radials),
+        "full": condensed(mirror(half), radials=two_radials),
         "free": condensed(skewed(mirror(two_loads), symmetric=False), radials=two_radials),
     }
 
@@ -230,8 +229,7 @@ def test_analysis_of_a_throw_with_two_pins(opposite):
     assert len(found.classes) == 2
     assert found.accuracy_met
     for pin in (0, 1):
-        direction = radial_directions(opposite)[pin]
-        forces = found.reactions(1e5 * direction, pin=pin)
+        forces = found.reactions(1e5 * radial_directions(opposite)[pin], pin=pin)
         thrust = found.influence_coefficient(pin=pin) * 1e5 / found.axial_compliance()
         assert forces.left.force[2] == close(thrust, rel=1e-6)
     with pytest.raises(
@@ -254,8 +252,7 @@ def test_analysis_of_a_throw_with_two_pins(opposite):
 @pytest.mark.parametrize("kind", ["models", "skewed_models"])
 def test_few_classes_are_enough_for_these_supports(request, kind, support):
     for classes, superelement in request.getfixturevalue(kind).values():
-        copies = classes[0].symmetry.copies
-        part = {4: "quarter", 2: "half", 1: "full"}[copies]
+        part = {4: "quarter", 2: "half", 1: "full"}[classes[0].symmetry.copies]
         by_class = {found.symmetry: found for found in classes}
         expected = support_throw(superelement, support)
         axial, influence = class_axial_compliances(by_class[axial_class(part)], support)

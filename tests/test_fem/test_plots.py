@@ -95,8 +95,7 @@ def test_only_known_quantities(analysis, shaft):
 
 
 def test_the_band_is_the_estimated_error(analysis):
-    axes = analysis.plot()
-    vertices = axes.collections[0].get_paths()[0].vertices
+    vertices = analysis.plot().collections[0].get_paths()[0].vertices
     highest = analysis.over_angle().max() * 1e9
     assert vertices[:, 1].max() == close(1.05 * highest)
 
@@ -125,12 +124,11 @@ def test_the_grid_of_a_throw(analysis):
 
 
 def test_the_axial_answers_alone(analysis, mesh, classes):
-    part = next(one for one in classes if one.symmetry == axial_class(mesh.part))
     alone = AxialAnalysis(
         throw=analysis.throw,
         material=STEEL,
         mesh=mesh,
-        part=part,
+        part=next(one for one in classes if one.symmetry == axial_class(mesh.part)),
         error_estimate=0.05,
         accuracy=0.1,
     )

@@ -89,8 +89,7 @@ def finer(throw, mesh, level):
     found = {}
     for target in (0.02, 0.01):
         sizes = refined_sizes(mesh, level.errors, target)
-        made = mesh_throw(throw, sizes=sizes)
-        found[target] = (sizes, solve_level(made, PROBLEM))
+        found[target] = (sizes, solve_level(mesh_throw(throw, sizes=sizes), PROBLEM))
     return found
 
 
@@ -126,8 +125,7 @@ def test_sizes_change_by_limited_factors(mesh, level):
     count = len(mesh.elements)
     tiny, huge = (refined_sizes(mesh, level.errors, target).sizes for target in (1e-12, 1e12))
     _, nodal = own_sizes(mesh)
-    free = np.isclose(tiny, MADE_SMALLER * MOST_REFINED * nodal, rtol=1e-12)
-    assert free.mean() > 0.9
+    assert np.isclose(tiny, MADE_SMALLER * MOST_REFINED * nodal, rtol=1e-12).mean() > 0.9
     assert np.all(tiny <= MADE_SMALLER * MOST_REFINED * nodal * (1.0 + 1e-12))
     assert np.all(huge <= MADE_SMALLER * MOST_COARSENED * nodal * (1.0 + 1e-12))
     # One element with all the error, and others with none at all.
@@ -243,8 +241,7 @@ def test_a_mesh_that_gets_no_better_ends_the_search(throw, mesh, level):
     factor, part, sizes = mesher.asked[1]
     assert (factor, part) == (1.0, "auto")
     wished = AIM_FILLETED * MOST_CORRECTED * 0.004 / level.effectivity
-    expected = refined_sizes(mesh, level.errors, wished)
-    assert np.array_equal(sizes.sizes, expected.sizes)
+    assert np.array_equal(sizes.sizes, refined_sizes(mesh, level.errors, wished).sizes)
     assert found.error_estimate == level.error_estimate > 0.004
 
 

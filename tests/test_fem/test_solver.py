@@ -111,15 +111,13 @@ needs_pardiso = pytest.mark.skipif(fem.solver._pardiso() is None, reason="no Par
 
 def graded(spread):
     """Upper triangle of a positive definite matrix whose eigenvalues span so many decades."""
-    rng = np.random.default_rng(4)
-    directions, _ = np.linalg.qr(rng.normal(size=(30, 30)))
+    directions, _ = np.linalg.qr(np.random.default_rng(4).normal(size=(30, 30)))
     whole = directions * np.logspace(0.0, -spread, 30) @ directions.T
     return np.triu(0.5 * (whole + whole.T))
 
 
 def rough_inverse(upper, error):
-    whole = upper + np.triu(upper, 1).T
-    inverse = np.linalg.inv(whole) * (1.0 + error)
+    inverse = np.linalg.inv(upper + np.triu(upper, 1).T) * (1.0 + error)
     return lambda sides: inverse @ sides
 
 

@@ -130,10 +130,8 @@ def test_the_classes_share_out_all_motions(part):
     assert len(classes) == classes[0].copies
     together = np.hstack([symmetry.ends for symmetry in classes])
     assert together.shape == (12, 12)
-    size = 2.0 if part == "quarter" else 1.0
-    assert together.T @ together == close(size * np.eye(12))
-    shares = np.vstack([symmetry.shares for symmetry in classes])
-    assert together @ shares == close(np.eye(12))
+    assert together.T @ together == close((2.0 if part == "quarter" else 1.0) * np.eye(12))
+    assert together @ np.vstack([symmetry.shares for symmetry in classes]) == close(np.eye(12))
 
 
 ROUND_OFF = 1e-11
@@ -183,8 +181,7 @@ def test_neighbors_in_line_are_guided(superelement):
     assert found.axial == close(guided.axial, rel=1e-9)
     assert found.stretches[0] == close(guided.stretches[0], rel=1e-9, abs=1e-20)
     # Under torque all cranks tilt alike and hold each other nowhere.
-    pinned = support_throw(superelement, "pinned")
-    assert found.torsional == close(pinned.torsional, rel=1e-9)
+    assert found.torsional == close(support_throw(superelement, "pinned").torsional, rel=1e-9)
 
 
 @pytest.mark.parametrize("support", [Neighbors(120, 120), Neighbors(70, 200)], ids=str)

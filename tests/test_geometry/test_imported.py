@@ -213,8 +213,7 @@ def test_units_and_places_of_named_faces(throw, folder, unit):
     assert faces[RIGHT_END].kind == "PLANE"
     assert faces[RIGHT_END].point[2] == close(throw.length, rel=1e-9)
     assert len(pin.corners) == 2
-    corners = np.array(pin.corners)
-    beside = corners[:, :2] - (0.0, throw.crank_radius)
+    beside = np.array(pin.corners)[:, :2] - (0.0, throw.crank_radius)
     assert np.hypot(*beside.T) == close(throw.pin_diameter / 2.0, rel=1e-9)
 
 
@@ -341,8 +340,7 @@ def test_bores_are_not_taken_for_pins_or_journals(bored, folder, with_names):
     bore = mesh.points[np.unique(mesh.surfaces[BORE])]
     off_pin = np.hypot(bore[:, 0], bore[:, 1] - 0.18)
     off_journal = np.hypot(bore[:, 0], bore[:, 1] + 0.005)
-    nearest = np.minimum(np.abs(off_pin - 0.03), np.abs(off_journal - 0.04))
-    assert nearest.max() < 1e-6
+    assert np.minimum(np.abs(off_pin - 0.03), np.abs(off_journal - 0.04)).max() < 1e-6
 
 
 @pytest.fixture(scope="module")
@@ -355,8 +353,7 @@ def two_pins(dimensions):
 
 @pytest.mark.slow
 def test_two_pins_in_any_order(two_pins, folder):
-    text = name_faces(step_text(two_pins), usual_names(two_pins))
-    path = write(folder / "two.step", text)
+    path = write(folder / "two.step", name_faces(step_text(two_pins), usual_names(two_pins)))
     imported = import_throw(path, pins=("pin 2", "pin"))
     assert_same_throw(imported, two_pins)
     assert not imported.filleted
@@ -364,8 +361,7 @@ def test_two_pins_in_any_order(two_pins, folder):
     mesh = imported.meshed(2.0)
     assert mesh.pins == ("pin", "pin 2")
     second = mesh.points[np.unique(mesh.surfaces["pin 2"])]
-    axis = two_pins.parts.pins[1].axis
-    assert np.hypot(*(second[:, :2] - axis).T) == close(0.08, rel=1e-9)
+    assert np.hypot(*(second[:, :2] - two_pins.parts.pins[1].axis).T) == close(0.08, rel=1e-9)
 
 
 def test_a_pin_in_two_faces_of_which_one_is_named(throw, folder):

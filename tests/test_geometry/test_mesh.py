@@ -83,8 +83,7 @@ def test_finer_meshes_reach_the_volume(dimensions):
 
 @pytest.mark.parametrize("scale", [1.0, 0.05, 8.0])
 def test_named_surfaces_cover_their_places(dimensions, scale):
-    size = {name: scale * value for name, value in dimensions.items()}
-    throw = CrankThrow(**size)
+    throw = CrankThrow(**{name: scale * value for name, value in dimensions.items()})
     mesh = mesh_throw(throw, 1.0)
     main, pin = throw.main_journal_diameter / 2.0, throw.pin_diameter / 2.0
     fillet, half = throw.fillet_radius, throw.web_width / 2.0
@@ -202,8 +201,7 @@ def test_what_cannot_be_mended_is_refused():
 
 
 def test_mended_elements_are_counted(dimensions):
-    throw = CrankThrow(**dimensions)
-    mesh = mesh_throw(throw, 3.0)
+    mesh = mesh_throw(CrankThrow(**dimensions), 3.0)
     assert mesh.mended_elements > 0
     assert smallest_jacobians(mesh.points, mesh.elements).min() >= 0.05
 

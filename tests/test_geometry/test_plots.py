@@ -40,11 +40,9 @@ def test_a_throw_is_drawn_to_scale(throw):
 
 def test_dimensions_are_written_in_millimeters(throw):
     axes = throw.plot()
-    texts = {text.get_text() for text in axes.texts}
-    assert {"$h$ 68", "395"} <= texts
+    assert {"$h$ 68", "395"} <= {text.get_text() for text in axes.texts}
     assert "lengths in mm" in axes.get_title("left")
-    end = throw.plot(view="left end")
-    assert "$R$ 170" in {text.get_text() for text in end.texts}
+    assert "$R$ 170" in {text.get_text() for text in throw.plot(view="left end").texts}
 
 
 @pytest.mark.slow
@@ -88,7 +86,6 @@ def test_a_mesh_shows_what_looks_at_the_eye():
     """One tetrahedron with its corner at the origin, seen along +z: one face looks there."""
     points = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]])
     facets = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    solid = SolidProperties(1e-3 / 6.0, np.full(3, 0.025), np.eye(3))
     mesh = ThrowMesh(
         part="half",
         length=0.1,
@@ -98,7 +95,7 @@ def test_a_mesh_shows_what_looks_at_the_eye():
         surfaces={"web": facets[[0, 1, 3]], "crank plane": facets[[2]]},
         size_factor=1.0,
         mended_elements=0,
-        solid=solid,
+        solid=SolidProperties(1e-3 / 6.0, np.full(3, 0.025), np.eye(3)),
     )
     axes = mesh.plot(eye=(0.0, 0.0, 1.0))
     (drawn,) = [one for one in axes.collections if isinstance(one, PolyCollection)]

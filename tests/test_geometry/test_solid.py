@@ -175,8 +175,7 @@ def test_unequal_ends_are_joined_by_their_common_tangent():
 
 def test_ends_wider_than_the_web_are_cut_by_straight_sides():
     outline = obround(0.3, 0.2, 0.2, 0.17)
-    v = np.linspace(outline.foot, outline.tip, 4001)
-    assert outline.half_width(v).max() == close(0.15)
+    assert outline.half_width(np.linspace(outline.foot, outline.tip, 4001)).max() == close(0.15)
     assert outline.half_width(np.array([0.0, 0.17])) == close([0.15, 0.15])
     assert (outline.foot, outline.tip) == (-0.2, close(0.37))
     # Two circular segments of radius 0.2 beyond the chords of length 0.3, and what is between.
@@ -213,8 +212,7 @@ def test_any_obround_is_convex_and_closed(foot, tip, distance, share):
 def test_a_rectangle_rounded_to_the_full_is_an_obround():
     rounded = rectangle(0.3, 0.15, 0.15, 0.17, 0.15, 0.0)
     v = np.linspace(-0.15, 0.32, 101)
-    expected = obround(0.3, 0.15, 0.15, 0.17).half_width(v)
-    assert rounded.half_width(v) == close(expected, abs=1e-12)
+    assert rounded.half_width(v) == close(obround(0.3, 0.15, 0.15, 0.17).half_width(v), abs=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -253,8 +253,7 @@ def test_without_workers_it_says_so_and_waits(monkeypatch, interruptible, handle
     signal.signal(signal.SIGINT, handler)
     monkeypatch.setattr(cluster_module, "QUIET", 0.02)
     cluster = FakeCluster(good, ())
-    timer = threading.Timer(0.1, lambda: cluster.there.update(late=True))
-    timer.start()
+    threading.Timer(0.1, lambda: cluster.there.update(late=True)).start()
     found, notes = collect(cluster, "ab")
     assert all(outcome.responses for outcome in found.values())
     assert notes == [f"the cluster has no workers; waiting for one{stops}"]
@@ -360,8 +359,7 @@ def test_a_worker_with_other_libraries_is_told_once():
     def answer(_cluster, _place, key):
         return FakeTask(lambda: answer_of(key, identity=other))
 
-    cluster = FakeCluster(answer, ("one",))
-    found, notes = collect(cluster, "abc")
+    found, notes = collect(FakeCluster(answer, ("one",)), "abc")
     assert len(found) == 3
     assert len(notes) == 1
     assert notes[0].startswith("worker one has other libraries than the coordinator (gmsh 0.1)")

@@ -238,8 +238,7 @@ def test_limits_of_the_angle_law(model, kind):
 
 def test_a_ratio_of_one_makes_the_law_linear_in_the_cosine():
     gamma = np.linspace(0.0, 180.0, 7)
-    expected = 2.0 - 1.0 * np.cos(np.deg2rad(gamma))
-    assert between(gamma, 1.0, 3.0, 1.0) == close(expected, rel=1e-12)
+    assert between(gamma, 1.0, 3.0, 1.0) == close(2.0 - 1.0 * np.cos(np.deg2rad(gamma)), rel=1e-12)
 
 
 def test_band_between_neighbors_covers_the_bands_of_its_parts(model):

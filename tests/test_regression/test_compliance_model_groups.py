@@ -163,12 +163,11 @@ def test_of_throw_refuses_what_the_models_throws_did_not_have(model, change, mat
 
 
 def test_what_the_models_throws_had_must_be_there():
-    part = {"counterweight": {"outer_radius": 0.3, "angle": 2.0}}
     model = ComplianceModel(
         responses={"axial_compliance": group_response(frame, 1.0 / (E * 0.18), "e_n", "m/N")},
         fixed=FIXED,
         ranges=BOX,
-        throw=THROW | part,
+        throw=THROW | {"counterweight": {"outer_radius": 0.3, "angle": 2.0}},
         material=STEEL.model_dump(),
     )
     large = THROW | {"counterweight": {"outer_radius": 0.3, "angle": 2.0}}
@@ -352,8 +351,7 @@ def test_a_factor_of_a_relation_of_another_degree_is_found(relation, ends, width
     factor = ends[0] + place * (ends[1] - ends[0])
     throw = CrankThrow(**(THROW | {"web_width": width(factor)}))
     assert model.dimensions_of(throw)["slenderness"] == close(factor, rel=1e-8)
-    found = model.of_throw(throw)["axial_compliance"]
-    assert found.inside == (0.0 <= place <= 1.0)
+    assert model.of_throw(throw)["axial_compliance"].inside == (0.0 <= place <= 1.0)
 
 
 def test_a_factor_that_a_relation_does_not_tell_is_left_out():

@@ -360,8 +360,7 @@ def test_drawing_goes_on_until_enough_points_can_be_used():
     assert np.all(points[taken][:, 0] < 0.2)
     assert np.array_equal(impossible, points[:, 0] >= 0.2)
     points, taken, _ = draw_feasible_points(draw, lambda p: p[:, 0] < 0.2, 10, in_order=True)
-    usable = np.flatnonzero(points[:, 0] < 0.2)
-    assert np.flatnonzero(taken).tolist() == usable[:10].tolist()
+    assert np.flatnonzero(taken).tolist() == np.flatnonzero(points[:, 0] < 0.2)[:10].tolist()
     assert draw_feasible_points(draw, lambda p: p[:, 0] < 0.0, 10, in_order=False) is None
 
 

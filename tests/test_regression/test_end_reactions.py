@@ -112,12 +112,11 @@ def made_model(throw=THROW, names=SIZES, error=0.02):
         for name, value in described.items()
         if name not in BOX and isinstance(value, float)
     }
-    labels = {name: value for name, value in described.items() if isinstance(value, str)}
     return ComplianceModel(
         responses={name: response(name) for name in names},
         fixed=fixed,
         ranges=BOX,
-        labels=labels,
+        labels={name: value for name, value in described.items() if isinstance(value, str)},
         throw=throw.model_dump(mode="json"),
     )
 
@@ -159,8 +158,7 @@ def test_arrays_are_those_of_each_throw(model, support):
         assert all_loads(found.band)[row, column] == close(all_loads(one.band), abs=1e-9)
         assert np.isinf(all_loads(one.band)).all() == (row == 0)
     assert len(found.remarks) == 1
-    table = found.to_pandas()
-    assert table["right Mx"].tolist() == found.right.moment[..., 0].ravel().tolist()
+    assert found.to_pandas()["right Mx"].tolist() == found.right.moment[..., 0].ravel().tolist()
 
 
 def test_ends_alike_have_one_equation_for_both(model):

@@ -81,8 +81,7 @@ def table_of(path, *lines):
 
 
 def test_an_exported_table_tells_everything_with_units(store, tmp_path):
-    plan = plan_of_levels(THROW, {"web_width": (0.270, 0.280)}, held_out=1)
-    table = run_plan(plan, store)
+    table = run_plan(plan_of_levels(THROW, {"web_width": (0.270, 0.280)}, held_out=1), store)
     assert export_table(table, tmp_path / "runs.csv").rows == 3
     rows = read(tmp_path / "runs.csv")
     assert [row["role"] for row in rows] == [RUN, RUN, HELD_OUT]
@@ -144,8 +143,7 @@ def test_an_exported_table_comes_back_with_all_digits(plan, store, tmp_path):
     table = run_plan(plan, store)
     export_table(table, tmp_path / "runs.csv")
     other = tmp_path / "other.sqlite"
-    rows = len(table.values)
-    assert import_results(plan, other, tmp_path / "runs.csv").rows == rows
+    assert import_results(plan, other, tmp_path / "runs.csv").rows == len(table.values)
     assert import_results(plan, other, tmp_path / "runs.csv").rows == 0
     back = read_study(other)
     assert back.values.tolist() == table.values.tolist()

@@ -329,8 +329,7 @@ def test_a_run_that_cannot_be_missed_has_no_prediction():
 
 
 def test_the_smallest_error_is_chosen():
-    fits = [Judged("a", 4, 0.05), Judged("b", 10, 0.02), Judged("c", 20, 0.03)]
-    choice = choose(fits)
+    choice = choose([Judged("a", 4, 0.05), Judged("b", 10, 0.02), Judged("c", 20, 0.03)])
     assert choice.place == 1
     assert choice.reason.startswith("b has the smallest largest error at the held-out designs, 2 %")
 

@@ -57,8 +57,7 @@ FINITE_ELEMENTS = [
 def test_ratio_to_finite_elements(dimensions, compliance, ratios):
     values = axial_formulas(throw_of_mm(*dimensions), constants={"k_gorbunov": 0.5})
     names = ("Anderson", "Gorbunov", "Skorchev", "Draminsky (1)", "Draminsky (2)", "Stoyanov")
-    found = [values[name].value / (compliance * 1e-9) for name in names]
-    assert found == close(ratios, abs=0.011)
+    assert [values[name].value / (compliance * 1e-9) for name in names] == close(ratios, abs=0.011)
 
 
 def test_values_by_hand():
@@ -193,8 +192,7 @@ def test_printed_tsniimf_has_no_value_without_overlap():
 
 def test_formulas_without_an_angle_say_so():
     values = axial_formulas(LOW_SPEED, 120.0)
-    without = {name for name, value in values.items() if not value.valid}
-    assert without == {
+    assert {name for name, value in values.items() if not value.valid} == {
         "Guglielmotti-Macchiotta",
         "Draminsky (1)",
         "TsNIIMF",
@@ -210,8 +208,7 @@ def test_formulas_without_an_angle_say_so():
 
 
 def test_anderson_without_a_web_left_is_refused():
-    short = throw_of_mm(40, 200, 180, 100, 100, 250, 40)
-    value = axial_formula("Anderson", short)
+    value = axial_formula("Anderson", throw_of_mm(40, 200, 180, 100, 100, 250, 40))
     assert not value.valid
     assert any("k_1" in remark for remark in value.remarks)
 
@@ -383,8 +380,7 @@ def test_values_by_hand_torsional():
 
 
 def test_ker_wilson_without_a_web_left_is_refused():
-    short = throw_of_mm(70, 200, 180, 100, 100, 250, 40)
-    values = torsional_formulas(short)
+    values = torsional_formulas(throw_of_mm(70, 200, 180, 100, 100, 250, 40))
     assert not values["Ker Wilson"].valid
     assert values["Carter"].valid
 

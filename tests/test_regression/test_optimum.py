@@ -423,8 +423,7 @@ def test_the_worst_places_lie_outside_the_runs_and_apart(form):
     grid = np.array([[a, b] for a in np.linspace(0.8, 2.2, 8) for b in np.linspace(0.8, 2.2, 8)])
     chosen = grid[worst_places([judged(form, places=grid)], 4)]
     assert chosen[0].tolist() in [[a, b] for a in (0.8, 2.2) for b in (0.8, 2.2)]
-    on_edge = np.any((chosen == 0.8) | (chosen == 2.2), axis=1)
-    assert on_edge.all()
+    assert np.any((chosen == 0.8) | (chosen == 2.2), axis=1).all()
     distances = np.linalg.norm(chosen[:, None] - chosen, axis=2)
     assert distances[~np.eye(4, dtype=bool)].min() > 0.5
 

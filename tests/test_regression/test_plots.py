@@ -48,10 +48,9 @@ def model(fit):
 def table(dimensions):
     outline = Factor.of_labels("web_outline", ("obround", "rectangle"))
     factors = (Factor("web_width", "m", 0.27, 0.33), outline)
-    values = np.array([[0.27, 0.0], [0.30, 1.0], [0.33, 0.0]])
     return StudyTable(
         plan=StudyPlan(CrankThrow(**dimensions), factors),
-        values=values,
+        values=np.array([[0.27, 0.0], [0.30, 1.0], [0.33, 0.0]]),
         held_out=np.array([False, True, False]),
         responses={"axial_compliance_pinned": np.array([1.3e-9, 1.2e-9, 1.1e-9])},
         errors={"axial_compliance_pinned": np.full(3, 0.01)},
@@ -112,8 +111,7 @@ def test_a_model_over_one_factor(model):
     (line,) = axes.lines
     x = line.get_xdata() * 1e-3
     assert (x[0], x[-1]) == close((0.05, 0.09))
-    found = model.axial_compliance(web_width=0.29, web_thickness=x)
-    assert line.get_ydata() == close(found * 1e9)
+    assert line.get_ydata() == close(model.axial_compliance(web_width=0.29, web_thickness=x) * 1e9)
     band = axes.collections[0].get_paths()[0].vertices[:, 1]
     lowest = model.lookup("axial_compliance", web_width=0.29, web_thickness=0.09).lower
     assert band.min() == close(lowest * 1e9)

@@ -181,8 +181,7 @@ def test_an_import_replaces_lost_designs_and_no_others(tmp_path, monkeypatch):
         "    responses =",
     )
     puppets(monkeypatch, code.replace('"seconds": 0.5', '"seconds": 0.75'))
-    before = run_plan(SMALL, tmp_path / "runs.sqlite")
-    assert len(before.failures) == 2
+    assert len(run_plan(SMALL, tmp_path / "runs.sqlite").failures) == 2
     found = import_results(SMALL, tmp_path / "runs.sqlite", tmp_path / "other.sqlite")
     assert (found.designs, found.rows, found.left_out) == (2, 0, 0)
     after = read_study(tmp_path / "runs.sqlite")

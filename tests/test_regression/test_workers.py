@@ -370,11 +370,10 @@ run_designs(
     [("k", {design()!r})], lambda o: print(json.dumps([o.responses is not None, o.reason])), 1
 )
 """
-    environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
     done = subprocess.run(
         [sys.executable, "-c", code],
         cwd=tmp_path,
-        env=environment,
+        env={k: v for k, v in os.environ.items() if k != "PYTHONPATH"},
         capture_output=True,
         text=True,
         timeout=60,

@@ -57,8 +57,7 @@ def test_the_file_of_a_throw_says_the_same(client, throw, tmp_path):
     }
     file = tmp_path / "mine.toml"
     file.write_text(client.validate(given).toml)
-    read = client.check_file(file)
-    assert read.kind == "throw"
+    assert client.check_file(file).kind == "throw"
     assert load_throw(file) == (
         CrankThrow.from_text(
             {
@@ -145,8 +144,7 @@ def test_an_analysis_gives_what_the_library_gives(client, throw):
     asked = {"accuracy": 0.05, "gamma_deg": 120.0, "pin_force": (0.0, -2e5, 0.0)}
     asked["left_gamma_deg"] = 180.0
     job = client.analyze_throw(throw, **asked, stress=True)
-    steps = [one.step for one in client.follow(job)]
-    assert "Meshing and solving" in steps
+    assert "Meshing and solving" in [one.step for one in client.follow(job)]
     found = client.result(job)["throw"]
     known = analyze_throw(CrankThrow(**throw), STEEL, 0.05)
     pinned = found["supports"]["pinned"]
@@ -164,8 +162,7 @@ def test_an_analysis_gives_what_the_library_gives(client, throw):
 
 def test_models_are_listed_described_and_looked_up(client, throw):
     assert client.models() == ["six"]
-    told = client.describe_model("six")
-    assert told.ranges["web_thickness"] == (0.045, 0.09)
+    assert client.describe_model("six").ranges["web_thickness"] == (0.045, 0.09)
     one = client.lookup("six", throw=throw).responses["axial_compliance"]
     assert one.value == close(1.3e-9)
     assert one.lower < one.value < one.upper

@@ -125,8 +125,7 @@ class Recorder:
         versions = {"Python": platform.python_version()}
         versions |= {name: importlib.metadata.version(name) for name in LIBRARIES}
         date = datetime.datetime.now(datetime.UTC).date().isoformat()
-        after = kept(before, self.figures, versions, date)
-        text = json.dumps(after, indent=1, ensure_ascii=False)
+        text = json.dumps(kept(before, self.figures, versions, date), indent=1, ensure_ascii=False)
         self.path.write_text(text + "\n", encoding="utf-8")
 
 

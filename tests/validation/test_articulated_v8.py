@@ -292,8 +292,7 @@ def test_lengths_that_give_the_print(figure):
     figure("major axis by the kinematics, other lengths", change, -14.4, 0.05, "%", "absolute")
     change = percent_of_mean(found.kinematics.minor, plain.minor)
     figure("minor axis by the kinematics, other lengths", change, -0.08, 0.005, "%", "absolute")
-    turn = hodograph_change(found.kinematics, plain).turn_deg
-    assert turn == close(-5.0, abs=0.5)
+    assert hodograph_change(found.kinematics, plain).turn_deg == close(-5.0, abs=0.5)
     printed = section(2)
     made = percent_of_mean(printed.kinematics.major, printed.side_by_side.major)
     assert made == close(-13.0, abs=0.05)

@@ -38,8 +38,7 @@ def test_chain_of_equal_masses_on_a_wall(count, figure):
     """Held at one end: w_j = 2 sqrt(k/m) sin((2j - 1) pi / (2 (2N + 1)))."""
     mass, stiffness = 0.8, 5e4
     chain = Chain(np.full(count, mass), np.full(count - 1, stiffness), {0: stiffness})
-    j = np.arange(1, count + 1)
-    angle = (2 * j - 1) * np.pi / (2 * (2 * count + 1))
+    angle = (2 * np.arange(1, count + 1) - 1) * np.pi / (2 * (2 * count + 1))
     expected = 2.0 * np.sqrt(stiffness / mass) * np.sin(angle)
     found = chain.modes().angular_frequencies
     figure("equal masses on a wall: frequencies", found, expected, 1e-12, "rad/s")
@@ -49,8 +48,7 @@ LENGTH, DIAMETER, E, G, DENSITY = 4.0, 0.2, 2.06e11, 8e10, 7850.0
 
 
 def rod_chain(kind, elements, inertia):
-    material = ShaftMaterial(E, G, DENSITY)
-    line = ShaftLine([shaft_cylinder(LENGTH, DIAMETER, 0.0, material)])
+    line = ShaftLine([shaft_cylinder(LENGTH, DIAMETER, 0.0, ShaftMaterial(E, G, DENSITY))])
     return line.chain(kind, parts=elements, inertia=inertia)
 
 

@@ -137,8 +137,7 @@ def own_frequency(case):
     wanted = modes.shapes[nodes, modes.rigid + case.mode - 1]
     like = ((weight * wanted) @ moved) ** 2 / (weight @ wanted**2)
     # Shapes have the same energy: that of the largest product has it in torsion like the chain's.
-    energy = np.einsum("uk,uv,vk->k", shapes, mass, shapes)
-    return float(frequencies[np.argmax(like / energy)])
+    return float(frequencies[np.argmax(like / np.einsum("uk,uv,vk->k", shapes, mass, shapes))])
 
 
 def test_masses_on_the_axis_leave_the_frequency_of_the_chain(case, figure):
@@ -226,10 +225,9 @@ def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):
     softer = whole_shaft(
         changed, analysis, superelement=analysis.dynamic_superelement(HIGHEST)
     ).crankshaft.shaft
-    ours = in_bearings(case.whole.crankshaft.shaft, held.lowest - held.nominal)
     figure(
         "stiffness of the whole crankshaft in other bearings",
-        ours.stiffness,
+        in_bearings(case.whole.crankshaft.shaft, held.lowest - held.nominal).stiffness,
         softer.stiffness,
         1e-12,
         scale=np.abs(softer.stiffness).max(),

@@ -32,8 +32,7 @@ LOW, HIGH = 1.0 / (1.0 + ERROR), 1.0 / (1.0 - ERROR)
 @pytest.fixture(scope="module")
 def plain():
     """The shipped six in bearings of one stiffness, of few orders."""
-    engine = cf.load_engine("6chn25-34")
-    return engine.changed(
+    return cf.load_engine("6chn25-34").changed(
         bearings={"stiffness": 2e9},
         vibration={"highest_order": 6.0},
         damping={"torsional_magnifier": 30.0, "axial_magnifier": 30.0},
@@ -74,8 +73,7 @@ def first_frequency(chain, factor):
         matrix[np.ix_([one, other], [one, other])] += stiffness * np.array([[1, -1], [-1, 1]])
     matrix += np.diag(chain.ground)
     squares = np.sort(np.linalg.eigvals(np.linalg.solve(masses, matrix)).real)
-    rigid = 0 if np.any(chain.ground) else 1
-    return np.sqrt(squares[rigid]) / (2.0 * np.pi)
+    return np.sqrt(squares[0 if np.any(chain.ground) else 1]) / (2.0 * np.pi)
 
 
 @pytest.mark.parametrize("kind", ["axial", "torsional"])

@@ -75,8 +75,7 @@ def exponents():
 
 def test_exponents(exponents, figure):
     """The first is in every textbook."""
-    wanted = (0.5445, 0.711)
-    figure("exponents of the two corners", exponents, wanted, 5e-4, "", "absolute")
+    figure("exponents of the two corners", exponents, (0.5445, 0.711), 5e-4, "", "absolute")
 
 
 def test_refined_mesh_is_the_same_solid():

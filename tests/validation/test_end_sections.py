@@ -70,8 +70,7 @@ class Quarter:
         places = np.flatnonzero((self.free & ~held).ravel())
         fields = prescribed.copy()
         sides = (loads - symmetric_product(self.stiffness, fields))[places]
-        matrix = self.stiffness[places][:, places].tocsr()
-        fields[places] = solve_symmetric(matrix, sides)[0]
+        fields[places] = solve_symmetric(self.stiffness[places][:, places].tocsr(), sides)[0]
         return fields
 
     def section(self):
@@ -82,8 +81,7 @@ class Quarter:
         values = np.array([element.lbasis(where, node)[0] for node in range(6)])
         slopes = np.array([element.lbasis(where, node)[1] for node in range(6)])
         corners = self.mesh.points[triangles][..., :2]
-        jacobian = np.einsum("aiq,taj->tqij", slopes, corners)
-        areas = np.abs(np.linalg.det(jacobian)) * weights
+        areas = np.abs(np.linalg.det(np.einsum("aiq,taj->tqij", slopes, corners))) * weights
         rows = np.arange(areas.size).repeat(6)
         columns = triangles.repeat(len(weights), axis=0).ravel()
         shapes = sparse.csr_array(

@@ -32,8 +32,7 @@ def run(request):
 def twists(run, order, speeds):
     """Twists of the crankshaft's elements times their stiffness, (S, e), at speeds of one order."""
     response, chain = run.response, run.response.chain
-    place = response.orders.tolist().index(order)
-    forces = response.excitation.at_speeds(speeds).forces[place]
+    forces = response.excitation.at_speeds(speeds).forces[response.orders.tolist().index(order)]
     w = (order * speeds)[:, np.newaxis, np.newaxis]
     system = response.system
     dynamic = system.stiffness + 1j * system.loss + 1j * w * system.damping - w**2 * system.mass
@@ -98,5 +97,4 @@ def test_parts_of_orders_make_the_largest_stress(run, figure):
 
 def test_files_are_accepted():
     for name in NAMES:
-        engine = cf.load_engine(FOLDER / f"{name}.toml")
-        assert engine.engine.cylinders in (5, 8, 12)
+        assert cf.load_engine(FOLDER / f"{name}.toml").engine.cylinders in (5, 8, 12)

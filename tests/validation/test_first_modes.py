@@ -28,8 +28,7 @@ def run():
 
 
 def test_a_soft_coupling_is_not_told_as_the_first_mode(run, figure):
-    chain = run.torsional_chain
-    engine = sum(chain.inertia) - GENERATOR
+    engine = sum(run.torsional_chain.inertia) - GENERATOR
     coupling = math.sqrt(STIFFNESS * (1.0 / engine + 1.0 / GENERATOR)) / (2.0 * math.pi)
     frequencies = run.torsional.chosen.elastic_frequencies
     figure("frequency of the coupling", frequencies[0], coupling, 0.01, "Hz")

@@ -93,8 +93,7 @@ def beam_stiffness(start, end, area, inertia):
             [0, 6 * b * L, 2 * b * L**2, 0, -6 * b * L, 4 * b * L**2],
         ]
     )
-    turn = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
-    both = np.kron(np.eye(2), turn)
+    both = np.kron(np.eye(2), np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]))
     return both.T @ local @ both
 
 

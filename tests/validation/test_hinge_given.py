@@ -165,8 +165,7 @@ def test_without_a_radius_the_path_is_the_surface():
 
 def test_what_the_moment_lacks_is_told_as_mean_and_as_largest(figure):
     """By sums over the turn of the two moments, written down once more."""
-    file = load_hinge()
-    run = run_hinge(replace(file, comparison=None), speed=142.0 * np.pi / 30.0)
+    run = run_hinge(replace(load_hinge(), comparison=None), speed=142.0 * np.pi / 30.0)
     (other,) = run.others
     wanted = other.point.moment
     lacking = wanted - run.profile.with_pressure(other.best.pressure).moment

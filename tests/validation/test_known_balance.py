@@ -200,8 +200,7 @@ def test_flat_twin():
         ],
         [1, 2],
     )
-    found = balance(replace(twin, rotating=balancing_masses(twin)), SPEED)
-    for row in found.rows:
+    for row in balance(replace(twin, rotating=balancing_masses(twin)), SPEED).rows:
         assert row.force_balanced
         assert row.moment.major == approx(size(row.order) * PITCH)
         # Forces to the side tilt the engine about the vertical.
@@ -261,8 +260,7 @@ def test_cross_plane_v8(figure):
     assert found.of(4).force.major == approx(4.0 * math.sqrt(2.0) * size(4))
     # Two counterweights at the ends are enough: they carry the moment over another length.
     plain = engine(cranks, banks)
-    moment = balance(plain, SPEED).of(1).moment
-    arm = (moment.forward / 1j / SPEED**2) / (3.0 * PITCH)
+    arm = (balance(plain, SPEED).of(1).moment.forward / 1j / SPEED**2) / (3.0 * PITCH)
     ends = [
         RotatingMass(abs(arm), angle_deg=math.degrees(float(np.angle(arm * sign))), position=place)
         for sign, place in ((1.0, 0.0), (-1.0, 3.0 * PITCH))

@@ -94,8 +94,7 @@ def stresses(run, speeds):
 def amplitudes(orders, phasors, angles):
     """Half of the range over shaft angles, of phasors with the orders first."""
     turns = np.exp(1j * np.outer(np.linspace(0.0, 4.0 * np.pi, angles), orders))
-    waves = np.tensordot(turns, phasors, axes=1).real
-    return 0.5 * np.ptp(waves, axis=0)
+    return 0.5 * np.ptp(np.tensordot(turns, phasors, axes=1).real, axis=0)
 
 
 @pytest.mark.further
@@ -113,8 +112,7 @@ def test_the_worst_cylinder_and_its_stress(run, figure):
         # Nowhere is more used than the program says; its grid is within 0.5 % of a peak.
         assert used.max() <= check.each[(cylinder,)].used * 1.005
         index, place = np.unravel_index(np.argmax(used), used.shape)
-        exact = amplitudes(orders, found[:, index, place], FINE)
-        worst[cylinder] = exact / allowed[index]
+        worst[cylinder] = amplitudes(orders, found[:, index, place], FINE) / allowed[index]
     cylinder = max(worst, key=worst.__getitem__)
     assert check.cylinders == (cylinder,)
     index = int(np.argmin(np.abs(speeds - check.misfiring.speed)))

@@ -121,8 +121,7 @@ def test_time_integration(excitation, place, figure):
             slope, (0.0, cycle), start, "DOP853", t_eval=times, rtol=1e-9, atol=1e-12
         ).y
 
-    from_rest = run(np.zeros(18))[:17, -1]
-    start = np.linalg.solve(np.eye(17) - expm(matrix * cycle), from_rest)
+    start = np.linalg.solve(np.eye(17) - expm(matrix * cycle), run(np.zeros(18))[:17, -1])
     times = np.linspace(0.0, cycle, 20_001)
     states = run(np.append(start, 0.0), times)
     np.testing.assert_allclose(states[:17, -1], start, atol=1e-6 * np.max(np.abs(start)))

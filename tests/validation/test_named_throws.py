@@ -158,8 +158,7 @@ def test_the_axial_chain(run, analyses, figure):
     for place, spring in enumerate(1.0 / lengthening):
         matrix[place : place + 2, place : place + 2] += spring * np.array([[1, -1], [-1, 1]])
     root = np.sqrt(masses)
-    squares = np.linalg.eigvalsh(matrix / np.outer(root, root))
-    frequencies = np.sqrt(squares) / (2.0 * math.pi)
+    frequencies = np.sqrt(np.linalg.eigvalsh(matrix / np.outer(root, root))) / (2.0 * math.pi)
     figure("natural frequencies", run.axial.chosen.elastic_frequencies, frequencies, SOLVED, "Hz")
 
 
@@ -171,8 +170,7 @@ def test_the_torsional_chain(run, analyses, figure):
     cranks = [analyses[name].masses.inertia_about_shaft + rods for name in NAMES]
     joined = np.array([0.0, *twist]) / 2.0 + np.array([*twist, 0.0]) / 2.0
     chain = run.torsional_chain
-    wanted = [FREE_END, *cranks, FLYWHEEL_INERTIA]
-    figure("inertias", chain.inertia, wanted, EXACT, "kg m^2")
+    figure("inertias", chain.inertia, [FREE_END, *cranks, FLYWHEEL_INERTIA], EXACT, "kg m^2")
     figure("stiffness between the cranks", chain.stiffness, 1.0 / joined, SOLVED, "N m/rad")
 
 

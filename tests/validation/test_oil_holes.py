@@ -105,8 +105,7 @@ def test_volume_of_a_rounded_exit_by_counting(tilt, figure):
     distance, _ = KDTree(centers).query(np.column_stack([p, q, t])[left])
     share = float(np.sum(distance > hole.exit_radius)) / count
     spread = math.sqrt(share / count)
-    found = outlet.rounding_volume
-    figure("volume of a rounded exit", found, share, 4.0 * spread / share, "m^3")
+    figure("volume of a rounded exit", outlet.rounding_volume, share, 4.0 * spread / share, "m^3")
 
 
 HOLES = {
@@ -123,8 +122,7 @@ def test_solid_and_mesh_lose_what_the_hole_takes(hole, dimensions, figure):
     throw = plain.changed(oil_holes=(OilHole(part="pin", diameter=0.03, **hole),))
     taken = throw.parts.drillings[0].volume
     assert plain.volume - throw.volume == close(taken, rel=1e-9)
-    copies = {"quarter": 4.0, "half": 2.0}[throw.symmetry]
-    solid = copies * throw_solid(throw).volume
+    solid = {"quarter": 4.0, "half": 2.0}[throw.symmetry] * throw_solid(throw).volume
     figure("volume of a throw with a hole", solid, throw.volume, 1e-3, "m^3")
     figure("volume of the hole in the throw", plain.volume - solid, taken, 1e-3, "m^3")
     meshed = mesh_mass_properties(mesh_throw(throw), 1.0).mass
@@ -163,8 +161,7 @@ def drilled_bar(diameter, bore, fineness, exit_radius=0.0):
 def exit_factors(diameter, bore, fineness):
     """Largest principal stresses at the exit beside those of the full section: tension, torsion, bending."""
     mesh, hole = drilled_bar(diameter, bore, fineness)
-    loaded = solve_unit_loads(mesh, unit_loads(np.zeros((0, 3))), STEEL)
-    surface = fillet_surface(loaded)
+    surface = fillet_surface(solve_unit_loads(mesh, unit_loads(np.zeros((0, 3))), STEEL))
     at_exit = hole.exits[0].holds(surface.points)
     largest = np.abs(largest_principal(principal_stresses(surface.stress[at_exit])))
     area, modulus = math.pi / 4.0 * (1.0 - bore**2), math.pi / 32.0 * (1.0 - bore**4)
@@ -224,9 +221,8 @@ def test_factors_at_sharp_exits(bars, figure):
 
 @pytest.mark.further
 def test_a_small_hole_has_the_factors_of_a_plate(figure):
-    found = exit_factors(0.02, 0.0, 12.0)
     for load, own, expected in zip(
-        ("tension", "torsion", "bending"), found, (3, 4, 3), strict=True
+        ("tension", "torsion", "bending"), exit_factors(0.02, 0.0, 12.0), (3, 4, 3), strict=True
     ):
         figure(f"bar with a hole of 0.02 diameters in {load}", own, expected, 0.03)
 
@@ -234,5 +230,4 @@ def test_a_small_hole_has_the_factors_of_a_plate(figure):
 @pytest.mark.further
 def test_twice_as_many_elements_change_little(bars, figure):
     for case in ((0.1, 0.0), (0.2, 0.4)):
-        finer = exit_factors(*case, 24.0)
-        figure("factors on a mesh twice as fine", bars[case], finer, 0.02)
+        figure("factors on a mesh twice as fine", bars[case], exit_factors(*case, 24.0), 0.02)

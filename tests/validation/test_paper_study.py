@@ -172,8 +172,7 @@ def test_engine_left_out_of_its_family(response, unit, held_out_within, engine_w
     )
     worst, name = found.largest_heldout_error, response.replace("_", " ")
     figure(f"family, held-out designs: {name}", worst, 0.0, held_out_within, "", "absolute")
-    scale = response_scale(unit, engine_dimensions, STEEL)
-    predicted = scale * found.predict(engine_x)
+    predicted = response_scale(unit, engine_dimensions, STEEL) * found.predict(engine_x)
     figure(f"engine left out: {name}", predicted, engine_y, engine_within, unit)
 
 

@@ -56,8 +56,7 @@ def test_indicated_power_is_the_integral_over_the_volume(name, figure):
     figure("mean indicated pressure", mechanism.power.mean_indicated_pressure, mean, 1e-5, "Pa")
     given = engine.gas.mean_effective_pressure
     figure("mean pressure that the file gives", mean, given, 1e-5, "Pa")
-    run = cf.run_mechanism(mechanism)
-    figure("power of the torque", run.torque.power, power, 1e-5, "W")
+    figure("power of the torque", cf.run_mechanism(mechanism).torque.power, power, 1e-5, "W")
 
 
 def test_published_power_and_mean_effective_pressure(figure):
@@ -74,8 +73,7 @@ def test_a_propeller_takes_the_cube_of_the_speed(name, figure):
     """In what is told, in the torque of the mechanism and in the forces that excite vibration."""
     engine = cf.load_engine(FOLDER / f"{name}.toml")
     rated = engine.engine.rated_speed
-    half = {"lowest_speed": 0.4 * rated}
-    engine = engine.changed(engine=half, load={"law": "propeller"})
+    engine = engine.changed(engine={"lowest_speed": 0.4 * rated}, load={"law": "propeller"})
     mechanism = cf.engines.mechanism_of(engine)
     full, _ = own_power(engine, mechanism.pressure[0], rated)
     told = engine_load(engine, mechanism)
@@ -88,8 +86,7 @@ def test_a_propeller_takes_the_cube_of_the_speed(name, figure):
     speeds = np.array([0.45, 0.5, 0.7, 1.0, 1.1]) * rated
     forces = forces_over_speeds(engine, engine_harmonics(engine, mechanism), speeds)
     driven = forces.mean_tangential.sum(axis=-1) * forces.crank_radius * speeds
-    wanted = full * (speeds / rated) ** 3
-    figure("power of the exciting forces", driven, wanted, 1e-4, "W")
+    figure("power of the exciting forces", driven, full * (speeds / rated) ** 3, 1e-4, "W")
 
 
 def test_friction_stays_where_the_rated_power_tells_it(figure):

@@ -77,8 +77,7 @@ def test_digits_of_the_print(table, engine, formula, digits):
 @pytest.mark.parametrize("engine", ROW_SUMS)
 def test_sums_of_the_printed_rows(table, engine, figure):
     total = sum(table[engine, formula].printed for formula in AXIAL_FORMULA_NAMES)
-    wanted = ROW_SUMS[engine]
-    figure("sums of the printed rows", total * 1e9, wanted, 1e-9, "1e-9 m/N", "absolute")
+    figure("sums of the printed rows", total * 1e9, ROW_SUMS[engine], 1e-9, "1e-9 m/N", "absolute")
 
 
 def test_power_of_ten_is_a_hypothesis_beside_the_print(table):

@@ -50,6 +50,5 @@ def test_reactions_of_fresh_throws(tmp_path, figure):
         found, wanted, band = (np.array(one[case]) for one in (looked_up, by_fe, bands))
         rms = float(np.sqrt(np.mean((found[:, 2] / wanted[:, 2] - 1.0) ** 2)))
         figure(f"axial reaction, root mean square error, {case}", rms, 0.0, RMS, kind="absolute")
-        within = np.abs(found - wanted) <= band + ROUND_PIN * LOAD
-        missed = 1.0 - float(np.mean(within))
+        missed = 1.0 - float(np.mean(np.abs(found - wanted) <= band + ROUND_PIN * LOAD))
         figure(f"components outside their bands, {case}", missed, 0.0, 1.0 - BANDS, kind="absolute")

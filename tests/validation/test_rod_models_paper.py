@@ -241,8 +241,7 @@ def test_equilibrium_11_and_12_of_two_masses_with_inertia(figure):
     n = wanted["N"]
     figure("equilibrium (11): X_A", wanted["X_A"], n, 1e-12, "N", scale=largest(n))
     figure("equilibrium (11): Y_A", wanted["Y_A"], push, 1e-12, "N", scale=largest(push))
-    left = n * L * COS_BETA + push * L * np.sin(BETA) + moment
-    assert largest(left) < 1e-12 * L * largest(push)
+    assert largest(n * L * COS_BETA + push * L * np.sin(BETA) + moment) < 1e-12 * L * largest(push)
     part = moment / (L * COS_BETA)
     tangential = -push * np.sin(ANGLES + BETA) / COS_BETA
     radial = -push * np.cos(ANGLES + BETA) / COS_BETA

@@ -142,11 +142,10 @@ def test_calculix_finds_the_same_frequencies(throw, tmp_path, figure):
     """Our own three-dimensional reference is right: another program on the same mesh."""
     mesh = mesh_shaft(Crankshaft([throw] * 2, crank_angles_deg=(0.0, 180.0)), 0.09)
     (tmp_path / "shaft.inp").write_text(frequency_deck(mesh, STEEL, 10), encoding="utf-8")
-    asked = {"OMP_NUM_THREADS": "2", "CCX_NPROC_EQUATION_SOLVER": "2"}
     done = subprocess.run(
         ["ccx", "-i", "shaft"],
         cwd=tmp_path,
-        env=os.environ | asked,
+        env=os.environ | {"OMP_NUM_THREADS": "2", "CCX_NPROC_EQUATION_SOLVER": "2"},
         capture_output=True,
         text=True,
         timeout=300,

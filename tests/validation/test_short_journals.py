@@ -103,8 +103,7 @@ def test_rigid_sections_are_too_stiff_for_them(analysis, figure):
 
 @pytest.mark.further
 def test_the_reference_is_that_of_the_mesh_corrected(figure):
-    shaft = Crankshaft([THROW] * 4, crank_angles_deg=CRANKS)
-    mesh = mesh_shaft_quarter(shaft, 0.012, 10, 0.3)
+    mesh = mesh_shaft_quarter(Crankshaft([THROW] * 4, crank_angles_deg=CRANKS), 0.012, 10, 0.3)
     found = free_modes(mesh, STEEL, count=10)
     missing = np.array(
         [

@@ -55,8 +55,7 @@ def revolved(part, length, outline, size):
     limit = 0.5 * length if part == "quarter" else length
     with gmsh_session("notch") as gmsh:
         occ = gmsh.model.occ
-        curves = outline(occ)
-        face = occ.addPlaneSurface([occ.addCurveLoop(curves)])
+        face = occ.addPlaneSurface([occ.addCurveLoop(outline(occ))])
         occ.revolve([(2, face)], 0, 0, 0, 0, 0, 1, -math.pi)
         remove_loose(gmsh)
         names = {LEFT_END: [], CRANK_PLANE: [], FILLET: [], WEB: []}
@@ -85,8 +84,7 @@ def revolved(part, length, outline, size):
 
 def largest_at_notch(mesh):
     """Largest principal stresses (4,), without signs, under the unit loads of the ends."""
-    loaded = solve_unit_loads(mesh, unit_loads(np.zeros((0, 3))), STEEL)
-    surface = fillet_surface(loaded)
+    surface = fillet_surface(solve_unit_loads(mesh, unit_loads(np.zeros((0, 3))), STEEL))
     return np.abs(largest_principal(principal_stresses(surface.stress))).max(axis=0)
 
 
@@ -118,8 +116,7 @@ def hyperbolic_notch(neck, root, reach):
 @pytest.mark.parametrize("ratio", [2.0, 4.0])
 def test_hyperbolic_notch(ratio, figure):
     neck, nu = 0.1, STEEL.poisson_ratio
-    mesh = hyperbolic_notch(neck, neck / ratio, 2.5 * neck)
-    found = largest_at_notch(mesh)
+    found = largest_at_notch(hyperbolic_notch(neck, neck / ratio, 2.5 * neck))
     root = math.sqrt(ratio + 1.0)
     tension = (ratio * root + (0.5 + nu) * ratio + (1.0 + nu) * (root + 1.0)) / (
         ratio + 2.0 * nu * root + 2.0

@@ -65,9 +65,8 @@ def test_loss_factors_as_viscous_are_near_where_they_are_right(figure):
     chain = mwm()
     speed = float(chain.modes().angular_frequencies[1]) / 6.0
     found = steady_motion(chain, torque(), speed).phasors([6.0])[0]
-    acting = torque()
     exact = OrderExcitation(
-        [6.0], [speed], (900.0 / (1 + 6**1.5)) * _only(acting, speed)[np.newaxis, np.newaxis]
+        [6.0], [speed], (900.0 / (1 + 6**1.5)) * _only(torque(), speed)[np.newaxis, np.newaxis]
     )
     wanted = forced_response(chain, exact).motion[0, 0]
     # 0.1 %: of the elastic motion the damping is equal, and the rest is far from resonance.

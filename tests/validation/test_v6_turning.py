@@ -148,8 +148,7 @@ def test_lagrange_equation_with_differences(figure):
     def slope(angle, state, ways):
         time_slope, speed = 1.0 / state[1], state[1]
         here, around = np.array([angle]), angle + OFFSETS
-        piston = places(here)[0][:, 0]
-        x = 1.0 - (CLEARANCE + RADIUS + LENGTH - piston) / CYLINDER
+        x = 1.0 - (CLEARANCE + RADIUS + LENGTH - places(here)[0][:, 0]) / CYLINDER
         forces = np.array([pressure(*each) for each in zip(x, ways, strict=True)]) * area
         moment = -forces @ slopes(here)[0][:, 0] - load(speed, angle)
         moment -= GRAVITY * (height(around) @ WEIGHTS)

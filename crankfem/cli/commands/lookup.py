@@ -332,8 +332,11 @@ def _frequency_limits(
 
 
 def _optimum_record(best: "Optimum") -> dict[str, Any]:
+    from crankbase.results import units
     from crankfem.analyses.record import attributes
+    from regression.throw_values import field_unit
 
+    of_unit = dict.fromkeys(("value", "lower", "upper", "bound", "worst"), ".unit")
     return {
         **attributes(best, "minimized", "value", "unit", "factors", "dimensions"),
         "at_ends": list(best.at_ends),
@@ -346,9 +349,17 @@ def _optimum_record(best: "Optimum") -> dict[str, Any]:
             name: attributes(answer, "value", "lower", "upper", "unit", "inside")
             for name, answer in best.lookups.items()
         },
-        "throw": None if best.throw is None else best.throw.model_dump(mode="json"),
+        "throw": best.throw,
         "remarks": list(best.remarks),
         "evaluations": best.evaluations,
+        "units": of_unit
+        | {"evaluations": "1"}
+        | {
+            f"{group}.{name}": field_unit(name) or "1"
+            for group in ("factors", "dimensions")
+            for name in getattr(best, group)
+        }
+        | units({"throw": best.throw}),
     }
 
 
