@@ -88,15 +88,16 @@ class CallProcess:
         self._process, self._what = process, what
         self._messages: Messages = SimpleQueue() if messages is None else messages
         self._started, self._peak = time.monotonic(), 0.0
-        self._listener = threading.Thread(target=self._listen, daemon=True)
-        self._listener.start()
 
-    def _listen(self) -> None:
-        assert self._process.stdout is not None
-        with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):
-            while True:
-                self._messages.put((self, pickle.load(self._process.stdout)))
-        self._messages.put((self, None))
+        def listen() -> None:
+            assert process.stdout is not None
+            with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):
+                while True:
+                    self._messages.put((self, pickle.load(process.stdout)))
+            self._messages.put((self, None))
+
+        self._listener = threading.Thread(target=listen, daemon=True)
+        self._listener.start()
 
     def give(self, function: str, *arguments: Any, remarks: bool = False) -> None:
         """Send it a call of ``"module:name"``; with remarks, the function gets an ``on_remark``."""

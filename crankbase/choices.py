@@ -32,7 +32,7 @@ def check_kind(field: str, value: object, kind: type | UnionType, allowed: str) 
         raise InputError(f"{field}: given {quoted(value)}; allowed is {allowed}.")
 
 
-def check_not_given(option: str, given: object, shown: str, because: str) -> None:
+def check_not_given(option: str, setting: object, shown: str, because: str) -> None:
     """Refuse an option that does not apply to the chosen plot.
 
     Raises
@@ -40,10 +40,9 @@ def check_not_given(option: str, given: object, shown: str, because: str) -> Non
     InputError
         If it is given, that is, neither None nor empty.
     """
-    empty = given is None or (isinstance(given, tuple | list | dict | set) and not given)
-    if not empty:
+    if setting is not None and (not isinstance(setting, tuple | list | dict | set) or setting):
         raise InputError(
-            f"{option}: given {quoted(given)} with {shown!r}; allowed is none, because {because}."
+            f"{option}: given {quoted(setting)} with {shown!r}; allowed is none, because {because}."
         )
 
 
@@ -119,7 +118,7 @@ def whole_within(field: str, number: object, low: int, high: int, reason: str) -
     return int(number)
 
 
-def whole_number(field: str, given: int, least: int, reason: str) -> int:
+def whole_number(field: str, count: int, least: int, reason: str) -> int:
     """Return a whole number.
 
     Raises
@@ -128,16 +127,16 @@ def whole_number(field: str, given: int, least: int, reason: str) -> int:
         If it is not a whole number, below `least`, or unrealistically large.
     """
     try:
-        number = None if isinstance(given, bool) else operator.index(given)
+        number = None if isinstance(count, bool) else operator.index(count)
     except TypeError:
         number = None
     if number is None or number < least:
         raise InputError(
-            f"{field}: given {quoted(given)}; allowed are whole numbers of {least} or more, because {reason}."
+            f"{field}: given {quoted(count)}; allowed are whole numbers of {least} or more, because {reason}."
         )
     if number > MOST_COUNTED:
         raise InputError(
-            f"{field}: given {quoted(given)}; allowed is up to {MOST_COUNTED}, because more can be neither "
+            f"{field}: given {quoted(count)}; allowed is up to {MOST_COUNTED}, because more can be neither "
             "calculated nor kept."
         )
     return number

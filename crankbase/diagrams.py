@@ -300,7 +300,7 @@ class Dots(NamedTuple):
         What a screen tells of a point, as of `Line`.
     texts : sequence of n str
         For ``%{text}`` there.
-    group, main
+    group, main, numbers
         As of `Line`.
     """
 
@@ -314,6 +314,7 @@ class Dots(NamedTuple):
     texts: Sequence[str] = ()
     group: str = ""
     main: bool = True
+    numbers: Sequence[Sequence[float]] = ()
 
 
 class Mark(NamedTuple):
@@ -385,6 +386,8 @@ class Line(NamedTuple):
         A legend switches all of a group at once, and shows a name in it once.
     main : bool
         Others are left out on paper, and hidden at first on a screen.
+    numbers : sequence of n sequences of floats
+        For ``%{customdata[0]}`` and so on.
     """
 
     x: ArrayLike
@@ -398,16 +401,26 @@ class Line(NamedTuple):
     texts: Sequence[str] = ()
     group: str = ""
     main: bool = True
+    numbers: Sequence[Sequence[float]] = ()
 
 
 class Note(NamedTuple):
-    """A text at a point: to its right, above it, or on a line that begins there."""
+    """A text at a point: in its middle, to its right, above it, or on a line that begins there."""
 
     text: str
     x: float
     y: float
-    side: Literal["right", "above", "line"]
+    side: Literal["middle", "right", "above", "line"]
     color: str = "black"
+
+
+class Shape(NamedTuple):
+    """A filled rectangle or ellipse behind the lines, from its lower left to its upper right corner."""
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+    color: str
+    round: bool = False
 
 
 class Limits(NamedTuple):
@@ -420,12 +433,16 @@ class Limits(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Diagram:
-    """A diagram for paper and for a screen; its lines, and dots, cover those before them.
+    """A diagram for paper and for a screen; its lines, dots, and shapes cover those before them.
 
     Attributes
     ----------
     level : bool
         Whether a line marks zero.
+    equal : bool
+        Whether both axes have one scale, with lines at zero of both.
+    diagonal : (low, high) or None
+        Ends of a line where both axes are equal.
     lines_named : bool
         Whether the legend on paper has the lines; that on a screen has all.
     """
@@ -436,12 +453,15 @@ class Diagram:
     dots: Sequence[Dots] = ()
     notes: Sequence[Note] = ()
     bands: Sequence[Band] = ()
+    shapes: Sequence[Shape] = ()
     level: bool = False
+    equal: bool = False
+    diagonal: tuple[float, float] | None = None
     lines_named: bool = True
 
 
 # Sizes of dots on paper [points]: of those without weights by symbol, and at weights 0 and 1.
-DOT_SIZES = {"o": 4.0, "x": 7.0, "_": 22.0}
+DOT_SIZES = {"o": 4.5, "D": 4.5, "x": 7.0, "_": 22.0}
 LEAST_DOT, DOT_GROWTH = 2.5, 9.0
 # Letters that stand side by side under the axis.
 TICK_ROOM = 90
@@ -451,8 +471,15 @@ def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
     """Draw a diagram on axes; the legend is left to the caller."""
     for low, high, color, _ in diagram.bands:
         axes.axvspan(low, high, color=color, zorder=0)
-    if diagram.level:
+    for shape in diagram.shapes:
+        _draw_shape(axes, shape)
+    if diagram.level or diagram.equal:
         axes.axhline(0.0, color=GRAY, linewidth=1.0)
+    if diagram.equal:
+        axes.axvline(0.0, color=GRAY, linewidth=1.0)
+        axes.set_aspect("equal")
+    if diagram.diagonal is not None:
+        axes.plot(diagram.diagonal, diagram.diagonal, color=GRAY, linewidth=1.0)
     for curve in diagram.lines:
         if curve.main:
             axes.plot(
@@ -469,7 +496,7 @@ def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
         _draw_note(axes, note)
     for dots in diagram.dots:
         if dots.main:
-            _draw_dots(axes, dots)
+            draw_dots(axes, dots)
     axes.set_xlabel(diagram.x.label)
     axes.set_ylabel(diagram.y.label)
     if diagram.x.ticks is not None:
@@ -488,11 +515,25 @@ def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
         axes.set_ylim(*diagram.y.ends)
 
 
-def _draw_dots(axes: "Axes", dots: Dots) -> None:
+def _draw_shape(axes: "Axes", shape: Shape) -> None:
+    from matplotlib.patches import Ellipse, Rectangle
+
+    low, width, height = shape.low, shape.high[0] - shape.low[0], shape.high[1] - shape.low[1]
+    middle = (low[0] + 0.5 * width, low[1] + 0.5 * height)
+    patch = Ellipse(middle, width, height) if shape.round else Rectangle(low, width, height)
+    # Over the grid, under the lines.
+    patch.set(facecolor=shape.color, edgecolor=GRAY, zorder=1.5)
+    axes.add_patch(patch)
+
+
+def draw_dots(axes: "Axes", dots: Dots) -> None:
+    """Draw single points; crosses and dashes have no name in the legend."""
     x, y = np.atleast_1d(dots.x), np.atleast_1d(dots.y)
+    alike = dots.weights is None and len(dots.symbols) == 1
     symbols = dots.symbols * x.size if len(dots.symbols) == 1 else dots.symbols
+    named = x.size > 0 and not set("x_") & set(symbols)
     edge: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5}
-    for place, symbol in enumerate(symbols):
+    for place, symbol in enumerate(symbols[:1] if alike else symbols):
         size = DOT_SIZES.get(symbol, 4.0)
         if dots.weights is not None:
             size = LEAST_DOT + DOT_GROWTH * dots.weights[place]
@@ -501,14 +542,16 @@ def _draw_dots(axes: "Axes", dots: Dots) -> None:
             symbol, look = "o", look | {"markerfacecolor": "none", "alpha": 0.45}
         elif symbol not in "x_":
             look |= edge
-        axes.plot(x[place], y[place], symbol, zorder=3, **look)
-    if x.size and not set("x_") & set(symbols):
-        filling = "none" if dots.symbols == "O" else dots.color
-        axes.plot([], [], "o", color=dots.color, markerfacecolor=filling, label=dots.name)
+        those = slice(None) if alike else place
+        label = dots.name if alike and named else None
+        axes.plot(x[those], y[those], symbol, zorder=3, label=label, **look)
+    if named and not alike:
+        axes.plot([], [], "o", color=dots.color, label=dots.name)
 
 
 def _draw_note(axes: "Axes", note: Note) -> None:
     offset, across, up = {
+        "middle": ((0, 0), "center", "center"),
         "right": ((3, 0), "left", "center"),
         "above": ((0, 2), "center", "bottom"),
         "line": ((4, 5), "left", "baseline"),
@@ -520,7 +563,7 @@ def _draw_note(axes: "Axes", note: Note) -> None:
         (note.x, note.y),
         xytext=offset,
         textcoords="offset points",
-        fontsize=8 if note.side == "line" else 7,
+        fontsize=8 if note.side in ("middle", "line") else 7,
         color=note.color,
         ha=across,
         va=up,
@@ -543,7 +586,11 @@ def bracketed(label: str) -> str:
 def draw_curves(axes: "Axes", curves: Curves) -> None:
     """Draw a diagram on axes; the legend is left to the caller."""
     draw_bands(axes, curves.bands)
-    draw_lines(axes, curves.x, curves.series)
+    for curve in curves.series:
+        if curve.main:
+            color, dash, width = curve.line_style
+            look: dict[str, Any] = {"color": color, "linewidth": width, "linestyle": ON_PAPER[dash]}
+            axes.plot(curves.x, curve.values, label=curve.name, **look)
     for dots in curves.dots:
         axes.plot(dots.x, dots.y, "o", color=dots.color, markersize=4.0, label=dots.name)
     named: set[str] = set()
@@ -564,21 +611,6 @@ def draw_curves(axes: "Axes", curves: Curves) -> None:
     else:
         axes.set_ylim(0.0, curves.top)
     axes.set_ylabel(curves.y_label)
-
-
-def draw_lines(axes: "Axes", x: Array, series: Iterable[Series]) -> None:
-    """Draw the main ones of some series."""
-    for curve in series:
-        if curve.main:
-            color, dash, width = curve.line_style
-            axes.plot(
-                x,
-                curve.values,
-                color=color,
-                linewidth=width,
-                linestyle=ON_PAPER[dash],
-                label=curve.name,
-            )
 
 
 def draw_bands(axes: "Axes", bands: Iterable[Band]) -> None:

@@ -120,7 +120,7 @@ class InputErrors:
     """Errors of parts of an input that are read independently, reported together."""
 
     def __init__(self) -> None:
-        self.found: list[InputError] = []
+        self.errors: list[InputError] = []
 
     @contextmanager
     def noted(self) -> Iterator[None]:
@@ -128,7 +128,7 @@ class InputErrors:
         try:
             yield
         except InputError as error:
-            self.found.append(error)
+            self.errors.append(error)
 
     def tell(self) -> None:
         """Raise the collected errors, if any.
@@ -138,8 +138,8 @@ class InputErrors:
         InputError
             With each sentence once.
         """
-        if self.found:
-            raise InputError.of_all(self.found) from None
+        if self.errors:
+            raise InputError.of_all(self.errors) from None
 
 
 class MissingLibraryError(ImportError):

@@ -373,9 +373,11 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         for key, text in values.items():
             with errors.noted():
                 converted[key] = _value_from_text(cls, key, text, f"{prefix}{named(key)}")
-        if errors.found:
+        if errors.errors:
             unread = set(values) - set(converted)
-            raise InputError.of_all([*errors.found, *_field_errors(cls, converted, unread, prefix)])
+            raise InputError.of_all(
+                [*errors.errors, *_field_errors(cls, converted, unread, prefix)]
+            )
         try:
             return cls(**converted)
         except InputError as error:

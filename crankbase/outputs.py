@@ -138,7 +138,10 @@ def check_output(
         raise InputError(f"{shown}: cannot be written, because the file may not be changed.")
     if path.exists() and not path.is_file():  # a device or a pipe, which holds nothing
         return
-    if _starts_with(path, DATABASE):
+    begin = b""
+    with suppress(OSError), path.open("rb") as file:
+        begin = file.read(len(DATABASE))
+    if begin == DATABASE:
         raise InputError(
             f"{shown}: cannot be written, because it is a database, such as the store of a study; name "
             "another."
@@ -174,14 +177,6 @@ def _replacement_refusal(
 def _same(path: Path, other: Path) -> bool:
     try:
         return path.samefile(other)
-    except OSError:
-        return False
-
-
-def _starts_with(path: Path, content: bytes) -> bool:
-    try:
-        with path.open("rb") as file:
-            return file.read(len(content)) == content
     except OSError:
         return False
 

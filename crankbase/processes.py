@@ -38,13 +38,6 @@ GARBAGE_THRESHOLD = 100_000
 TRIES, PAUSE = 20, 0.05
 
 
-def package_environment() -> dict[str, str]:
-    """Environment in which a new Python finds our packages, however this one found them."""
-    home = str(Path(__file__).resolve().parent.parent)
-    paths = [home, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
-    return os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
-
-
 def start_child(
     module: str, *arguments: str, environment: Mapping[str, str] | None = None, **streams: Any
 ) -> subprocess.Popen[bytes]:
@@ -67,6 +60,10 @@ def start_child(
         If the process cannot be started.
     """
     passes = os.name == "posix"
+    # A new Python finds our packages, however this one found them.
+    home = str(Path(__file__).resolve().parent.parent)
+    paths = [home, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
+    python_path = {"PYTHONPATH": os.pathsep.join(paths)}
     end, held = os.pipe()
     try:
         process = subprocess.Popen(
@@ -75,7 +72,7 @@ def start_child(
                 sys.executable, "-P", __file__, MODULE,
                 str(end if passes else NO_PIPE), module, *arguments,
             ],
-            env=package_environment() | dict(environment or {}),
+            env=os.environ | python_path | dict(environment or {}),
             pass_fds=(end,) if passes else (),
             **streams,
         )  # fmt: skip

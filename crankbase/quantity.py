@@ -402,6 +402,20 @@ WRITTEN = {
 }
 
 
+# What messages call a quantity of a unit.
+KINDS = {
+    "m": "length",
+    "kg": "mass",
+    "Pa": "pressure or modulus",
+    "rad": "angle",
+    "rad/s": "speed of rotation",
+    "kg m^2": "moment of inertia",
+    "N/m": "stiffness",
+    "N m/rad": "torsional stiffness",
+    "N": "force",
+}
+
+
 def _is_within(value: float, limits: Limits) -> bool:
     low, high = limits
     return (low is None or value >= low) and (high is None or value <= high)
@@ -513,7 +527,10 @@ def _evaluate(text: str, unit: str, fault: str, limits: Limits, remedy: str) -> 
             ) from None
         # As behind a sign for a diameter: "Ø180 mm".
         tail = re.sub(r"^[^\d.+\-\u2012-\u2015\u2212]+", "", text[:LONGEST_QUANTITY])
-        example = tail if _is_quantity(tail) else _example(unit, limits)
+        example, behind = _example(unit, limits), NUMBER_AND_UNIT.fullmatch(tail)
+        with suppress(NoUnitError):
+            if behind is not None and not unit_quantity(behind[2]).unitless:
+                example = tail
         raise InputError(
             f'{fault}, which is not one number with one unit; write for example "{example}"{remedy}.'
         ) from None
@@ -530,18 +547,12 @@ def _evaluate(text: str, unit: str, fault: str, limits: Limits, remedy: str) -> 
         # "500 1/min" and "8.3 Hz" mean revolutions in a field of speeds.
         size = float(quantity.to("1/s" if turning else unit).magnitude)
     except PintError:  # of another dimension, or an offset unit such as degC
+        kind = KINDS.get(unit, f"quantity in {unit}")
         raise InputError(
-            f"{fault}, which is no {_kind(unit)}; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
+            f"{fault}, which is no {kind}; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
             f"unit{remedy}."
         ) from None
     return _scaled(number, size) * (2.0 * math.pi if turning else 1.0)
-
-
-def _is_quantity(text: str) -> bool:
-    match = NUMBER_AND_UNIT.fullmatch(text)
-    with suppress(NoUnitError):
-        return match is not None and not unit_quantity(match[2]).unitless
-    return False
 
 
 def _scaled(number: float, factor: float) -> float:
@@ -564,21 +575,6 @@ def _pure_number(text: object, fault: str, limits: str) -> float:
     if not is_number(text):  # also a whole number of hundreds of digits
         raise InputError(f"{fault}, which is not finite{limits}.")
     return float(text)
-
-
-def _kind(unit: str) -> str:
-    kinds = {
-        "m": "length",
-        "kg": "mass",
-        "Pa": "pressure or modulus",
-        "rad": "angle",
-        "rad/s": "speed of rotation",
-        "kg m^2": "moment of inertia",
-        "N/m": "stiffness",
-        "N m/rad": "torsional stiffness",
-        "N": "force",
-    }
-    return kinds.get(unit, f"quantity in {unit}")
 
 
 def format_quantity(value: float, unit: str, digits: int = 6) -> str:

@@ -129,8 +129,8 @@ def result(*main: str, eq: bool = False) -> Callable[[type[T]], type[T]]:
     """
 
     def decorate(cls: type[T]) -> type[T]:
-        own = "__repr__" in vars(cls)
-        return summarized(*main, keeps_text=own, unit_of=_unit_of)(
+        has_text = "__repr__" in vars(cls)
+        return summarized(*main, keeps_text=has_text, unit_of=_unit_of)(
             dataclass(frozen=True, eq=eq, repr=False)(cls)
         )
 

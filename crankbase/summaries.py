@@ -50,7 +50,11 @@ def summarized(
     >>> Analysis()
     Analysis(unknowns 21340, mass 312.5 kg, speeds 10 to 50 rad/s (60))
     """
-    declared = tuple(_declared(item) for item in items)
+    declared = []
+    for item in items:
+        place, _, unit = item.partition(" [")
+        label, colon, path = place.rpartition(": ")
+        declared.append((label if colon else path.rpartition(".")[2], path, unit.removesuffix("]")))
 
     def rows(result: object) -> dict[str, str]:
         texts = (
@@ -111,13 +115,6 @@ def summary_html(name: str, rows: Mapping[str, str]) -> str:
     return f"<table><caption>{escape(name)}</caption>{body}</table>"
 
 
-def _declared(item: str) -> tuple[str, str, str]:
-    """Return label, path and unit."""
-    place, _, unit = item.partition(" [")
-    label, named, path = place.rpartition(": ")
-    return label if named else path.rpartition(".")[2], path, unit.removesuffix("]")
-
-
 def _at(value: Any, path: str) -> Any:
     for name in path.split("."):
         # What is internal is not there in a result that is read from a file.
@@ -135,7 +132,9 @@ def _value(value: Any, unit: str) -> str:
         return _array_summary(value, unit)
     if isinstance(value, tuple | list | np.ndarray):
         items = list(np.atleast_1d(value) if isinstance(value, np.ndarray) else value)
-        if len(items) > FEW or not all(_is_brief(item) for item in items):
+        if len(items) > FEW or not all(
+            _is_plain(item) and len(str(item)) <= BRIEF for item in items
+        ):
             return str(len(items))
         listed = ", ".join(_plain(item) for item in items) or "none"
         text = f"({listed})" if len(items) > 1 else listed
@@ -162,10 +161,6 @@ def _array_summary(values: np.ndarray[Any, Any], unit: str) -> str:
 
 def _is_plain(value: object) -> bool:
     return isinstance(value, bool | int | float | complex | str | Path | np.generic)
-
-
-def _is_brief(value: object) -> bool:
-    return _is_plain(value) and len(str(value)) <= BRIEF
 
 
 def _plain(value: Any) -> str:

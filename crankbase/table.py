@@ -164,9 +164,9 @@ class OutputUnits:
 
     def _requested(self, unit: str) -> tuple[str, float] | None:
         kind = _kind_of_si(unit)
-        for own, name, size in self.wished:
+        for wished_kind, name, size in self.wished:
             # One word for the unit of energy, such as J, is no unit of torque.
-            if own == kind and not (unit == "N m" and re.fullmatch(r"\w+", name)):
+            if wished_kind == kind and not (unit == "N m" and re.fullmatch(r"\w+", name)):
                 return name, size
         return None
 

@@ -311,6 +311,16 @@ def differing_chains(differences: Sequence[str], kind: str) -> str:
     )
 
 
+def adequate_chain(kind: str) -> str:
+    """State that a chain is an adequate model of the whole crankshaft."""
+    return f"The {kind} chain is an adequate lumped model of the whole crankshaft."
+
+
+def inadequate_chain(kind: str) -> str:
+    """State that it is not; the reasons follow."""
+    return f"Lumped model inadequate ({kind} chain):"
+
+
 def chains_alone(reason: str) -> str:
     """State why no whole crankshaft stands beside a verdict."""
     return f"The verdict uses lumped models (chains) alone: {reason}."

@@ -1,6 +1,7 @@
 """Equations over one factor, and the sizes of their terms and factors."""
 
 from collections.abc import Sequence
+from itertools import compress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from crankbase.diagrams import (
     BLUE,
     ORANGE,
     PALE,
+    Dots,
     display_unit,
     draw_rows,
     math_symbol,
@@ -54,13 +56,23 @@ Mask = NDArray[np.bool_]
 KINDS = ((False, BLUE, "o", "fitted runs"), (True, ORANGE, "D", "held out"))
 
 
-def draw_runs(axes: "Axes", x: Array, y: Array, held_out: Mask) -> None:
-    """Draw a dot for each design, in the units of the axes."""
-    for held, color, marker, label in KINDS:
-        chosen = held_out == held
-        axes.plot(
-            x[chosen], y[chosen], marker, color=color, markersize=3.5, alpha=0.75, label=label
+def design_dots(
+    x: Array, y: Array, held_out: Mask, hover: str = "", texts: Sequence[str] = ()
+) -> list[Dots]:
+    """Describe a dot for each design, in the units of the axes, those held out apart."""
+    return [
+        Dots(
+            x[held_out == held],
+            y[held_out == held],
+            name,
+            color,
+            symbol,
+            hover=f"<b>{name}</b><br>%{{text}}<br>{hover}",
+            texts=tuple(compress(texts, held_out == held)),
+            group=name,
         )
+        for held, color, symbol, name in KINDS
+    ]
 
 
 def draw_formula_bars(

@@ -60,7 +60,7 @@ from dynamics.excitation.pressure_map import (
     load_speeds,
     pressures_along,
 )
-from dynamics.gas.gas_cycle import FullLoad, name_fields
+from dynamics.gas.gas_cycle import FullLoad, PeakError, name_fields
 from dynamics.gas.pressure import (
     ATMOSPHERE,
     HIGHEST_PEAK,
@@ -238,14 +238,13 @@ def by_gas(
     load = FullLoad(gas.compression_ratio, given_of_cycle(gas), peak, gas.mean_effective_pressure)
     try:
         return calculate(load, layout)
+    except PeakError as error:
+        raise InputError(
+            f"gas.peak_pressure: given {above} above ambient; allowed in all are "
+            f"{name_fields(error.allowed)}"
+        ) from None
     except InputError as error:
-        text = name_fields(error)
-        if peak is not None and text.startswith("peak"):
-            absolute = format_quantity(peak, "Pa")
-            text = text.replace(
-                f"given {absolute}; allowed are", f"given {above} above ambient; allowed in all are"
-            )
-        raise InputError(f"gas.{text}") from None
+        raise InputError(f"gas.{name_fields(error)}") from None
 
 
 def motored_for_misfire(

@@ -4,11 +4,12 @@ from collections.abc import Iterable
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
 from crankbase.model import field_extra
-from crankbase.quantity import RPM
+from crankbase.results import Quantity, Result, Speed, result
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_mechanism import MechanismFile, load_any, mechanism_of
 from crankfem.analyses.record import Record, attributes
@@ -71,6 +72,50 @@ THROW_COMMANDS = ("throw", "stress", "formulas", "draw", "export")
 MECHANISM_COMMANDS = ("mechanism", "harmonics", *THROW_COMMANDS)
 
 
+Degrees = Annotated[tuple[float, ...], Quantity("deg")]
+
+
+@result("cylinders", "firing_order")
+class Arrangement(Result):
+    """Cylinders and cranks of an engine; firing angles are in the firing order."""
+
+    cylinders: int
+    strokes: int
+    bore: Annotated[float, Quantity("m")]
+    stroke: Annotated[float, Quantity("m")]
+    firing_order: Annotated[tuple[int, ...], Quantity("1")]
+    firing_angles_deg: Degrees
+    firing_intervals_deg: Degrees
+    crank_angles_deg: Degrees
+    bank_angles_deg: Annotated[tuple[float, ...] | None, Quantity("deg")]
+    rated_speed: Speed
+    lowest_speed: Speed
+    highest_speed: Speed
+    mean_piston_speed: Annotated[float, Quantity("m/s")]
+
+
+@result("length", "overlap", "volume")
+class Shape(Result):
+    """What follows from the dimensions of a throw, and the part of it to be solved."""
+
+    length: Annotated[float, Quantity("m")]
+    overlap: Annotated[float, Quantity("m")]
+    volume: Annotated[float, Quantity("m^3")]
+    remarks: tuple[str, ...]
+    pins: int
+    solved_part: str
+
+
+@result("name", "value")
+class Dimension(Result):
+    """One dimension of a throw, as understood."""
+
+    name: str
+    symbol: str
+    meaning: str
+    value: Annotated[float, Quantity("m")]
+
+
 @dataclass(frozen=True)
 class CheckedFile:
     """A valid file, and how it is understood.
@@ -84,8 +129,7 @@ class CheckedFile:
         That can use the file.
     inputs : tuple of InputRecord
         Every value with its source.
-    engine : dict or None
-        Cylinders, firing order and angles, crank angles, running range.
+    engine : Arrangement or None
     warnings : tuple of str
         What is far outside of practice, and so perhaps a slip.
     throws : dict
@@ -101,7 +145,7 @@ class CheckedFile:
     commands: tuple[str, ...]
     inputs: tuple[InputRecord, ...]
     throw: CrankThrow | None = None
-    engine: Record | None = None
+    engine: Arrangement | None = None
     remarks: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     throws: dict[str, CrankThrow] = field(default_factory=dict)
@@ -161,30 +205,33 @@ def _throw_record(throw: CrankThrow | None, material: Material) -> Record:
     if throw is None:
         return {"shape": None, "dimensions": None}
     return {
-        "shape": shape_record(throw),
+        "shape": throw_shape(throw),
         "dimensions": _dimensions(throw),
         "law": law_results(throw, material),
     }
 
 
-def shape_record(throw: CrankThrow) -> Record:
-    """Quantities that follow from the dimensions, and the part of the throw to be solved."""
-    return {
-        **attributes(throw, "length", "overlap", "volume", "remarks"),
-        "pins": len(throw.parts.pins),
-        "solved_part": throw.symmetry,
-    }
+def throw_shape(throw: CrankThrow) -> Shape:
+    """Return what follows from the dimensions."""
+    return Shape(
+        throw.length,
+        throw.overlap,
+        throw.volume,
+        throw.remarks,
+        len(throw.parts.pins),
+        throw.symmetry,
+    )
 
 
-def _dimensions(throw: CrankThrow) -> list[Record]:
-    """The dimensions as understood [m], if given."""
+def _dimensions(throw: CrankThrow) -> list[Dimension]:
+    """The dimensions as understood, if given."""
     return [
-        {
-            "name": name,
-            "symbol": field_extra(info, "symbol") or "",
-            "meaning": info.description or "",
-            "value": getattr(throw, name),
-        }
+        Dimension(
+            name,
+            field_extra(info, "symbol") or "",
+            info.description or "",
+            getattr(throw, name),
+        )
         for name, info in type(throw).model_fields.items()
         if field_extra(info, "unit") == "m"
         and isinstance(getattr(throw, name), float)
@@ -354,19 +401,23 @@ def _without_gas() -> str:
     return "without the section [gas], there are no gas forces, no amplitudes and no verdict"
 
 
-def _arrangement(engine: Engine) -> Record:
-    def degrees(angles: Iterable[float]) -> list[float]:
-        return [round(float(angle), 6) for angle in np.degrees(list(angles))]
+def _arrangement(engine: Engine) -> Arrangement:
+    def degrees(angles: Iterable[float]) -> tuple[float, ...]:
+        return tuple(round(float(angle), 6) for angle in np.degrees(list(angles)))
 
     firing = degrees(engine.firing_angles)
-    return {
-        **attributes(engine, "cylinders", "strokes", "bore", "stroke", "firing_order"),
-        "firing_angles_deg": [firing[number - 1] for number in engine.firing_order],
-        "firing_intervals_deg": list(engine.firing_intervals_deg),
-        "crank_angles_deg": degrees(engine.crank_angles),
-        "bank_angles_deg": None if engine.bank_angles is None else degrees(engine.bank_angles),
-        "rated_speed_rpm": engine.rated_speed * RPM,
-        "lowest_speed_rpm": engine.lowest_speed * RPM,
-        "highest_speed_rpm": engine.highest_speed * RPM,
-        "mean_piston_speed": engine.mean_piston_speed(engine.rated_speed),
-    }
+    return Arrangement(
+        cylinders=engine.cylinders,
+        strokes=engine.strokes,
+        bore=engine.bore,
+        stroke=engine.stroke,
+        firing_order=tuple(engine.firing_order),
+        firing_angles_deg=tuple(firing[number - 1] for number in engine.firing_order),
+        firing_intervals_deg=tuple(engine.firing_intervals_deg),
+        crank_angles_deg=degrees(engine.crank_angles),
+        bank_angles_deg=None if engine.bank_angles is None else degrees(engine.bank_angles),
+        rated_speed=engine.rated_speed,
+        lowest_speed=engine.lowest_speed,
+        highest_speed=engine.highest_speed,
+        mean_piston_speed=engine.mean_piston_speed(engine.rated_speed),
+    )

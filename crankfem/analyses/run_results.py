@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.results import Part, Quantity, Result, result
+from crankbase.results import Number, Part, Quantity, Result, Speed, result
 from crankfem.analyses.mechanism.mechanism_results import MechanismResults
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
@@ -58,7 +58,6 @@ class Check(Result):
     sentence: str
 
 
-Record = Part[dict[str, Any]]
 Optional = Part[dict[str, Any] | None]
 
 
@@ -71,6 +70,30 @@ class NamedThrow(Result):
     formulas: Formulas
     fillets: StressResults | None
     fillet_note: str | None
+
+
+@result("name", "cylinders")
+class EngineFacts(Result):
+    """What a report tells of an engine."""
+
+    name: str
+    cylinders: int
+    strokes: int
+    bore: Annotated[float, Quantity("m")]
+    stroke: Annotated[float, Quantity("m")]
+    file: str
+    v_engine: bool
+    reciprocating: str
+    crank_angles: Annotated[tuple[float, ...], Quantity("rad")]
+    firing_order: Annotated[tuple[int, ...], Quantity("1")]
+    firing_intervals_deg: Annotated[tuple[float, ...], Quantity("deg")]
+    mean_piston_speed: Annotated[float, Quantity("m/s")]
+    rated_speed: Speed
+    lowest_speed: Speed
+    highest_speed: Speed
+    major_orders: Annotated[tuple[float, ...], Quantity("1")]
+    highest_order: Number
+    radial_force_from_gas: bool
 
 
 @result("pictures")
@@ -88,7 +111,7 @@ class RunResults(Result):
     """
 
     about: Provenance
-    engine: Record
+    engine: EngineFacts
     inputs: tuple[InputRecord, ...]
     input_warnings: tuple[str, ...]
     sources: dict[str, str]

@@ -116,13 +116,6 @@ app = typer.Typer(
 )
 
 
-def examples_text(examples: tuple[str, ...]) -> str:
-    """Write examples for the end of a help text, each on a line of its own."""
-    # Brackets and the like in examples are text, not markup.
-    lines = (f"crankfem {example}".replace("[", r"\[") for example in examples)
-    return "Example: " + "\n\n".join(lines)
-
-
 def _version(asked: bool) -> None:
     if asked:
         from crankfem.analyses.provenance import program_version
@@ -161,7 +154,9 @@ for group, commands in COMMANDS.items():
     for command, examples in commands.items():
         # One command has the name of what Python keeps for itself.
         called = command.__name__.strip("_").replace("_", "-")
-        epilog = examples_text(examples)
+        # Brackets and the like in examples are text, not markup.
+        lines = (f"crankfem {example}".replace("[", r"\[") for example in examples)
+        epilog = "Example: " + "\n\n".join(lines)
         app.command(called, cls=OptionsOnce, epilog=epilog, rich_help_panel=group)(command)
 
 
@@ -173,23 +168,16 @@ def main() -> None:
         except typer.Abort:
             raise SystemExit(EXIT_INTERRUPTED) from None
         except USAGE_ERROR as error:
-            console.exit_usage_error(*_usage_error(error))
+            context = getattr(error, "ctx", None)
+            path = "crankfem" if context is None else context.command_path
+            sentence = str(error.format_message())
+            for typers, ours in TYPERS_WORDS.items():
+                sentence = sentence.replace(typers, ours)
+            if (apart := split_quantity(sys.argv[1:])) is not None:
+                words = " ".join(apart)
+                sentence = (
+                    f'{words}: given as two words; write number and unit in quotes, "{words}"'
+                )
+            console.exit_usage_error(sentence, f"{path} --help")
         if code:
             raise SystemExit(code)
-
-
-def _usage_error(error: Any) -> tuple[str, str]:
-    """Return the sentence about a wrong option or argument, and where to read how it is right."""
-    context = getattr(error, "ctx", None)
-    apart = split_quantity(sys.argv[1:])
-    message = str(error.format_message())
-    for typers, ours in TYPERS_WORDS.items():
-        message = message.replace(typers, ours)
-    path = "crankfem" if context is None else context.command_path
-    if apart is not None:
-        words = " ".join(apart)
-        return (
-            f'{words}: given as two words; write number and unit in quotes, "{words}"',
-            f"{path} --help",
-        )
-    return message, f"{path} --help"

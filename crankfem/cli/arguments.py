@@ -345,11 +345,16 @@ def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) ->
             "defines when the cylinders fire."
         )
     if angles is not None:
-        return _angles(angles)
-    return [] if order is None else _even_angles(order, cycle_degrees(strokes))
-
-
-def _even_angles(order: str, cycle: float) -> list[float]:
+        radians = parse_quantities(angles, "rad", "--firing-angles")
+        if len(radians) > MOST_CYLINDERS:
+            raise InputError(
+                f"--firing-angles: given {len(radians)} angles; allowed are at most {MOST_CYLINDERS}, one "
+                "for each cylinder."
+            )
+        # Rounding takes away what the way over radians adds.
+        return [round(math.degrees(angle), 9) for angle in radians]
+    if order is None:
+        return []
     try:
         numbers = firing_order_from_text(order)
     except InputError as error:
@@ -360,17 +365,5 @@ def _even_angles(order: str, cycle: float) -> list[float]:
             f"--firing-order: given {order!r}; allowed is each number from 1 to that of the last cylinder, "
             f'at most {MOST_CYLINDERS}, once, like "1-3-4-2", because each cylinder fires once in a cycle.'
         )
+    cycle = cycle_degrees(strokes)
     return [cycle * numbers.index(number) / count for number in range(1, count + 1)]
-
-
-def _angles(text: str) -> list[float]:
-    # Rounding takes away what the way over radians adds.
-    angles = [
-        round(math.degrees(angle), 9) for angle in parse_quantities(text, "rad", "--firing-angles")
-    ]
-    if len(angles) > MOST_CYLINDERS:
-        raise InputError(
-            f"--firing-angles: given {len(angles)} angles; allowed are at most {MOST_CYLINDERS}, one for "
-            "each cylinder."
-        )
-    return angles

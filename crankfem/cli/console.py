@@ -1,12 +1,11 @@
 """Output of the command line: tables on standard output, progress and errors on standard error."""
 
-import csv
 import os
 import sys
 import textwrap
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
@@ -21,7 +20,6 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from crankbase.errors import InputError, visible, with_short_quotes
-from crankbase.outputs import atomic_file
 from crankbase.quantity import split_quantity
 from crankbase.table import SI, OutputUnits, Table
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
@@ -32,6 +30,7 @@ from crankfem.jobs.exit_codes import (
     TRACEBACK,
     describe_error,
 )
+from crankfem.jobs.outputs import write_rows
 from regression.records import Outcome
 
 if TYPE_CHECKING:
@@ -317,15 +316,12 @@ def progress_text(finished: int, seconds: float, left: int) -> str:
     if finished < 1 or seconds <= 0.0:
         return ""
     rate = finished / seconds
-    text = f"{60.0 * rate:.3g} designs/min"
-    return text if left == 0 else f"{text}, {_duration(left / rate)} left"
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 90.0:
-        return f"{seconds:.0f} s"
-    minutes = seconds / 60.0
-    return f"{minutes:.0f} min" if minutes < 90.0 else f"{minutes / 60.0:.1f} h"
+    text, minutes = f"{60.0 * rate:.3g} designs/min", left / rate / 60.0
+    if left == 0:
+        return text
+    if minutes < 1.5:
+        return f"{text}, {60.0 * minutes:.0f} s left"
+    return f"{text}, {f'{minutes:.0f} min' if minutes < 90.0 else f'{minutes / 60.0:.1f} h'} left"
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -360,21 +356,3 @@ def write_columns(path: Path, columns: "Mapping[str, FloatArray]", heading: str 
     """Write columns of equal length to 12 digits, units in their names; see `write_rows`."""
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     write_rows(path, list(columns), ([f"{value:.12g}" for value in row] for row in rows), heading)
-
-
-def write_rows(
-    path: Path, names: Sequence[str], rows: Iterable[Sequence[object]], heading: str = ""
-) -> None:
-    """Write rows below the names of their columns.
-
-    Parameters
-    ----------
-    heading : str, optional
-        Content of the first line after a number sign; no such line if empty.
-    """
-    with atomic_file(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
-        if heading:
-            file.write(f"# {heading}\n")
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(names)
-        writer.writerows(rows)

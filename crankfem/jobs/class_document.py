@@ -1,14 +1,11 @@
 """Write the class document of an engine into a folder: the page, its diagrams, its tables."""
 
-import csv
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 
 from crankbase.errors import InputError
 from crankbase.outputs import (
-    atomic_file,
     check_output,
     files_listed,
     protected,
@@ -22,7 +19,8 @@ from crankfem.analyses.provenance import provenance
 from crankfem.analyses.submission.document import DocumentPart, check_submission, class_document
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
-from crankfem.jobs.run_files import Progress, SilentProgress
+from crankfem.jobs.outputs import write_rows
+from crankfem.jobs.run_files import Progress, SilentProgress, make_folders
 from crankfem.report.class_document import render_class_document
 from crankfem.report.text_filters import moment
 
@@ -85,12 +83,14 @@ def write_class_document(
             folder / PAGE, render_class_document(run, parts, drawn, created), "report"
         )
         with recording_run_files():
-            tables = tuple(
-                _write_table(folder / TABLES / f"{part_table.name}.csv", part_table.table)
+            tables = {
+                folder / TABLES / f"{part_table.name}.csv": part_table.table
                 for part in parts
                 for part_table in part.tables
-            )
-    return WrittenDocument(page, tables, run, parts)
+            }
+            for path, table in tables.items():
+                write_rows(path, [column.head() for column in table.columns], _rows(table))
+    return WrittenDocument(page, tuple(tables), run, parts)
 
 
 def _checked_folder(output: str | Path) -> Path:
@@ -101,14 +101,7 @@ def _checked_folder(output: str | Path) -> Path:
             f"output: given {str(output)!r}; allowed is a writable folder, because the document, its "
             "tables and diagrams are files in it."
         )
-    try:
-        for place in (folder / TABLES, folder / DIAGRAMS):
-            place.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"output: given {str(folder)!r}, which cannot be made or written to ({error.strerror}); "
-            "allowed is a writable folder."
-        ) from None
+    make_folders(folder, TABLES, DIAGRAMS)
     check_output(folder / PAGE, "report")
     with recording_run_files():
         for path in sorted((folder / TABLES).glob("*.csv")):
@@ -118,16 +111,8 @@ def _checked_folder(output: str | Path) -> Path:
     return folder
 
 
-def _write_table(path: Path, table: Table) -> Path:
-    """Write a table as CSV, in the units of its heads and with six digits."""
-    with atomic_file(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([column.head() for column in table.columns])
-        writer.writerows(_rows(table))
-    return path
-
-
-def _rows(table: Table) -> Sequence[Sequence[str]]:
+def _rows(table: Table) -> list[list[str]]:
+    """Write the cells of a table in the units of its heads, with six digits."""
     return [
         [
             f"{cell / column.display_unit().size:.6g}"

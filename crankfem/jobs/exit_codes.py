@@ -5,14 +5,8 @@ import errno
 from crankbase.errors import InputError, MeshError, MissingLibraryError, RenderError, SolveError
 from regression.records import StudyStoppedError
 
-EXIT_INPUT, EXIT_FAILED, EXIT_LIMITS, EXIT_UNDECIDED, EXIT_INTERRUPTED, EXIT_PIPE = (
-    2,
-    3,
-    4,
-    5,
-    130,
-    141,
-)
+EXIT_INPUT, EXIT_FAILED, EXIT_LIMITS, EXIT_UNDECIDED = range(2, 6)
+EXIT_INTERRUPTED, EXIT_PIPE = 130, 141
 
 MEANINGS = {
     0: "fine",

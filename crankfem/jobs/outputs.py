@@ -1,12 +1,13 @@
-"""Checks of the files that a command will write, before anything is computed."""
+"""Checks of the files that a command will write, before anything is computed; tables as CSV."""
 
+import csv
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import combinations
 from pathlib import Path
 
 from crankbase.errors import InputError
-from crankbase.outputs import Kind, Recognized, check_output, protect, protected
+from crankbase.outputs import Kind, Recognized, atomic_file, check_output, protect, protected
 
 
 def check_writable(
@@ -100,11 +101,13 @@ def make_output_folder(
             f'{option}: given ""; allowed is a folder, because {kind}s are files in it.'
         )
     folder = Path(path_given)
+    system = "the system reports:"
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        in_the_way = isinstance(error, FileExistsError | NotADirectoryError)
-        reason = "a file of that name exists" if in_the_way else _system_says(error)
+        reason = f"{system} {error.strerror or error}"
+        if isinstance(error, FileExistsError | NotADirectoryError):
+            reason = "a file of that name exists"
         raise InputError(
             f"{option} {path_given}: cannot be made a folder, because {reason}."
         ) from None
@@ -114,12 +117,27 @@ def make_output_folder(
             pass
     except OSError as error:
         raise InputError(
-            f"{option} {path_given}: files cannot be written there, because {_system_says(error)}."
+            f"{option} {path_given}: files cannot be written there, because {system} "
+            f"{error.strerror or error}."
         ) from None
     for name in names:
         check_output(folder / name, kind)
     return folder
 
 
-def _system_says(error: OSError) -> str:
-    return f"the system reports: {error.strerror or error}"
+def write_rows(
+    path: Path, names: Sequence[str], rows: Iterable[Sequence[object]], heading: str = ""
+) -> None:
+    """Write rows below the names of their columns.
+
+    Parameters
+    ----------
+    heading : str, optional
+        Content of the first line after a number sign; no such line if empty.
+    """
+    with atomic_file(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
+        if heading:
+            file.write(f"# {heading}\n")
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        writer.writerows(rows)

@@ -35,13 +35,11 @@ from crankfem.jobs.run_files import (
     SilentProgress,
     TimedProgress,
     check_folder,
-    make_folder,
+    make_folders,
     replace_last_run,
     the_only_run,
     write_results,
 )
-from crankfem.jobs.run_files import RESULTS as RESULTS
-from crankfem.jobs.run_records import UNIT_RADIAL_FORCE as UNIT_RADIAL_FORCE
 from crankfem.jobs.run_records import run_results
 from crankfem.report.writing import write_report
 from fem.analysis import ThrowAnalysis
@@ -121,10 +119,9 @@ def run_engine(
     read, study = inputs.paths, inputs.study is not None
     check_folder(folder, study=study, inputs=read)
     if study and (folder / STORE).exists():
-        ResultStore(
-            folder / STORE
-        ).close()  # which refuses what is no store, before anything is computed
-    make_folder(folder)
+        # What is no store is refused before anything is computed.
+        ResultStore(folder / STORE).close()
+    make_folders(folder, PICTURES)
     with the_only_run(folder), recording_run_files(), protected(*read):
         return _run(inputs, folder, workers, reporter)
 

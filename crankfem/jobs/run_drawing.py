@@ -58,19 +58,14 @@ class Pictures:
         except Exception as error:
             if os.environ.get(TRACEBACK):
                 traceback.print_exc()
-            self.report_once(
-                str(error)
-                if isinstance(error, (MissingLibraryError, RenderError))
-                else f"There is no {what}: {describe_error(error)[0]}"
-            )
+            sentence = f"There is no {what}: {describe_error(error)[0]}"
+            if isinstance(error, (MissingLibraryError, RenderError)):
+                sentence = str(error)
+            if sentence not in self.notes:
+                self.notes.append(sentence)
+                self._note(sentence)
             return False
         return True
-
-    def report_once(self, sentence: str) -> None:
-        """Report something, once."""
-        if sentence not in self.notes:
-            self.notes.append(sentence)
-            self._note(sentence)
 
     def draw(self, plots: Plots[Run], run: Run) -> None:
         """Draw the plots of one thing, each by itself, on paper and for a screen."""
@@ -205,7 +200,13 @@ def draw_run(
         What is there.
     """
     pictures = Pictures(folder / PICTURES, note)
-    _draw_throw(pictures, computed)
+    engine_file, first = computed.engine_file, computed.throw
+    name = engine_file.engine.name
+    pictures.draw_one("drawing", lambda path: write_drawing(engine_file.throw, path, name))
+    for throw_name in list(computed.throws)[1:]:
+        throw, title = engine_file.named_throws[throw_name], f"{name}, throw {throw_name}"
+        pictures.draw_one(f"drawing-{throw_name}", partial(write_drawing, throw, title=title))
+    pictures.plot_one("throw_view", lambda place: throw_view(place, first.analysis, first.stresses))
     if computed.mechanism is not None:
         pictures.draw(MECHANISM, computed.mechanism)
     if computed.study is not None:
@@ -217,15 +218,3 @@ def draw_run(
     renderings.collect(pictures)
     pictures.attempt(MESH_FILE, lambda: write_vtu(computed.throw.analysis, folder / MESH_FILE))
     return pictures
-
-
-def _draw_throw(pictures: Pictures, computed: RunComputation) -> None:
-    engine_file, first = computed.engine_file, computed.throw
-    name = engine_file.engine.name
-    pictures.draw_one("drawing", lambda path: write_drawing(engine_file.throw, path, name))
-    for throw_name in list(computed.throws)[1:]:
-        throw, title = engine_file.named_throws[throw_name], f"{name}, throw {throw_name}"
-        pictures.draw_one(f"drawing-{throw_name}", partial(write_drawing, throw, title=title))
-    pictures.plot_one(
-        "throw_view", lambda folder: throw_view(folder, first.analysis, first.stresses)
-    )

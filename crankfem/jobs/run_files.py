@@ -78,12 +78,12 @@ def check_folder(folder: Path, *, study: bool, inputs: tuple[Path, ...] = ()) ->
             check_output(path, kind)
 
 
-def make_folder(folder: Path) -> Path:
-    """Make the folder of a run and that of its pictures, and check that files can be written there."""
+def make_folders(folder: Path, *inside: str) -> Path:
+    """Make the folder of a run and those inside it, and check that files can be written there."""
     try:
-        (folder / PICTURES).mkdir(parents=True, exist_ok=True)
-        # Rights alone do not tell what a file system takes.
-        for place in (folder, folder / PICTURES):
+        for place in (folder, *(folder / name for name in inside)):
+            place.mkdir(parents=True, exist_ok=True)
+            # Rights alone do not tell what a file system takes.
             with tempfile.TemporaryFile(dir=place):
                 pass
     except OSError as error:

@@ -4,14 +4,18 @@ import math
 from dataclasses import replace
 
 from crankbase.errors import InputError
-from crankbase.quantity import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.mechanism.two_masses import checked
 from crankfem.analyses.provenance import Repetition, provenance
-from crankfem.analyses.record import Record, attributes
-from crankfem.analyses.run_results import NamedThrow, RunResults, run_checks, throw_checks
+from crankfem.analyses.run_results import (
+    EngineFacts,
+    NamedThrow,
+    RunResults,
+    run_checks,
+    throw_checks,
+)
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.whole_records import shaft_balance, throws_in_shaft
 from crankfem.analyses.study.fit_records import fitted_study
@@ -43,7 +47,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
     first = next(iter(throws.values()))
     results = RunResults(
         about=provenance(),
-        engine=_engine_record(engine_file),
+        engine=_engine_facts(engine_file),
         inputs=input_values(engine_file),
         input_warnings=tuple(computed.inputs.mechanism.warnings),
         sources=engine_file.sources,
@@ -145,23 +149,26 @@ def _radial_force(inputs: RunInputs) -> float:
     return above * math.pi / 4.0 * inputs.engine_file.engine.bore**2
 
 
-def _engine_record(engine_file: EngineFile) -> Record:
+def _engine_facts(engine_file: EngineFile) -> EngineFacts:
     engine = engine_file.engine
-    return {
-        **attributes(engine, "name", "cylinders", "strokes", "bore", "stroke"),
-        "file": engine_file.path.name,
-        "v_engine": engine.bank_angles is not None,
-        "reciprocating": engine_file.vibration.reciprocating,
-        "crank_angles": list(engine.crank_angles),
-        "firing_order": list(engine.firing_order),
-        "firing_intervals_deg": list(engine.firing_intervals_deg),
-        "mean_piston_speed": engine.mean_piston_speed(engine.rated_speed),
-        "rated_speed_rpm": engine.rated_speed * RPM,
-        "lowest_speed_rpm": engine.lowest_speed * RPM,
-        "highest_speed_rpm": engine.highest_speed * RPM,
-        "major_orders": major_orders(
-            engine_orders(engine.strokes, engine_file.vibration.highest_order), engine.firing_angles
-        ).tolist(),
-        "highest_order": engine_file.vibration.highest_order,
-        "radial_force_from_gas": engine_file.gas is not None,
-    }
+    orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
+    return EngineFacts(
+        name=engine.name,
+        cylinders=engine.cylinders,
+        strokes=engine.strokes,
+        bore=engine.bore,
+        stroke=engine.stroke,
+        file=engine_file.path.name,
+        v_engine=engine.bank_angles is not None,
+        reciprocating=engine_file.vibration.reciprocating,
+        crank_angles=tuple(engine.crank_angles),
+        firing_order=tuple(engine.firing_order),
+        firing_intervals_deg=tuple(engine.firing_intervals_deg),
+        mean_piston_speed=engine.mean_piston_speed(engine.rated_speed),
+        rated_speed=engine.rated_speed,
+        lowest_speed=engine.lowest_speed,
+        highest_speed=engine.highest_speed,
+        major_orders=tuple(major_orders(orders, engine.firing_angles).tolist()),
+        highest_order=engine_file.vibration.highest_order,
+        radial_force_from_gas=engine_file.gas is not None,
+    )

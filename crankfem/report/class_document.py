@@ -28,7 +28,6 @@ def render_class_document(
         When, in words.
     """
     file, engine = run.engine_file, run.engine_file.engine
-    cranks = {"crank_angles": engine.crank_angles, "firing_order": engine.firing_order}
     return (
         page_environment()
         .get_template(TEMPLATE)
@@ -36,15 +35,14 @@ def render_class_document(
             engine=engine,
             file=file.path.name,
             parts=parts,
-            pictures={name: _embedded(path) for name, path in pictures.items()},
-            schematic=engine_schematic(cranks, run.torsional),
+            pictures={
+                name: f"data:image/svg+xml;base64,{base64.b64encode(path.read_bytes()).decode()}"
+                for name, path in pictures.items()
+            },
+            schematic=engine_schematic(engine.crank_angles, engine.firing_order, run.torsional),
             sources=file.sources,
             created=created,
             version=program_version(),
             style=Markup("\n".join(template_text(name) for name in STYLES)),
         )
     )
-
-
-def _embedded(path: Path) -> str:
-    return f"data:image/svg+xml;base64,{base64.b64encode(path.read_bytes()).decode()}"

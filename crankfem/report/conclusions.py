@@ -217,8 +217,8 @@ def _axial_amplitude(results: RunResults) -> str:
     forced = results.vibration.forced("axial")
     if forced is None:
         return ""
-    low, high = (results.engine[f"{end}_speed_rpm"] / RPM for end in ("lowest", "highest"))
-    inside = within(forced.speeds, low, high)
+    engine = results.engine
+    inside = within(forced.speeds, engine.lowest_speed, engine.highest_speed)
     if not np.any(inside):
         return ""
     reached = forced.free_end_motion.synthesis[inside]
@@ -296,7 +296,7 @@ def _by_whole(vibration: EngineVibration, assessment: Assessment) -> str:
 def _other_models(vibration: EngineVibration, assessment: Assessment) -> str:
     """State what is not modeled, and whether the verdict hangs on the bearings."""
     bearings = vibration.bearings
-    found = [text for text in assessment.all_beside if text not in assessment.by_whole]
+    found = [*assessment.all_beside[len(assessment.by_whole) :]]
     found += bearings.sentences if bearings is not None and bearings.flips else ()
     return with_three_digits(
         " ".join(dict.fromkeys(found))
@@ -361,7 +361,7 @@ def _without_forces(results: RunResults) -> list[str]:
     one = count == 1
     return [
         "Amplitudes and stresses are not calculated, so nothing can be compared with limits.",
-        f"{count} critical speed{'' if one else 's'} of orders up to {engine['highest_order']:g} "
+        f"{count} critical speed{'' if one else 's'} of orders up to {engine.highest_order:g} "
         f"{'is' if one else 'are'} in the running range.",
         *([f"{assumed} of {len(inputs)} inputs are assumed."] if assumed else []),
         "Add a section [gas] to the engine file to define the excitation.",

@@ -1,14 +1,12 @@
 """A schematic of the engine: cylinders and cranks, flywheel, damper and line along the shaft, and a star."""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from markupsafe import Markup, escape
 
 from crankfem.analyses.vibration.modes import Vibration
 
-Record = Mapping[str, Any]
 # Lengths of the drawing, without a unit.
 STEP, SHAFT, HEIGHT, STAR = 46.0, 118.0, 190.0, 170.0
 LEAST_DISC, LARGEST_DISC, THROW = 9.0, 44.0, 26.0
@@ -16,13 +14,15 @@ PISTON, APART = 24.0, 11.0
 LINE, FILL, ACCENT = "#1d2733", "#e9f1f8", "#1f5f99"
 
 
-def engine_schematic(engine: Record, chain: Vibration) -> Markup:
+def engine_schematic(
+    angles: Sequence[float], firing_order: Sequence[int], chain: Vibration
+) -> Markup:
     """Draw the engine as its torsional chain has it, from the free end, and the star of its cranks.
 
     Parameters
     ----------
-    engine : mapping
-        Its cranks by their angles.
+    angles : sequence of float
+        Of its cranks [rad].
     chain : Vibration
         The points of its torsional chain with their inertias.
 
@@ -31,14 +31,19 @@ def engine_schematic(engine: Record, chain: Vibration) -> Markup:
     Markup
         An SVG element.
     """
-    angles = engine["crank_angles"]
-    names, places, rings = _places(chain.nodes)
+    names = chain.nodes
+    # Those that ride on the free end.
+    rings = {name for name in names if "ring" in name.split() or "damper" in name}
+    places, along = [], -1
+    for name in names:
+        along += name not in rings
+        places.append(0 if name in rings else along)
     width = STEP * (max(places) + 1.5)
     largest = float(max(chain.inertia)) or 1.0
     drawn = [_line(STEP, SHAFT, width - STEP / 2.0, SHAFT, 4.0)]
-    own = zip(names, chain.inertia.tolist(), strict=True)
+    inertias = zip(names, chain.inertia.tolist(), strict=True)
     around = max(
-        (_ring_radius(inertia, largest) for name, inertia in own if name in rings), default=0.0
+        (_ring_radius(inertia, largest) for name, inertia in inertias if name in rings), default=0.0
     )
     crank, named_place, named_at = 0, -2, 0.0
     for name, place, inertia in zip(names, places, chain.inertia.tolist(), strict=True):
@@ -59,28 +64,18 @@ def engine_schematic(engine: Record, chain: Vibration) -> Markup:
             named_place, named_at = place, below
             drawn.append(_label(x, below, name))
     total = width + STAR
-    order = "-".join(str(one) for one in engine["firing_order"])
-    said = f"The engine along its shaft: {', '.join(names)}; firing order {order}"
+    order = "-".join(map(str, firing_order))
+    label = f"The engine along its shaft: {', '.join(names)}; firing order {order}"
     return Markup(
         '<svg viewBox="0 0 {} {}" role="img" aria-label="{}" '
         'font-family="sans-serif" font-size="10">{}{}</svg>'
     ).format(
         f"{total:.0f}",
         f"{HEIGHT:.0f}",
-        said,
+        label,
         Markup("").join(drawn),
         _star(width + STAR / 2.0, angles),
     )
-
-
-def _places(nodes: Sequence[str]) -> tuple[Sequence[str], list[int], set[str]]:
-    """Return the points' names, their places along the shaft, and those that ride on the free end."""
-    rings = {name for name in nodes if "ring" in name.split() or "damper" in name}
-    places, place = [], -1
-    for name in nodes:
-        place += name not in rings
-        places.append(0 if name in rings else place)
-    return nodes, places, rings
 
 
 def _radius(inertia: float, largest: float) -> float:
@@ -95,7 +90,7 @@ def _ring_radius(inertia: float, largest: float) -> float:
 
 def _line(x: float, y: float, to_x: float, to_y: float, width: float, color: str = LINE) -> Markup:
     return Markup('<path d="M{} {}L{} {}" stroke="{}" stroke-width="{}" fill="none"/>').format(
-        *(f"{one:.1f}" for one in (x, y, to_x, to_y)), color, f"{width:g}"
+        *(f"{length:.1f}" for length in (x, y, to_x, to_y)), color, f"{width:g}"
     )
 
 
@@ -138,7 +133,7 @@ def _crank(x: float, angle: float, number: str) -> Markup:
     )
 
 
-def _star(x: float, angles: list[float]) -> Markup:
+def _star(x: float, angles: Sequence[float]) -> Markup:
     """Draw the cranks as seen from the free end; cranks that stand alike share an arm."""
     y, arm = SHAFT - 22.0, 46.0
     arms: dict[int, list[int]] = {}

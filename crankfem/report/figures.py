@@ -75,7 +75,11 @@ def load_figures(
         drawn = Figure()
         if name in pictures:
             try:
-                drawn = _picture(_own_file(folder, pictures[name]))
+                path = _own_file(folder, pictures[name])
+                content = path.read_bytes()
+                text = base64.b64encode(content).decode()
+                source = f"data:{MEDIA_TYPES[path.suffix]};base64,{text}"
+                drawn = Figure(source, *_size(content, path.suffix))
             except (OSError, KeyError, struct.error):
                 unread.append(pictures[name])
         if name in plots:
@@ -101,13 +105,6 @@ def _own_file(folder: Path, name: str) -> Path:
 def script_text(text: str) -> Markup:
     """Return JSON that may stand in a script element: nothing in it can end or open one."""
     return Markup(text.strip().replace("<", "\\u003c"))
-
-
-def _picture(path: Path) -> Figure:
-    content = path.read_bytes()
-    width, height = _size(content, path.suffix)
-    text = base64.b64encode(content).decode()
-    return Figure(f"data:{MEDIA_TYPES[path.suffix]};base64,{text}", width, height)
 
 
 def _size(content: bytes, suffix: str) -> tuple[int, int]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crankbase.quantity import compact, format_number, nano, significant
+from crankbase.quantity import RPM, compact, format_number, nano, significant
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.run_results import RunResults
@@ -64,15 +64,16 @@ def summary(results: RunResults) -> Record:
 def engine_facts(results: RunResults) -> list[str]:
     """Say what the engine is, a phrase each: its layout, size, speeds, pressure and firing order."""
     engine, mechanism = results.engine, results.mechanism
-    count = engine["cylinders"]
-    arranged = "in V" if engine["v_engine"] else "in line"
+    count = engine.cylinders
+    arranged = "in V" if engine.v_engine else "in line"
     lowest, highest, rated = (
-        format_number(engine[f"{which}_speed_rpm"], 4) for which in ("lowest", "highest", "rated")
+        format_number(speed * RPM, 4)
+        for speed in (engine.lowest_speed, engine.highest_speed, engine.rated_speed)
     )
-    piston = significant(engine["mean_piston_speed"], 3)
+    piston = significant(engine.mean_piston_speed, 3)
     facts = [
-        f"{count} cylinder{'' if count == 1 else 's'} {arranged}, {engine['strokes']}-stroke",
-        f"bore {quantity(engine['bore'], 'm', 6)}, stroke {quantity(engine['stroke'], 'm', 6)}",
+        f"{count} cylinder{'' if count == 1 else 's'} {arranged}, {engine.strokes}-stroke",
+        f"bore {quantity(engine.bore, 'm', 6)}, stroke {quantity(engine.stroke, 'm', 6)}",
         f"{lowest} to {highest} 1/min, rated speed {rated} 1/min (mean piston speed {piston} m/s)",
     ]
     if mechanism is not None:
@@ -81,8 +82,8 @@ def engine_facts(results: RunResults) -> list[str]:
             f"{quantity(mechanism.mean_indicated_pressure, 'Pa', 3)}"
         )
     if count > 1:
-        order = f"firing order {'-'.join(map(str, engine['firing_order']))}"
-        facts.append(order + _firing(engine["firing_intervals_deg"]))
+        order = f"firing order {'-'.join(map(str, engine.firing_order))}"
+        facts.append(order + _firing(engine.firing_intervals_deg))
     return facts
 
 
@@ -186,7 +187,7 @@ def summary_parts(results: RunResults, units: OutputUnits = SI) -> Iterator[str]
     yield units.text(verdict_line(results.vibration, results.strength))
     for line in conclusions(results):
         yield units.text(f"- {line}")
-    yield units.text(f"{results.engine['name']}: {'; '.join(engine_facts(results))}.")
+    yield units.text(f"{results.engine.name}: {'; '.join(engine_facts(results))}.")
 
 
 # Critical speeds of each kind; --verbose and the report show more.

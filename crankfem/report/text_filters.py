@@ -65,11 +65,6 @@ def source_label(name: str) -> str:
     return SOURCE_WORDS.get(name, name)
 
 
-def field_label(name: str) -> str:
-    """Return the label of a field: its name in words."""
-    return name.replace("_", " ")
-
-
 def sentence(text: str) -> str:
     """Write a remark as a sentence; the name of a field keeps its small letter.
 
@@ -80,11 +75,6 @@ def sentence(text: str) -> str:
     """
     first = text[:1] if FIELD.match(text) else text[:1].upper()
     return f"{first}{text[1:].removesuffix('.')}."
-
-
-def typeset_signs(text: str) -> str:
-    """Typeset the signs of an equation as books print them."""
-    return text.replace(" * ", " · ").replace(" - ", " − ")
 
 
 def moment(text: str) -> str:
@@ -150,11 +140,6 @@ def loaded_most(bearings: Sequence[BearingLoad]) -> list[BearingLoad]:
     """Return the bearings with the largest load; several where they are alike but for round-off."""
     largest = max(bearing.largest for bearing in bearings)
     return [bearing for bearing in bearings if bearing.largest > (1.0 - ALIKE) * largest]
-
-
-def capped_share(value: float) -> float:
-    """Return a share for a bar that can be no longer than full."""
-    return min(1.0, value) if math.isfinite(value) else 1.0
 
 
 def head(text: str) -> Markup:
@@ -227,15 +212,17 @@ FILTERS = {
     "motion": motion,
     "tiny": tiny,
     "source": source_label,
-    "words": field_label,
+    "words": lambda name: name.replace("_", " "),
     "sentence": sentence,
-    "signs": typeset_signs,
+    # Signs of an equation as books print them.
+    "signs": lambda text: text.replace(" * ", " · ").replace(" - ", " − "),
     "moment": moment,
     "duration": duration,
     "check_figure": check_value_text,
     "check_allowed": check_limit_text,
     "loaded_most": loaded_most,
-    "bar": capped_share,
+    # A bar can be no longer than full.
+    "bar": lambda share: min(1.0, share) if math.isfinite(share) else 1.0,
     "used": format_usage,
     "head": head,
     "tied": keep_units_together,

@@ -29,6 +29,7 @@ from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.figures import PLOTS, load_figures
 from crankfem.report.summary import summary
 from crankfem.report.text_filters import FILTERS, source_label
+from dynamics import wording
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -96,7 +97,9 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
         .render(
             r=results,
             first=summary(results),
-            schematic=engine_schematic(results.engine, vibration.torsional),
+            schematic=engine_schematic(
+                results.engine.crank_angles, results.engine.firing_order, vibration.torsional
+            ),
             compliances=compared_compliances(
                 results.throw,
                 results.formulas,
@@ -128,7 +131,7 @@ def page_environment() -> "Environment":
         lstrip_blocks=True,
     )
     environment.filters |= FILTERS | {make.__name__: make for make in TABLES}
-    environment.globals["source_words"] = source_label
+    environment.globals |= {"source_words": source_label, "wording": wording}
     environment.filters["plot"] = PLOTS.__getitem__
     return environment
 

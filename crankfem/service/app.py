@@ -82,12 +82,6 @@ def make_app(settings: Settings) -> tuple[ASGIApp, JobRunner]:
     app.include_router(_service_routes(settings))
     app.include_router(job_routes(store, runner, settings.bounds))
     app.include_router(_page_routes())
-    _describe(app)
-    return Guard(QuickRoutes(app, quick), settings), runner
-
-
-def _describe(app: FastAPI) -> None:
-    """Add the records of quantities to the description of the API."""
     plain = app.openapi
 
     def openapi() -> dict[str, Any]:
@@ -96,6 +90,7 @@ def _describe(app: FastAPI) -> None:
         return schema
 
     app.openapi = openapi  # type: ignore[method-assign]
+    return Guard(QuickRoutes(app, quick), settings), runner
 
 
 def _service_routes(settings: Settings) -> APIRouter:
@@ -130,21 +125,16 @@ def _page_routes() -> APIRouter:
 
     @routes.get("/")
     async def read_page() -> Response:
-        return _page_file("index.html")
+        return await read_page_file("index.html")
 
     @routes.get("/page/{name}")
     async def read_page_file(name: str) -> Response:
-        return _page_file(name)
+        if name not in _page_files():
+            raise asking.ProblemError(404, "There is nothing at this path.")
+        text, media = _page_files()[name]
+        return Response(text, media_type=media)
 
     return routes
-
-
-def _page_file(name: str) -> Response:
-    file = _page_files().get(name)
-    if file is None:
-        raise asking.ProblemError(404, "There is nothing at this path.")
-    text, media = file
-    return Response(text, media_type=media)
 
 
 @cache
@@ -257,7 +247,7 @@ class _Server(uvicorn.Server):
 
     def handle_exit(self, sig: int, frame: Any) -> None:  # noqa: ARG002 - uvicorn's names
         # Who follows a job is let go first: the server waits for all that is under way, once.
-        self._runner.announce_stop()
+        self._runner.stopping = True
         self.force_exit = self.should_exit
         self.should_exit = True
 

@@ -4,7 +4,7 @@ Quantities are numbers in SI units or texts with units, as ``0.17`` or ``"170 mm
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any, Literal, TypeVar
 
@@ -80,16 +80,14 @@ async def answer_http_error(request: Request, error: Exception) -> Response:
     detail = details.get(status, HTTPStatus(status).phrase + ".")
     headers = dict(getattr(error, "headers", None) or {})
     if status == HTTPStatus.METHOD_NOT_ALLOWED:
-        headers["Allow"] = ", ".join(_methods(request))
+        # Of all routes at the path: a route alone names its own.
+        scopes = [dict(request.scope) | {"method": method} for method in METHODS]
+        headers["Allow"] = ", ".join(
+            scope["method"]
+            for scope in scopes
+            if any(route.matches(scope)[0] is Match.FULL for route in request.app.routes)
+        )
     return problem_response(problem(status, detail), headers)
-
-
-def _methods(request: Request) -> Iterator[str]:
-    """Methods of all routes at the path of a request; a route alone names its own in its error."""
-    for method in METHODS:
-        scope = dict(request.scope) | {"method": method}
-        if any(route.matches(scope)[0] is Match.FULL for route in request.app.routes):
-            yield method
 
 
 async def answer_fault(_: Request, error: Exception) -> Response:
@@ -127,10 +125,8 @@ class OutlineQuestion(ThrowQuestion):
     view: Literal["side", "front"] = Field("side", description="from where to look")
 
 
-def _angle(default: float | None) -> Any:
-    return quantity_field(
-        "angle between neighboring cranks [deg]", "", minimum=-360.0, maximum=360.0, default=default
-    )
+def _angle(default: float | None, meaning: str = "angle between neighboring cranks [deg]") -> Any:
+    return quantity_field(meaning, "", minimum=-360.0, maximum=360.0, default=default)
 
 
 class FormulasQuestion(ThrowQuestion):
@@ -143,12 +139,8 @@ class NeighborsQuestion(InputModel):
     """Angles to the neighbors of a throw."""
 
     gamma_deg: float | None = _angle(None)
-    left_gamma_deg: float | None = quantity_field(
-        "angle to the left neighbor where it differs, for reactions and finite elements [deg]",
-        "",
-        minimum=-360.0,
-        maximum=360.0,
-        default=None,
+    left_gamma_deg: float | None = _angle(
+        None, "angle to the left neighbor where it differs, for reactions and finite elements [deg]"
     )
 
     def read_neighbors(self) -> Neighbors | None:

@@ -220,15 +220,14 @@ class Guard:
         if length is not None and b"transfer-encoding" in headers:
             return 400, "The request has both Content-Length and Transfer-Encoding."
         host = headers.get(b"host", b"").decode("latin-1")
-        name = _host_name(host)
-        if name is None:
+        read = HOST.fullmatch(host)
+        if read is None:
             return 400, "The header Host is no name or address, with or without a port."
-        if self._loopback and name not in LOOPBACK:
+        if self._loopback and (read["address"] or read["name"]).lower() not in LOOPBACK:
             return 403, "This service answers to this machine's own names alone."
         origin = headers.get(b"origin")
-        if origin is not None and urlsplit_host(origin.decode("latin-1")) != host:
-            return 403, "Requests from pages of other origins are refused."
-        if headers.get(b"sec-fetch-site") == b"cross-site" and _is_api(scope):
+        foreign = origin is not None and _origin_host(origin.decode("latin-1")) != host
+        if foreign or (headers.get(b"sec-fetch-site") == b"cross-site" and _is_api(scope)):
             return 403, "Requests from pages of other origins are refused."
         most = self._most(scope)
         if length is not None and not (length.isdigit() and float(length) <= most):
@@ -279,18 +278,12 @@ def _brings(headers: dict[bytes, bytes], key: str) -> bool:
     return cookie is not None and is_key(cookie.value, key)
 
 
-def urlsplit_host(origin: str) -> str | None:
+def _origin_host(origin: str) -> str | None:
     """Return host and port of an origin; None for what is none."""
     try:
         return urlsplit(origin).netloc or None
     except ValueError:
         return None
-
-
-def _host_name(host: str) -> str | None:
-    """Return the name or the address in a Host header, without its port; None for what is no such header."""
-    read = HOST.fullmatch(host)
-    return None if read is None else (read["address"] or read["name"]).lower()
 
 
 def _too_large(most: int) -> str:

@@ -13,6 +13,7 @@ from starlette.responses import FileResponse, Response, StreamingResponse
 
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError
+from crankbase.model import InputModel
 from crankfem.service.answers import ENDED, CheckedText, Health, Job, Jobs
 from crankfem.service.asking import (
     AnalysisQuestion,
@@ -63,6 +64,9 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
     checker = IsolatedProcess()
     followers = Followers(store, lambda: runner.stopping)
 
+    def queued(asked: type[InputModel]) -> dict[str, Any]:
+        return described(Job, asked, 429, 507, status=202, says="queued")
+
     def job_named(name: str) -> Job:
         job = store.job(name) if CHECKED.fullmatch(name) else None
         if job is None:
@@ -94,31 +98,20 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         try:
             # A process that has just started takes its time on a busy machine.
             checker.call("crankfem.service.tasks:load_checks", time_limit=LOADING)
-            answer: dict[str, Any] = checker.call(
-                "crankfem.service.tasks:check_upload",
-                asked.model_dump(),
-                time_limit=bounds.check_seconds,
-            )
+            task, limit = "crankfem.service.tasks:check_upload", bounds.check_seconds
+            checked: dict[str, Any] = checker.call(task, asked.model_dump(), time_limit=limit)
         except ProcessLostError as lost:
             raise InputError(f"text: given a file that cannot be checked: {lost}.") from None
-        return answer
+        return checked
 
-    @routes.post(
-        "/throws/analysis",
-        tags=["throws"],
-        **described(Job, AnalysisQuestion, 429, 507, status=202, says="queued"),
-    )
+    @routes.post("/throws/analysis", tags=["throws"], **queued(AnalysisQuestion))
     async def analyze_throw(request: Request) -> Response:
         """Analyze a throw by finite elements: compliances, 12 x 12 stiffness, reactions, error bars."""
         asked = await read_question(request, AnalysisQuestion)
         asked.read_throw(), asked.read_material(), asked.read_neighbors()
         return submit("analysis", "throw", asked.model_dump())
 
-    @routes.post(
-        "/throws/stress",
-        tags=["throws"],
-        **described(Job, StressQuestion, 429, 507, status=202, says="queued"),
-    )
+    @routes.post("/throws/stress", tags=["throws"], **queued(StressQuestion))
     async def analyze_stress(request: Request) -> Response:
         """Find the stresses at a throw's fillets."""
         asked = await read_question(request, StressQuestion)
@@ -131,20 +124,12 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         asked = await read_question(request, FileQuestion)
         return answer(await anyio.to_thread.run_sync(check, asked))
 
-    @routes.post(
-        "/studies",
-        tags=["files"],
-        **described(Job, FileQuestion, 429, 507, status=202, says="queued"),
-    )
+    @routes.post("/studies", tags=["files"], **queued(FileQuestion))
     async def run_study(request: Request) -> Response:
         """Run the study of a file with the sections [throw] and [study], and fit its equations."""
         return await submit_file(request, "study", "doe")
 
-    @routes.post(
-        "/engines",
-        tags=["files"],
-        **described(Job, FileQuestion, 429, 507, status=202, says="queued"),
-    )
+    @routes.post("/engines", tags=["files"], **queued(FileQuestion))
     async def run_engine(request: Request) -> Response:
         """Run a whole engine file: everything, and a report."""
         return await submit_file(request, "engine", "run")

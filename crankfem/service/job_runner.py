@@ -36,7 +36,8 @@ class JobRunner:
     def __init__(self, store: JobStore, bounds: Bounds) -> None:
         self._store, self._bounds = store, bounds
         self._work = threading.Condition()
-        self._stopping, self._recovered = False, False
+        # Whether the service ends: no other job begins, and those who follow jobs are let go.
+        self.stopping, self._recovered = False, False
         self._ending = threading.Event()
         # By thread: why it does not run jobs, since when, and whether it has given up.
         self._troubles: dict[int, tuple[str, float, bool]] = {}
@@ -58,22 +59,13 @@ class JobRunner:
     def stop(self) -> None:
         """End; jobs that run wait for the next service."""
         with self._work:
-            self._stopping = True
+            self.stopping = True
             self._ending.set()
             for process in self._running.values():
                 process.kill()
             self._work.notify_all()
         for thread in self._threads:
             thread.join()
-
-    def announce_stop(self) -> None:
-        """Let those who follow jobs go, and begin no other job."""
-        self._stopping = True
-
-    @property
-    def stopping(self) -> bool:
-        """Whether the service ends."""
-        return self._stopping
 
     def health(self) -> dict[str, Any]:
         """Return whether jobs run, and what is wrong."""
@@ -118,12 +110,7 @@ class JobRunner:
     def cancel(self, name: str) -> None:
         """End a job that waits or runs."""
         with self._work:
-            process = self._running.get(name)
-            if process is not None:
-                self._ended[name] = "canceled"
-                process.kill()
-                return
-            job = self._store.job(name)
+            job = None if self._end(name, "canceled") else self._store.job(name)
             if job is not None and job.state == "queued":
                 self._store.settle(name, "canceled")
 
@@ -131,7 +118,7 @@ class JobRunner:
         """Run jobs, whatever becomes of one, of its process or of the store, until the service ends."""
         process: CallProcess | None = None
         worked, tries, failed = False, 0, 0.0
-        while not self._stopping:
+        while not self.stopping:
             try:
                 self._store.check()
                 if process is None or not process.alive:
@@ -156,7 +143,7 @@ class JobRunner:
     def _next(self, process: CallProcess) -> tuple[str, str, dict[str, Any], int] | None:
         """Take a job for a process, or wait for one."""
         with self._work:
-            if self._stopping:
+            if self.stopping:
                 return None
             if not self._recovered:
                 self._store.queue_again(TRIES + 1, LOST_WITH_SERVICE)
@@ -181,7 +168,7 @@ class JobRunner:
             self._ending.wait(min(PAUSE * 2 ** min(tries - 1, STARTS), LONGEST_PAUSE))
             return
         with self._work:
-            if not self._stopping:
+            if not self.stopping:
                 self._work.wait()  # for a job that is submitted
 
     def _do(
@@ -194,7 +181,7 @@ class JobRunner:
         attempts: int,
     ) -> None:
         """Have a process do a job, and record how that ended, as soon as it can be."""
-        timer = threading.Timer(self._bounds.job_seconds, self._expire, (name,))
+        timer = threading.Timer(self._bounds.job_seconds, self._end, (name, "expired"))
         timer.daemon = True
         # Notes that could not be recorded when they were made.
         notes: list[str] = []
@@ -210,7 +197,7 @@ class JobRunner:
                 del self._running[name]
                 self._ended.pop(name, None)
         tries = 0
-        while not (tries and self._stopping):
+        while not (tries and self.stopping):
             try:
                 self._store.settle(name, **settled, notes=notes)
             except Exception as error:
@@ -258,9 +245,10 @@ class JobRunner:
             if ended == "canceled":
                 return {"state": "canceled"}
             if ended == "expired":
-                text = f"The job took longer than the limit of {bounds.job_seconds:g} s."
-                return _failed(500, text)
-            if self._stopping:
+                return _failed(
+                    500, f"The job took longer than the limit of {bounds.job_seconds:g} s."
+                )
+            if self.stopping:
                 # It was no fault of the job's: this time does not count.
                 return {"state": "queued", "attempts": attempts - 1}
             if attempts >= TRIES:
@@ -282,12 +270,14 @@ class JobRunner:
             return {"state": "queued", "attempts": attempts - 1}
         return {"state": "done"}
 
-    def _expire(self, name: str) -> None:
+    def _end(self, name: str, why: str) -> bool:
+        """End a job's process, and return whether it has one."""
         with self._work:
             process = self._running.get(name)
             if process is not None:
-                self._ended[name] = "expired"
+                self._ended[name] = why
                 process.kill()
+            return process is not None
 
 
 def _is_full(error: Exception) -> bool:

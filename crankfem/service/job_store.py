@@ -71,7 +71,12 @@ class JobStore:
             )
             self._base.row_factory = sqlite3.Row
             self._base.execute("PRAGMA journal_mode = WAL")
-            self._take_for_itself()
+            # Other services are kept out as long as this one lives.
+            self._held = sqlite3.connect(
+                folder / "service.sqlite", timeout=0.5, check_same_thread=False
+            )
+            self._held.execute("PRAGMA locking_mode = EXCLUSIVE")
+            self._held.execute("BEGIN EXCLUSIVE")
             (version,) = self._base.execute("PRAGMA user_version").fetchone()
             if version > VERSION:
                 raise InputError(
@@ -87,13 +92,6 @@ class JobStore:
                 f"--folder: given {folder}, which cannot be used ({getattr(error, 'strerror', error)}); "
                 "allowed is a folder to write to, which no other service uses."
             ) from None
-
-    def _take_for_itself(self) -> None:
-        """Keep other services out, as long as this one lives."""
-        lock = sqlite3.connect(self.folder / "service.sqlite", timeout=0.5, check_same_thread=False)
-        lock.execute("PRAGMA locking_mode = EXCLUSIVE")
-        lock.execute("BEGIN EXCLUSIVE")
-        self._held = lock
 
     def close(self) -> None:
         """Let the files go."""
@@ -196,12 +194,6 @@ class JobStore:
         """Return the newest jobs."""
         rows = self._rows("SELECT * FROM jobs ORDER BY created DESC LIMIT ?", most)
         return [self._job(row) for row in rows]
-
-    def question(self, name: str) -> dict[str, Any]:
-        """Return the request of a job."""
-        (row,) = self._rows("SELECT question FROM jobs WHERE id = ?", name)
-        question: dict[str, Any] = json.loads(row["question"])
-        return question
 
     def place(self, name: str) -> Path:
         """Return the folder of a job's files."""

@@ -19,7 +19,7 @@ from crankbase.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra
 from crankbase.quantity import parse_quantity
-from crankfem.analyses.file_check import shape_record
+from crankfem.analyses.file_check import throw_shape
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.formula_records import formulas_of
 from crankfem.analyses.throw.law_record import LAW_BANDS, end_answers, neighbor_answers
@@ -47,59 +47,13 @@ from crankfem.service.guard import Bounds
 from crankfem.service.job_store import JobStore
 from crankfem.service.responses import answer, described
 from crankfem.service.tasks import MODEL
-from fem.material import Material
-from fem.supports import Neighbors, Support
+from fem.supports import Neighbors
 from geometry.plots.throw_plot import outline_svg
 from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import throw_laws
 from regression.models.compliance_model import ComplianceModel
 from regression.models.lookup import ReactionLookup
-
-
-def law_answer(
-    throw: CrankThrow,
-    material: Material,
-    gamma_deg: float | None = None,
-    pin_force: Sequence[float] | None = None,
-    support: Support = "pinned",
-) -> Record:
-    """Return compliances, influence coefficients and reactions of a throw by the law.
-
-    Parameters
-    ----------
-    gamma_deg : float, optional
-        Angle to equal neighbors, one more support [deg].
-    pin_force : (3,) sequence of float, optional
-        Across the shaft, in the throw frame [N]; without it no reactions are returned.
-    support : "pinned", "guided" or Neighbors
-        For the reactions.
-    """
-    axial, torsional = throw_laws(
-        throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
-    )
-    values = {}
-    for name, lookup_record in end_answers(axial, torsional).items():
-        if lookup_record.support:
-            values[f"{name.removesuffix('_guided')}_{lookup_record.support}"] = lookup_record
-    if gamma_deg is not None:
-        for name, lookup_record in neighbor_answers(axial, gamma_deg).items():
-            values[f"{name}_neighbors"] = lookup_record
-    remarks = [f"{LAW_BANDS} The ratio closest to a limit of the law: {axial.nearest_limit}."]
-    reactions = None
-    if pin_force is not None and not throw.parts.mirrored:
-        remarks.append("No reactions: the law has those of throws with equal webs only.")
-    elif pin_force is not None:
-        lookup = law_reactions(throw, pin_force, support, poisson_ratio=material.poisson_ratio)
-        reactions = reactions_record(lookup)
-    return {
-        "values": values,
-        "ratio": axial.ratio,
-        "reactions": reactions,
-        "tier": axial.tier,
-        "nearest_limit": axial.nearest_limit,
-        "remarks": remarks,
-    }
 
 
 def reactions_record(lookup: ReactionLookup) -> Record:
@@ -155,7 +109,7 @@ class QuickRoutes:
 
 
 NAME = re.compile(r"[\w.+-]{1,80}", re.ASCII)
-TOLD = ("value", "lower", "upper", "inside", "unit", "symbol", "support", "remarks", "band")
+SHOWN = ("value", "lower", "upper", "inside", "unit", "symbol", "support", "remarks", "band")
 # From so many throws on a lookup is calculated beside the other requests.
 MANY = 500
 OF_JOB = "job-"
@@ -249,35 +203,28 @@ def model_routes(models: Models, bounds: Bounds) -> APIRouter:
     @routes.get("/{name}", **described(ModelDescription, None, 404, 422))
     async def describe_model(name: str) -> Response:
         """Return what a model answers, and for which throws."""
-        return answer(_description(name, models.named(name)))
+        model = models.named(name)
+        family = model.family
+        known = ("symbol", "unit", "support", "equation", "band_error", "largest_fe_error")
+        return answer(
+            {
+                "name": name,
+                "responses": {
+                    key: attributes(response, *known) for key, response in model.responses.items()
+                },
+                **attributes(family, "ranges", "categories", "fixed", "labels"),
+                "units": family.all_units,
+                "material": dict(model.material),
+            }
+        )
 
     return routes
 
 
-def _description(name: str, model: ComplianceModel) -> dict[str, Any]:
-    family = model.family
-    known = ("symbol", "unit", "support", "equation", "band_error", "largest_fe_error")
-    return {
-        "name": name,
-        "responses": {
-            key: {part: getattr(response, part) for part in known}
-            for key, response in model.responses.items()
-        },
-        "ranges": dict(family.ranges),
-        "categories": {key: list(labels) for key, labels in family.categories.items()},
-        "fixed": dict(family.fixed),
-        "labels": dict(family.labels),
-        "units": family.all_units,
-        "material": dict(model.material),
-    }
-
-
 def _lookups(model: ComplianceModel, asked: LookupQuestion, rows: int | None) -> dict[str, Any]:
-    dimensions = (
-        {}
-        if asked.throw is None
-        else model.dimensions_of(read_record(CrankThrow, asked.throw, "throw"))
-    )
+    dimensions: dict[str, Any] = {}
+    if asked.throw is not None:
+        dimensions |= model.dimensions_of(read_record(CrankThrow, asked.throw, "throw"))
     dimensions |= _dimensions(model, asked.dimensions)
     looked_up, refused = model.look_all_up(
         asked.responses,
@@ -290,19 +237,15 @@ def _lookups(model: ComplianceModel, asked: LookupQuestion, rows: int | None) ->
         raise next(iter(refused.values()))
     if not looked_up:
         raise InputError("responses: given none; allowed are those of the model.")
-    responses = {}
-    for name, lookup in looked_up.items():
-        record = lookup.to_record()
-        responses[name] = {part: record[part] for part in TOLD}
     reactions = None
     if asked.pin_force is not None:
-        made = model.reactions(
-            asked.pin_force, asked.read_support(), strict=asked.strict, **dimensions
+        support = asked.read_support()
+        reactions = reactions_record(
+            model.reactions(asked.pin_force, support, strict=asked.strict, **dimensions)
         )
-        reactions = reactions_record(made)
     return {
         "rows": rows,
-        "responses": responses,
+        "responses": {name: attributes(lookup, *SHOWN) for name, lookup in looked_up.items()},
         "refused": {name: str(reason) for name, reason in refused.items()},
         "reactions": reactions,
     }
@@ -355,9 +298,26 @@ async def evaluate_law(request: Request) -> Response:
     """Return compliances, c and reactions of a throw by the law, with bands, without finite elements."""
     asked = await read_question(request, LawQuestion)
     throw, material, support = asked.read_throw(), asked.read_material(), asked.read_support()
+    rigidity = {"poisson_ratio": material.poisson_ratio}
 
     def evaluated() -> Response:
-        return answer(law_answer(throw, material, asked.gamma_deg, asked.pin_force, support))
+        axial, torsional = throw_laws(throw, youngs_modulus=material.youngs_modulus, **rigidity)
+        values = {
+            f"{name.removesuffix('_guided')}_{lookup.support}": lookup
+            for name, lookup in end_answers(axial, torsional).items()
+            if lookup.support
+        }
+        if asked.gamma_deg is not None:
+            between = neighbor_answers(axial, asked.gamma_deg)
+            values |= {f"{name}_neighbors": lookup for name, lookup in between.items()}
+        remarks = [f"{LAW_BANDS} The ratio closest to a limit of the law: {axial.nearest_limit}."]
+        reactions = None
+        if asked.pin_force is not None and not throw.parts.mirrored:
+            remarks.append("No reactions: the law has those of throws with equal webs only.")
+        elif asked.pin_force is not None:
+            reactions = reactions_record(law_reactions(throw, asked.pin_force, support, **rigidity))
+        shared = attributes(axial, "ratio", "tier", "nearest_limit")
+        return answer(shared | {"values": values, "reactions": reactions, "remarks": remarks})
 
     # A chain of throws takes long enough to hold others up.
     return await to_thread.run_sync(evaluated) if isinstance(support, Neighbors) else evaluated()
@@ -370,7 +330,7 @@ async def validate_throw(request: Request) -> Response:
     throw, material = asked.read_throw(), asked.read_material()
     return answer(
         {
-            "shape": shape_record(throw),
+            "shape": throw_shape(throw).to_record(),
             "dimensions": throw.model_dump(mode="json", exclude_defaults=True),
             "material": material.model_dump(),
             "toml": "\n".join([*_toml("throw", throw), *_toml("material", material)]) + "\n",

@@ -16,20 +16,20 @@ JSON = "application/json"
 REF = "#/components/schemas/"
 RECORDS: tuple[type[InputModel], ...] = (CrankThrow, Material)
 REFUSALS = {
-    "400": "no JSON",
-    "401": "the key is missing or wrong",
-    "403": "a foreign origin",
-    "404": "nothing of that name",
-    "405": "another method",
-    "408": "the request took too long to arrive",
-    "409": "not now",
-    "413": "too large",
-    "415": "another media type",
-    "422": "input that cannot be used, with a sentence for each wrong field",
-    "429": "the queue is full; Retry-After gives the time to wait",
-    "500": "a fault of the service",
-    "503": "busy, or jobs cannot be recorded or run; try again later",
-    "507": "the disk is full",
+    400: "no JSON",
+    401: "the key is missing or wrong",
+    403: "a foreign origin",
+    404: "nothing of that name",
+    405: "another method",
+    408: "the request took too long to arrive",
+    409: "not now",
+    413: "too large",
+    415: "another media type",
+    422: "input that cannot be used, with a sentence for each wrong field",
+    429: "the queue is full; Retry-After gives the time to wait",
+    500: "a fault of the service",
+    503: "busy, or jobs cannot be recorded or run; try again later",
+    507: "the disk is full",
 }
 
 
@@ -57,7 +57,7 @@ def described(
         good = {"model": kind}
     options["responses"] = {status: good | {"description": says or "answered"}} | {
         code: {
-            "description": REFUSALS[str(code)],
+            "description": REFUSALS[code],
             "content": {MEDIA_TYPE: {"schema": {"$ref": f"{REF}{Problem.__name__}"}}},
         }
         for code in sorted(codes)

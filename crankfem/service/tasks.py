@@ -9,7 +9,7 @@ from typing import Any
 
 from crankbase.errors import InputError
 from crankbase.outputs import write_text
-from crankbase.results import json_text
+from crankbase.results import Result, json_text
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import TomlFile, read_toml
 from crankfem.service.asking import UNIT_FORCE, AnalysisQuestion, FileQuestion, StressQuestion
@@ -22,8 +22,9 @@ MOST_TABLES = 200
 KEPT = "sent"
 
 
-def read_upload(asked: FileQuestion) -> TomlFile:
+def read_upload(question: Mapping[str, Any]) -> TomlFile:
     """Read an uploaded file; whatever reads the files that it names gets those sent with it, and no other."""
+    asked = FileQuestion(**question)
     _check_name("name", asked.name, (".toml",))
     if len(asked.tables) > MOST_TABLES:
         raise InputError(
@@ -41,11 +42,13 @@ def read_upload(asked: FileQuestion) -> TomlFile:
     return read_toml(InputFiles(Path(asked.name), contents))
 
 
-def keep_upload(content: TomlFile, folder: Path) -> None:
-    """Write an uploaded file, and those sent with it, where nothing that a job writes is."""
+def _kept_upload(question: Mapping[str, Any], folder: Path) -> TomlFile:
+    """Read an uploaded file; write it, and those sent with it, where nothing that a job writes is."""
+    content = read_upload(question)
     (folder / KEPT).mkdir(exist_ok=True)
     for name, sent in (content.files.sent or {}).items():
         (folder / KEPT / name).write_bytes(sent)
+    return content
 
 
 def _encoded(name: str, text: str) -> bytes:
@@ -137,7 +140,6 @@ def run_job(
 
 def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldProgress) -> None:
     from crankfem.analyses.provenance import provenance
-    from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.formula_records import formulas_of
     from crankfem.analyses.throw.pictures.drawing import write_drawing
     from crankfem.analyses.throw.stress import stress_results, stresses_or_reason
@@ -167,7 +169,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
         "fillets": None,
         "fillet_note": None,
     }
-    _write(folder, with_units(record))
+    _write(folder, record)
     reporter.step("Drawing the throw")
     throw_view(folder, analysis)
     if asked.stress:
@@ -176,7 +178,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
         if stresses is not None:
             record["fillets"] = stress_results(stresses)
             throw_view(folder, analysis, stresses)
-        _write(folder, with_units(record))
+        _write(folder, record)
     reporter.step("Writing the solid")
     write_text(folder / SOLID, step_text(throw, "full"), "solid")
     reporter.step("Drawing the dimensions")
@@ -184,29 +186,26 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
 
 
 def _stress(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldProgress) -> None:
-    from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.stress import stress_results
     from fem.fillet_stress import fillet_stresses
 
     asked = StressQuestion(**question)
     reporter.step("Calculating stresses at the fillets")
     stresses = fillet_stresses(asked.read_throw(), asked.read_material(), asked.accuracy)
-    _write(folder, with_units(stress_results(stresses)))
+    _write(folder, stress_results(stresses))
 
 
 def _study(question: Mapping[str, Any], folder: Path, workers: int, reporter: ToldProgress) -> None:
-    from crankfem.analyses.record import with_units
     from crankfem.analyses.study.fit_records import fitted_study
     from crankfem.analyses.study.studies import run_study
 
-    content = read_upload(FileQuestion(**question))
-    keep_upload(content, folder)
+    content = _kept_upload(question, folder)
     reporter.step("Running the study")
     study = run_study(
         content, folder / "study.sqlite", workers, reporter.design, note=reporter.note
     )
     study.model.save(folder / MODEL)
-    _write(folder, with_units(fitted_study(study.table, study.fits, study.model)))
+    _write(folder, fitted_study(study.table, study.fits, study.model))
 
 
 def _engine(
@@ -215,14 +214,15 @@ def _engine(
     from crankfem.jobs.pipeline import run_engine
     from crankfem.jobs.run_files import results_text
 
-    content = read_upload(FileQuestion(**question))
-    keep_upload(content, folder)
+    content = _kept_upload(question, folder)
     made = run_engine(content, folder / "results", workers=workers, progress=reporter)
     write_text(folder / RESULT, results_text(made.results), "results")
 
 
-def _write(folder: Path, record: Mapping[str, Any]) -> None:
-    write_text(folder / RESULT, json_text(record), "results")
+def _write(folder: Path, content: dict[str, Any] | Result) -> None:
+    from crankfem.analyses.record import with_units
+
+    write_text(folder / RESULT, json_text(with_units(content)), "results")
 
 
 _JOBS: dict[str, Callable[[Mapping[str, Any], Path, int, ToldProgress], None]] = {
@@ -237,7 +237,7 @@ def check_upload(question: Mapping[str, Any]) -> dict[str, Any]:
     """Read and check an uploaded file, and return its interpretation."""
     from crankfem.analyses.file_check import check_file, check_record
 
-    record = check_record(check_file(read_upload(FileQuestion(**question))))
+    record = check_record(check_file(read_upload(question)))
     return {
         name: record[name]
         for name in ("kind", "valid", "commands", "remarks", "warnings", "dimensions")

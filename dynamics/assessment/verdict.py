@@ -14,6 +14,7 @@ from crankbase.diagrams import (
     ORANGE,
     ORDER_COLORS,
     RED,
+    draw_bands,
     legend_below,
     legend_inside,
     new_axes,
@@ -40,7 +41,7 @@ from dynamics.assessment.limits import (
     worst_use,
 )
 from dynamics.indices import at_most, within
-from dynamics.plots.curves import SPEED_LABEL, draw_barred, in_unit, set_speed_axis
+from dynamics.plots.curves import SPEED_LABEL, barred_bands, in_unit, set_speed_axis
 from dynamics.response.peak_cause import PeakCause
 from dynamics.wording import (
     check_sentence,
@@ -323,7 +324,7 @@ class Verdict(Result):
         axes = new_axes(axes)
         low, highest = self.running_range
         end = max(check.judged[1] for check in self.checks)
-        draw_barred(axes, self.ranges_to_bar)
+        draw_bands(axes, barred_bands(self.ranges_to_bar))
         worst = sorted(self.checks, key=lambda check: -check.used)[:WORST_DRAWN]
         for check, color in zip(worst, ORDER_COLORS, strict=False):
             speeds = check.curve.speeds

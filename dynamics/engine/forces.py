@@ -20,7 +20,18 @@ from crankbase.array_checks import (
     turning_speeds,
 )
 from crankbase.choices import is_whole, whole_within
-from crankbase.diagrams import draw_curves, new_axes, write_title
+from crankbase.diagrams import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    Curves,
+    Dash,
+    Series,
+    draw_curves,
+    legend_inside,
+    new_axes,
+    write_title,
+)
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
 from crankbase.quantity import format_number
@@ -28,7 +39,6 @@ from crankbase.summaries import summarized
 from dynamics.cycle import (
     check_even_cycle,
     cycle_degrees,
-    cycle_radians,
     even_angles,
     has_closing_sample,
 )
@@ -44,7 +54,7 @@ from dynamics.engine.rods import PointMotion, RodModel, TurnMotion, carried_poin
 from dynamics.gas.gas_cycle import FullLoad, GasCycle, GasCycleResult, gas_cycle
 from dynamics.gas.pressure import ATMOSPHERE, GasPressure, Position
 from dynamics.harmonics import Harmonics, harmonics
-from dynamics.plots.curves import FROM_FIRING, KILO, angle_axis, draw_over_angle, number_axis
+from dynamics.plots.curves import FROM_FIRING, KILO, angle_axis, number_axis
 from dynamics.plots.load_diagrams import Frame, check_polar, developed_load, draw_polar_loads
 
 # Angles among which a piston's ends of stroke are looked for, and steps of Newton's method after.
@@ -356,25 +366,12 @@ class MechanismForces:
 
     def plot(self, axes: Axes | None = None, cylinder: int = 1) -> Axes:
         """Draw gas force, tangential force and side force of a cylinder over its cycle."""
-        place = whole_within("cylinder", cylinder, 1, len(self.gas), "the engine has that many") - 1
-        since_firing = (
-            np.radians(self.shaft_angles_deg) - np.radians(self.engine.firing_deg[place])
-        ) % cycle_radians(self.engine.strokes)
-        order = np.argsort(since_firing)
-        curves = {
-            "gas, towards the shaft": self.gas,
-            "tangential, T": self.tangential,
-            "side, N": self.side,
-        }
-        return draw_over_angle(
-            axes,
-            since_firing[order],
-            {name: KILO * values[place][order] for name, values in curves.items()},
-            "force [kN]",
-            title=f"Forces of cylinder {cylinder}",
-            angle_label=FROM_FIRING,
-            cyclic=False,
-        )
+        whole_within("cylinder", cylinder, 1, len(self.gas), "the engine has that many")
+        axes = new_axes(axes)
+        draw_curves(axes, piston_forces(self, cylinder))
+        write_title(axes, f"Forces of cylinder {cylinder}")
+        legend_inside(axes)
+        return axes
 
     def to_xarray(self) -> Dataset:
         """Return all forces over cylinder and shaft angle, with the speed."""
@@ -396,6 +393,30 @@ class MechanismForces:
                 "shaft_angle": angle_axis(self.shaft_angles_deg),
             },
         )
+
+
+def piston_forces(forces: MechanismForces, cylinder: int) -> Curves:
+    """Describe gas force, tangential force and side force of a cylinder, from 1, over its cycle."""
+    since_firing = (
+        forces.shaft_angles_deg - forces.engine.firing_deg[cylinder - 1]
+    ) % cycle_degrees(forces.engine.strokes)
+    order = np.argsort(since_firing)
+    looks: tuple[tuple[FloatArray, str, Dash, str], ...] = (
+        (forces.gas, BLUE, "solid", "gas, towards the shaft"),
+        (forces.tangential, ORANGE, "dash", "tangential, T"),
+        (forces.side, GREEN, "dashdot", "side, N"),
+    )
+    return Curves(
+        since_firing[order],
+        tuple(
+            Series(name, KILO * values[cylinder - 1][order], color=color, dash=dash)
+            for values, color, dash, name in looks
+        ),
+        FROM_FIRING,
+        "force [kN]",
+        signed=True,
+        x_step=90.0,
+    )
 
 
 def mechanism_forces(

@@ -19,9 +19,10 @@ from crankbase.array_checks import (
     turning_speeds,
 )
 from crankbase.choices import check_choice, whole_number, whole_within
-from crankbase.diagrams import legend_inside, new_axes, write_title
+from crankbase.diagrams import Curves, draw_curves, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
+from crankbase.quantity import RPM
 from crankbase.summaries import summarized
 from dynamics.cycle import cycle_radians, even_angles, order_step
 from dynamics.engine import RodModelName
@@ -44,10 +45,10 @@ from dynamics.harmonics import Harmonics
 from dynamics.plots.curves import (
     KILO,
     MAIN_ORDERS,
-    draw_orders,
+    SPEED_LABEL,
     number_axis,
+    order_series,
     orders_and_speeds,
-    set_speed_axis,
 )
 from dynamics.response.order_excitation import at_angles, checked_speed_index, checked_speeds
 from dynamics.torque import DEFAULT_SAMPLES, checked_throws, throws_along_shaft
@@ -55,6 +56,7 @@ from dynamics.torque import DEFAULT_SAMPLES, checked_throws, throws_along_shaft
 TURN = 2.0 * math.pi
 # The forces of moving masses are smooth: so many samples of a turn tell all harmonics that matter.
 INERTIA_SAMPLES = 720
+PRESSURE_DIAGRAM = "pressure diagram"
 
 
 @summarized("orders", "crank_radius [m]", "throws", "takes_load", "remarks")
@@ -73,6 +75,8 @@ class CylinderHarmonics:
     one_diagram : str
         What is used at all speeds though it belongs to one: "pressure diagram", "torque diagram", or ""
         for nothing.
+    changes : tuple of str
+        Those of the remarks that tell of changes made to the diagrams.
     """
 
     orders: FloatArray
@@ -83,7 +87,8 @@ class CylinderHarmonics:
     inertia: ComplexArray
     takes_load: bool
     one_diagram: str
-    remarks: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
+    changes: tuple[str, ...] = ()
 
     def phasors(self, speeds: FloatArray, load: Load | None = None) -> ComplexArray:
         """Return mean and phasors of T and Z of each cylinder, (K + 1, S, c, 2) [N].
@@ -211,13 +216,14 @@ def cylinder_harmonics(
         takes_load=any(source.takes_load for source in sources),
         one_diagram=_one_diagram([source.at_all_speeds for source in sources]),
         remarks=tuple(dict.fromkeys(text for source in sources for text in source.remarks)),
+        changes=tuple(dict.fromkeys(text for source in sources for text in source.changes)),
     )
 
 
 def _one_diagram(at_all_speeds: Sequence[bool]) -> str:
     """State what is used at all speeds: the pressure of all cylinders, that of some, or nothing."""
     if at_all_speeds and all(at_all_speeds):
-        return "pressure diagram"
+        return PRESSURE_DIAGRAM
     some = [str(number) for number, constant in enumerate(at_all_speeds, start=1) if constant]
     return f"pressure diagram of cylinder {', '.join(some)}" if some else ""
 
@@ -274,6 +280,8 @@ class CylinderForces:
         Throw of each cylinder, from 0 at the free end.
     remarks : tuple of str
         Assumptions, a sentence each.
+    own_remarks : tuple of str
+        Those of them that neither the cycle in the cylinders nor the load tells.
     of_inertia : bool
         Whether forces of moving masses are included.
     """
@@ -287,6 +295,7 @@ class CylinderForces:
     crank_radius: float
     throws: tuple[int, ...]
     remarks: tuple[str, ...] = ()
+    own_remarks: tuple[str, ...] = ()
     of_inertia: bool = True
 
     @property
@@ -341,10 +350,8 @@ class CylinderForces:
         phasors = self.tangential if show == "tangential" else self.radial
         sizes = KILO * np.abs(phasors[:, :, cylinder - 1])
         axes = new_axes(axes)
-        draw_orders(axes, self.speeds, self.orders, sizes, most)
-        set_speed_axis(axes, self.speeds)
-        axes.set_ylim(bottom=0.0)
-        axes.set_ylabel("amplitude [kN]")
+        series = tuple(order_series(self.orders, sizes, most))
+        draw_curves(axes, Curves(self.speeds * RPM, series, SPEED_LABEL, "amplitude [kN]"))
         write_title(axes, f"Orders of the {show} force, cylinder {cylinder}")
         legend_inside(axes)
         return axes
@@ -467,10 +474,9 @@ def forces_at_speeds(
     """
     running = checked_speeds(speeds)
     phasors = harmonics.phasors(running, load)
-    remarks = harmonics.remarks
+    used: tuple[str, ...] = ()
     if harmonics.one_diagram and running.size > 1:
-        remarks = (
-            *remarks,
+        used = (
             f"One {harmonics.one_diagram} was used at all speeds from {per_minute(float(running[0]))} to "
             f"{per_minute(float(running[-1]))}, although it changes with speed and load.",
         )
@@ -483,7 +489,8 @@ def forces_at_speeds(
         mean_radial=phasors[0, ..., 1].real,
         crank_radius=harmonics.crank_radius,
         throws=harmonics.throws,
-        remarks=remarks,
+        remarks=harmonics.remarks + used,
+        own_remarks=harmonics.changes + (used if harmonics.one_diagram != PRESSURE_DIAGRAM else ()),
         of_inertia=bool(np.any(harmonics.inertia)),
     )
 
@@ -563,5 +570,4 @@ def torque_harmonics(
         inertia=np.zeros((asked.size + 1, firing.size, 2), dtype=np.complex128),
         takes_load=False,
         one_diagram="torque diagram",
-        remarks=(),
     )

@@ -579,8 +579,9 @@ def pressure_map_from_cycles(
         except InputError as error:
             raise InputError(f"at {per_minute(speed)} and load {load:g}: {error}") from None
         # What was solved at each point would make a remark of its own for every one.
-        kept = tuple(text for text in solved.pressure.remarks if not text.startswith("Solved"))
-        points.append((speed, load, replace(solved.pressure, remarks=kept)))
+        pressure = solved.pressure
+        kept = tuple(text for text in pressure.remarks if text not in pressure.solved)
+        points.append((speed, load, replace(pressure, remarks=kept, solved=())))
     return pressure_map(points, method=method)
 
 
@@ -626,8 +627,13 @@ class GasSource:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Changes made to the diagrams."""
+        """Those on the diagrams."""
         return tuple(text for diagram in self.diagrams for text in getattr(diagram, "remarks", ()))
+
+    @property
+    def changes(self) -> tuple[str, ...]:
+        """Those that tell of changes made to the diagrams."""
+        return tuple(text for diagram in self.diagrams for text in getattr(diagram, "changes", ()))
 
 
 def gas_sources(

@@ -29,7 +29,6 @@ from dynamics.gas.pressure import (
     GasPressure,
     Position,
     cylinder_volume,
-    gas_pressure,
     indicated_work,
     periodic_slope,
 )
@@ -298,7 +297,7 @@ def name_of_field(name: str) -> str:
     return name.removesuffix("_deg")
 
 
-def name_fields(error: InputError) -> str:
+def name_fields(error: InputError | str) -> str:
     """Return the text of an error of the cycle model with the names that the fields of files have."""
     return str(error).replace("_deg", "")
 
@@ -542,14 +541,26 @@ def heat_for_peak(state: CycleSamples, peak_pressure: float) -> float:
     return max(state.heat_for_peak(peak), 0.0)
 
 
+class PeakError(InputError):
+    """A peak that a cycle does not reach; `allowed` is what it can reach, and why."""
+
+    allowed: str
+
+
+def _peak_error(peak: float, allowed: str) -> PeakError:
+    error = PeakError(f"peak_pressure: given {format_mpa(peak)}; allowed are {allowed}")
+    error.allowed = allowed
+    return error
+
+
 def checked_peak(peak: float, lowest: float) -> float:
     """Return a peak [Pa] from the lowest, that of compression alone, to the highest of real engines."""
     # The lowest peak is found to round-off, and it may be what is asked for.
     if not is_number(peak) or not lowest * (1.0 - 1e-12) <= peak <= HIGHEST_PEAK:
-        raise InputError(
-            f"peak_pressure: given {format_mpa(peak)}; allowed are {rounded_mpa(lowest, np.ceil)} to "
-            f"{format_mpa(HIGHEST_PEAK)}, because compression alone gives the lowest and no piston engine "
-            "withstands more than the highest."
+        raise _peak_error(
+            peak,
+            f"{rounded_mpa(lowest, np.ceil)} to {format_mpa(HIGHEST_PEAK)}, because compression alone gives "
+            "the lowest and no piston engine withstands more than the highest.",
         )
     return max(float(peak), lowest)
 
@@ -749,13 +760,13 @@ def gas_cycle(
             "heat: given together with peak_pressure or mean_effective_pressure; allowed is one of "
             "them, or both pressures, because either sets the heat."
         )
-    remarks: list[str] = []
+    solved: list[str] = []
     if peak_pressure is not None and mean_effective_pressure is not None:
         before = cycle
         cycle = _solved_combustion(
             cycle, volume, angles_deg, peak_pressure, mean_effective_pressure, solve_for
         )
-        remarks.append(
+        solved.append(
             f"Solved: {name_of_field(solve_for)} {getattr(cycle, solve_for):.4g} deg in place of "
             f"{getattr(before, solve_for):.4g} deg."
         )
@@ -773,17 +784,18 @@ def gas_cycle(
             "of them, or both pressures, because they set the load."
         )
     if heat is None:
-        remarks.append(f"Solved: heat {released / 1e3:.4g} kJ per cycle.")
+        solved.append(f"Solved: heat {released / 1e3:.4g} kJ per cycle.")
     work = state.work(released)
     assumed = assumption_remarks(cycle)
     return GasCycleResult(
-        pressure=gas_pressure(
+        pressure=GasPressure(
+            angles_deg,
             state.pressure(released),
             cycle.strokes,
             source="cycle model",
-            remarks=(*remarks, *assumed),
+            remarks=(*solved, *assumed),
             assumed=assumed,
-            angles_deg=angles_deg,
+            solved=tuple(solved),
         ),
         cycle=cycle,
         volume=volume,
@@ -892,12 +904,12 @@ def _solved_combustion(
         raise no_work_error(mean_pressure)
     below = np.flatnonzero((reached[:-1] >= peak) & (reached[1:] <= peak))
     if below.size == 0:
-        raise InputError(
-            f"peak_pressure: given {format_mpa(peak)}; allowed are "
+        raise _peak_error(
+            peak,
             f"{rounded_mpa(np.min(reached), np.ceil)} to {rounded_mpa(np.max(reached), np.floor)}, because "
             "with a mean effective pressure of "
             f"{format_mpa(mean_pressure)} a {name} from {places[0]:.4g} to "
-            f"{places[-1]:.4g} deg gives no others."
+            f"{places[-1]:.4g} deg gives no others.",
         )
     from scipy.optimize import brentq  # here: loading it takes a quarter second
 

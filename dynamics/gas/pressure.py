@@ -78,8 +78,8 @@ class GasPressure:
         Absolute pressure [Pa], positive.
     remarks : tuple of str
         Changes made to them, a sentence each.
-    assumed : tuple of str
-        Those of the remarks that tell of a value nobody gave.
+    assumed, solved : tuple of str
+        Those of the remarks that tell of a value nobody gave, and of one that was solved for.
 
     Raises
     ------
@@ -93,6 +93,7 @@ class GasPressure:
     source: str = ""
     remarks: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
+    solved: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         cycle = cycle_degrees(checked_strokes(self.strokes))
@@ -109,6 +110,11 @@ class GasPressure:
             )
         object.__setattr__(self, "angles_deg", read_only(angles))
         object.__setattr__(self, "pressure", read_only(values))
+
+    @property
+    def changes(self) -> tuple[str, ...]:
+        """The remarks but for what was assumed or solved."""
+        return tuple(text for text in self.remarks if text not in self.assumed + self.solved)
 
     @property
     def cycle_deg(self) -> float:
@@ -188,7 +194,6 @@ def gas_pressure(
     angles_deg: ArrayLike,
     source: str = "",
     remarks: tuple[str, ...] = (),
-    assumed: tuple[str, ...] = (),
 ) -> GasPressure:
     """Return the pressure over a cycle from samples, resampled evenly where necessary.
 
@@ -199,8 +204,6 @@ def gas_pressure(
         may start anywhere, no gap wider than 10 deg, the closing sample left out.
     remarks : tuple of str, optional
         Earlier changes to them.
-    assumed : tuple of str, optional
-        Those of the remarks that tell of a value nobody gave.
 
     Returns
     -------
@@ -241,7 +244,6 @@ def gas_pressure(
         strokes=int(strokes),
         source=source,
         remarks=remarks + ((remark,) if remark else ()),
-        assumed=assumed,
     )
 
 
@@ -757,11 +759,4 @@ def motored_from_compression(
         f"Without combustion: compression with the exponent {-slope:.4g}, fitted from "
         f"{low:g} to {high:g} deg, and expansion along the same curve."
     )
-    return gas_pressure(
-        motored,
-        pressure.strokes,
-        angles_deg=pressure.angles_deg,
-        source=pressure.source,
-        remarks=(*pressure.remarks, remark),
-        assumed=pressure.assumed,
-    )
+    return replace(pressure, pressure=motored, remarks=(*pressure.remarks, remark))

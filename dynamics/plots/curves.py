@@ -17,11 +17,8 @@ from crankbase.diagrams import (
     Curves,
     Mark,
     Series,
-    draw_bands,
     draw_curves,
-    draw_lines,
     legend_above,
-    legend_below,
     legend_inside,
     new_axes,
     with_gaps,
@@ -390,13 +387,6 @@ def order_series(
     ]
 
 
-def draw_orders(
-    axes: Axes, speeds: FloatArray, orders: FloatArray, amplitudes: FloatArray, count: int
-) -> None:
-    """Draw the main orders over the speed [rad/s], a line each; see `order_series`."""
-    draw_lines(axes, speeds * RPM, order_series(orders, amplitudes, count))
-
-
 def barred_bands(barred: Sequence[tuple[float, float]]) -> tuple[Band, ...]:
     """Return barred ranges of speed [rad/s] as shaded areas."""
     return tuple(Band(low * RPM, high * RPM, BARRED, "barred") for low, high in barred)
@@ -412,11 +402,6 @@ def outside_bands(speeds: FloatArray, running: tuple[float, float] | None) -> tu
         for low, high in ends
         if low < high
     )
-
-
-def draw_barred(axes: Axes, barred: Sequence[tuple[float, float]]) -> None:
-    """Shade barred ranges of speed [rad/s]."""
-    draw_bands(axes, barred_bands(barred))
 
 
 def over_speed(
@@ -494,12 +479,6 @@ def over_speed(
     )
 
 
-def draw_over_speed(axes: Axes, curves: Curves) -> None:
-    """Draw what `over_speed` describes, with its legend."""
-    draw_curves(axes, curves)
-    legend_below(axes, LEGEND_COLUMNS)
-
-
 def draw_named_curves(
     axes: Axes | None,
     speeds: FloatArray,
@@ -525,18 +504,16 @@ def draw_named_curves(
         Whether all but the first are.
     """
     axes = new_axes(axes, height=3.8)
-    for place, (name, values) in enumerate(curves.items()):
-        axes.plot(
-            speeds * RPM,
+    series = tuple(
+        Series(
+            name,
             with_gaps(np.asarray(values, dtype=np.float64)),
             color=COLORS[place % len(COLORS)],
-            linestyle="--" if dashed and place else "-",
-            linewidth=1.8 if dashed else 1.5,
-            label=name,
+            dash="dash" if dashed and place else "solid",
         )
-    set_speed_axis(axes, speeds)
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(label)
+        for place, (name, values) in enumerate(curves.items())
+    )
+    draw_curves(axes, Curves(speeds * RPM, series, SPEED_LABEL, label))
     if title:
         write_title(axes, title)
     legend_inside(axes)

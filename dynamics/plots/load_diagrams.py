@@ -15,8 +15,14 @@ from crankbase.diagrams import (
     GRAY,
     ORANGE,
     Curves,
+    Diagram,
     Dots,
+    Limits,
+    Line,
+    Note,
     Series,
+    Shape,
+    draw_diagram,
     legend_below,
     legend_inside,
     new_axes,
@@ -120,13 +126,18 @@ OUTLINE = 0.045
 MARGIN = 0.08
 
 Frame = Literal["crank", "engine"]
-AXIS_LABELS: dict[Frame, tuple[str, str]] = {
+# Labels of the axes, and what is drawn to the right and up.
+AXIS_LABELS: dict[Frame, tuple[str, str, str, str]] = {
     "crank": (
         "tangential force T [kN] (with the rotation: right)",
         "outward force -Z [kN] (towards the shaft: down)",
+        "T",
+        "-Z",
     ),
-    "engine": ("force across, -x [kN] (seen from the free end)", "force up, y [kN]"),
+    "engine": ("force across, -x [kN] (seen from the free end)", "force up, y [kN]", "-x", "y"),
 }
+# A point of a curve for every so many degrees of shaft angle.
+POINT_STEP = 1.0
 
 
 class _Load(Protocol):
@@ -162,7 +173,16 @@ def check_polar(frame: str, mark_step_deg: float) -> None:
 def draw_polar_loads(
     axes: Axes, loads: Sequence[tuple[str, _Load]], frame: Frame, mark_step_deg: float
 ) -> None:
-    """Draw the locus of a bearing's force vector, one curve for each load.
+    """Draw what `polar_loads` describes; several loads have a legend."""
+    draw_diagram(axes, polar_loads(loads, frame, mark_step_deg))
+    if len(loads) > 1:
+        legend_inside(axes)
+
+
+def polar_loads(
+    loads: Sequence[tuple[str, _Load]], frame: Frame, mark_step_deg: float = 30.0
+) -> Diagram:
+    """Describe the locus of a bearing's force vector, one curve for each load.
 
     Parameters
     ----------
@@ -178,22 +198,61 @@ def draw_polar_loads(
     """
     curves = [on_paper(load, frame) for _, load in loads]
     low, high = square_round(curves)
-    axes.set_aspect("equal")
-    _outline(axes, frame, OUTLINE * (high[0] - low[0]))
-    for number, (curve, (name, _)) in enumerate(zip(curves, loads, strict=True)):
-        color = COLORS[number % len(COLORS)]
-        closed = np.append(curve, curve[:1])
-        # Dashes, where one curve lies on another.
-        style = "--" if number % 2 else "-"
-        axes.plot(closed.real, closed.imag, style, color=color, linewidth=1.3, label=name)
-    _marks(axes, loads[0][1].angles_deg, curves[0], mark_step_deg, high[0] - low[0])
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
-    across, up = AXIS_LABELS[frame]
-    axes.set_xlabel(across)
-    axes.set_ylabel(up)
-    if len(loads) > 1:
-        legend_inside(axes)
+    across, up, right, upwards = AXIS_LABELS[frame]
+    hover = (
+        "shaft angle %{customdata[0]:.4g} deg<br><b>%{customdata[1]:.4g} kN</b><br>"
+        f"{right} %{{x:.4g}} kN, {upwards} %{{y:.4g}} kN"
+    )
+    lines = []
+    for number, (curve, (name, load)) in enumerate(zip(curves, loads, strict=True)):
+        degrees = load.angles_deg
+        step = max(1, round(POINT_STEP / (degrees[1] - degrees[0])))
+        closed = np.append(np.arange(0, len(degrees), step), 0)
+        lines.append(
+            Line(
+                curve[closed].real,
+                curve[closed].imag,
+                name,
+                COLORS[number % len(COLORS)],
+                hover,
+                1.3,
+                # Dashes, where one curve lies on another.
+                "dash" if number % 2 else "solid",
+                numbers=_angles_and_sizes(degrees[closed], curve[closed]),
+            )
+        )
+    degrees, curve, step = loads[0][1].angles_deg, curves[0], mark_step_deg
+    marked = np.arange(np.ceil(degrees[0] / step - 1e-9) * step, degrees[-1] + 1e-6, step)
+    # Between samples.
+    points = np.interp(marked, degrees, curve.real) + 1j * np.interp(marked, degrees, curve.imag)
+    numbers = _angles_and_sizes(marked, points)
+    radius = OUTLINE * (high[0] - low[0])
+    crank = Shape((-0.7 * radius, -3.2 * radius), (0.7 * radius, 0.0), "#f1f3f6")
+    journal = Shape((-radius, -radius), (radius, radius), "#e3e7ec", round=True)
+    return Diagram(
+        Limits(across, (low[0], high[0])),
+        Limits(up, (low[1], high[1])),
+        lines,
+        [Dots(points.real, points.imag, "", COLORS[0], hover=hover, numbers=numbers)],
+        [
+            # Adding zero turns -0 into 0.
+            Note(f"{angle + 0.0:g}°", spot.real, spot.imag, "middle")
+            for angle, spot in zip(
+                marked.tolist(), label_spots(curve, points, high[0] - low[0]), strict=True
+            )
+            if spot is not None
+        ],
+        shapes=[crank, journal] if frame == "crank" else [journal],
+        equal=True,
+    )
+
+
+def _angles_and_sizes(degrees: FloatArray, force: NDArray[np.complex128]) -> list[list[float]]:
+    """Return shaft angle [deg] and size of the force for hovering."""
+    return [
+        [round(angle, 2), float(f"{size:.5g}")]
+        for angle, size in zip(degrees.tolist(), np.abs(force).tolist(), strict=True)
+    ]
 
 
 def developed_load(load: _Load) -> Curves:
@@ -242,41 +301,6 @@ def square_round(
     half = (0.5 + MARGIN) * max(right - left, top - bottom)
     middle = (0.5 * (left + right), 0.5 * (bottom + top))
     return (middle[0] - half, middle[1] - half), (middle[0] + half, middle[1] + half)
-
-
-def _outline(axes: Axes, frame: Frame, radius: float) -> None:
-    """Draw the journal around the origin, and the crank below it in its own frame."""
-    from matplotlib.patches import Circle, Rectangle
-
-    if frame == "crank":
-        corner, width = (-0.7 * radius, -3.2 * radius), 1.4 * radius
-        axes.add_patch(
-            Rectangle(corner, width, 3.2 * radius, facecolor="#f1f3f6", edgecolor=GRAY, zorder=1.5)
-        )
-    axes.add_patch(Circle((0.0, 0.0), radius, facecolor="#e3e7ec", edgecolor=GRAY, zorder=1.6))
-    axes.axhline(0.0, color=GRAY, linewidth=0.8)
-    axes.axvline(0.0, color=GRAY, linewidth=0.8)
-
-
-def _marks(
-    axes: Axes, degrees: FloatArray, curve: NDArray[np.complex128], step: float, width: float
-) -> None:
-    """Draw dots at whole steps of shaft angle, interpolated between samples."""
-    wanted = np.arange(np.ceil(degrees[0] / step - 1e-9) * step, degrees[-1] + 1e-6, step)
-    points = np.interp(wanted, degrees, curve.real) + 1j * np.interp(wanted, degrees, curve.imag)
-    axes.plot(points.real, points.imag, "o", color=COLORS[0], markersize=3.5)
-    spots = label_spots(curve, points, width)
-    for angle, spot in zip(wanted.tolist(), spots, strict=True):
-        if spot is not None:
-            axes.text(
-                spot.real,
-                spot.imag,
-                # Adding zero turns -0 into 0.
-                f"{angle + 0.0:g}°",
-                fontsize=8,
-                ha="center",
-                va="center",
-            )
 
 
 def label_spots(

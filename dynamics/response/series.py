@@ -17,16 +17,16 @@ from crankbase.array_checks import (
     regular_array,
 )
 from crankbase.choices import whole_number, whole_within
-from crankbase.diagrams import Curves, new_axes, write_title
+from crankbase.diagrams import Curves, draw_curves, legend_below, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.results import result
 from dynamics.indices import index_of_name
 from dynamics.plots.curves import (
+    LEGEND_COLUMNS,
     MAIN_ORDERS,
     Quantity,
     QuantityDisplay,
-    draw_over_speed,
     infinite_where_unbounded,
     name_axis,
     orders_and_speeds,
@@ -450,7 +450,8 @@ class OrderSeries:
             number, quantity, limits=stated, barred=barred, main_orders=count, running=running
         )
         axes = new_axes(axes, height=4.4)
-        draw_over_speed(axes, curves)
+        draw_curves(axes, curves)
+        legend_below(axes, LEGEND_COLUMNS)
         write_title(axes, self.names[number], 10)
         return axes
 

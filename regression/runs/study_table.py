@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.diagrams import display_unit, legend_inside, new_axes, write_title
+from crankbase.diagrams import display_unit, draw_dots, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.model import field_extra
@@ -16,7 +16,7 @@ from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedDesign, StudyPlan
-from regression.plots import draw_runs, factor_size, label_factor_axis, response_text
+from regression.plots import design_dots, factor_size, label_factor_axis, response_text
 from regression.records import HELD_OUT, MEASURED, ExtraRow, Outcome
 from regression.throw_values import same_dimension
 
@@ -141,12 +141,9 @@ class StudyTable(DesignTable):
         kind = RESPONSES.get(column)
         symbol, unit = (column.replace("_", " "), "") if kind is None else (kind.symbol, kind.unit)
         axes = new_axes(axes)
-        draw_runs(
-            axes,
-            self.values[:, place] / factor_size(chosen.unit, chosen.labels),
-            self.responses[column] / display_unit(unit)[1],
-            self.held_out,
-        )
+        x = self.values[:, place] / factor_size(chosen.unit, chosen.labels)
+        for dots in design_dots(x, self.responses[column] / display_unit(unit)[1], self.held_out):
+            draw_dots(axes, dots)
         label_factor_axis(axes, chosen.name, chosen.unit, chosen.labels)
         axes.set_ylabel(response_text(symbol, unit))
         write_title(axes, f"Designs of the study, {column.replace('_', ' ')}")

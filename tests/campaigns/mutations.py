@@ -48,6 +48,11 @@ EQUIVALENT = {
     "geometry/shapes.py: + -> - in return np.asarray((low * MOST_NODES + middle) * MOST_NODES + high)": (
         "facets are only told apart by this number, and different ones have different numbers either way"
     ),
+    "geometry/sizes.py: * -> / in beyond = np.maximum(np.abs(z - 0.5 * (start + end)) - 0.5 * (end - start), "
+    "0.0)": (
+        "of journals shorter than their diameter only a field more is added, which asks for no smaller "
+        "elements than the map does"
+    ),
     "fem/solver.py: 0 -> 1 in count, starts = upper.shape[0], upper.indptr[:-1]": (
         "the matrix is square"
     ),

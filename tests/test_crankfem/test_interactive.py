@@ -417,9 +417,12 @@ def test_forces_of_a_mechanism(load, tmp_path, strict):
         crankpins=(load,),
         bearings=(load,),
         forces=SimpleNamespace(
-            shaft_angles_deg=load.angles_deg, gas=values, tangential=-values, side=0.1 * values
+            engine=SimpleNamespace(firing_deg=(180.0, 0.0), strokes=4),
+            shaft_angles_deg=load.angles_deg,
+            gas=values,
+            tangential=-values,
+            side=0.1 * values,
         ),
-        layout=SimpleNamespace(firing_deg=(180.0, 0.0), strokes=4),
     )
     made = written(MECHANISM, tmp_path, run)
     assert [path.stem for path in made] == [

@@ -10,12 +10,11 @@ import crankfem as cf
 from crankbase.quantity import POWER_OF_TEN, UNITS
 from crankbase.results import units
 from crankbase.table import SI, OutputUnit, OutputUnits
-from crankfem.analyses.record import units_of, with_units
+from crankfem.analyses.record import with_units
 from crankfem.analyses.shaft.chain_vibration import ChainVibration
 from crankfem.analyses.vibration.tables import vibration_parts
 from crankfem.cli.app import app
 from crankfem.cli.console import print_parts
-from fem.responses import RESPONSES
 from json_units import numbers_with_units
 from stand_ins import stored_results, typed
 
@@ -158,12 +157,6 @@ def test_all_numbers_of_stored_results_have_units():
 
 def test_documents_without_numbers_have_no_units():
     assert with_units({"file": "a", "ready": True}) == {"file": "a", "ready": True}
-    assert with_units({"mass": 1.0}) == {"mass": 1.0, "units": {"mass": "kg"}}
-
-
-def test_responses_have_their_own_units():
-    told = units_of(dict.fromkeys(RESPONSES, 1.0))
-    assert told == {name: kind.unit or "1" for name, kind in RESPONSES.items()}
 
 
 @pytest.mark.parametrize(("kind", "inertia"), [("axial", "kg"), ("torsional", "kg m^2")])

@@ -16,7 +16,7 @@ from comparing import close
 from crankbase.errors import SolveError
 from crankfem.analyses.vibration import run as vibration_run
 from crankfem.jobs import pipeline, run_drawing
-from crankfem.jobs.run_files import PICTURED, make_folder, the_only_run
+from crankfem.jobs.run_files import PICTURED, PICTURES, make_folders, the_only_run
 from crankfem.report.interactive import mechanism
 from crankfem.report.interactive import vibration as interactive_vibration
 from regression.models.compliance_model import ComplianceModel
@@ -359,7 +359,7 @@ def test_run_refuses_a_folder_that_cannot_be(call, quick_six, tmp_path):
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such locks")
 def test_a_second_run_in_a_folder_is_refused(spawn, quick_six, tmp_path):
     (tmp_path / "quick.toml").write_text(quick_six, encoding="utf-8")
-    with the_only_run(make_folder(tmp_path / "quick-results")):
+    with the_only_run(make_folders(tmp_path / "quick-results", PICTURES)):
         answer = spawn("run", "quick.toml")
     assert answer.code == 2
     assert "where another run is at work; give another folder, or wait" in answer.err

@@ -26,11 +26,12 @@ from crankfem.jobs.run_computation import read_inputs
 from crankfem.jobs.run_drawing import Pictures, Renderings
 from crankfem.jobs.run_files import (
     MODEL,
+    PICTURES,
     REPORT,
     RESULTS,
     STORE,
     check_folder,
-    make_folder,
+    make_folders,
     replace_last_run,
     results_text,
     write_results,
@@ -52,7 +53,7 @@ LEFT = {
 @pytest.fixture
 def finished(tmp_path):
     """The folder of a finished run, with a file of the user's among the pictures."""
-    folder = make_folder(tmp_path / "run")
+    folder = make_folders(tmp_path / "run", PICTURES)
     (folder / STORE).write_text("old", encoding="utf-8")
     with recording_run_files():
         for name, kind in LEFT.items():
@@ -88,7 +89,7 @@ def test_what_the_user_has_changed_is_not_taken_away(finished, name):
 
 
 def test_pictures_that_somebody_elses_results_name_stay(tmp_path):
-    folder = make_folder(tmp_path / "run")
+    folder = make_folders(tmp_path / "run", PICTURES)
     (folder / "pictures" / "family.png").write_text("mine", encoding="utf-8")
     (folder / RESULTS).write_text('{"pictures": {"a": "family.png"}}', encoding="utf-8")
     with pytest.raises(InputError, match="crankfem"):
@@ -102,7 +103,7 @@ def test_pictures_that_somebody_elses_results_name_stay(tmp_path):
 @pytest.mark.parametrize("name", [RESULTS, REPORT, MODEL, "throw.vtu", "pictures/drawing.svg"])
 @pytest.mark.parametrize("way", ["file", "link", "nowhere", "of a command"])
 def test_a_file_in_the_way_is_refused_at_once(tmp_path, name, way):
-    folder = make_folder(tmp_path / "run")
+    folder = make_folders(tmp_path / "run", PICTURES)
     other = tmp_path / "precious"
     other.write_text("precious", encoding="utf-8")
     kind = {".json": "results" if name == RESULTS else "model", ".html": "report", ".vtu": "mesh"}
@@ -151,7 +152,7 @@ def test_results_are_strict_json(tmp_path):
 def test_a_file_in_the_way_of_the_folder(tmp_path):
     (tmp_path / "a").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match=r"^output: given '.*a', which cannot be made or written"):
-        make_folder(tmp_path / "a")
+        make_folders(tmp_path / "a", PICTURES)
 
 
 def test_texts_of_inputs_are_those_that_were_read(tmp_path, quick_four):

@@ -457,3 +457,9 @@ def test_a_hidden_line_is_told(count):
     found = design_quality((A, B), _in_box(np.column_stack([line, 1.0 - line])))
     assert found.correlation == close(1.0)
     assert found.correlated == ("a", "b")
+
+
+def test_of_pairs_on_one_line_the_first_is_told():
+    line = np.array([1.0, 2.0, 3.0])
+    factors = [Factor(name, "m", 1.0, 3.0) for name in "abc"]
+    assert design_quality(factors, np.column_stack([line] * 3)).correlated == ("a", "b")

@@ -74,6 +74,16 @@ def test_the_band_lies_about_the_value():
     assert high - low == close(2.0 * law.errors["pinned"] * law.pinned)
 
 
+def test_bands_grow_from_those_of_a_plain_throw():
+    plain, *others = (
+        axial_law(THROW.changed(web_tip_thickness=tip)) for tip in (0.068, 0.0679, 0.066, 0.062)
+    )
+    assert [law.tier for law in (plain, *others)] == ["plain", "real", "real", "real"]
+    for name, error in plain.errors.items():
+        assert others[0].errors[name] == close(error, rel=0.05)
+        assert np.all(np.diff([law.errors[name] for law in others]) > 0.0)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crankbase.diagrams import (
     BLUE,
@@ -32,7 +33,14 @@ from crankfem.analyses.study.nominal_throw import factor_sweep, sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits, predicted
 from regression.fits.fits import Fit
 from regression.fits.sensitivity import Sensitivities
-from regression.plots import BARS, POINTS, draw_runs, factor_label_text, factor_size, response_text
+from regression.plots import (
+    BARS,
+    POINTS,
+    design_dots,
+    factor_label_text,
+    factor_size,
+    response_text,
+)
 from regression.runs.study_table import StudyTable
 from regression.throw_values import factor_text
 
@@ -107,29 +115,51 @@ def factor_diagram(
     )
 
 
-def draw_fit_parity(axes: "Axes", table: StudyTable, response: ResponseFits, fit: Fit) -> None:
-    """Draw a form's values over those by finite elements, with the errors of held-out designs."""
-    size = display_unit(response.unit)[1]
-    by_fe = table.responses[response.column] / size
-    ends = np.array([by_fe.min(), by_fe.max()])
-    axes.plot(ends, ends, color=GRAY, linewidth=1.0)
-    draw_runs(axes, by_fe, predicted(table, response, fit) / size, table.held_out)
-    worst = 100.0 * (fit.largest_heldout_error or 0.0)
-    write_title(axes, f"{response.form_text(fit)}:\nheld out within {worst:.2g} %", 9)
+def parity_diagrams(
+    table: StudyTable,
+    response: ResponseFits,
+    fit: Fit,
+    symbol: str = "",
+    unit: str = "",
+    texts: Sequence[str] = (),
+) -> tuple[Diagram, Diagram]:
+    """Describe a form's values, and their errors [%], over those by finite elements.
 
-
-def draw_fit_errors(axes: "Axes", table: StudyTable, response: ResponseFits, fit: Fit) -> None:
-    """Draw a form's errors over the values by finite elements, with the line of no error."""
-    size = display_unit(response.unit)[1]
+    Parameters
+    ----------
+    symbol, unit, texts
+        What a screen tells of a value, and of the designs.
+    """
+    shown, size = display_unit(response.unit)
     by_fe, values = table.responses[response.column], predicted(table, response, fit)
-    axes.axhline(0.0, color=GRAY, linewidth=1.0)
-    draw_runs(axes, by_fe / size, 100.0 * (values / by_fe - 1.0), table.held_out)
-    axes.set_xlabel(fe_axis_label(response))
+    name = math_symbol(response.symbol)
+    x, told = Limits(f"{name} by FE [{shown}]"), f"{symbol} by FE %{{x:.5g}}{unit}<br>"
+
+    def dots(y: NDArray[np.float64], hover: str) -> list[Dots]:
+        return design_dots(by_fe / size, y, table.held_out, told + hover, texts)
+
+    return (
+        Diagram(
+            x,
+            Limits(f"{name} by the equation [{shown}]"),
+            (),
+            dots(values / size, f"by the equation %{{y:.5g}}{unit}"),
+            diagonal=(float(by_fe.min() / size), float(by_fe.max() / size)),
+        ),
+        Diagram(
+            x,
+            Limits("error [%]"),
+            (),
+            dots(100.0 * (values / by_fe - 1.0), "error of the equation %{y:+.2g} %"),
+            level=True,
+        ),
+    )
 
 
-def fe_axis_label(response: ResponseFits) -> str:
-    """Label of an axis for a response by finite elements."""
-    return f"{math_symbol(response.symbol)} by FE [{display_unit(response.unit)[0]}]"
+def parity_title(response: ResponseFits, fit: Fit) -> str:
+    """Name a form, with the largest error of a held-out design."""
+    worst = 100.0 * (fit.largest_heldout_error or 0.0)
+    return f"{response.form_text(fit)}:\nheld out within {worst:.2g} %"
 
 
 def draw_fit_elasticities(
@@ -242,10 +272,14 @@ def plot_parity(path: Path, table: StudyTable, response: ResponseFits) -> None:
     shown = forms_drawn(response)
     with _grid(path, 2 * len(shown), per_row=len(shown)) as panels:
         for fit, panel, below in zip(shown, panels, panels[len(shown) :], strict=False):
-            draw_fit_parity(panel, table, response, fit)
-            draw_fit_errors(below, table, response, fit)
-        panels[0].set_ylabel("by the equation")
-        panels[len(shown)].set_ylabel("error of the equation [%]")
+            for axes, diagram in zip(
+                (panel, below), parity_diagrams(table, response, fit), strict=True
+            ):
+                draw_diagram(axes, diagram)
+                if fit is not shown[0]:
+                    axes.set_ylabel("")
+            panel.set_xlabel("")
+            write_title(panel, parity_title(response, fit), 9)
         panels[0].legend(fontsize=8)
 
 

@@ -102,12 +102,15 @@ class ResponseFits(FittedResponse):
     unfitted : mapping
         Other responses of the study that have no equation, by their name in the table, to the reason;
         the same for all responses.
+    reasons : mapping
+        Forms that could not be fitted, to the reason.
     """
 
     response: Internal[str]
     fits: Internal[tuple[Fit, ...]]
     chosen: Internal[Fit]
     encodings: Internal[Mapping[str, Encoding]]
+    reasons: Internal[Mapping[str, str]]
     unfitted: Internal[Mapping[str, str]] = field(default_factory=dict)
 
     def form_text(self, fit: Fit) -> str:
@@ -130,12 +133,12 @@ class ResponseFits(FittedResponse):
         for fit in self.fits:
             if fit.form == wanted:
                 return fit
-        why = next((text for text in self.skipped if text.startswith(f"{form}: ")), "")
+        why = self.reasons.get(form, "")
         raise InputError(
             f"form: given {form!r}; allowed are "
             f"{', '.join((*(fit.form for fit in self.fits), *self.twins))}, the "
             f"forms that were fitted to {self.response}"
-            + (f" ({why.rstrip('.')})." if why else ".")
+            + (f" ({form}: {why.rstrip('.')})." if why else ".")
         )
 
     def plot(
@@ -406,25 +409,26 @@ def _fit_response(
     kind = RESPONSES[column]
     name, support = response_name(column)
     fits: list[Fit] = []
-    skipped: list[str] = []
+    skipped: dict[str, str] = {}
     twins: dict[str, str] = {}
     for form in FORMS.values():
         if form.basis in missing:
-            skipped.append(f"{form.name}: {missing[form.basis]}")
+            skipped[form.name] = missing[form.basis]
             continue
         try:
             fit = _fit(table, column, form, encodings[form.basis])
         except InputError as error:
-            skipped.append(f"{form.name}: {error}")
+            skipped[form.name] = str(error)
             continue
         twin = next((other.form for other in fits if _same_terms(fit, other)), None)
         if twin is None:
             fits.append(fit)
         else:
             twins[form.name] = twin
-            skipped.append(f"{form.name}: has the same terms as {twin} in this study.")
+            skipped[form.name] = f"has the same terms as {twin} in this study."
+    sentences = tuple(f"{form}: {why}" for form, why in skipped.items())
     if not fits:
-        raise InputError(f"study: no form can be fitted to {name} ({'; '.join(skipped)})")
+        raise InputError(f"study: no form can be fitted to {name} ({'; '.join(sentences)})")
     # Imported rows may have none.
     errors = [
         row.errors[column] for row in table.rows if row.role != MEASURED and column in row.errors
@@ -440,7 +444,8 @@ def _fit_response(
         fits=tuple(fits),
         chosen=fits[choice.place],
         reason=choice.reason,
-        skipped=tuple(skipped),
+        skipped=sentences,
+        reasons=skipped,
         twins=twins,
         fe_error=max(errors, default=None),
         fe_scatter=scatter,

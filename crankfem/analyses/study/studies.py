@@ -17,10 +17,10 @@ from crankbase.results import Result, result
 from crankbase.summaries import summarized
 from crankfem.analyses.study.fit_plots import (
     draw_fit_elasticities,
-    draw_fit_parity,
     draw_fit_sobol,
     factor_diagram,
-    fe_axis_label,
+    parity_diagrams,
+    parity_title,
 )
 from crankfem.analyses.study.fit_records import compliance_model
 from crankfem.analyses.study.nominal_throw import sensitivities
@@ -44,7 +44,6 @@ from regression.plans.designs import (
     with_points_at_ends,
 )
 from regression.plans.plan import PlannedDesign, PlannedStudy, StudyPlan
-from regression.plots import response_text
 from regression.records import content_key
 from regression.runs.exchange import Column, columns, write_csv
 from regression.runs.study import Progress, add_runs, run_plan
@@ -235,9 +234,8 @@ class StudyResult:
         check_choice("factor", along, factors, "these vary in the study")
         axes = new_axes(axes)
         if show == "parity":
-            draw_fit_parity(axes, self.table, found, fit)
-            axes.set_xlabel(fe_axis_label(found))
-            axes.set_ylabel(f"{response_text(found.symbol, found.unit)} by the equation")
+            draw_diagram(axes, parity_diagrams(self.table, found, fit)[0])
+            write_title(axes, parity_title(found, fit), 9)
             legend_inside(axes)
         elif show == "response":
             draw_diagram(axes, factor_diagram(self.table, found, factors.index(along)))

@@ -402,9 +402,7 @@ class ForcedVibration(ChainAnswer, Result):
     @cached_property
     def all_remarks(self) -> Annotated[tuple[str, ...], Quantity(key="remarks")]:
         """Those on the forces that mechanism and load do not have already, and on the excitation."""
-        left_out = ("Assumed: ", "Solved", "One pressure diagram was used")
-        of_forces = (text for text in self.forces.remarks if not text.startswith(left_out))
-        return (*of_forces, *self.remarks)
+        return self.forces.own_remarks + self.remarks
 
     @cached_property
     def method(self) -> Part[str]:

@@ -13,6 +13,7 @@ from crankfem.analyses.vibration.misfiring import FiringCheck, Misfiring, Reache
 from crankfem.analyses.vibration.modes import TOGETHER, WeightedCritical
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.whole_verdict import WholeVibration
+from dynamics import wording
 from dynamics.assessment.separation import CriticalRange
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical
@@ -399,9 +400,9 @@ def whole_parts(whole: WholeVibration, units: OutputUnits = SI) -> Iterator[Tabl
                 f"{motion.number(chain.shaft_amplitude)} {motion.name}"
             )
         if chain.suffices:
-            yield f"The {kind} chain is an adequate lumped model of the whole crankshaft."
+            yield wording.adequate_chain(kind)
         else:
-            yield units.text(f"Lumped model inadequate ({kind} chain): {' '.join(chain.reasons)}")
+            yield units.text(f"{wording.inadequate_chain(kind)} {' '.join(chain.reasons)}")
     for difference in compared.differences:
         yield f"{difference.sentence[0].upper()}{difference.sentence[1:]}."
     if compared.flywheel_tilt is not None:

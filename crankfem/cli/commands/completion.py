@@ -14,12 +14,36 @@ from crankfem.files.reading.data_files import FOLDERS, InputKind, shipped_names,
 Completion = Callable[[str], list[str]]
 
 
-def files(*endings: str, shipped: Iterable[InputKind] = ()) -> Completion:
-    """Return the completion of files with these endings, folders on the way, and shipped files of kinds."""
+def files(
+    *endings: str,
+    shipped: Iterable[InputKind] = (),
+    further: Callable[[], tuple[str, ...]] = tuple,
+) -> Completion:
+    """Return the completion of files with these endings, folders on the way, and shipped files of kinds.
+
+    Parameters
+    ----------
+    further : callable, optional
+        Gives the names of other shipped files.
+    """
 
     def fitting(incomplete: str) -> list[str]:
-        names = [name for kind in shipped for name in shipped_names(kind)]
-        return _fitting(incomplete, names, *endings)
+        folder, _, start = incomplete.rpartition("/")
+        place = f"{folder}/" if folder or incomplete.startswith("/") else ""
+        names = [*(name for kind in shipped for name in shipped_names(kind)), *further()]
+        fit = [name for name in names if name.startswith(incomplete)]
+        try:
+            entries = sorted(Path(place or ".").iterdir()) if endings else []
+        except OSError:
+            entries = []
+        for entry in entries:
+            if not entry.name.startswith(start) or (entry.name.startswith(".") and not start):
+                continue
+            if entry.is_dir():
+                fit.append(f"{place}{entry.name}/")  # folders end in a slash
+            elif entry.suffix.lower() in endings:
+                fit.append(f"{place}{entry.name}")
+        return fit
 
     return fitting
 
@@ -27,15 +51,10 @@ def files(*endings: str, shipped: Iterable[InputKind] = ()) -> Completion:
 engines = files(".toml", shipped=("engine",))
 engines_and_parts = files(".toml", ".step", ".stp", shipped=("engine",))
 engines_and_chains = files(".toml", ".txt", shipped=("engine", "chain"))
+engines_and_tables = files(".toml", ".csv", shipped=("engine",), further=shipped_torques)
 hinges = files(".toml", shipped=("hinge",))
 any_input = files(".toml", ".txt", shipped=FOLDERS)
 shipped = files(shipped=FOLDERS)
-
-
-def engines_and_tables(incomplete: str) -> list[str]:
-    """Shipped engines and torque tables, and files of both."""
-    names = (*shipped_names("engine"), *shipped_torques())
-    return _fitting(incomplete, names, ".toml", ".csv")
 
 
 def sections(incomplete: str) -> list[str]:
@@ -62,22 +81,3 @@ def dimensions(ctx: typer.Context, incomplete: str) -> list[str]:
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []
     return [f"{name}=" for name in names if name.startswith(incomplete)]
-
-
-def _fitting(incomplete: str, names: Iterable[str], *endings: str) -> list[str]:
-    """Return the names and files that begin so; folders end in a slash."""
-    folder, _, start = incomplete.rpartition("/")
-    place = f"{folder}/" if folder or incomplete.startswith("/") else ""
-    fitting = [name for name in names if name.startswith(incomplete)]
-    try:
-        entries = sorted(Path(place or ".").iterdir()) if endings else []
-    except OSError:
-        entries = []
-    for entry in entries:
-        if not entry.name.startswith(start) or (entry.name.startswith(".") and not start):
-            continue
-        if entry.is_dir():
-            fitting.append(f"{place}{entry.name}/")
-        elif entry.suffix.lower() in endings:
-            fitting.append(f"{place}{entry.name}")
-    return fitting

@@ -148,8 +148,16 @@ def _all_engines(asked: _Request) -> None:
         ),
     )
     if asked.out.json:
+        from crankbase.results import units as result_units
+
         print_json(
-            {"gamma_deg": asked.gamma, "constants": dict(asked.constants), "engines": spreads}
+            {
+                "gamma_deg": asked.gamma,
+                "constants": dict(asked.constants),
+                "engines": spreads,
+                "units": {"gamma_deg": "deg", "constants.*": "1"}
+                | result_units(spreads, "engines."),
+            }
         )
     else:
         throw_tables.print_spread(

@@ -32,7 +32,6 @@ def check(
     out: Output,
 ) -> None:
     """Check a file: show how it is read, what is assumed, and which commands can use it."""
-    from crankbase.errors import InputError
     from crankfem.analyses.file_check import check_file, check_record
     from crankfem.cli.tables.throw_tables import print_check
 
@@ -97,6 +96,10 @@ def new(
     out: Output,
 ) -> None:
     """Write an example engine file with explanations, ready to run, or copy a shipped one."""
+    from crankbase.outputs import write_user_file
+    from crankbase.table import Column, Table
+    from crankfem.analyses.record import attributes
+    from crankfem.files.engine.file_kinds import engine_template, shipped_files
     from crankfem.jobs.outputs import check_writable
 
     if listed:
@@ -104,7 +107,21 @@ def new(
             raise InputError(
                 "--list: given with a file; allowed is --list alone, because it writes none."
             )
-        _list(out.json)
+        if out.json:
+            entries = [
+                attributes(shipped, "name", "kind", "about") | {"file": str(shipped.path)}
+                for shipped in shipped_files()
+            ]
+            print_json({"shipped": entries})
+            return
+        heads = ("name", "kind", "about")
+        print_table(
+            Table.of_records(
+                "Shipped files, for `crankfem new MY.toml --from NAME` or by name in place of a file",
+                shipped_files(),
+                *((Column(head, words=True), head) for head in heads),
+            )
+        )
         return
     if file is None:
         raise InputError(
@@ -116,7 +133,12 @@ def new(
     check_writable(file, "input file")
     if source is None:
         kind = "engine"
-        _write_template(file, cylinders, strokes)
+        text = engine_template(
+            file.name,
+            CYLINDERS if cylinders is None else cylinders,
+            STROKES if strokes is None else strokes,
+        )
+        write_user_file(file, text.encode(), "input file")
     else:
         for option, value in (("--cylinders", cylinders), ("--strokes", strokes)):
             if value is not None:
@@ -124,7 +146,15 @@ def new(
                     f"{option}: given {value} with --from; allowed is one of the two, because a copy has "
                     "its own cylinders."
                 )
-        kind = _copy(source, file)
+        known = {shipped.name: shipped for shipped in shipped_files()}
+        copied = known.get(source.removesuffix(".toml"))
+        if copied is None:
+            raise InputError(
+                f"--from: given {source!r}; {allowed_names(source, known)}, because these are shipped."
+            )
+        kind = copied.kind
+        check_writable(file, "input file", copied.path)
+        write_user_file(file, copied.path.read_bytes(), "input file")
     command = f"crankfem {NEXT[kind]} {file}"
     if out.json:
         print_json({"file": str(file), "from": source, "kind": kind, "next": command})
@@ -132,59 +162,6 @@ def new(
     console.print_line(
         f"{file} written. Replace its values with yours (those marked assumed first), check them with "
         f"`crankfem check {file}`, then: {command}"
-    )
-
-
-def _write_template(file: Path, cylinders: int | None, strokes: int | None) -> None:
-    from crankbase.outputs import write_user_file
-    from crankfem.files.engine.file_kinds import engine_template
-
-    text = engine_template(
-        file.name,
-        CYLINDERS if cylinders is None else cylinders,
-        STROKES if strokes is None else strokes,
-    )
-    write_user_file(file, text.encode(), "input file")
-
-
-def _copy(source: str, file: Path) -> str:
-    """Copy a shipped file; return its kind."""
-    from crankbase.outputs import write_user_file
-    from crankfem.files.engine.file_kinds import shipped_files
-    from crankfem.jobs.outputs import check_writable
-
-    known = {shipped.name: shipped for shipped in shipped_files()}
-    source_file = known.get(source.removesuffix(".toml"))
-    if source_file is None:
-        raise InputError(
-            f"--from: given {source!r}; {allowed_names(source, known)}, because these are shipped."
-        )
-    check_writable(file, "input file", source_file.path)
-    write_user_file(file, source_file.path.read_bytes(), "input file")
-    return source_file.kind
-
-
-def _list(json: bool) -> None:
-    from crankbase.table import Column, Table
-    from crankfem.analyses.record import attributes
-    from crankfem.files.engine.file_kinds import shipped_files
-
-    if json:
-        print_json(
-            {
-                "shipped": [
-                    attributes(shipped, "name", "kind", "about") | {"file": str(shipped.path)}
-                    for shipped in shipped_files()
-                ]
-            }
-        )
-        return
-    console.print_table(
-        Table(
-            "Shipped files, for `crankfem new MY.toml --from NAME` or by name in place of a file",
-            [Column(name, words=True) for name in ("name", "kind", "about")],
-            [[shipped.name, shipped.kind, shipped.about] for shipped in shipped_files()],
-        )
     )
 
 

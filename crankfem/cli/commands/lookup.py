@@ -63,23 +63,17 @@ def lookup(
     """
     from crankfem.analyses.throw.law_record import LAW, LAW_BANDS, law_lookups
     from crankfem.analyses.throw.throw_record import reaction_results
-    from crankfem.cli.arguments import dimensions_text, model_dimensions, parse_pin_force
+    from crankfem.cli import arguments
     from crankfem.cli.tables.throw_tables import print_reactions
 
-    angle = None
-    if gamma is not None:
-        from crankfem.cli.arguments import parse_gamma
-
-        angle = parse_gamma(gamma, out.quiet)
-    force = None if pin_force is None else parse_pin_force(pin_force)
+    angle = None if gamma is None else arguments.parse_gamma(gamma, out.quiet)
+    force = None if pin_force is None else arguments.parse_pin_force(pin_force)
     refused: dict[str, InputError] = {}
     if str(model) == LAW:
-        from crankfem.cli.arguments import law_throw, throw_text
-
-        of_law, material = law_throw(dimensions or [], throw, out.quiet)
+        of_law, material = arguments.law_throw(dimensions or [], throw, out.quiet)
         law = law_lookups(of_law, material, angle)
         answers, react = law.answers, law.reactions
-        used = throw_text(of_law)
+        used = arguments.throw_text(of_law)
     else:
         from regression.models.compliance_model import ComplianceModel
 
@@ -90,23 +84,24 @@ def lookup(
         loaded = ComplianceModel.load(model)
         asked: dict[str, Any] = {}
         if throw is not None:
-            from crankfem.cli.arguments import select_throw
-
-            asked |= loaded.dimensions_of(select_throw(throw, quiet=out.quiet)[0])
-        asked |= model_dimensions(loaded, dimensions or [])
+            asked |= loaded.dimensions_of(arguments.select_throw(throw, quiet=out.quiet)[0])
+        asked |= arguments.model_dimensions(loaded, dimensions or [])
         without_law = set() if angle is None else _without_angle_law(loaded, angle)
         answers, refused = loaded.look_all_up(gamma_deg=angle, strict=strict, **asked)
         for name in (name for name in refused if strict and name not in without_law):
             raise refused[name]
-        used = dimensions_text(loaded, asked)
+        used = arguments.dimensions_text(loaded, asked)
         react = partial(loaded.reactions, strict=strict, **asked)
     reactions = None if force is None else reaction_results(react, force, angle)
     if out.json:
-        told = answers | {name: {"refused": str(reason)} for name, reason in refused.items()}
-        print_json(told if reactions is None else told | {"reactions": reactions})
+        content = answers | {name: {"refused": str(reason)} for name, reason in refused.items()}
+        print_json(content if reactions is None else content | {"reactions": reactions})
         return
     if throw is not None:
-        print_line(out.units.text(f"Throw of {throw}{_overridden(dimensions)}: {', '.join(used)}."))
+        # Dimensions that the command line gives in place of the file.
+        names = [pair.partition("=")[0].strip() for pair in dimensions or ()]
+        changed = f" with {', '.join(names)} as given" if names else ""
+        print_line(out.units.text(f"Throw of {throw}{changed}: {', '.join(used)}."))
     banded = _print_lookups(answers, angle is not None, out.units)
     if any(answer.support in ("pinned", "guided") for answer in answers.values()):
         print_line(SUPPORTS)
@@ -118,12 +113,6 @@ def lookup(
         print_reactions(reactions, out.units)
     for name, reason in refused.items():
         print_line(out.units.text(f"{_title(name)}: left out; {reason}"))
-
-
-def _overridden(dimensions: list[str] | None) -> str:
-    """Name the dimensions that the command line gives in place of the file."""
-    names = [pair.partition("=")[0].strip() for pair in dimensions or ()]
-    return f" with {', '.join(names)} as given" if names else ""
 
 
 def _without_angle_law(model: "ComplianceModel", gamma_deg: float) -> set[str]:
@@ -343,8 +332,11 @@ def _frequency_limits(
 
 
 def _optimum_record(best: "Optimum") -> dict[str, Any]:
+    from crankbase.results import units
     from crankfem.analyses.record import attributes
+    from regression.throw_values import field_unit
 
+    of_unit = dict.fromkeys(("value", "lower", "upper", "bound", "worst"), ".unit")
     return {
         **attributes(best, "minimized", "value", "unit", "factors", "dimensions"),
         "at_ends": list(best.at_ends),
@@ -357,9 +349,17 @@ def _optimum_record(best: "Optimum") -> dict[str, Any]:
             name: attributes(answer, "value", "lower", "upper", "unit", "inside")
             for name, answer in best.lookups.items()
         },
-        "throw": None if best.throw is None else best.throw.model_dump(mode="json"),
+        "throw": best.throw,
         "remarks": list(best.remarks),
         "evaluations": best.evaluations,
+        "units": of_unit
+        | {"evaluations": "1"}
+        | {
+            f"{group}.{name}": field_unit(name) or "1"
+            for group in ("factors", "dimensions")
+            for name in getattr(best, group)
+        }
+        | units({"throw": best.throw}),
     }
 
 

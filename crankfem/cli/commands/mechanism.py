@@ -160,7 +160,7 @@ def harmonics(
 ) -> None:
     """Split torque into harmonics M_k sin(k w t + a_k), for a table or an engine with its stars."""
     from crankfem.analyses.mechanism.torque_harmonics import COLUMNS
-    from crankfem.cli.console import write_rows
+    from crankfem.jobs.outputs import write_rows
 
     if orders is not None and not orders > 0.0:
         raise InputError(

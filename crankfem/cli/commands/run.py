@@ -88,12 +88,12 @@ def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> Non
             console.print_table(table, units, plain=True)
         return
     throws: Mapping[str, Any] = results.throws or {"": results}
-    for name, own in throws.items():
-        if isinstance(own, NamedThrow):
-            cranks = "crank" if len(own.cranks) == 1 else "cranks"
-            console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, own.cranks))}.")
-        throw_tables.print_throw(own.throw, units)
-        throw_tables.print_one_throw(own.formulas, units=units)
+    for name, throw in throws.items():
+        if isinstance(throw, NamedThrow):
+            cranks = "crank" if len(throw.cranks) == 1 else "cranks"
+            console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, throw.cranks))}.")
+        throw_tables.print_throw(throw.throw, units)
+        throw_tables.print_one_throw(throw.formulas, units=units)
     if results.study is not None:
         console.print_parts(results.study.main_parts())
     console.print_parts(vibration_parts(results.vibration, units), units)

@@ -256,6 +256,7 @@ def export(
             "elements": len(mesh.elements),
             "surfaces": {name: len(facets) for name, facets in mesh.surfaces.items()},
             "attempts": list(mesh.attempts),
+            "units": dict.fromkeys(("nodes", "elements", "surfaces.*"), "1"),
         }
     if out.json:
         print_json(record)

@@ -5,8 +5,9 @@ from collections.abc import Mapping, Sequence
 
 from rich.table import Table as RichTable
 
-from crankbase.quantity import RPM, significant
+from crankbase.quantity import significant
 from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
+from crankfem.analyses.file_check import Arrangement, Dimension, Shape
 from crankfem.analyses.mechanism.mechanism_results import intervals_text
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.formula_records import (
@@ -44,16 +45,16 @@ def print_throw(results: ThrowResults, units: OutputUnits = SI) -> None:
         print_notes([NOT_CORRECTED], units)
 
 
-def print_shape(record: Record, units: OutputUnits = SI, name: str = "Throw") -> None:
+def print_shape(shape: Shape, units: OutputUnits = SI, name: str = "Throw") -> None:
     """Print the quantities that follow from the dimensions."""
     length, volume = units.of("mm"), units.of("dm^3")
-    pins = "one pin" if record["pins"] == 1 else f"{record['pins']} pins"
+    pins = "one pin" if shape.pins == 1 else f"{shape.pins} pins"
     print_line(
-        f"{name} with {pins}: length {length.with_name(record['length'], 5)}, overlap of journal and pin "
-        f"{length.with_name(record['overlap'])}, volume {volume.with_name(record['volume'])}; "
-        f"{_PARTS[record['solved_part']]}."
+        f"{name} with {pins}: length {length.with_name(shape.length, 5)}, overlap of journal and pin "
+        f"{length.with_name(shape.overlap)}, volume {volume.with_name(shape.volume)}; "
+        f"{_PARTS[shape.solved_part]}."
     )
-    print_notes(record["remarks"], units)
+    print_notes(shape.remarks, units)
 
 
 _PARTS = {
@@ -338,28 +339,28 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
     )
 
 
-def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
+def _print_arrangement(name: str, engine: Arrangement, units: OutputUnits) -> None:
     length, speed = units.of("mm"), units.of("1/min")
     digits = _digits(length)
-    kind = "in line" if engine["bank_angles_deg"] is None else "in banks"
+    kind = "in line" if engine.bank_angles_deg is None else "in banks"
     speeds = [
-        speed.number(engine[f"{which}_speed_rpm"] / RPM, 6)
-        for which in ("lowest", "highest", "rated")
+        speed.number(running, 6)
+        for running in (engine.lowest_speed, engine.highest_speed, engine.rated_speed)
     ]
     print_line(
-        f"{name}: {_cylinders(engine['cylinders'])} {kind}, {engine['strokes']}-stroke, bore x stroke "
-        f"{length.number(engine['bore'], digits)} x {length.number(engine['stroke'], digits)} "
+        f"{name}: {_cylinders(engine.cylinders)} {kind}, {engine.strokes}-stroke, bore x stroke "
+        f"{length.number(engine.bore, digits)} x {length.number(engine.stroke, digits)} "
         f"{length.name}; runs from "
         f"{speeds[0]} to {speeds[1]} {speed.name}, rated speed {speeds[2]} {speed.name} (mean piston "
-        f"speed {units.of('m/s').with_name(engine['mean_piston_speed'], 3)}); firing order "
-        f"{'-'.join(map(str, engine['firing_order']))}, "
-        f"{intervals_text(engine['firing_intervals_deg'], units)}."
+        f"speed {units.of('m/s').with_name(engine.mean_piston_speed, 3)}); firing order "
+        f"{'-'.join(map(str, engine.firing_order))}, "
+        f"{intervals_text(engine.firing_intervals_deg, units)}."
     )
-    fired = dict(zip(engine["firing_order"], engine["firing_angles_deg"], strict=True))
-    angles = {"crank angle": engine["crank_angles_deg"]}
-    if engine["bank_angles_deg"] is not None:
-        angles["bank angle"] = engine["bank_angles_deg"]
-    angles["fires at"] = [fired[number] for number in sorted(fired)]
+    fired = dict(zip(engine.firing_order, engine.firing_angles_deg, strict=True))
+    angles = {"crank angle": engine.crank_angles_deg}
+    if engine.bank_angles_deg is not None:
+        angles["bank angle"] = engine.bank_angles_deg
+    angles["fires at"] = tuple(fired[number] for number in sorted(fired))
     print_table(
         Table(
             f"Cylinders [{units.of('deg').name}]",
@@ -383,7 +384,7 @@ def _digits(unit: OutputUnit) -> int:
 
 
 def _print_dimensions(
-    dimensions: list[Record], units: OutputUnits, title: str = "The throw as read"
+    dimensions: Sequence[Dimension], units: OutputUnits, title: str = "The throw as read"
 ) -> None:
     print_table(
         Table.of_records(

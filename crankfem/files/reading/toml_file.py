@@ -409,10 +409,10 @@ class TomlFile:
                         kinds[name].from_text(values, name)
                     elif others and name in others:
                         others[name](self)
-            lines = {line for error in errors.found for line in error.sentences}
+            lines = {line for error in errors.errors for line in error.sentences}
             alone = [] if lines.issuperset(first.sentences) else [first]
             with self.with_lines():
-                raise InputError.of_all([*alone, *errors.found]) from None
+                raise InputError.of_all([*alone, *errors.errors]) from None
 
     @contextmanager
     def with_lines(self) -> Iterator[None]:

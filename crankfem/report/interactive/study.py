@@ -1,129 +1,107 @@
 """A study's equations: over each factor, and against finite elements."""
 
-from html import unescape
-from typing import Any
+import re
 
-import numpy as np
-from numpy.typing import NDArray
-
-from crankbase.diagrams import BLUE, ORANGE
-from crankfem.analyses.study.fit_plots import factor_diagram
-from crankfem.analyses.study.response_fits import ResponseFits, predicted
+from crankbase.diagrams import display_unit, math_symbol
+from crankfem.analyses.study.fit_plots import factor_diagram, parity_diagrams
+from crankfem.analyses.study.response_fits import ResponseFits
 from crankfem.report.interactive.style import (
     Figure,
     Part,
     axis,
     choice,
-    choice_labels,
     described_traces,
     design_texts,
-    display_unit,
-    dots,
-    factor_text,
-    factor_title,
     layout,
     level,
-    rounded,
-    symbol_text,
+    literal,
+    marked_up,
+    shape,
     visibility_by_choice,
     with_unit,
 )
 from regression.plans.factors import Factor
 from regression.runs.study_table import StudyTable
-
-Array = NDArray[np.float64]
-
-KINDS = ((False, BLUE, "circle", "fitted runs"), (True, ORANGE, "diamond", "held out"))
+from regression.throw_values import factor_text
 
 
 def response_over_factors(table: StudyTable, response: ResponseFits) -> Figure:
     """Draw the chosen equation, and others beside it, over one factor at a time; see `factor_diagram`."""
-    unit = display_unit(response.unit)[0]
     factors = table.plan.factors
+    unit = with_unit("", marked_up(display_unit(response.unit)[0]))
     texts = design_texts(factors, table.values)
+    diagrams = [
+        factor_diagram(table, response, place, unit, texts) for place in range(len(factors))
+    ]
     traces: list[Part] = []
     owners: list[int] = []
-    for place in range(len(factors)):
-        told = with_unit("", unit)
-        panel = described_traces(factor_diagram(table, response, place, told, texts))
+    for place, diagram in enumerate(diagrams):
+        panel = described_traces(diagram)
         traces += [trace | ({} if place == 0 else {"visible": False}) for trace in panel]
         owners += [place] * len(panel)
+    titles = [marked_up(diagram.x.label) for diagram in diagrams]
     changes = [
-        [{"visible": visible}, {"xaxis.title.text": factor_title(factor), **_ticks(factor)}]
-        for visible, factor in zip(visibility_by_choice(owners, len(factors)), factors, strict=True)
+        [{"visible": visible}, {"xaxis.title.text": title, **_ticks(factor)}]
+        for visible, title, factor in zip(
+            visibility_by_choice(owners, len(factors)), titles, factors, strict=True
+        )
     ]
     ticks = {name.removeprefix("xaxis."): value for name, value in _ticks(factors[0]).items()}
+    # Menus know no markup.
+    names = [
+        re.sub("<sub>(.*)</sub>", r"_\1", marked_up(factor_text(factor.name))) for factor in factors
+    ]
     return traces, layout(
-        axis(factor_title(factors[0]), **ticks),
-        axis(f"{symbol_text(response.symbol)} [{unit}]"),
+        axis(titles[0], **ticks),
+        axis(marked_up(diagrams[0].y.label)),
         title=f"{response.response.replace('_', ' ')} over one factor",
-        updatemenus=[choice("over", [_plain(factor_text(f)) for f in factors], changes)],
+        updatemenus=[choice("over", names, changes)],
     )
+
+
+# Axes of the two panels.
+ABOVE: Part = {}
+BELOW: Part = {"xaxis": "x2", "yaxis": "y2", "showlegend": False}
 
 
 def parity(table: StudyTable, response: ResponseFits) -> Figure:
     """Draw one form at a time against finite elements: values above, errors in per cent below."""
-    unit, size = display_unit(response.unit)
-    column = table.responses[response.column]
+    unit = with_unit("", marked_up(display_unit(response.unit)[0]))
+    symbol = marked_up(math_symbol(response.symbol))
     texts = design_texts(table.plan.factors, table.values)
-    symbol = symbol_text(response.symbol)
     forms = [response.chosen, *(fit for fit in response.fits if fit is not response.chosen)]
-    values = [predicted(table, response, fit) for fit in forms]
-    panels: tuple[tuple[list[Array], str, Part], ...] = (
-        ([value / size for value in values], f"by the equation {with_unit('%{y:.5g}', unit)}", {}),
-        (
-            [100.0 * (value / column - 1.0) for value in values],
-            "error of the equation %{y:+.2g} %",
-            {"xaxis": "x2", "yaxis": "y2", "showlegend": False},
-        ),
-    )
-    traces: list[Part] = []
-    # Of each trace the values under each form: the menu changes nothing else.
-    shown: list[list[list[Any]]] = []
-    for held, color, mark, name in KINDS:
-        those = np.flatnonzero(table.held_out == held)
-        for by_form, hover, place in panels:
-            shown.append([rounded(y[those]) for y in by_form])
-            traces.append(
-                dots(
-                    column[those] / size,
-                    by_form[0][those],
-                    name,
-                    color,
-                    f"<b>{name}</b><br>%{{text}}<br>{symbol} by FE {with_unit('%{x:.5g}', unit)}<br>{hover}",
-                    text=[texts[design] for design in those.tolist()],
-                    marker={"symbol": mark},
-                    legendgroup=name,
-                    **place,
-                )
-            )
+    diagrams = [parity_diagrams(table, response, fit, symbol, unit, texts) for fit in forms]
+    shown = [
+        [
+            trace | panel
+            for both in zip(*map(described_traces, pair), strict=True)
+            for trace, panel in zip(both, (ABOVE, BELOW), strict=True)
+        ]
+        for pair in diagrams
+    ]
     labels = [
         f"{fit.form}{' (chosen)' if fit is response.chosen else ''}: held out within "
         f"{100.0 * (fit.largest_heldout_error or 0.0):.2g} %"
         for fit in forms
     ]
-    changes = [[{"y": [drawn[number] for drawn in shown]}] for number in range(len(forms))]
-    ends = [float(column.min() / size), float(column.max() / size)]
-    diagonal = level(0.0) | {
-        "xref": "x",
-        "x0": ends[0],
-        "x1": ends[1],
-        "y0": ends[0],
-        "y1": ends[1],
-    }
+    # The menu changes the values alone.
+    changes = [[{"y": [trace["y"] for trace in traces]}] for traces in shown]
+    above, below = diagrams[0]
+    assert above.diagonal is not None
+    low, high = ((end, end) for end in above.diagonal)
     made = layout(
         axis("", matches="x2", showticklabels=False),
-        axis(f"{symbol} by the equation [{unit}]", domain=[0.42, 1.0]),
+        axis(marked_up(above.y.label), domain=[0.42, 1.0]),
         title=f"{response.response.replace('_', ' ')}: equation against finite elements",
         height=560,
-        shapes=[diagonal, level(0.0, xref="x2 domain", yref="y2")],
+        shapes=[shape("line", low, high), level(2)],
         updatemenus=[choice("form", labels, changes)],
     )
     lower = {
-        "xaxis2": axis(f"{symbol} by FE [{unit}]", anchor="y2"),
-        "yaxis2": axis("error [%]", domain=[0.0, 0.34], anchor="x2"),
+        "xaxis2": axis(marked_up(below.x.label), anchor="y2"),
+        "yaxis2": axis(below.y.label, domain=[0.0, 0.34], anchor="x2"),
     }
-    return traces, made | lower
+    return shown[0], made | lower
 
 
 def _ticks(factor: Factor) -> Part:
@@ -133,11 +111,6 @@ def _ticks(factor: Factor) -> Part:
     return {
         "xaxis.tickmode": "array",
         "xaxis.tickvals": list(range(len(factor.labels))),
-        "xaxis.ticktext": choice_labels(factor),
+        "xaxis.ticktext": [*map(literal, factor.labels)],
         "xaxis.autorange": True,
     }
-
-
-def _plain(text: str) -> str:
-    """Write a label for a menu, which knows no markup."""
-    return unescape(text.replace("<sub>", "_").replace("</sub>", ""))

@@ -23,11 +23,10 @@ from crankbase.diagrams import (
     Line,
     Mark,
     Note,
-    order_line_style,
+    display_unit,
 )
-from crankbase.quantity import DISPLAY_UNITS, format_number
+from crankbase.quantity import format_number
 from regression.plans.factors import Factor
-from regression.throw_values import factor_label
 
 DIGITS = 5
 
@@ -200,41 +199,37 @@ def dots(
     } | more
 
 
-def line_style(number: int) -> Part:
-    """Line style of one of many curves, color and dashes, as arguments of `line`."""
-    color, dash, _ = order_line_style(number)
-    return {"color": color, "dash": dash}
+def shape(
+    kind: str,
+    low: tuple[float, float],
+    high: tuple[float, float],
+    axes: tuple[str, str] = ("x", "y"),
+    **more: Any,
+) -> Part:
+    """Return a line, "rect" or "circle" from its lower left to its upper right corner, below everything."""
+    return {
+        "type": kind,
+        "xref": axes[0],
+        "yref": axes[1],
+        "x0": float(low[0]),
+        "x1": float(high[0]),
+        "y0": float(low[1]),
+        "y1": float(high[1]),
+        "line": {"color": GRAY, "width": 1},
+        "layer": "below",
+    } | more
 
 
 def band(low: float, high: float, color: str, **more: Any) -> Part:
-    """Return a shaded range of x, below everything."""
-    return {
-        "type": "rect",
-        "xref": "x",
-        "yref": "paper",
-        "x0": float(low),
-        "x1": float(high),
-        "y0": 0,
-        "y1": 1,
-        "fillcolor": color,
-        "line": {"width": 0},
-        "layer": "below",
-    } | more
+    """Return a shaded range of x."""
+    look = {"fillcolor": color, "line": {"width": 0}}
+    return shape("rect", (low, 0.0), (high, 1.0), ("x", "paper"), **look, **more)
 
 
-def level(value: float, color: str = GRAY, **more: Any) -> Part:
-    """Return a level line across the whole diagram."""
-    return {
-        "type": "line",
-        "xref": "x domain",
-        "yref": "y",
-        "x0": 0,
-        "x1": 1,
-        "y0": float(value),
-        "y1": float(value),
-        "line": {"color": color, "width": 1},
-        "layer": "below",
-    } | more
+def level(number: int = 1) -> Part:
+    """Return a line at zero across the whole diagram of the first or a further vertical axis."""
+    across = "x domain" if number == 1 else f"x{number} domain"
+    return shape("line", (0.0, 0.0), (1.0, 0.0), (across, "y" if number == 1 else f"y{number}"))
 
 
 def note(text: str, *, size: int = 12, color: str = QUIET_COLOR, **place: Any) -> Part:
@@ -289,29 +284,20 @@ def number(value: float, digits: int = 4) -> str:
     return format_number(value + 0.0, digits)
 
 
-def degrees_of(radians: ArrayLike) -> NDArray[np.float64]:
-    """Return angles in degrees."""
-    return np.rad2deg(np.asarray(radians, dtype=np.float64))
-
-
 Array = NDArray[np.float64]
 
 
-def symbol_text(symbol: str) -> str:
-    """Write a symbol such as L_shm with its index set low.
+def marked_up(text: str) -> str:
+    r"""Write the mathematics of a label, as matplotlib reads it, in plotly's markup.
 
     Examples
     --------
-    >>> symbol_text("L_shm")
-    'L<sub>shm</sub>'
+    >>> marked_up(r"$L_{\mathrm{shm}}$ by FE [$10^{-9}$ m/N]")
+    'L<sub>shm</sub> by FE [10<sup>-9</sup> m/N]'
     """
-    return re.sub(r"^([A-Za-z]+)_(\w+)$", r"\1<sub>\2</sub>", symbol)
-
-
-def display_unit(unit: str) -> tuple[str, float]:
-    """Return the unit in which a quantity of an SI unit is shown, and its size in SI."""
-    text, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
-    return text.replace("1e-9", "10<sup>-9</sup>") or "1", size
+    text = re.sub(r"\$(\w+)\$", r"\1", text)
+    text = re.sub(r"\$(\w+)_\{\\mathrm\{(\w+)\}\}\$", r"\1<sub>\2</sub>", text)
+    return re.sub(r"\$(\w+)\^\{(-?\w+)\}\$", r"\1<sup>\2</sup>", text)
 
 
 def with_unit(number: str, unit: str) -> str:
@@ -319,37 +305,14 @@ def with_unit(number: str, unit: str) -> str:
     return f"{number}·{unit}" if unit.startswith("10<") else f"{number} {unit}"
 
 
-def factor_text(factor: Factor) -> str:
-    """Write "web width B"."""
-    symbol = factor_label(factor.name).symbol
-    words = literal(factor.name.replace("_", " "))
-    return words if symbol == factor.name else f"{words} {symbol_text(symbol)}"
-
-
-def factor_title(factor: Factor) -> str:
-    """Write "web width B [mm]"."""
-    if factor.labels:
-        return factor_text(factor)
-    return f"{factor_text(factor)} [{display_unit(factor.unit)[0]}]"
-
-
-def choice_labels(factor: Factor) -> list[str]:
-    """Return the labels of a choice, none of a number."""
-    return [literal(label) for label in factor.labels]
-
-
-def display_values(factor: Factor, values: Array) -> Array:
-    """Return a factor's values in the unit in which they are shown; of a choice the labels' numbers."""
-    return values if factor.labels else values / display_unit(factor.unit)[1]
-
-
 def design_texts(factors: tuple[Factor, ...], values: Array) -> list[str]:
     """Return a text for each design (n, k) that says its dimensions, one a line."""
     columns = []
     for place, factor in enumerate(factors):
-        shown = display_values(factor, values[:, place])
-        unit = display_unit(factor.unit)[0] if factor.unit else ""
-        name, labels = literal(factor.name.replace("_", " ")), choice_labels(factor)
+        text, size = display_unit(factor.unit)
+        shown = values[:, place] if factor.labels else values[:, place] / size
+        unit = marked_up(text) if factor.unit else ""
+        name, labels = literal(factor.name.replace("_", " ")), [*map(literal, factor.labels)]
         columns.append(
             [
                 f"{name} " + (labels[round(value)] if labels else f"{value:.5g} {unit}".strip())
@@ -442,18 +405,23 @@ def figure_of(curves: Curves, title: str) -> Figure:
         traces.append(
             dots(points.x, points.y, points.name, points.color, literal(points.name) + hover)
         )
-    shapes: list[Part] = [level(0.0)] if curves.signed else []
+    shapes: list[Part] = [level()] if curves.signed else []
     named: set[str] = set()
     drawn: list[Band | Mark] = [*curves.bands, *curves.marks]
     for mark in drawn:
         # The first of several shapes stands in the legend, from where it switches all.
-        legend = {"name": mark.name, "legendgroup": mark.name, "showlegend": mark.name not in named}
+        legend: Part = {
+            "name": mark.name,
+            "legendgroup": mark.name,
+            "showlegend": mark.name not in named,
+        }
         named.add(mark.name)
-        shapes.append(
-            _upright(mark, **legend)
-            if isinstance(mark, Mark)
-            else band(mark.low, mark.high, mark.color, **legend)
-        )
+        if isinstance(mark, Band):
+            shapes.append(band(mark.low, mark.high, mark.color, **legend))
+            continue
+        look = {"color": mark.color, "width": 1, "dash": "dot"}
+        place = (mark.place, 0.0), (mark.place, 1.0)
+        shapes.append(shape("line", *place, ("x", "paper"), line=look, layer="above", **legend))
     ends = {} if curves.x_range is None else {"range": list(curves.x_range)}
     ticks = {} if curves.x_step is None else {"dtick": curves.x_step, "tick0": 0}
     if curves.signed:
@@ -470,23 +438,17 @@ def figure_of(curves: Curves, title: str) -> Figure:
     )
 
 
-def _upright(mark: Mark, **more: object) -> Part:
-    return {
-        "type": "line",
-        "xref": "x",
-        "yref": "paper",
-        "x0": mark.place,
-        "x1": mark.place,
-        "y0": 0,
-        "y1": 1,
-        "line": {"color": mark.color, "width": 1, "dash": "dot"},
-    } | more
-
-
 # Sizes of dots [pixels]: of those without weights by symbol, and at weights 0 and 1.
 DOT_SIZES = {"o": 7.0, "x": 9.0, "_": 22.0}
 LEAST_DOT, DOT_GROWTH = 5.0, 12.0
-SYMBOLS = {"o": "circle", "O": "circle-open", "X": "x", "x": "x-thin", "_": "line-ew-open"}
+SYMBOLS = {
+    "o": "circle",
+    "D": "diamond",
+    "O": "circle-open",
+    "X": "x",
+    "x": "x-thin",
+    "_": "line-ew-open",
+}
 
 
 def diagram_figure(diagram: Diagram, title: str, height: int = HEIGHT) -> Figure:
@@ -495,12 +457,25 @@ def diagram_figure(diagram: Diagram, title: str, height: int = HEIGHT) -> Figure
         band(low, high, color, name=name, showlegend=True)
         for low, high, color, name in diagram.bands
     ]
+    shapes += [
+        shape("circle" if part.round else "rect", part.low, part.high, fillcolor=part.color)
+        for part in diagram.shapes
+    ]
+    x, y = _described_axis(diagram.x), _described_axis(diagram.y)
+    if diagram.bands:
+        x["showgrid"] = False
+    if diagram.level or diagram.equal:
+        shapes.append(level())
+    if diagram.equal:
+        shapes.append(shape("line", (0.0, 0.0), (0.0, 1.0), ("x", "y domain")))
+        x |= {"constrain": "domain"}
+        y |= {"constrain": "domain", "scaleanchor": "x"}
     made = layout(
-        _described_axis(diagram.x) | ({"showgrid": False} if diagram.bands else {}),
-        _described_axis(diagram.y),
+        x,
+        y,
         title=title,
         height=height,
-        shapes=[*shapes, *([level(0.0)] if diagram.level else [])],
+        shapes=shapes,
         annotations=[_described_note(text) for text in diagram.notes],
     )
     if any(dots.weights is not None for dots in diagram.dots):
@@ -514,7 +489,7 @@ def _described_axis(limits: Limits) -> Part:
     if limits.ticks is not None:
         names = ["<br>".join(map(literal, name.split("\n"))) for name in limits.ticks.values()]
         more |= {"tickvals": list(limits.ticks), "ticktext": names}
-    return axis(limits.label, **more)
+    return axis(marked_up(limits.label), **more)
 
 
 def _described_note(described: Note) -> Part:
@@ -527,11 +502,11 @@ def _described_note(described: Note) -> Part:
             "bgcolor": "rgba(255, 255, 255, 0.85)",
         }
         return note(described.text, color=described.color, x=described.x, y=described.y, **look)
-    look = (
-        {"xanchor": "left"}
-        if described.side == "right"
-        else {"xanchor": "center", "yanchor": "bottom"}
-    )
+    look = {
+        "middle": {},
+        "right": {"xanchor": "left"},
+        "above": {"xanchor": "center", "yanchor": "bottom"},
+    }[described.side]
     return note(described.text, size=11, color=TEXT_COLOR, x=described.x, y=described.y, **look)
 
 
@@ -546,6 +521,8 @@ def described_traces(diagram: Diagram) -> list[Part]:
             key = (drawn.group, drawn.name)
             more |= {"legendgroup": drawn.group, "showlegend": key not in named}
             named.add(key)
+        if drawn.numbers:
+            more["customdata"] = drawn.numbers
         if isinstance(drawn, Line):
             if drawn.marker:
                 more |= {"mode": "lines+markers", "marker": {"size": round(2.0 * drawn.marker)}}
@@ -564,21 +541,19 @@ def described_traces(diagram: Diagram) -> list[Part]:
                     **more,
                 )
             )
-        else:
-            traces.append(_weighted_dots(drawn, more))
+            continue
+        symbols = [SYMBOLS[symbol] for symbol in drawn.symbols]
+        more["marker"] = {
+            "symbol": symbols[0] if len(symbols) == 1 and drawn.weights is None else symbols
+        }
+        if drawn.symbols in ("x", "_", "O"):
+            more["marker"]["line"] = {"color": drawn.color, "width": 2}
+        size: Any = DOT_SIZES.get(drawn.symbols, 7.0)
+        if drawn.weights is not None:
+            size = [round(LEAST_DOT + DOT_GROWTH * weight, 1) for weight in drawn.weights]
+        if drawn.texts:
+            more["text"] = list(drawn.texts)
+        traces.append(
+            dots(drawn.x, drawn.y, drawn.name, drawn.color, drawn.hover, size=size, **more)
+        )
     return traces
-
-
-def _weighted_dots(drawn: Dots, more: Part) -> Part:
-    symbols = [SYMBOLS[symbol] for symbol in drawn.symbols]
-    more["marker"] = {
-        "symbol": symbols[0] if len(symbols) == 1 and drawn.weights is None else symbols
-    }
-    if drawn.symbols in ("x", "_", "O"):
-        more["marker"]["line"] = {"color": drawn.color, "width": 2}
-    size: Any = DOT_SIZES.get(drawn.symbols, 7.0)
-    if drawn.weights is not None:
-        size = [round(LEAST_DOT + DOT_GROWTH * weight, 1) for weight in drawn.weights]
-    if drawn.texts:
-        more["text"] = list(drawn.texts)
-    return dots(drawn.x, drawn.y, drawn.name, drawn.color, drawn.hover, size=size, **more)

@@ -334,7 +334,7 @@ class _View:
 
     label: str
     traces: tuple[int, ...]
-    told: str
+    caption: str
     intensity: list[float | int | None] | None = None
     largest: float = 1.0
     bar: str = ""
@@ -351,9 +351,9 @@ def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None
     layout : dict
         Each array is in the file once: colors come with the menu's choice.
     """
-    given = stretched_surface(analysis)
-    points, displacement = MILLI * given.points, given.values
-    flat = [given.facets[:, list(corners)] for corners in SUBTRIANGLES]
+    stretched = stretched_surface(analysis)
+    points, displacement = MILLI * stretched.points, stretched.values
+    flat = [stretched.facets[:, list(corners)] for corners in SUBTRIANGLES]
     surface = TriangleSurface(points, np.concatenate(flat))
     sizes = np.linalg.norm(displacement, axis=1)
     size = float(np.ptp(points, axis=0).max())
@@ -362,8 +362,13 @@ def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None
     sources, triangles = decimate_triangles(surface, sizes, MOST_TRIANGLES).split_at_sharp_edges()
     scale = DRAWN_DISPLACEMENT * float(np.ptp(points[:, 2])) / float(sizes[sources].max())
     moved = points + scale * displacement
-    edges = np.concatenate([given.facets[:, list(path)] for path in EDGE_PATHS])
-    middles = _middles(edges, points, BENT * size)
+    edges = np.concatenate([stretched.facets[:, list(path)] for path in EDGE_PATHS])
+    # The ends of all element edges with the node in the middle, -1 where the edge is straight.
+    first, middle, last = edges.T
+    away = points[middle] - 0.5 * (points[first] + points[last])
+    middle = np.where(np.linalg.norm(away, axis=1) > BENT * size, middle, -1)
+    ends = np.sort(edges[:, [0, 2]], axis=1)
+    middles = {(a, b): node for (a, b), node in zip(ends.tolist(), middle.tolist(), strict=True)}
     traces = [
         _solid(points[sources], triangles, size, name="solid", color=STEEL_COLOR),
         _lines(lifted, features, size, FEATURE_COLOR, 3.0, "sharp edges"),
@@ -371,7 +376,10 @@ def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None
     views = [_View("solid", (0, 1), "drag to turn; pinch, or click and scroll, to zoom")]
     if len(middles) <= MOST_EDGES:
         traces.append(_lines(lifted, _through(middles), size, MESH_COLOR, 1.2, "element edges"))
-        views.append(_View("mesh", (0, len(traces) - 1), _mesh_text(analysis)))
+        mesh = analysis.mesh
+        part = f" in the {mesh.part}, mirrored" if len(whole_nodes(mesh).images) > 1 else ""
+        size_text = f"{len(mesh.elements)} tetrahedra with 10 nodes{part}; {mesh.unknowns} unknowns"
+        views.append(_View("mesh", (0, len(traces) - 1), size_text))
     shown = DISPLACEMENT_SHOWN * sizes[sources]
     # In mm for 1 N; drawn against 1 kN.
     factor = scale / (MILLI * 1e3)
@@ -427,7 +435,9 @@ def _layout(traces: list[Part], views: list[_View], points: Array) -> Part:
             },
         },
         "annotations": [
-            note(views[0].told, x=0.5, y=0.0, yshift=-8, xref="paper", yref="paper", yanchor="top")
+            note(
+                views[0].caption, x=0.5, y=0.0, yshift=-8, xref="paper", yref="paper", yanchor="top"
+            )
         ],
         "updatemenus": [
             menu | {"type": "buttons", "direction": "right", "x": 0.0, "xanchor": "left"}
@@ -444,18 +454,8 @@ def _change(view: _View, traces: list[Part]) -> list[Part]:
             "cmax": [view.largest],
             "colorbar.title.text": [view.bar],
         },
-        {"annotations[0].text": view.told},
+        {"annotations[0].text": view.caption},
     ]
-
-
-def _mesh_text(analysis: ThrowAnalysis) -> str:
-    mesh = analysis.mesh
-    images = len(whole_nodes(mesh).images)
-    return (
-        f"{len(mesh.elements)} tetrahedra with 10 nodes"
-        + (f" in the {mesh.part}, mirrored" if images > 1 else "")
-        + f"; {mesh.unknowns} unknowns"
-    )
 
 
 def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_View]]:
@@ -465,10 +465,10 @@ def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_Vie
     chosen = [
         column for kind in STRESS_LOADS for column, load in enumerate(loads) if load.kind == kind
     ]
-    given = stressed_surface(of_loads(stresses, chosen))
+    stressed = stressed_surface(of_loads(stresses, chosen))
     # Elements are small here: straight edges do.
-    corners = given.facets[:, :3]
-    points, equivalent = MILLI * given.points, given.values
+    corners = stressed.facets[:, :3]
+    points, equivalent = MILLI * stressed.points, stressed.values
     size = float(np.ptp(points, axis=0).max())
     # What is largest under any of the loads shall stay.
     relative = (equivalent / equivalent.max(axis=0)).max(axis=1)
@@ -568,18 +568,6 @@ def _coordinates(points: Array, size: float) -> Part:
 
 def _xyz(values: Sequence[object]) -> Part:
     return dict(zip("xyz", values, strict=True))
-
-
-def _middles(edges: Integers, points: Array, beside: float) -> dict[tuple[int, int], int]:
-    """Return the ends of all element edges with the node in the middle, -1 where the edge is straight."""
-    first, middle, last = edges.T
-    away = points[middle] - 0.5 * (points[first] + points[last])
-    bent = np.linalg.norm(away, axis=1) > beside
-    ends = np.sort(edges[:, [0, 2]], axis=1)
-    return {
-        (a, b): node
-        for (a, b), node in zip(ends.tolist(), np.where(bent, middle, -1).tolist(), strict=True)
-    }
 
 
 def _through(middles: dict[tuple[int, int], int]) -> list[list[int]]:
