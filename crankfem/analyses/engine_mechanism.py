@@ -33,7 +33,9 @@ from crankfem.files.engine.mechanism_cylinders import (
     throws_of,
 )
 from crankfem.files.engine.throw_file import ThrowFile, load_throw_file
+from crankfem.files.engine.usual_parts import EngineScale, part_warnings
 from crankfem.files.engine.usual_sizes import engine_warnings
+from crankfem.files.engine.usual_tables import table_warnings
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN, read_throws, throw_names, throws_along_shaft
@@ -315,7 +317,7 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
         load=file.load,
         attached_inertia=sum(attached),
         remarks=_remarks(file),
-        warnings=_warnings(file, power),
+        warnings=_warnings(file, power, layout, pressure),
         records=file.records,
         sources=file.sources,
     )
@@ -336,7 +338,12 @@ def layout_of(file: EngineFile | MechanismSections) -> EngineLayout:
     return EngineLayout(0.5 * engine.stroke, cylinders, engine.firing_order, engine.strokes)
 
 
-def _warnings(file: EngineFile | MechanismSections, power: EnginePower | None) -> tuple[str, ...]:
+def _warnings(
+    file: EngineFile | MechanismSections,
+    power: EnginePower | None,
+    layout: EngineLayout,
+    pressure: Sequence[GasPressure],
+) -> tuple[str, ...]:
     """Name what is far outside of practice, and so perhaps a slip."""
     thrust = file.thrust_bearing if isinstance(file, EngineFile) else None
     material = () if file.material.remark is None else (file.material.remark,)
@@ -344,7 +351,11 @@ def _warnings(file: EngineFile | MechanismSections, power: EnginePower | None) -
     rated: tuple[str, ...] = ()
     if power is not None and not power.consistent:
         rated = (f"engine.rated_power: {power.sentence[0].lower()}{power.sentence[1:]}",)
-    return (*firing, *material, *rated, *engine_warnings(file, power, thrust))
+    scale = EngineScale(file, None if power is None else power.indicated)
+    return (
+        *(*firing, *material, *rated, *engine_warnings(file, power, thrust)),
+        *(*part_warnings(scale), *table_warnings(scale, layout, pressure)),
+    )
 
 
 def _remarks(file: EngineFile | MechanismSections) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -23,12 +23,13 @@ from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.throw_file import ThrowFile, load_study
+from crankfem.files.engine.usual_parts import POISSON, near_angles, study_warnings
 from crankfem.files.engine.usual_sizes import throw_warnings
 from crankfem.files.hinge_file import SECTIONS as HINGE_SECTIONS
 from crankfem.files.hinge_file import HingeFile, load_hinge
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN
-from crankfem.files.sections.engine_sections import Engine
+from crankfem.files.sections.engine_sections import Engine, ShaftLayout
 from dynamics.chains.coupling_damping import in_all_conventions
 from dynamics.harmonics import read_torque_table
 from fem.material import STEEL, Material
@@ -171,13 +172,18 @@ def check_file(given: str | TomlFile) -> CheckedFile:
     if file_kind(content) == "hinge":
         return _hinge(load_hinge(content), content)
     read = load_any(content)
+    of_study: tuple[str, ...] = ()
     if "study" in content.sections:
-        _ = load_study(content).planned  # refuses a study of which nothing can be built
+        study = load_study(content)
+        _ = study.planned  # refuses a study of which nothing can be built
+        of_study = tuple(study_warnings(study))
     if isinstance(read, ThrowFile):
-        return _throw(read, content)
-    if isinstance(read, MechanismFile):
-        return _mechanism(read, content)
-    return _engine(read, content)
+        checked = _throw(read, content)
+    elif isinstance(read, MechanismFile):
+        checked = _mechanism(read, content)
+    else:
+        checked = _engine(read, content)
+    return replace(checked, warnings=(*checked.warnings, *of_study))
 
 
 def check_record(checked: CheckedFile) -> Record:
@@ -264,6 +270,7 @@ def _chain(read: ChainFile) -> CheckedFile:
 
 def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
     study = ("doe",) if "study" in content.sections else ()
+    shaft = content.model("shaft", ShaftLayout)
     return CheckedFile(
         read.path,
         "throw",
@@ -275,6 +282,13 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
         warnings=(
             *(() if read.material.remark is None else (read.material.remark,)),
             *throw_warnings(read.throws),
+            *POISSON.warning_of(
+                "material.poisson_ratio",
+                read.material.poisson_ratio,
+                "",
+                read.material.poisson_ratio / STEEL.poisson_ratio,
+            ),
+            *near_angles("shaft.throw_angles", None if shaft is None else shaft.throw_angles),
         ),
         throws={} if PLAIN in read.throws else read.throws,
         material=read.material,

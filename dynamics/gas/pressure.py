@@ -133,6 +133,12 @@ class GasPressure:
         return angle - self.cycle_deg if angle > self.cycle_deg / 2.0 else angle
 
     @property
+    def angles_from_top(self) -> FloatArray:
+        """Crank angles of the samples, from -cycle/2 (excluded) to cycle/2 [deg]."""
+        angles, cycle = self.angles_deg, self.cycle_deg
+        return np.where(angles > cycle / 2.0, angles - cycle, angles)
+
+    @property
     def lowest(self) -> float:
         """The lowest pressure [Pa]."""
         return float(np.min(self.pressure))
@@ -679,6 +685,22 @@ FIT_FROM, FIT_TO = -100.0, -40.0
 FEWEST_SAMPLES = 4
 
 
+def compression_line(
+    pressure: GasPressure, volume: CylinderVolume, low: float = FIT_FROM, high: float = FIT_TO
+) -> tuple[float, float]:
+    """Return slope and level of ln p over ln V between two crank angles [deg], by least squares."""
+    angles = pressure.angles_from_top
+    within = (angles >= low) & (angles <= high)
+    if np.count_nonzero(within) < FEWEST_SAMPLES:
+        raise InputError(
+            f"fit_from_deg: given a range with {np.count_nonzero(within)} samples; allowed are "
+            f"{FEWEST_SAMPLES} or more, because the exponent is fitted to them."
+        )
+    size = np.log(volume.at(angle_deg=angles[within]))
+    slope, level = np.polyfit(size, np.log(pressure.pressure[within]), 1)
+    return float(slope), float(level)
+
+
 def motored_from_compression(
     pressure: GasPressure,
     volume: CylinderVolume,
@@ -721,16 +743,9 @@ def motored_from_compression(
             f"fit_from_deg: given {low:g} deg to {high:g} deg; allowed is a range "
             "from -180 deg to below 0, because the gas is compressed there."
         )
-    angles, cycle = pressure.angles_deg, pressure.cycle_deg
-    angles = np.where(angles > cycle / 2.0, angles - cycle, angles)
-    within = (angles >= low) & (angles <= high)
-    if np.count_nonzero(within) < FEWEST_SAMPLES:
-        raise InputError(
-            f"fit_from_deg: given a range with {np.count_nonzero(within)} samples; allowed are "
-            f"{FEWEST_SAMPLES} or more, because the exponent is fitted to them."
-        )
+    angles = pressure.angles_from_top
     size = np.log(volume.at(angle_deg=angles))
-    slope, level = np.polyfit(size[within], np.log(pressure.pressure[within]), 1)
+    slope, level = compression_line(pressure, volume, low, high)
     if not -2.0 < slope < -1.0:
         raise InputError(
             f"pressure: given a diagram with the polytropic exponent {-slope:.3g} between "

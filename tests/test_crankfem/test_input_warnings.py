@@ -11,7 +11,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.engine_mechanism import load_any, mechanism_of
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-from crankfem.files.engine import usual_sizes
+from crankfem.files.engine import usual_parts, usual_sizes
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import (
     FiringEvenness,
@@ -19,10 +19,14 @@ from crankfem.files.engine.mechanism_cylinders import (
     firing_sentence,
 )
 from crankfem.files.engine.throw_file import ThrowFile
+from crankfem.files.engine.usual_parts import EngineScale
 from crankfem.files.engine.usual_sizes import UsualRange, throw_warnings
-from crankfem.files.reading.data_files import input_path, shipped_names
+from crankfem.files.engine.usual_tables import pressure_warnings
+from crankfem.files.reading.data_files import data_folder, input_path, shipped_names
 from crankfem.files.sections.engine_sections import Engine
 from crankfem.files.sections.mechanism_sections import Piston
+from dynamics.gas.pressure import gas_pressure
+from dynamics.harmonics import read_torque_table
 from fem.material import STEEL, Material
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
@@ -382,3 +386,141 @@ def test_a_peak_beyond_any_engine_is_refused(call, tmp_path, six_cylinders, edit
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
     answer = call("check", "mine.toml")
     assert "given 85 MPa above ambient; allowed is 50 MPa absolute at most" in answer.err
+
+
+# Section, field, value and a word of the warning; on the generating set of 6ChN 18/22.
+PARTS = [
+    ("limits.crankshaft_stress", '"300 MPa"', "of the shear modulus"),
+    ("torsional_damper.ring_inertia", '"12000 kg m^2"', "of cranks and rods"),
+    ("torsional_damper.damping", '"4.36 N m s/rad"', "perhaps per degree: 250 N m s/rad"),
+    ("driven.coupling_stiffness", '"2 N m/rad"', "rated torque"),
+    ("driven.coupling_loss_factor", "16.0e-5", "stiffness"),
+    ("free_end.inertia", '"2000 kg m^2"', "range of the shipped engines"),
+    ("damping.torsional_magnifier", "4.0", "usual is 12 to 60"),
+    ("bearings.stiffness", '"2e12 N/m"', "perhaps a unit's prefix: 2e9 N/m"),
+    ("bearings.stiffness", '"2e6 N/m"', "perhaps a unit's prefix: 2e9 N/m"),
+    ("rod.rotating_mass", '"1 kg"', "the rod's mass"),
+    ("material.poisson_ratio", "0.03", "that of steel"),
+    ("limits.generator_angle", '"0.0035 deg"', "electrical"),
+    ("shaft_ends.flange_thickness", '"0.35 mm"', "main journal's diameter"),
+]
+
+
+@pytest.mark.parametrize(("field", "value", "said"), PARTS)
+def test_a_part_that_cannot_be_meant_is_warned_of(tmp_path, edit, field, value, said):
+    text = edit(input_path("6chn18-22-set").read_text("utf-8"), {"limits.crankshaft_rule": None})
+    section, _, name = field.rpartition(".")
+    if f"[{section}]" in text:
+        text = edit(text, {field: value})
+    else:
+        text += f"\n[{section}]\n{name} = {value}\n"
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    warnings = mechanism_of(load_any(tmp_path / "mine.toml")).warnings
+    assert any(one.startswith(f"{field}: given") and said in one for one in warnings), warnings
+
+
+@pytest.mark.parametrize("field", sorted(usual_parts.PARTS))
+def test_parts_of_the_shipped_engines_are_within_their_usual_ranges(shipped, field):
+    """Ranges called those of the shipped engines are theirs; none of theirs is outside of any."""
+    compared, usual = usual_parts.PARTS[field]
+    section, name = field.split(".")
+    ratios = []
+    for file in shipped:
+        if not isinstance(file, EngineFile):
+            continue
+        power = mechanism_of(file).power
+        scale = EngineScale(file, power and power.indicated)
+        value = getattr(scale.part(section), name, None)
+        if value:
+            ratios.append(value / (compared(scale) if callable(compared) else compared))
+    if usual.basis == usual_sizes.SHIPPED:
+        assert (usual.low, usual.high) == close(outwards(min(ratios), max(ratios)))
+    elif ratios:
+        assert usual.low / usual.margin < min(ratios)
+        assert max(ratios) < usual.high * usual.margin
+
+
+def test_counterweights_pass_under_piston_and_beside_rod(tmp_path, edit):
+    text = input_path("vw-tdi").read_text("utf-8")
+    (tmp_path / "mine.toml").write_text(edit(text, {"piston.skirt_length": '"60 mm"'}), "utf-8")
+    warnings = mechanism_of(load_any(tmp_path / "mine.toml")).warnings
+    assert sum("where the skirt comes down to" in one for one in warnings) == 2
+    file = load_any("vw-tdi")
+    weight = file.throw.counterweight.changed(
+        thickness=file.throw.web_thickness, offset=0.1 * file.throw.pin_length
+    )
+    throw = {"counterweight": weight}
+    warnings = mechanism_of(file.changed(throw=throw)).warnings
+    assert all("over the pin on the" in one for one in warnings)
+    assert len(warnings) == 2
+
+
+def test_levels_of_a_study_far_from_its_throw(call, tmp_path, edit):
+    text = edit(
+        input_path("yamz-5340").read_text("utf-8"),
+        {"study.factors.web_width": '["90 m", "100 mm", "110 mm"]'},
+    )
+    (tmp_path / "mine.toml").write_text(text, "utf-8")
+    (warning,) = call("check", "mine.toml", "--json").json()["warnings"]
+    assert warning.startswith("study.factors.web_width: given 90000 mm, which is 900 times")
+    assert warning.endswith("perhaps a unit's prefix: 90 mm would suit")
+
+
+@pytest.mark.parametrize(
+    ("throw_angles", "said"),
+    [
+        ('["0 deg", "90000 deg", "270 deg", "180 deg"]', "more than two turns"),
+        ('["0 deg", "0.09 deg", "270 deg", "180 deg"]', "two of these differ by 0.09 deg"),
+    ],
+)
+def test_angles_of_throws(call, tmp_path, edit, throw_angles, said):
+    text = edit(input_path("8chn14-14").read_text("utf-8"), {"shaft.throw_angles": throw_angles})
+    (tmp_path / "mine.toml").write_text(text, "utf-8")
+    answer = call("check", "mine.toml")
+    assert said in " ".join((answer.out + answer.err).split())
+
+
+@pytest.fixture(scope="module")
+def measured():
+    """Angles and absolute pressure of the model's cycle, for a table."""
+    pressure = mechanism_of(load_any("6chn25-34")).pressure[0]
+    return pressure.angles_deg, pressure.pressure
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda p: p, None),
+        (lambda p: np.roll(p, round(25.0 * p.size / 720.0)), "exponent"),
+        (lambda p: np.maximum(p - 101325.0, 1e3), "lowest pressure"),
+        (lambda p: np.where(np.arange(p.size) == p.size - 10, 0.5 * p, p), "perhaps a dropout"),
+        (lambda p: np.where(np.arange(p.size) == p.size // 12, 0.5 * p, p), "perhaps a dropout"),
+    ],
+)
+def test_a_pressure_table_that_looks_like_a_slip(measured, change, said):
+    angles, pressure = measured
+    mechanism = mechanism_of(load_any("6chn25-34"))
+    table = gas_pressure(change(pressure), 4, angles_deg=angles)
+    warnings = list(pressure_warnings(table, mechanism.layout, mechanism.gas.compression_ratio))
+    assert any(said in one for one in warnings) if said else not warnings
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda torque: -torque, "perhaps sign"),
+        (lambda torque: torque / 1e3, "perhaps a unit's prefix"),
+        (lambda torque: torque[::-1], "perhaps the angles are in reverse order"),
+    ],
+)
+def test_a_torque_table_that_looks_like_a_slip(tmp_path, change, said):
+    shipped_table = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
+    table = read_torque_table(shipped_table)
+    torque = change(table.torque)
+    lines = [
+        f"{angle:g},{one:.6g}" for angle, one in zip(table.crank_angle_deg, torque, strict=True)
+    ]
+    (tmp_path / shipped_table.name).write_text("crank_angle_deg,torque_Nm\n" + "\n".join(lines))
+    (tmp_path / "mine.toml").write_text(input_path("yamz-5340").read_text("utf-8"), "utf-8")
+    warnings = mechanism_of(load_any(tmp_path / "mine.toml")).warnings
+    assert any(one.startswith("torque.table: ") and said in one for one in warnings), warnings

@@ -146,6 +146,11 @@ def check_sizes(
         )
 
 
+def inertia_of_masses(rod: Rod | HingedRods) -> float:
+    """Return the inertia [kg m^2] of the two masses at a rod's pins about their center."""
+    return rod.rotating_mass * (rod.mass - rod.rotating_mass) / rod.mass * rod.length**2
+
+
 def inertia_remarks(*rods: Rod | HingedRods | None) -> list[str]:
     """State the consequence for each rod whose inertia is not given, or unusual."""
     remarks = []
@@ -157,7 +162,7 @@ def inertia_remarks(*rods: Rod | HingedRods | None) -> list[str]:
                 f"{rod.section}.inertia is not given: the rod is modeled as two masses at its pins"
             )
             continue
-        plain = rod.rotating_mass * (rod.mass - rod.rotating_mass) / rod.mass * rod.length**2
+        plain = inertia_of_masses(rod)
         if not USUAL_INERTIA[0] <= rod.inertia / plain <= USUAL_INERTIA[1]:
             remarks.append(
                 f"{rod.section}.inertia is {rod.inertia / plain:.2g} times that of two masses at its pins; "

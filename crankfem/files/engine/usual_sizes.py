@@ -16,10 +16,11 @@ from geometry.throw import CrankThrow
 from regression.law.throw_law import DIVISORS, FILLETS, RANGES, REAL, axial_law
 from regression.law.throw_law import PLAIN as PLAIN_RANGES
 
-LAW, SHIPPED, M53 = (
+LAW, SHIPPED, M53, PRACTICE = (
     "range of the law's training throws",
     "range of the shipped engines",
     "range of IACS UR M53",
+    "usual practice",
 )
 
 
@@ -47,6 +48,19 @@ class UsualRange:
             f"{field}: {text}, which {shown}; usual is {self.low:g} to {self.high:g} {self.unit} "
             f"({self.basis})"
         )
+
+    def warning_of(self, field: str, value: float, unit: str, ratio: float) -> Iterator[str]:
+        """Give the sentence about a quantity in SI units, with the slip that one factor explains."""
+        for sentence in self.warning(field, f"given {format_quantity(value, unit, 5)}", ratio):
+            slips = {1e3: "a unit's prefix", 1e-3: "a unit's prefix"}
+            if "rad" in unit:
+                slips |= {math.degrees(1.0): "per degree", math.radians(1.0): "per degree"}
+            suiting = (
+                f"; perhaps {slip}: {format_quantity(value * factor, unit, 3)} would suit"
+                for factor, slip in slips.items()
+                if self.low <= ratio * factor <= self.high
+            )
+            yield sentence + next(suiting, "")
 
 
 # Of the shipped engines, rounded outwards to two digits.
@@ -180,7 +194,7 @@ def engine_warnings(
     engine, throw, bore = file.engine, file.crank_throws[0], file.engine.bore
 
     def warn(field: str, value: float, unit: str, usual: UsualRange, ratio: float) -> Iterator[str]:
-        return usual.warning(field, f"given {format_quantity(value, unit, 5)}", ratio)
+        return usual.warning_of(field, value, unit, ratio)
 
     journal, rod, pitch = throw.main_journal_diameter, file.rod.length, throw.length
     yield from warn("engine.stroke", engine.stroke, "m", STROKE, engine.stroke / bore)

@@ -212,6 +212,7 @@ class ShaftLayout(InputModel):
                 f"{self.section}.throw_angles: missing; allowed are throw_angles, throws or both, because "
                 "these are what the section is for."
             )
+        refuse_many_turns(f"{self.section}.throw_angles", self.throw_angles or ())
         return self
 
 

@@ -85,6 +85,13 @@ class Piston(InputModel):
         default=0.0,
         feature=True,
     )
+    skirt_length: float | None = quantity_field(
+        "length of the skirt below the piston pin, to check that counterweights pass under it",
+        "m",
+        minimum=0.0005,
+        maximum=2.0,
+        default=None,
+    )
 
 
 class HingedRods(InputModel):
