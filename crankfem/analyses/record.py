@@ -1,28 +1,32 @@
 """Common parts of all records for JSON and tables."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
-from crankbase.results import Result, units
-from crankbase.results import plain as _plain
+from crankbase.results import Result, plain, result, units
 from crankfem.files.reading.toml_file import InputRecord
 
 # Plain JSON content.
 Record = dict[str, Any]
 
 
-def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
-    """Return field, value, reason and effect of the assumed inputs."""
-    return [
-        {
-            "field": record.field,
-            "given": record.given,
-            "reason": record.source,
-            "effect": record.effect,
-        }
+@result("field", "given")
+class AssumedInput(Result):
+    """An input that nobody gave, why it was taken, and its effect on results, if known."""
+
+    field: str
+    given: str
+    reason: str
+    effect: str
+
+
+def assumed_values(records: Iterable[InputRecord]) -> tuple[AssumedInput, ...]:
+    """Return the assumed ones of the inputs."""
+    return tuple(
+        AssumedInput(record.field, record.given, record.source, record.effect)
         for record in records
         if record.assumed
-    ]
+    )
 
 
 def attributes(source: object, *names: str) -> Record:
@@ -33,25 +37,12 @@ def attributes(source: object, *names: str) -> Record:
     >>> attributes(2.0 + 1.0j, "real", "imag")
     {'real': 2.0, 'imag': 1.0}
     """
-    return {name: _plain(getattr(source, name)) for name in names}
-
-
-def plain(content: Mapping[str, Any]) -> Record:
-    """Return content for JSON: arrays and tuples as lists, unbounded values as None.
-
-    NaN stays, for `json_text` to refuse.
-
-    Examples
-    --------
-    >>> plain({"orders": (0.5, 1.0), "peak": float("inf")})
-    {'orders': [0.5, 1.0], 'peak': None}
-    """
-    return {name: _plain(value) for name, value in content.items()}
+    return {name: plain(getattr(source, name)) for name in names}
 
 
 def with_units(content: Record | Result) -> Record:
     """Return a record with the units of its numbers under "units"; unchanged if it has no numbers."""
-    whole: Record = _plain(content)
+    whole: Record = plain(content)
     if isinstance(content, dict) and "units" in content:
         return whole
     known = units(content)

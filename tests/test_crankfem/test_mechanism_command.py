@@ -51,7 +51,7 @@ def test_the_results_are_consistent(v8):
     assert results.cylinders[0].mean_effective_pressure == close(1.1e6, rel=1e-6)
     assert len(results.crankpins) == 8
     assert len(results.main_bearings) == 5
-    assumed = {entry["field"] for entry in results.assumed}
+    assumed = {entry.field for entry in results.assumed}
     assert {"rod.mass", "gas.mean_effective_pressure"} <= assumed
     assert "throw.web_width" not in assumed
     assert results.torque.smallest < results.torque.mean < results.torque.largest

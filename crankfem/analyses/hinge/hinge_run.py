@@ -27,7 +27,7 @@ from crankbase.frames import table
 from crankbase.quantity import RPM, format_quantity
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, Speed, result
 from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
-from crankfem.analyses.record import Record, assumed_values
+from crankfem.analyses.record import AssumedInput, assumed_values
 from crankfem.files.hinge_file import HingeFile
 from dynamics.hinge.crosshead import KINEMATICS, Kinematics
 from dynamics.hinge.profile import (
@@ -190,7 +190,7 @@ class HingeRun(Result):
         return RolledGuides(self.profile, self.profile.roller_radius, surface)
 
     @property
-    def assumed(self) -> Part[list[Record]]:
+    def assumed(self) -> Part[tuple[AssumedInput, ...]]:
         """Values of the file that nobody gave."""
         return assumed_values(self.file.records)
 
@@ -287,7 +287,7 @@ class HingeRun(Result):
         if self.compared:
             yield from self._compared_tables(units)
         if self.assumed:
-            fields = (re.sub(r"\[\d+\]", "", entry["field"]) for entry in self.assumed)
+            fields = (re.sub(r"\[\d+\]", "", entry.field) for entry in self.assumed)
             yield (
                 f"Assumed, not given ({len(self.assumed)} values): {', '.join(dict.fromkeys(fields))}; "
                 "the file and --json give the reasons."

@@ -9,7 +9,7 @@ import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
-from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, Speed, result
+from crankbase.results import Flat, Internal, Number, Quantity, Result, Speed, result
 from crankbase.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_mechanism import MechanismFile
@@ -31,7 +31,7 @@ from crankfem.analyses.mechanism.rod_models import (
     rod_mass_table,
     rod_masses,
 )
-from crankfem.analyses.record import assumed_values
+from crankfem.analyses.record import AssumedInput, assumed_values
 from dynamics.balance import HingedRodEffects
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
@@ -137,7 +137,7 @@ class MechanismResults(Result):
     crankpins: tuple[BearingLoad, ...]
     main_bearings: tuple[BearingLoad, ...]
     rod_models: tuple[ModelComparison, ...]
-    assumed: Part[list[dict[str, str]]]
+    assumed: tuple[AssumedInput, ...]
     remarks: tuple[str, ...]
     balance: EngineBalance
     notes: Internal[tuple[str, ...]] = ()
@@ -223,7 +223,7 @@ class MechanismResults(Result):
         if self.assumed:
             yield (
                 f"Assumed, not given ({len(self.assumed)} values; crankfem check lists them with their "
-                "reasons): " + ", ".join(entry["field"] for entry in self.assumed) + "."
+                "reasons): " + ", ".join(entry.field for entry in self.assumed) + "."
             )
 
 

@@ -13,7 +13,7 @@ from crankbase.frames import table
 from crankbase.results import Internal, Part, Quantity, Result, result
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_mechanism import MechanismFile, layout_of, mechanism_of
-from crankfem.analyses.record import Record, assumed_values
+from crankfem.analyses.record import AssumedInput, assumed_values
 from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft, usable_model
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
@@ -150,7 +150,7 @@ class EngineVibration(Result):
         return {vibration.kind: vibration for vibration in both if vibration is not None} or None
 
     @cached_property
-    def assumed(self) -> Part[list[Record]]:
+    def assumed(self) -> Part[tuple[AssumedInput, ...]]:
         """Inputs that nobody gave."""
         return assumed_values(input_values(self.engine_file))
 
