@@ -185,7 +185,6 @@ def damped_criticals(
     speed_range: tuple[float, float] | None = None,
     modes: ComplexModes | None = None,
     first: Collection[str] = (),
-    orders: Collection[float] | None = None,
 ) -> tuple[DampedCritical, ...]:
     """Find the critical speeds of a damped chain: the peaks of each order alone, at every place.
 
@@ -204,8 +203,6 @@ def damped_criticals(
         Of the system, if known.
     first : collection of str, optional
         Places to name before others, such as those with limits.
-    orders : collection of float, optional
-        Orders whose peaks are wanted; all by default.
 
     Returns
     -------
@@ -252,7 +249,6 @@ def damped_criticals(
         speed_range,
         modes=modes,
         first=first,
-        orders=orders,
     )
 
 
@@ -264,7 +260,6 @@ def criticals_of(
     modes: ComplexModes | None = None,
     first: Collection[str] = (),
     least: float | None = None,
-    orders: Collection[float] | None = None,
 ) -> tuple[DampedCritical, ...]:
     """Find the critical speeds of a system in given quantities; see `damped_criticals`.
 
@@ -289,10 +284,6 @@ def criticals_of(
     maxima = maxima.chosen(maxima.values > LEAST_SHARE * kinds[maxima.places])
     inside = within(maxima.speeds, *ends)
     scales = _largest(maxima, inside & np.isfinite(maxima.values), len(names))
-    told = np.full(response.orders.size, True)
-    if orders is not None:
-        told = np.isin(response.orders, list(orders))
-    maxima, inside = maxima.chosen(told[maxima.orders]), inside[told[maxima.orders]]
     preferred = np.isin(names, list(first))
     criticals: list[DampedCritical] = []
     met: set[tuple[float, int]] = set()
@@ -305,7 +296,7 @@ def criticals_of(
             maxima.chosen(inside), made.chosen(inside), scales, kinds, preferred, least
         )
     met |= {(peak.order, number) for peak in criticals for number in peak.modes}
-    for order in response.orders[told].tolist():
+    for order in response.orders.tolist():
         for number in range(1, modes.undamped.size + 1):
             if (order, number) not in met and _meets(modes, order, number, ends):
                 criticals.append(_critical(modes, order, number))

@@ -32,7 +32,6 @@ from crankfem.analyses.vibration.forced import (
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics import wording
-from dynamics.assessment.separation import USUAL_MARGIN
 from dynamics.assessment.verdict import Status, Trial, Verdict
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
@@ -42,7 +41,7 @@ from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
 from dynamics.crankshaft.surroundings import UX, UY
 from dynamics.critical import critical_speeds
 from dynamics.excitation.cylinders import CylinderHarmonics
-from dynamics.indices import at_most, within
+from dynamics.indices import at_most
 from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
@@ -50,8 +49,6 @@ KINDS = ("axial", "torsional")
 # Speeds of the even grid, and others about each critical speed in half bandwidths: 97 % of a peak is read.
 POINTS = 40
 NEAR = np.array([-0.5, 0.0, 0.5])
-# Orders that meet all modes this many times beyond the speeds at which critical speeds are told need no peak.
-FAR = 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,22 +272,13 @@ def with_answers(
 ) -> tuple[HeldChains, ...]:
     """Return chains of the sweep with their forced vibration and its resonances, except the nominal ones.
 
-    Speeds are those of a coarse grid; resonances are found between them, of the orders that meet a mode of
-    any of the chains near the running speeds.
+    Speeds are those of a coarse grid; resonances are found between them.
     """
-    engine, ranges, nominal, orders = engine_file.engine, engine_file.ranges, len(each) // 2, []
-    margin = USUAL_MARGIN if ranges is None else ranges.separation_margin
-    for kind in KINDS:
-        modes = [held.chain(kind).chain.modes() for held in each]
-        frequencies = np.concatenate([mode.frequencies[mode.rigid :] for mode in modes])
-        speeds = 2.0 * np.pi * frequencies / harmonics.orders[:, np.newaxis]
-        low, high = (1.0 - margin) * engine.lowest_speed, (1.0 + margin) * engine.highest_speed
-        met = within(speeds, low / FAR, FAR * high)
-        orders.append(harmonics.orders[np.any(met, axis=1)].tolist())
+    nominal = len(each) // 2
     return tuple(
         chains
         if place == nominal
-        else replace(chains, answers=_answers(engine_file, chains, harmonics, orders))
+        else replace(chains, answers=_answers(engine_file, chains, harmonics))
         for place, chains in enumerate(each)
     )
 
@@ -342,10 +330,7 @@ def _followed(
 
 
 def _answers(
-    engine_file: EngineFile,
-    held: HeldChains,
-    harmonics: CylinderHarmonics,
-    orders: Sequence[Sequence[float]],
+    engine_file: EngineFile, held: HeldChains, harmonics: CylinderHarmonics
 ) -> tuple[ForcedVibration, ForcedVibration]:
     """Return the forced vibration in bearings of one stiffness, at a coarse grid of speeds."""
     chains = EngineChains.of(engine_file, held.axial, held.torsional, held.shaft)
@@ -363,7 +348,7 @@ def _answers(
     speeds = speeds[(speeds >= low) & (speeds <= high)]
     speeds = speeds[np.diff(speeds, prepend=0.0) > 1e-9 * speeds]
     lengthened, twisted = (
-        replace(forced, resonances=resonances_of(engine_file, forced, orders=near))
-        for forced, near in zip(vibrations_at(chains, harmonics, speeds), orders, strict=True)
+        replace(forced, resonances=resonances_of(engine_file, forced))
+        for forced in vibrations_at(chains, harmonics, speeds)
     )
     return lengthened, twisted

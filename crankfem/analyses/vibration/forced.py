@@ -755,7 +755,6 @@ def resonances_of(
     engine_file: EngineFile,
     forced: ForcedVibration,
     limited: Collection[str] = (),
-    orders: Collection[float] | None = None,
 ) -> tuple[DampedCritical, ...]:
     """Return the peaks of all elements and nodes, ascending in speed, and then modes without a peak.
 
@@ -769,7 +768,6 @@ def resonances_of(
         speed_range=forced.judged_range,
         modes=forced.modes,
         first=limited,
-        orders=orders,
     )
     listed = [
         replace(
