@@ -334,6 +334,7 @@ def test_bores_are_not_taken_for_pins_or_journals(bored, folder, with_names):
         text = name_faces(text, usual_names(bored))
     imported = import_throw(write(folder / f"bored{with_names}.step", text))
     assert_same_throw(imported, bored)
+    assert [part.bore_radius for part in imported.cylinders] == close([0.04, 0.03, 0.04])
     mesh = imported.meshed(2.0)
     assert mesh.solid.volume == close(bored.volume, rel=1e-6)
     assert element_volumes(mesh.points, mesh.elements).sum() == close(bored.volume, 1e-3)
