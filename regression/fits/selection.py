@@ -105,11 +105,38 @@ class LeastSquares:
         return (self.total_squares - self.residual_squares) / explaining / variance
 
     @property
+    def r_squared(self) -> float | None:
+        """Explained share of the sum of squares; None for a constant y."""
+        return (
+            None if self.total_squares == 0.0 else 1.0 - self.residual_squares / self.total_squares
+        )
+
+    @property
+    def adjusted_r_squared(self) -> float | None:
+        """R2 adjusted for degrees of freedom; None without any left."""
+        return adjusted(self.r_squared, self.runs, len(self.coefficients))
+
+    @property
     def leave_one_out(self) -> Array | None:
         """Leave-one-out predictions (n,), by the fits to all others; None if a row cannot be left out."""
         if float(np.max(self.leverage)) >= FULL_LEVERAGE:
             return None
         return self.fitted + self.residuals - self.residuals / (1.0 - self.leverage)
+
+    @property
+    def press(self) -> float | None:
+        """Sum of squares of the errors of `leave_one_out`."""
+        if self.leave_one_out is None:
+            return None
+        return float(np.sum((self.residuals / (1.0 - self.leverage)) ** 2))
+
+    @property
+    def q_squared(self) -> float | None:
+        """Share of the sum of squares that `leave_one_out` explains: 1 - PRESS / total."""
+        press = self.press
+        return (
+            None if press is None or self.total_squares == 0.0 else 1.0 - press / self.total_squares
+        )
 
     @property
     def aic(self) -> float | None:

@@ -127,7 +127,7 @@ class EngineVibration(Result):
     axial_force: Internal[AxialForceOverCycle | None] = None
 
     @cached_property
-    def firing(self) -> Part[str]:
+    def firing_order(self) -> Annotated[str, Quantity(key="firing")]:
         """Firing order and intervals."""
         return firing_sentence(self.engine_file.engine)
 

@@ -39,7 +39,7 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
         return (units.text(f"Note: {remark}") for remark in remarks)
 
     forced, whole, misfiring = run.forced_by_kind, run.whole_crankshaft, run.misfiring
-    yield units.text(run.firing)
+    yield units.text(run.firing_order)
     yield from notes([f"{remark}." for remark in run.firing_remarks])
     if run.load is not None:
         yield from run.load.parts(units)
