@@ -73,6 +73,7 @@ PRINCIPAL = {
     "test_transient_mwm": "run-up by DOP853: torques",
     "test_least_squares": "coefficients, of the largest",
     "test_published_chains": "MWM: frequencies",
+    "test_printed_plants": "container drive: frequencies",
     "test_direct_drive_plant": "critical speed of order 5",
     "test_yamz5340": "first two harmonics",
     "test_excitation_yamz": "orders 0.5 and 1",
@@ -175,6 +176,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
         "Figures of papers, books and rules that can be reproduced; the case states contradictions in print.",
         {
             "test_published_chains": "Mendes et al. 2008, Friswell et al.",
+            "test_printed_plants": "printouts of makers, IEEE, Kundur 1994",
             "test_direct_drive_plant": "data of Wartsila",
             "test_yamz5340": "Makushev, Polyakova 2024",
             "test_excitation_yamz": "Makushev, Polyakova 2024",

@@ -150,7 +150,8 @@ def test_speeds_to_be_barred_slide_with_the_compliances(judged, figure):
     limit, highest = 3e7, 67.0
     each = [judged(factor, limit, highest).verdict.ranges_to_bar for factor in (LOW, 1.0, HIGH)]
     assert [len(own) for own in each] == [1, 1, 1]
-    ((low, high),) = judged(1.0, limit, highest).torsional.barred
+    (barred,) = judged(1.0, limit, highest).torsional.barred
+    low, high = barred.low, barred.high
     ends = (each[2][0][0], each[0][0][1])
     figure("speeds to be barred", (low, high), ends, 1e-3, "rad/s")
     assert low < each[1][0][0] < each[1][0][1] < high

@@ -11,7 +11,7 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankfem.jobs.run_records import _engine_record
+from crankfem.jobs.run_records import _engine_facts
 from crankfem.report.summary import summary
 
 pytestmark = pytest.mark.slow
@@ -45,7 +45,7 @@ def test_summary_names_the_mode_of_the_crankshaft(run):
         error_words="", axial_correction=0.0, supports={"pinned": SimpleNamespace(axial=1e-9)}
     )
     results = SimpleNamespace(
-        engine=_engine_record(run.engine_file),
+        engine=_engine_facts(run.engine_file),
         mechanism=None,
         vibration=run,
         inputs=[],
