@@ -207,10 +207,7 @@ def test_a_web_without_stiffness(mesh, monkeypatch):
         return (1e-10 * left + right).tocsr()
 
     monkeypatch.setattr(analysis, "assemble_stiffness", soft)
-    # Round-off, which is the processor's, decides which check sees it first.
-    with pytest.raises(
-        SolveError, match=r"stiffness is not positive definite|is off by .* \(allowed"
-    ):
+    with pytest.raises(SolveError, match="stiffness is not positive definite"):
         solved(mesh)
 
 
