@@ -6,6 +6,7 @@ JSON both ways, its units, data frames, the texts of the console and of notebook
 import inspect
 import json
 import math
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache, cached_property
@@ -163,7 +164,7 @@ class Result:
         SolveError
             Naming the first number that is NaN.
         """
-        return json_text(self.to_record() | {"units": units(self)}, indent)
+        return json_text(self.to_record() | {"units": by_names(units(self))}, indent)
 
     def to_record(self) -> dict[str, Any]:
         """Return the content as JSON holds it, without units."""
@@ -375,7 +376,7 @@ def units(
 ) -> dict[str, str]:
     """Return the units of the numbers in results, by their paths in JSON; lists are not counted.
 
-    "*" stands for all names of a mapping of numbers.
+    "*" stands for all names of a mapping of numbers; `by_names` shortens the paths.
 
     Parameters
     ----------
@@ -409,6 +410,36 @@ def units(
         for part in value:
             known |= units(part, path, around, of_part)
     return known
+
+
+def by_names(paths: Mapping[str, str]) -> dict[str, str]:
+    """Return units by the fewest last names of each path that no number of another unit has.
+
+    Examples
+    --------
+    >>> by_names({"pin.mass": "kg", "rod.mass": "kg", "pin.load": "N", "fit.load": "m", "fit.a.*": "1"})
+    {'mass': 'kg', 'pin.load': 'N', 'fit.load': 'm', 'a.*': '1'}
+    """
+    known, of_stars = defaultdict[str, set[str]](set), defaultdict[str, set[str]](set)
+    for path, unit in paths.items():
+        for end, with_star in _ends(path):
+            known[end].add(unit)
+            (of_stars if end == with_star else known)[with_star].add(unit)
+    return {
+        next(
+            (end for end, star in _ends(path) if len(known[end] | of_stars[star]) == 1), path
+        ): unit
+        for path, unit in paths.items()
+    }
+
+
+def _ends(path: str) -> list[tuple[str, str]]:
+    """Return the ends of a path, the shortest first, and the same with a star for the last name."""
+    names = path.split(".")
+    return [
+        (".".join(names[-count:]), ".".join((*names[-count:-1], "*")))
+        for count in range(1 + (names[-1] == "*"), len(names) + 1)
+    ]
 
 
 def _told(unit: str, around: tuple[Result, ...]) -> Any:

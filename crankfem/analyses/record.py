@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from crankbase.results import Result, plain, result, units
+from crankbase.results import Result, by_names, plain, result, units
 from crankfem.files.reading.toml_file import InputRecord
 
 # Plain JSON content.
@@ -46,4 +46,4 @@ def with_units(content: Record | Result) -> Record:
     if isinstance(content, dict) and "units" in content:
         return whole
     known = units(content)
-    return whole | {"units": known} if known else whole
+    return whole | {"units": by_names(known)} if known else whole
