@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.diagrams import draw_curves, figure
+from crankbase.diagrams import draw_diagram, figure
 from crankfem.analyses.throw import formula_records
 from crankfem.analyses.throw.formula_records import (
     ElementValues,
@@ -166,7 +166,7 @@ def test_pictures_of_the_angle(tmp_path):
     values = {name: np.array([t[name].value for t in tables]) for name in AXIAL_FORMULA_NAMES}
     curves = formulas_over_angle(gammas, values, law * 1e-9, {"guided": 0.2e-9, "pinned": 1e-9})
     with figure(tmp_path / "formulas.svg") as axes:
-        draw_curves(axes, curves)
+        draw_diagram(axes, curves)
         axes.legend()
     shown = texts(tmp_path / "formulas.svg")
     assert {*AXIAL_FORMULA_NAMES, "finite elements", "FE guided: 0.2", "FE pinned: 1"} <= set(shown)
