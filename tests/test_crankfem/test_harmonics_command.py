@@ -432,6 +432,40 @@ def test_flywheels_at_another_speed():
 
 
 @pytest.mark.slow
+def test_a_pressure_chosen_for_a_running_point(changed):
+    """Without ambient pressure the guides' moment grows as the pressure; at the best one it leaves what
+    the best leaves."""
+    speed = 142.0 * np.pi / 30.0
+    best = run_hinge(load_hinge(SHIPPED), speed=speed).others[0]
+    path = changed({})
+    text = path.read_text("utf-8")
+    for pressure in (9.75e6, best.best.pressure):
+        point = f'speed = "142 1/min"\npressure = "{pressure!r} Pa"'
+        path.write_text(re.sub(r"(?m)^speed = .*142 .*", point, text), "utf-8")
+        run = run_hinge(load_hinge(path), speed=speed)
+        (other,) = run.others
+        drawn = run.plot().lines[-2].get_ydata()  # behind it is the zero line
+        assert drawn == close(1e-3 * pressure / 5e6 * run.profile.moment)
+    assert other.chosen.fluctuation == close(best.best.fluctuation, rel=1e-6)
+    assert other.chosen.flywheel == close(best.flywheel_with_hinge, rel=1e-6)
+    assert other.chosen.moment_residual == close(best.best.moment_residual)
+    path.write_text(re.sub(r"(?m)^speed = .*89 .*", point.replace("142", "89"), text), "utf-8")
+    with pytest.raises(InputError, match=r"points\.pressure: given 12\.\d+ MPa at design_speed; "):
+        load_hinge(path)
+
+
+@pytest.mark.slow
+def test_guides_are_drawn_without_a_comparison(call, changed, tmp_path):
+    path = changed({"[comparison]": None, "[[comparison.sizes]]": None})
+    run = run_hinge(load_hinge(path), speed=142.0 * np.pi / 30.0)
+    drawn = run.plot(show="guides").lines[1].get_xydata()[:-1]
+    assert np.hypot(*drawn.T) == close(run.profile.radius)
+    answer = call("hinge", path, "--pictures", "p", "--json", "--speed", "142 1/min")
+    assert "hinge_guides.svg" in " ".join(answer.json()["pictures"]), answer.err
+    assert answer.json()["compared"] == []
+
+
+@pytest.mark.slow
 def test_tables_and_options(call, changed):
     answer = call("hinge", SHIPPED, "--speed", "142 1/min", "--kinematics", "printed")
     assert answer.code == 0, answer.err
