@@ -154,7 +154,11 @@ def print_engines(
 ) -> None:
     """Print the compliances of several engines by all formulas, one row for each."""
     axial = f"gamma = {angle_text(gamma_deg)}, {variant} formulas{_given(constants)}"
-    for kind, si_unit, head in (("axial", "m/N", axial), ("torsional", "rad/(N m)", "pinned")):
+    heads: dict[Kind, tuple[str, str]] = {
+        "axial": ("m/N", axial),
+        "torsional": ("rad/(N m)", "pinned"),
+    }
+    for kind, (si_unit, head) in heads.items():
         unit = units.of(f"1e-9 {si_unit}")
         rows: dict[str, dict[str, str]] = {}
         for each in engines:
