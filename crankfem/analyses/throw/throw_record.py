@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 Metre = Annotated[float, Quantity("m")]
 Newton = Annotated[float, Quantity("N")]
+# Without a gas pressure in the engine file, reactions are given for this radial force [N].
+UNIT_RADIAL_FORCE = 1e5
 
 
 @result("axial", "torsional", "influence")
