@@ -155,30 +155,22 @@ def print_engines(
     units: OutputUnits = SI,
 ) -> None:
     """Print the compliances of several engines by all formulas, one row for each."""
-    axial = f"gamma = {angle_text(gamma_deg)}, {variant} formulas{_given(constants)}"
-    heads: dict[Kind, tuple[str, str]] = {
-        "axial": ("m/N", axial),
-        "torsional": ("rad/(N m)", "pinned"),
-    }
-    for kind, (si_unit, head) in heads.items():
-        unit = units.of(f"1e-9 {si_unit}")
+    gamma = f"gamma = {angle_text(gamma_deg)}, {variant} formulas{_given(constants)}"
+    for kind in KINDS:
+        unit = units.of("1e-9 m/N" if kind == "axial" else "1e-9 rad/(N m)")
         rows: list[dict[str, str]] = []
         for each in engines:
-            fe, values = each.formulas.fe, each.formulas.of_kind(kind)
-            rows.append({} if fe is None else {"FE": _compliance(getattr(fe, kind), unit)})
-            for value in values:
+            rows.append({"engine": each.engine})
+            if each.formulas.fe is not None:
+                rows[-1]["FE"] = _compliance(getattr(each.formulas.fe, kind), unit)
+            for value in each.formulas.of_kind(kind):
                 shown = _compliance(value.value, unit)
                 rows[-1][_short(value.name)] = f"{shown}{'' if value.valid else '*'}"
         names = list(dict.fromkeys(name for row in rows for name in row))
+        head = gamma if kind == "axial" else "pinned"
         _print_title(f"{kind.capitalize()} compliance [{unit.name}], {head}")
-        table = _wide_table(["engine", *names])
-        _add_rows(
-            table,
-            [
-                [each.engine, *(row.get(name, "-") for name in names)]
-                for each, row in zip(engines, rows, strict=True)
-            ],
-        )
+        table = _wide_table(names)
+        _add_rows(table, [[row.get(name, "-") for name in names] for row in rows])
         console.print_drawn(table)
     print_line("* outside the range where the formula has a meaning.")
     for each in engines:
