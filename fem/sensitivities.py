@@ -1,0 +1,310 @@
+"""How a throw's answers change with its dimensions, from the solutions of one analysis.
+
+When a dimension changes, the mesh moves with the solid: v is the velocity of its nodes. The energy of two
+displacement fields u and w that are solutions for prescribed motions of the end sections changes by
+
+    integral of [ s(u):e(w) div v - s(u):(grad w grad v) - s(w):(grad u grad v) ]
+
+the work of Eshelby's configurational stress on grad v (J. D. Eshelby, Phil. Trans. R. Soc. A 244, 1951,
+87-112), and by the work of the forces on the end sections where the motion prescribed at a node changes
+with its place. No further displacement is solved for. Only the motion of the surface matters, along its
+normal; inside, nodes move as in an elastic body whose surface moves so.
+
+Slopes are those of the discretized answer, whatever small elements do to it; the answers' correction for
+discretization is not differentiated, and its share is the slopes' error.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from crankbase.diagrams import draw_rows, new_axes, write_title
+from crankbase.errors import InputError
+from crankbase.frames import table
+from crankbase.results import Number, Quantity, Result, result
+from fem.material import Material
+from fem.solver import (
+    QUADRATURE_ORDER,
+    assemble_stiffness,
+    factorize,
+    physical_gradients,
+    symmetric_product,
+    upper_triangle,
+)
+from fem.superelement import CondensedClass, Superelement, combine_classes, unit_end_motions
+from fem.symmetry import NodalLoads, radial_directions, unit_pin_loads
+from geometry.boundary_motion import boundary_motion, lengths_of, with_length
+from geometry.mesh import ThrowMesh
+from geometry.shapes import shapes_for_quadrature
+from geometry.throw import CrankThrow
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+# Stiffness that holds nodes on the moving surface, in largest entries of the stiffness.
+HELD = 1e6
+# Differences of loads and prescribed motions, which are smooth, in lengths of the throw.
+SHIFT = 1e-7
+# Exact for the volume of curved elements.
+VOLUME_ORDER = 5
+# Of a dimension, for central differences of answers over the superelement.
+STEP = 1e-5
+
+
+@result("quantity", "support", "shares")
+class Sensitivities(Result):
+    """How an answer of a throw changes with each of its dimensions.
+
+    ``sensitivities["web_width"]`` is the change in per cent for one per cent of the web width.
+
+    Attributes
+    ----------
+    quantity, support : str
+        The answer.
+    shares : mapping
+        d ln(answer) / d ln(dimension), by dimension ("counterweight.thickness").
+    left_out : mapping
+        Dimensions without one, and the reason.
+    error : float
+        Share of the answer that is correction for discretization, which is not differentiated: how well the
+        larger ones of the shares are known.
+    """
+
+    quantity: str
+    support: str
+    shares: Annotated[Mapping[str, float], Quantity("1")]
+    left_out: Mapping[str, str]
+    error: Number
+
+    def __getitem__(self, dimension: str) -> float:
+        """Return the share of a dimension.
+
+        Raises
+        ------
+        InputError
+            If it has none.
+        """
+        if dimension not in self.shares:
+            why = self.left_out.get(dimension, "the throw has no such dimension with a number")
+            raise InputError(
+                f"dimension: given {dimension!r}; allowed are {', '.join(self.shares)}, because {why}."
+            )
+        return self.shares[dimension]
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw a bar for each dimension, the largest first."""
+        axes = new_axes(axes, height=1.2 + 0.3 * len(self.shares))
+        ordered = dict(sorted(self.shares.items(), key=lambda share: -abs(share[1])))
+        names = [name.replace("_", " ").replace(".", ", ") for name in ordered]
+        draw_rows(axes, names, [*ordered.values()], "per cent for one per cent of the dimension")
+        write_title(axes, f"{self.quantity.replace('_', ' ').capitalize()}, {self.support}")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table, a row for each dimension.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        columns = {"dimension": ([*self.shares], ""), "share": ([*self.shares.values()], "1")}
+        return table(columns).set_index("dimension")
+
+
+@dataclass(frozen=True)
+class DimensionChange:
+    """Change of a throw with one of its dimensions, by its length: superelements and volumes beside it.
+
+    Attributes
+    ----------
+    size : float
+        The dimension [SI].
+    ends : two Superelement
+        Of the throw with the dimension smaller and larger by the share `STEP`, to first order.
+    volume : float
+        Change of the volume, as a share for a share.
+    """
+
+    size: float
+    ends: tuple[Superelement, Superelement]
+    volume: float
+
+    def share(self, answer: Callable[[Superelement], float]) -> float:
+        """Return d ln(answer) / d ln(dimension)."""
+        low, high = map(answer, self.ends)
+        return (high - low) / (0.5 * (high + low)) / (2.0 * STEP)
+
+
+def dimension_changes(
+    throw: object,
+    mesh: ThrowMesh,
+    material: Material,
+    classes: Sequence[CondensedClass],
+) -> tuple[dict[str, DimensionChange], dict[str, str]]:
+    """Find the change of a throw with each of its dimensions, and why others have none.
+
+    Raises
+    ------
+    InputError
+        If it is a CAD part, or its end sections are not rigid.
+    """
+    if not isinstance(throw, CrankThrow):
+        raise InputError(
+            "throw: given a CAD part; allowed is a CrankThrow, because slopes are over its dimensions."
+        )
+    if classes[0].end_sections != "rigid":
+        raise InputError(
+            f"end_sections: given {classes[0].end_sections!r}; allowed for slopes is 'rigid', because they "
+            "follow from the forces on sections whose motion is prescribed."
+        )
+    plain = [part.discrete or part for part in classes]
+    stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
+    velocities, left_out = node_velocities(mesh, throw, stiffness, classes[0].solver)
+    moving = list(velocities.values())
+    loads = load_slopes(mesh, moving)
+    by_class = [class_slopes(mesh, material, stiffness, part, moving, loads) for part in plain]
+    volumes = volume_slopes(mesh, moving)
+    changes = {}
+    for path, slopes, volume in zip(velocities, zip(*by_class, strict=True), volumes, strict=True):
+        size = lengths_of(throw)[path]
+
+        def beside(
+            step: float, slopes: Any = slopes, path: str = path, size: float = size
+        ) -> Superelement:
+            parts = [
+                replace(
+                    part,
+                    stiffness=part.stiffness + step * slope.stiffness,
+                    pin_loads=part.pin_loads + step * slope.pin_loads,
+                )
+                for part, slope in zip(plain, slopes, strict=True)
+            ]
+            return combine_classes(parts, radial_directions(with_length(throw, path, size + step)))
+
+        changes[path] = DimensionChange(
+            size, (beside(-STEP * size), beside(STEP * size)), size * volume
+        )
+    return changes, left_out
+
+
+def volume_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[float]:
+    """Relative change of the meshed volume, by velocity of the nodes."""
+    _, gradients, weights = shapes_for_quadrature(VOLUME_ORDER)
+    spatial, volumes = physical_gradients(mesh.points[mesh.elements], gradients, weights)
+    share = np.einsum("mq,mqni->mni", volumes / volumes.sum(), spatial)
+    return [float(np.sum(share * velocity[mesh.elements])) for velocity in velocities]
+
+
+def node_velocities(
+    mesh: ThrowMesh, throw: CrankThrow, stiffness: sparse.csr_array, solver: str
+) -> tuple[dict[str, Array], dict[str, str]]:
+    """Velocities (n, 3) of a mesh's nodes by dimension, and why others have none."""
+    motion = boundary_motion(throw, mesh)
+    held = HELD * float(abs(stiffness).max())
+    columns = 3 * motion.nodes[:, None] + np.arange(3)
+    rows = np.broadcast_to(np.arange(len(motion.nodes))[:, None], columns.shape)
+    conditions = sparse.csr_array(
+        (motion.normals.ravel(), (rows.ravel(), columns.ravel())),
+        shape=(len(motion.nodes), stiffness.shape[0]),
+    )
+    upper = stiffness + held * upper_triangle((conditions.T @ conditions).tocsr())
+    with factorize(upper.tocsr(), solver) as factors:
+        speeds = np.column_stack(list(motion.speeds.values()))
+        moved = factors.solve(held * np.asarray(conditions.T @ speeds))
+    velocities = moved.T.reshape(len(motion.speeds), -1, 3)
+    return dict(zip(motion.speeds, velocities, strict=True)), motion.refused
+
+
+def load_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[list[NodalLoads]]:
+    """Derivatives of the unit loads on the pins, by velocity of the nodes."""
+
+    def loads(points: Array) -> list[NodalLoads]:
+        return list(unit_pin_loads(replace(mesh, points=points)))
+
+    before, slopes = loads(mesh.points), []
+    for velocity in velocities:
+        step = _step(mesh, velocity)
+        after = loads(mesh.points + step * velocity)
+        slopes.append(
+            [
+                replace(first, values=(last.values - first.values) / step)
+                for first, last in zip(before, after, strict=True)
+            ]
+        )
+    return slopes
+
+
+def _step(mesh: ThrowMesh, velocity: Array) -> float:
+    return SHIFT * mesh.length / (float(np.abs(velocity).max()) or 1.0)
+
+
+def class_slopes(
+    mesh: ThrowMesh,
+    material: Material,
+    stiffness: sparse.csr_array,
+    part: CondensedClass,
+    velocities: Sequence[Array],
+    loads: Sequence[Sequence[NodalLoads]],
+) -> list[CondensedClass]:
+    """Return the class with the derivatives of its stiffness and pin loads in their place, by velocity."""
+    count = part.fields.shape[2]
+    fields = part.fields.reshape(-1, count)
+    both = np.concatenate([part.fields, part.pin_fields], axis=2)
+    forces = symmetric_product(stiffness, both.reshape(len(fields), -1))
+    forces = forces.reshape(*both.shape)
+    copies, slopes = part.symmetry.copies, []
+    before = unit_end_motions(mesh, part.symmetry, part.sections)
+    changes = energy_slopes(mesh, material, both, velocities)
+    for velocity, change, of_pins in zip(velocities, changes, loads, strict=True):
+        step = _step(mesh, velocity)
+        moved = unit_end_motions(mesh, part.symmetry, part.sections, step * velocity)
+        work = np.zeros((count, both.shape[2]))
+        for (nodes, first), (_, last) in zip(before, moved, strict=True):
+            work += np.einsum("sak,sac->kc", (last - first) / step, forces[nodes])
+        works = np.zeros_like(part.pin_loads)
+        for column, (pin, component) in enumerate(part.pin_components):
+            held = change[count + column, :count] + work[:, count + column]
+            load = of_pins[pin].of_class(part.symmetry)[..., component]
+            moving = np.einsum("sa,sak->k", load, part.fields[of_pins[pin].nodes])
+            works[pin, :, component] = moving - copies * held
+        energy = change[:count, :count] + work[:, :count] + work[:, :count].T
+        slopes.append(replace(part, stiffness=energy, pin_loads=works))
+    return slopes
+
+
+def energy_slopes(
+    mesh: ThrowMesh, material: Material, fields: Array, velocities: Sequence[Array]
+) -> list[Array]:
+    """Derivatives (c, c) of the energies of fields (n, 3, c) that move with the mesh, by velocity."""
+    lame, shear = material.lame_constant, material.shear_modulus
+    _, gradients, weights = shapes_for_quadrature(QUADRATURE_ORDER)
+    spatial, volumes = physical_gradients(mesh.points[mesh.elements], gradients, weights)
+    count = fields.shape[2]
+    shape = (*volumes.shape, 3, 3)
+    # slopes[m, q, j, i] = d u_i / d x_j
+    across = spatial.transpose(0, 1, 3, 2)
+    of_nodes = fields[mesh.elements].reshape(len(mesh.elements), 1, 10, 3 * count)
+    slopes = (across @ of_nodes).reshape(*shape, count)
+    stresses = shear * (slopes + slopes.swapaxes(2, 3))
+    trace = lame * np.trace(slopes, axis1=2, axis2=3)
+    for axis in range(3):
+        stresses[:, :, axis, axis] += trace
+    stresses *= volumes[:, :, None, None, None]
+    stresses = np.ascontiguousarray(stresses.reshape(-1, count))
+    flat = np.ascontiguousarray(slopes.reshape(*volumes.shape, 3, 3 * count))
+    changes = []
+    for velocity in velocities:
+        turned = across @ velocity[mesh.elements][:, None]  # [j, k] = d v_k / d x_j
+        spread = np.trace(turned, axis1=2, axis2=3)
+        # (grad u grad v)_ij = d u_i / d x_k d v_k / d x_j
+        bent = 0.5 * spread[..., None, None] * flat - turned @ flat
+        half = stresses.T @ bent.reshape(-1, count)
+        changes.append(half + half.T)
+    return changes
