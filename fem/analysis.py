@@ -21,8 +21,8 @@ from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
 from fem.correction import (
     EnergyErrors,
+    StressRecovery,
     class_energies,
-    class_errors,
     corrected_class,
     effectivity,
     error_bars,
@@ -835,6 +835,10 @@ class RefinementLevel:
         The class excited by an axial force, with rigid sections.
     solved_part : CondensedClass
         The same without correction, with all section motions.
+    recovery : StressRecovery
+        Of the mesh.
+    energies : array
+        Mutual energies of the estimated errors of the fields of `solved_part` [J].
     errors : EnergyErrors
         Of the solution under an axial force, ends pinned, from recovered stresses.
     effectivity : float
@@ -848,6 +852,8 @@ class RefinementLevel:
     pins: tuple[NodalLoads, ...]
     axial_part: CondensedClass
     solved_part: CondensedClass
+    recovery: StressRecovery
+    energies: NDArray[np.float64]
     errors: EnergyErrors
     effectivity: float
     solver: SharedSolver
@@ -892,16 +898,17 @@ class RefinementLevel:
             )
             for one in symmetries
         ]
-        if not known.sections.bending:  # then its energies are known as well
-            parts = [one for one in parts if one is not known]
         with problem.watch.lap("error estimate"):
-            energies = class_energies(parts, self.mesh, problem.material)
-            corrected = {
-                part.symmetry: corrected_class(part, energy, self.effectivity)
-                for part, energy in zip(parts, energies, strict=True)
-            }
-        corrected.setdefault(known.symmetry, self.axial_part)
-        return tuple(corrected[one] for one in symmetries)
+            return tuple(
+                corrected_class(
+                    part,
+                    self.energies
+                    if part is known
+                    else class_energies(part, self.recovery, problem.material),
+                    self.effectivity,
+                )
+                for part in parts
+            )
 
 
 def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
@@ -928,12 +935,16 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
     )
     part = solved.up_to(RIGID)
     with watch.lap("error estimate"):
-        stresses = class_errors(part, mesh, problem.material)
-        axial = np.append(axial_motion(part, "pinned"), np.zeros(len(part.pin_components)))
-        errors = stresses.energy_errors(axial)
+        recovery = StressRecovery(mesh.points, mesh.elements)
+        axial = part.fields @ axial_motion(part, "pinned")
+        errors = recovery.energy_errors(axial, problem.material)
         factor = effectivity(mesh, errors.relative)
-        part = corrected_class(part, stresses.products(), factor)
-    return RefinementLevel(mesh, stiffness, pins, part, solved, errors, factor, solver)
+        energies = class_energies(solved, recovery, problem.material)
+        unbent = np.r_[: len(part.stiffness), len(solved.stiffness) : len(energies)]
+        part = corrected_class(part, energies[np.ix_(unbent, unbent)], factor)
+    return RefinementLevel(
+        mesh, stiffness, pins, part, solved, recovery, energies, errors, factor, solver
+    )
 
 
 def predicted_unknowns(throw: Throw, accuracy: float) -> float:

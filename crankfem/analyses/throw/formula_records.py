@@ -21,7 +21,7 @@ from crankbase.diagrams import (
 )
 from crankbase.errors import InputError
 from crankbase.quantity import percent
-from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, result
+from crankbase.results import Flat, InItsUnit, Internal, Number, Quantity, Result, result
 from crankfem.analyses.throw.law_record import LAW, LawAnswer, law_results
 from crankfem.analyses.throw.throw_record import ThrowResults
 from fem.analysis import ThrowAnalysis, analyze_throw
@@ -125,6 +125,14 @@ class Formulas(Result):
     def by_law(self, kind: Kind) -> LawAnswer | None:
         """Return the law's compliance."""
         return (self.law or {}).get(f"{kind}_compliance")
+
+
+@result("engine", "formulas")
+class EngineFormulas(Result):
+    """One of several engines with its formulas."""
+
+    engine: str
+    formulas: Flat[Formulas]
 
 
 def formulas_of(

@@ -12,6 +12,7 @@ from crankfem.analyses.mechanism.mechanism_results import intervals_text
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.formula_records import (
     KINDS,
+    EngineFormulas,
     EngineSpread,
     Formulas,
     FormulaSpread,
@@ -142,6 +143,41 @@ def _print_kind(formulas: Formulas, kind: Kind, units: OutputUnits) -> None:
             f"  The {len(inside)} formulas that apply give {min(inside):.2f} to {max(inside):.2f} times the "
             "finite-element value."
         )
+
+
+def print_engines(
+    engines: Sequence[EngineFormulas],
+    gamma_deg: float,
+    variant: str,
+    constants: Mapping[str, float],
+    units: OutputUnits = SI,
+) -> None:
+    """Print the compliances of several engines by all formulas, one row for each."""
+    axial = f"gamma = {angle_text(gamma_deg)}, {variant} formulas{_given(constants)}"
+    heads: dict[Kind, tuple[str, str]] = {
+        "axial": ("m/N", axial),
+        "torsional": ("rad/(N m)", "pinned"),
+    }
+    for kind, (si_unit, head) in heads.items():
+        unit = units.of(f"1e-9 {si_unit}")
+        rows: dict[str, dict[str, str]] = {}
+        for each in engines:
+            fe, values = each.formulas.fe, each.formulas.of_kind(kind)
+            rows[each.engine] = {} if fe is None else {"FE": _compliance(getattr(fe, kind), unit)}
+            for value in values:
+                shown = _compliance(value.value, unit)
+                rows[each.engine][_short(value.name)] = f"{shown}{'' if value.valid else '*'}"
+        names = list(dict.fromkeys(name for row in rows.values() for name in row))
+        _print_title(f"{kind.capitalize()} compliance [{unit.name}], {head}")
+        table = _wide_table(["engine", *names])
+        cells = ((row.get(name, "-") for name in names) for row in rows.values())
+        _add_rows(table, [[engine, *row] for engine, row in zip(rows, cells, strict=True)])
+        console.print_drawn(table)
+    print_line("* outside the range where the formula has a meaning.")
+    for each in engines:
+        for without in each.formulas.left_out:
+            print_line(units.text(f"Left out of {each.engine}: {without.reason}."))
+    print_line(_legend())
 
 
 def print_spread(
