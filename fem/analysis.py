@@ -589,7 +589,7 @@ class ThrowAnalysis(SolvedSuperelement):
         changes, left_out = self._changes
         if quantity == "mass":
             shares = {path: change.volume for path, change in changes.items()}
-            return Sensitivities("mass", "any support", shares, left_out, 0.0)
+            return Sensitivities("mass", "", shares, left_out, 0.0)
         chosen = check_compliance(quantity)
         shares = {
             path: change.share(lambda throw: compliance(throw, chosen, support))

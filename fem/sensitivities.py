@@ -66,7 +66,7 @@ class Sensitivities(Result):
     Attributes
     ----------
     quantity, support : str
-        The answer.
+        The answer; the mass depends on no support ("").
     shares : mapping
         d ln(answer) / d ln(dimension), by dimension ("counterweight.thickness").
     left_out : mapping
@@ -103,7 +103,8 @@ class Sensitivities(Result):
         ordered = dict(sorted(self.shares.items(), key=lambda share: -abs(share[1])))
         names = [name.replace("_", " ").replace(".", ", ") for name in ordered]
         draw_rows(axes, names, [*ordered.values()], "per cent for one per cent of the dimension")
-        write_title(axes, f"{self.quantity.replace('_', ' ').capitalize()}, {self.support}")
+        title = f"{self.quantity.replace('_', ' ').capitalize()} {self.support}"
+        write_title(axes, title.strip())
         return axes
 
     def to_pandas(self) -> Any:
@@ -142,13 +143,8 @@ class DimensionChange:
         return (high - low) / (0.5 * (high + low)) / (2.0 * STEP)
 
 
-def dimension_changes(
-    throw: object,
-    mesh: ThrowMesh,
-    material: Material,
-    classes: Sequence[CondensedClass],
-) -> tuple[dict[str, DimensionChange], dict[str, str]]:
-    """Find the change of a throw with each of its dimensions, and why others have none.
+def check_sloped(throw: object, end_sections: str) -> CrankThrow:
+    """Return the throw if slopes can be found for it.
 
     Raises
     ------
@@ -157,23 +153,38 @@ def dimension_changes(
     """
     if not isinstance(throw, CrankThrow):
         raise InputError(
-            "throw: given a CAD part; allowed is a CrankThrow, because slopes are over its dimensions."
+            "throw: given a CAD part; allowed for slopes is a throw by its dimensions, because they are "
+            "over these."
         )
-    if classes[0].end_sections != "rigid":
+    if end_sections != "rigid":
         raise InputError(
-            f"end_sections: given {classes[0].end_sections!r}; allowed for slopes is 'rigid', because they "
+            f"end_sections: given {end_sections!r}; allowed for slopes is 'rigid', because they "
             "follow from the forces on sections whose motion is prescribed."
         )
+    return throw
+
+
+def dimension_changes(
+    throw: object,
+    mesh: ThrowMesh,
+    material: Material,
+    classes: Sequence[CondensedClass],
+) -> tuple[dict[str, DimensionChange], dict[str, str]]:
+    """Find the change of a throw with each of its dimensions, and why others have none.
+
+    Errors as of `check_sloped`.
+    """
+    solved = check_sloped(throw, classes[0].end_sections)
     plain = [part.discrete or part for part in classes]
     stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
-    velocities, left_out = node_velocities(mesh, throw, stiffness, classes[0].solver)
+    velocities, left_out = node_velocities(mesh, solved, stiffness, classes[0].solver)
     moving = list(velocities.values())
     loads = load_slopes(mesh, moving)
     by_class = [class_slopes(mesh, material, stiffness, part, moving, loads) for part in plain]
     volumes = volume_slopes(mesh, moving)
     changes = {}
     for path, slopes, volume in zip(velocities, zip(*by_class, strict=True), volumes, strict=True):
-        size = lengths_of(throw)[path]
+        size = lengths_of(solved)[path]
 
         def beside(
             step: float, slopes: Any = slopes, path: str = path, size: float = size
@@ -186,7 +197,7 @@ def dimension_changes(
                 )
                 for part, slope in zip(plain, slopes, strict=True)
             ]
-            return combine_classes(parts, radial_directions(with_length(throw, path, size + step)))
+            return combine_classes(parts, radial_directions(with_length(solved, path, size + step)))
 
         changes[path] = DimensionChange(
             size, (beside(-STEP * size), beside(STEP * size)), size * volume
@@ -219,19 +230,19 @@ def node_velocities(
         speeds = np.column_stack(list(motion.speeds.values()))
         moved = factors.solve(held * np.asarray(conditions.T @ speeds))
     velocities = moved.T.reshape(len(motion.speeds), -1, 3)
-    return dict(zip(motion.speeds, velocities, strict=True)), motion.refused
+    return dict(zip(motion.speeds, velocities, strict=True)), motion.left_out
 
 
 def load_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[list[NodalLoads]]:
     """Derivatives of the unit loads on the pins, by velocity of the nodes."""
-
-    def loads(points: Array) -> list[NodalLoads]:
-        return list(unit_pin_loads(replace(mesh, points=points)))
-
-    before, slopes = loads(mesh.points), []
+    before, slopes = unit_pin_loads(mesh), []
+    # The end of the meshed part, which the throw's length follows.
+    last, images = int(mesh.points[:, 2].argmax()), 2.0 if mesh.part == "quarter" else 1.0
     for velocity in velocities:
         step = _step(mesh, velocity)
-        after = loads(mesh.points + step * velocity)
+        length = mesh.length + step * images * velocity[last, 2]
+        moved = replace(mesh, points=mesh.points + step * velocity, length=length)
+        after = unit_pin_loads(moved)
         slopes.append(
             [
                 replace(first, values=(last.values - first.values) / step)

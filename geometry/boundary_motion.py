@@ -22,6 +22,8 @@ from geometry.throw import CrankThrow
 Array = NDArray[np.float64]
 Level = Callable[[Array], Array]
 
+# Why a dimension has no slope, mostly.
+ZERO = "it is zero: the throw has another shape with it"
 # A facet lies on a level whose distance from all of its nodes is below this share of the throw's length.
 ON_LEVEL = 1e-6
 # Of a dimension, and of the throw's length, for central differences of smooth functions.
@@ -40,14 +42,14 @@ class BoundaryMotion:
         Unit normal of the surface there.
     speeds : dict of str to (c,) array
         Velocity along the normal, by dimension [per unit of the dimension].
-    refused : dict of str to str
+    left_out : dict of str to str
         Dimensions that have none, and the reason.
     """
 
     nodes: NDArray[np.int64]
     normals: Array
     speeds: dict[str, Array]
-    refused: dict[str, str]
+    left_out: dict[str, str]
 
 
 def lengths_of(throw: CrankThrow) -> dict[str, float]:
@@ -96,10 +98,10 @@ def boundary_motion(throw: CrankThrow, mesh: ThrowMesh) -> BoundaryMotion:
     )
     numbers, nodes = pairs.T
     normals = _by_level(list(levels.values()), numbers, mesh.points[nodes], mesh.length * STEP)
-    speeds, refused = {}, {}
+    speeds, left_out = {}, {}
     for path, value in lengths_of(throw).items():
         if value == 0.0:
-            refused[path] = "it is zero: the throw has another shape without it"
+            left_out[path] = ZERO
             continue
         try:
             ends = [
@@ -107,14 +109,14 @@ def boundary_motion(throw: CrankThrow, mesh: ThrowMesh) -> BoundaryMotion:
                 for factor in (1.0 - STEP, 1.0 + STEP)
             ]
         except InputError as error:
-            refused[path] = f"next to it no throw can be built ({error})"
+            left_out[path] = f"next to it no throw can be built ({error})"
             continue
         if any(list(end) != list(levels) for end in ends):
-            refused[path] = "the throw's surfaces are others on both sides of it"
+            left_out[path] = "the throw's surfaces are others on both sides of it"
             continue
         low, high = (_values(list(end.values()), numbers, mesh.points[nodes]) for end in ends)
         speeds[path] = -(high - low) / (2.0 * STEP * value)
-    return BoundaryMotion(nodes, normals, speeds, refused)
+    return BoundaryMotion(nodes, normals, speeds, left_out)
 
 
 def _values(levels: list[Level], numbers: NDArray[np.int64], points: Array) -> Array:

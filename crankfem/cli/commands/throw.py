@@ -69,6 +69,10 @@ def throw(
     modes: Annotated[
         int, typer.Option(help="Also compute this many natural modes of the free throw.")
     ] = 0,
+    slopes: Annotated[
+        bool,
+        typer.Option("--slopes", help="Also print how results change with each dimension."),
+    ] = False,
     profile: Annotated[
         bool, typer.Option("--profile", help="Print the time of each step.")
     ] = False,
@@ -93,6 +97,7 @@ def throw(
         free_modes,
         picture_reactions,
         throw_results,
+        throw_slopes,
     )
     from crankfem.cli.arguments import parse_gamma, parse_pin_force, select_part
     from crankfem.cli.tables.throw_tables import print_throw
@@ -101,6 +106,7 @@ def throw(
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
     from fem.modes import MOST_MODES
+    from fem.sensitivities import check_sloped
     from fem.symmetry import degree_of, radial_directions
     from geometry.throw import CrankThrow
 
@@ -120,6 +126,8 @@ def throw(
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
     COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
     degree_of(shared)
+    if slopes:
+        check_sloped(part, end_sections)
     law = law_results(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
         print_line(law.sentence(out.units))
@@ -146,6 +154,8 @@ def throw(
         free = free_modes(analysis.free_modes(modes))
         seconds = dict(results.seconds) | {"modes": time.perf_counter() - start}
         results = replace(results, free_modes=free, seconds=seconds)
+    if slopes:
+        results = replace(results, slopes=throw_slopes(analysis))
     made = None if folder is None else picture_reactions(results, folder)
     if out.json:
         pictures_made = {} if made is None else {"pictures": [str(made)]}
@@ -156,6 +166,9 @@ def throw(
         console.output.print(f"Picture: {made}", soft_wrap=True)
     if modes:
         print_table(results.mode_table(), out.units)
+    if slopes:
+        print_table(results.slope_table(), out.units)
+        print_line(results.slope_words())
     if profile:
         print_table(results.time_table())
 
