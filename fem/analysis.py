@@ -41,10 +41,12 @@ from fem.solver import SharedSolver, Stopwatch, assemble_stiffness
 from fem.superelement import (
     CondensedClass,
     EndSections,
+    HeldEnds,
     Superelement,
     checked_superelement,
     combine_classes,
     condense,
+    hold_ends,
 )
 from fem.supports import (
     STRETCH,
@@ -831,6 +833,8 @@ class RefinementLevel:
         Upper triangle.
     pins : tuple of NodalLoads
         Unit loads on each pin.
+    held : HeldEnds or None
+        None with averaged sections.
     axial_part : CondensedClass
         The class excited by an axial force, with rigid sections.
     solved_part : CondensedClass
@@ -850,6 +854,7 @@ class RefinementLevel:
     mesh: ThrowMesh
     stiffness: sparse.csr_array
     pins: tuple[NodalLoads, ...]
+    held: HeldEnds | None
     axial_part: CondensedClass
     solved_part: CondensedClass
     recovery: StressRecovery
@@ -894,7 +899,7 @@ class RefinementLevel:
             known
             if one == known.symmetry
             else condense(
-                *solved_mesh, one, self.solver, problem.end_sections, problem.watch, problem.degree
+                *solved_mesh, one, self.solver, problem.end_sections, problem.watch, held=self.held
             )
             for one in symmetries
         ]
@@ -922,28 +927,22 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
     with watch.lap("assembly"):
         stiffness = assemble_stiffness(mesh.points, mesh.elements, problem.material)
         pins = unit_pin_loads(mesh)
+        rigid = problem.end_sections == "rigid"
+        held = hold_ends(mesh, stiffness, problem.degree) if rigid else None
     solver = SharedSolver(problem.solver, watch)
-    solved = condense(
-        mesh,
-        stiffness,
-        pins,
-        axial_class(mesh.part),
-        solver,
-        problem.end_sections,
-        watch,
-        problem.degree,
-    )
+    axial = axial_class(mesh.part)
+    solved = condense(mesh, stiffness, pins, axial, solver, problem.end_sections, watch, held=held)
     part = solved.up_to(RIGID)
     with watch.lap("error estimate"):
         recovery = StressRecovery(mesh.points, mesh.elements)
-        axial = part.fields @ axial_motion(part, "pinned")
-        errors = recovery.energy_errors(axial, problem.material)
+        moved = part.fields @ axial_motion(part, "pinned")
+        errors = recovery.energy_errors(moved, problem.material)
         factor = effectivity(mesh, errors.relative)
         energies = class_energies(solved, recovery, problem.material)
         unbent = np.r_[: len(part.stiffness), len(solved.stiffness) : len(energies)]
         part = corrected_class(part, energies[np.ix_(unbent, unbent)], factor)
     return RefinementLevel(
-        mesh, stiffness, pins, part, solved, recovery, energies, errors, factor, solver
+        mesh, stiffness, pins, held, part, solved, recovery, energies, errors, factor, solver
     )
 
 

@@ -446,8 +446,8 @@ SOLVERS = ("pardiso", "superlu")
 # Smaller systems are solved by one thread: a second one takes more processor time (a tenth in
 # factorizing, four fifths in solving) than it saves.
 FOR_ONE_THREAD = 100_000
-# Of so many unknowns on single precision saves more than refining takes.
-SINGLE_FROM = 30_000
+# Of so many unknowns on single precision saves more than refining takes, with the sides of a whole throw.
+SINGLE_FROM = 100_000
 # Phases of Pardiso.
 ANALYSIS, FACTORIZATION, SOLUTION = 11, 22, 33
 # Where pip and conda put MKL. Left alone, pypardiso reads all folders of an environment, twice.
@@ -491,14 +491,18 @@ class Factorization:
         SolveError
             If the residual is not near round-off.
         """
+        return self.solve_with_residual(right_sides)[0]
+
+    def solve_with_residual(self, right_sides: Array) -> tuple[Array, Array]:
+        """Return x as `solve` does, and b - A x."""
         solution = self.apply(right_sides)
-        _, shares = residual_shares(self.upper, self.size, solution, right_sides)
+        residual, shares = residual_shares(self.upper, self.size, solution, right_sides)
         if not np.all(shares <= LARGEST_RESIDUAL):
             raise SolveError(
                 f"{self.solver} left a relative residual of {np.max(shares):.1e} (allowed "
                 f"{LARGEST_RESIDUAL:.0e}): the structure may be insufficiently supported."
             )
-        return solution
+        return solution, residual
 
 
 class SharedSolver:

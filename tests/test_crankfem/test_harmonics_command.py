@@ -312,6 +312,26 @@ def test_refusals(call, tmp_path, arguments, fragment):
     assert answer.err.count("\n") == 1
 
 
+def test_the_auxiliary_table_of_the_sums(call, tmp_path):
+    """Makushev, Polyakova 2024, table 2, its row of sums; and an engine's, whose sums give A_k and B_k."""
+    table = "yamz5340_torque_one_throw.csv"
+    assert call("harmonics", table, "--orders", "1", "--sums", "s.csv").code == 0
+    with (tmp_path / "s.csv").open(encoding="utf-8") as stream:
+        *rows, sums = csv.DictReader(stream)
+    assert (len(rows), sums["sample"]) == (36, "sum")
+    printed = {"y_Nm": 4441.0, "y_cos_1x": -3865.75, "y_sin_1x": -3224.93}
+    printed |= {"y_cos_2x": 2484.88, "y_sin_2x": 6689.29}
+    for name, value in printed.items():
+        assert float(sums[name]) == close(value, abs=0.006), name
+    answer = call("harmonics", "6chn25-34", "--orders", "4", "--sums", "e.csv", "--json").json()
+    with (tmp_path / "e.csv").open(encoding="utf-8") as stream:
+        *rows, sums = csv.DictReader(stream)
+    for name, key in (("cos", "cosine"), ("sin", "sine")):
+        found = [2.0 / len(rows) * float(sums[f"y_{name}_{k}x"]) for k in range(1, 9)]
+        assert found == close(answer["harmonics"][key], abs=1e-6)
+    assert "--sums s.csv" in call("harmonics", table, "--csv", "s.csv", "--sums", "s.csv").err
+
+
 SHIPPED = "crosshead-30-100"
 
 

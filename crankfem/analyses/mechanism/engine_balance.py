@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated
 
+import numpy as np
+
 from crankbase.results import Flat, Quantity, Result, result
 from crankbase.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
@@ -248,3 +250,26 @@ def _without_round_off(moment: complex, scale: float) -> tuple[float, float]:
         0.0 if abs(part) < ROUND_OFF * scale else part for part in (moment.real, moment.imag)
     )
     return along, across
+
+
+def per_area_table(run: MechanismRun) -> Table:
+    """Return the moving masses of each cylinder over the piston's area, with ranges that are usual."""
+    rows = zip(run.layout.cylinders, run.balance.masses, strict=True)
+    return Table(
+        "Masses over the area of the piston",
+        [
+            Column("cylinder", words=True),
+            *(Column(name, "kg/m^2") for name in ("piston", "reciprocating", "rotating")),
+        ],
+        [
+            [
+                str(row.cylinder),
+                *np.divide([part.piston_mass, row.reciprocating, row.rotating], part.area).tolist(),
+            ]
+            for part, row in rows
+        ],
+        note="Rotating: at the crankpin, without the throw. Usual of medium-speed engines: pistons 600 to "
+        "1100, reciprocating masses 750 to 1400 kg/m^2 (Mikhina, Vyalkov 2024, table 2); the shipped engines "
+        "of up to 150 mm bore have 80 to 270 and 100 to 410 kg/m^2.",
+        merged=True,
+    )

@@ -144,12 +144,6 @@ def _some_engines(files: Sequence[str], asked: _Request) -> None:
     from crankfem.files.reading.data_files import input_path
 
     names = [input_path(file).stem for file in files]  # refuses all that are not there at once
-    for place, name in enumerate(names):
-        if name in names[:place]:
-            raise InputError(
-                f"ENGINE.toml: given {name} twice; allowed are files of different names, because the rows "
-                "of the table have them."
-            )
     rows: list[EngineFormulas] = []
     for name, file in zip(names, files, strict=True):
         console.print_note(f"{name} ({len(rows) + 1} of {len(names)})", asked.out.quiet)

@@ -160,18 +160,23 @@ def print_engines(
     }
     for kind, (si_unit, head) in heads.items():
         unit = units.of(f"1e-9 {si_unit}")
-        rows: dict[str, dict[str, str]] = {}
+        rows: list[dict[str, str]] = []
         for each in engines:
             fe, values = each.formulas.fe, each.formulas.of_kind(kind)
-            rows[each.engine] = {} if fe is None else {"FE": _compliance(getattr(fe, kind), unit)}
+            rows.append({} if fe is None else {"FE": _compliance(getattr(fe, kind), unit)})
             for value in values:
                 shown = _compliance(value.value, unit)
-                rows[each.engine][_short(value.name)] = f"{shown}{'' if value.valid else '*'}"
-        names = list(dict.fromkeys(name for row in rows.values() for name in row))
+                rows[-1][_short(value.name)] = f"{shown}{'' if value.valid else '*'}"
+        names = list(dict.fromkeys(name for row in rows for name in row))
         _print_title(f"{kind.capitalize()} compliance [{unit.name}], {head}")
         table = _wide_table(["engine", *names])
-        cells = ((row.get(name, "-") for name in names) for row in rows.values())
-        _add_rows(table, [[engine, *row] for engine, row in zip(rows, cells, strict=True)])
+        _add_rows(
+            table,
+            [
+                [each.engine, *(row.get(name, "-") for name in names)]
+                for each, row in zip(engines, rows, strict=True)
+            ],
+        )
         console.print_drawn(table)
     print_line("* outside the range where the formula has a meaning.")
     for each in engines:
