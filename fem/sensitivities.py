@@ -33,13 +33,12 @@ from fem.solver import (
     factorize,
     physical_gradients,
     symmetric_product,
-    upper_triangle,
 )
 from fem.superelement import CondensedClass, Superelement, combine_classes, unit_end_motions
-from fem.symmetry import NodalLoads, radial_directions, unit_pin_loads
+from fem.symmetry import RIGID, NodalLoads, radial_directions, unit_pin_loads
 from geometry.boundary_motion import boundary_motion, lengths_of, with_length
 from geometry.mesh import ThrowMesh
-from geometry.shapes import shapes_for_quadrature
+from geometry.shapes import EDGES, shapes_for_quadrature
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
@@ -47,8 +46,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# Stiffness that holds nodes on the moving surface, in largest entries of the stiffness.
+# Stiffness that holds corners on the moving surface, in largest entries of the matrix.
 HELD = 1e6
+# Surfaces that touch, as a fillet and its journal, have normals as parallel as this.
+PARALLEL = 1e-3
+# Numbers taken at once, so that they stay in the cache.
+CACHED = 60_000
 # Differences of loads and prescribed motions, which are smooth, in lengths of the throw.
 SHIFT = 1e-7
 # Exact for the volume of curved elements.
@@ -169,15 +172,23 @@ def dimension_changes(
     mesh: ThrowMesh,
     material: Material,
     classes: Sequence[CondensedClass],
+    *,
+    joined: bool,
 ) -> tuple[dict[str, DimensionChange], dict[str, str]]:
     """Find the change of a throw with each of its dimensions, and why others have none.
 
     Errors as of `check_sloped`.
+
+    Parameters
+    ----------
+    joined : bool
+        Whether also with the bending sections of throws that meet, which takes several times as long.
     """
     solved = check_sloped(throw, classes[0].end_sections)
-    plain = [part.discrete or part for part in classes]
+    parts = [part if joined else part.up_to(RIGID) for part in classes]
+    plain = [part.discrete or part for part in parts]
     stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
-    velocities, left_out = node_velocities(mesh, solved, stiffness, classes[0].solver)
+    velocities, left_out = node_velocities(mesh, solved, classes[0].solver)
     moving = list(velocities.values())
     loads = load_slopes(mesh, moving)
     by_class = [class_slopes(mesh, material, stiffness, part, moving, loads) for part in plain]
@@ -214,23 +225,58 @@ def volume_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[float]:
 
 
 def node_velocities(
-    mesh: ThrowMesh, throw: CrankThrow, stiffness: sparse.csr_array, solver: str
+    mesh: ThrowMesh, throw: CrankThrow, solver: str
 ) -> tuple[dict[str, Array], dict[str, str]]:
-    """Velocities (n, 3) of a mesh's nodes by dimension, and why others have none."""
+    """Velocities (n, 3) of a mesh's nodes by dimension, and why others have none.
+
+    Corners move as smoothly as the surface lets them: the sum of |grad v|^2 is least. Edge nodes move as
+    their corners do, on the surface along its normal as they must.
+    """
     motion = boundary_motion(throw, mesh)
-    held = HELD * float(abs(stiffness).max())
-    columns = 3 * motion.nodes[:, None] + np.arange(3)
-    rows = np.broadcast_to(np.arange(len(motion.nodes))[:, None], columns.shape)
-    conditions = sparse.csr_array(
-        (motion.normals.ravel(), (rows.ravel(), columns.ravel())),
-        shape=(len(motion.nodes), stiffness.shape[0]),
+    corners, elements = np.unique(mesh.elements[:, :4], return_inverse=True)
+    elements = elements.reshape(-1, 4)
+    number = np.full(len(mesh.points), -1)
+    number[corners] = np.arange(len(corners))
+    # Gradients (m, 4, 3) of the four linear shape functions, and volumes.
+    sides = mesh.points[mesh.elements[:, 1:4]] - mesh.points[mesh.elements[:, :1]]
+    others = np.linalg.inv(sides).transpose(0, 2, 1)
+    gradients = np.concatenate([-others.sum(axis=1, keepdims=True), others], axis=1)
+    products = (gradients @ gradients.transpose(0, 2, 1)) * np.abs(np.linalg.det(sides))[
+        :, None, None
+    ]
+    laplacian = sparse.csr_array(
+        (products.ravel(), (np.repeat(elements, 4, axis=1).ravel(), np.tile(elements, 4).ravel())),
+        shape=(len(corners),) * 2,
     )
-    upper = stiffness + held * upper_triangle((conditions.T @ conditions).tocsr())
-    with factorize(upper.tocsr(), solver) as factors:
-        speeds = np.column_stack(list(motion.speeds.values()))
-        moved = factors.solve(held * np.asarray(conditions.T @ speeds))
-    velocities = moved.T.reshape(len(motion.speeds), -1, 3)
-    return dict(zip(motion.speeds, velocities, strict=True)), motion.left_out
+    here = number[motion.nodes] >= 0
+    columns = 3 * number[motion.nodes[here], None] + np.arange(3)
+    rows = np.broadcast_to(np.arange(len(columns))[:, None], columns.shape)
+    conditions = sparse.csr_array(
+        (motion.normals[here].ravel(), (rows.ravel(), columns.ravel())),
+        shape=(len(columns), 3 * len(corners)),
+    )
+    held = HELD * float(laplacian.diagonal().max())
+    matrix = sparse.kron(laplacian, np.eye(3)) + held * (conditions.T @ conditions)
+    speeds = np.column_stack(list(motion.speeds.values()))
+    with factorize(sparse.csr_array(sparse.triu(matrix, format="csr")), solver) as factors:
+        moved = factors.solve(held * np.asarray(conditions.T @ speeds[here]))
+    velocities = np.zeros((len(mesh.points), 3, len(motion.speeds)))
+    velocities[corners] = moved.reshape(len(corners), 3, -1)
+    for node, (start, stop) in zip(range(4, 10), EDGES, strict=True):
+        ends = velocities[mesh.elements[:, start]] + velocities[mesh.elements[:, stop]]
+        velocities[mesh.elements[:, node]] = 0.5 * ends
+    # On all surfaces that meet in a node, by the least further motion.
+    nodes, place = np.unique(motion.nodes, return_inverse=True)
+    order = np.argsort(place, kind="stable")
+    first = np.searchsorted(place[order], np.arange(len(nodes)))
+    which = np.arange(len(order)) - first[place[order]]
+    normals = np.zeros((len(nodes), int(which.max()) + 1, 3))
+    missed = np.zeros((*normals.shape[:2], speeds.shape[1]))
+    along = np.einsum("ca,cad->cd", motion.normals, velocities[motion.nodes])
+    normals[place[order], which] = motion.normals[order]
+    missed[place[order], which] = (speeds - along)[order]
+    velocities[nodes] += np.linalg.pinv(normals, rcond=PARALLEL) @ missed
+    return dict(zip(motion.speeds, np.moveaxis(velocities, 2, 0), strict=True)), motion.left_out
 
 
 def load_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[list[NodalLoads]]:
@@ -292,30 +338,32 @@ def class_slopes(
 
 def energy_slopes(
     mesh: ThrowMesh, material: Material, fields: Array, velocities: Sequence[Array]
-) -> list[Array]:
-    """Derivatives (c, c) of the energies of fields (n, 3, c) that move with the mesh, by velocity."""
+) -> Array:
+    """Derivatives (velocities, c, c) of the energies of fields (n, 3, c) that move with the mesh."""
     lame, shear = material.lame_constant, material.shear_modulus
     _, gradients, weights = shapes_for_quadrature(QUADRATURE_ORDER)
-    spatial, volumes = physical_gradients(mesh.points[mesh.elements], gradients, weights)
-    count = fields.shape[2]
-    shape = (*volumes.shape, 3, 3)
-    # slopes[m, q, j, i] = d u_i / d x_j
-    across = spatial.transpose(0, 1, 3, 2)
-    of_nodes = fields[mesh.elements].reshape(len(mesh.elements), 1, 10, 3 * count)
-    slopes = (across @ of_nodes).reshape(*shape, count)
-    stresses = shear * (slopes + slopes.swapaxes(2, 3))
-    trace = lame * np.trace(slopes, axis1=2, axis2=3)
-    for axis in range(3):
-        stresses[:, :, axis, axis] += trace
-    stresses *= volumes[:, :, None, None, None]
-    stresses = np.ascontiguousarray(stresses.reshape(-1, count))
-    flat = np.ascontiguousarray(slopes.reshape(*volumes.shape, 3, 3 * count))
-    changes = []
-    for velocity in velocities:
-        turned = across @ velocity[mesh.elements][:, None]  # [j, k] = d v_k / d x_j
-        spread = np.trace(turned, axis1=2, axis2=3)
-        # (grad u grad v)_ij = d u_i / d x_k d v_k / d x_j
-        bent = 0.5 * spread[..., None, None] * flat - turned @ flat
-        half = stresses.T @ bent.reshape(-1, count)
-        changes.append(half + half.T)
-    return changes
+    count, moving = fields.shape[2], np.concatenate(velocities, axis=1)
+    changes = np.zeros((len(velocities), count, count))
+    size = max(1, CACHED // (9 * len(weights) * count))
+    for nodes in np.split(mesh.elements, range(size, len(mesh.elements), size)):
+        spatial, volumes = physical_gradients(mesh.points[nodes], gradients, weights)
+        across = spatial.transpose(0, 1, 3, 2)
+        # slopes[m, q, j, i] = d u_i / d x_j
+        flat = across @ fields[nodes].reshape(len(nodes), 1, 10, 3 * count)
+        slopes = flat.reshape(*volumes.shape, 3, 3, count)
+        stresses = shear * (slopes + slopes.swapaxes(2, 3))
+        trace = lame * np.trace(slopes, axis1=2, axis2=3)
+        for axis in range(3):
+            stresses[:, :, axis, axis] += trace
+        stresses *= volumes[:, :, None, None, None]
+        work = stresses.reshape(-1, count).T
+        # turned[m, q, j, k] = d v_k / d x_j for each velocity
+        turned = (across @ moving[nodes][:, None]).reshape(*volumes.shape, 3, -1, 3)
+        for number in range(len(velocities)):
+            turn = turned[:, :, :, number]
+            # (grad u grad v)_ij = d u_i / d x_k d v_k / d x_j
+            bent = (
+                0.5 * np.trace(turn, axis1=2, axis2=3)[..., None, None] * np.eye(3) - turn
+            ) @ flat
+            changes[number] += work @ bent.reshape(-1, count)
+    return changes + changes.transpose(0, 2, 1)
