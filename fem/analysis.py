@@ -34,6 +34,7 @@ from fem.end_reactions import (
     supported_table,
     throw_grid,
 )
+from fem.first_mesh import MOST_UNKNOWNS, REFINED_DRILLED, first_factor, most_planned
 from fem.material import STEEL, Material
 from fem.modes import DynamicSuperelement, ThrowModes, dynamic_superelement, free_modes
 from fem.plots import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
@@ -783,13 +784,6 @@ def _limit_size_growth(points: Array, tetrahedra: NDArray[np.int64], sizes: Arra
     return sizes
 
 
-# Size factor of the first mesh.
-FIRST_FILLETED = 2.0
-FIRST_SHARP = 2.2
-# With oil holes it is planned for this times the squared inverse of the wished accuracy, as far as this
-# factor goes: holes are small and many elements stand round them, though they hardly change compliances.
-# So is the first refined mesh, which has some 1.4 times the unknowns that are planned.
-FIRST_DRILLED, COARSEST_DRILLED, REFINED_DRILLED = 36.0, 12.0, 33.0
 # Recovered stresses miss some of the error, most beside surfaces; the estimate is theirs times this
 # (tests/campaigns/corrected_answers.py).
 SAFETY = 1.35
@@ -805,7 +799,6 @@ AIM_AGAIN = 0.85
 MOST_REFINEMENTS = 5
 # The finest mesh has at most about so many times the unknowns of the first, divided by the accuracy.
 GROWTH_FILLETED, GROWTH_SHARP = 0.0095, 0.030
-MOST_UNKNOWNS = 450_000
 
 # Makes the mesh of a throw: size factor, part, and element sizes instead of the planned ones.
 Mesher = Callable[[Throw, float, str, SizeMap | None], ThrowMesh]
@@ -964,24 +957,6 @@ def predicted_unknowns(throw: Throw, accuracy: float) -> float:
     return min(first * max(1.0, growth / accuracy), MOST_UNKNOWNS)
 
 
-def first_factor(throw: Throw, accuracy: float) -> float:
-    """Size factor of the first mesh for an accuracy of the axial compliance."""
-    factor = FIRST_FILLETED if throw.filleted else FIRST_SHARP
-    most = _most_planned(throw, accuracy, FIRST_DRILLED)
-    while factor < COARSEST_DRILLED and expected_unknowns(throw, factor) > most:
-        factor *= 1.1
-    while expected_unknowns(throw, factor) > MOST_UNKNOWNS:
-        factor *= 1.2
-    return factor
-
-
-def _most_planned(throw: Throw, accuracy: float, planned: float) -> float:
-    """Most unknowns that the first mesh, or the first refined one, is planned for."""
-    if isinstance(throw, CrankThrow) and throw.oil_holes:
-        return min(planned / accuracy**2, MOST_UNKNOWNS)
-    return MOST_UNKNOWNS
-
-
 def solve_to_accuracy(
     throw: Throw, accuracy: float, problem: Problem, mesher: Mesher = mesh_isolated
 ) -> RefinementLevel:
@@ -1013,7 +988,7 @@ def solve_to_accuracy(
     level = solve_level(_mesh(throw, first, None, problem, mesher), problem)
     aim = AIM_FILLETED if throw.filleted else AIM_SHARP
     target = aim * MOST_CORRECTED * accuracy / level.effectivity
-    most = _most_planned(throw, accuracy, REFINED_DRILLED)
+    most = most_planned(throw, accuracy, REFINED_DRILLED)
     for _ in range(MOST_REFINEMENTS):
         if level.meets(accuracy):
             break

@@ -2,7 +2,7 @@
 
 import cmath
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Annotated
 
@@ -17,6 +17,7 @@ from dynamics.balance import (
     Hodograph,
     balance,
 )
+from dynamics.engine.layout import EngineCylinder
 from geometry.parts import counterweight_moment
 
 BALANCED_TEXT = "balanced"
@@ -252,9 +253,11 @@ def _without_round_off(moment: complex, scale: float) -> tuple[float, float]:
     return along, across
 
 
-def per_area_table(run: MechanismRun) -> Table:
+def per_area_table(
+    cylinders: Sequence[EngineCylinder], balance: Balance, units: OutputUnits = SI
+) -> Table:
     """Return the moving masses of each cylinder over the piston's area, with ranges that are usual."""
-    rows = zip(run.layout.cylinders, run.balance.masses, strict=True)
+    rows = zip(cylinders, balance.masses, strict=True)
     return Table(
         "Masses over the area of the piston",
         [
@@ -270,6 +273,6 @@ def per_area_table(run: MechanismRun) -> Table:
         ],
         note="Rotating: at the crankpin, without the throw. Usual of medium-speed engines: pistons 600 to "
         "1100, reciprocating masses 750 to 1400 kg/m^2 (Mikhina, Vyalkov 2024, table 2); the shipped engines "
-        "of up to 150 mm bore have 80 to 270 and 100 to 410 kg/m^2.",
+        f"of up to {units.of('mm').with_name(0.15, 3)} bore have 80 to 270 and 100 to 410 kg/m^2.",
         merged=True,
     )

@@ -40,7 +40,7 @@ from dynamics.balance import HingedRodEffects
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
 from dynamics.engine.forces import LoadDiagram, pin_groups
-from dynamics.engine.layout import firing_intervals, repeating_intervals
+from dynamics.engine.layout import EngineCylinder, firing_intervals, repeating_intervals
 from dynamics.excitation.pressure_map import EnginePower, indicated_power
 
 Degrees = Annotated[float, Quantity("deg")]
@@ -249,7 +249,7 @@ class MechanismDetails(Result):
     hinged_rods: tuple[HingedRodEffects, ...]
     accelerations: PistonAccelerations | None
     rods_shown: Internal[bool] = False
-    per_area: Internal[Table | None] = None
+    cylinders: Internal[tuple[EngineCylinder, ...]] = ()
     pictures: tuple[str, ...] = ()
 
     def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
@@ -260,8 +260,7 @@ class MechanismDetails(Result):
         if self.model_difference is not None:
             yield from self.model_difference.parts(units)
         yield from self.results.balance.parts(units)
-        if self.per_area is not None:
-            yield self.per_area
+        yield per_area_table(self.cylinders, self.results.balance.balance, units)
         if self.accelerations is not None:
             yield hinged_rod_table(self.hinged_rods)
             yield from self.accelerations.parts(units)
@@ -279,7 +278,7 @@ def mechanism_details(
         hinged_rods=run.hinged_rods,
         accelerations=piston_accelerations(run.layout, run.speed, group) if group else None,
         rods_shown=rods_shown,
-        per_area=per_area_table(run),
+        cylinders=tuple(run.layout.cylinders),
     )
 
 

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 Metre = Annotated[float, Quantity("m")]
 Newton = Annotated[float, Quantity("N")]
+# Without a gas pressure in the engine file, reactions are given for this radial force [N].
+UNIT_RADIAL_FORCE = 1e5
 
 
 @result("axial", "torsional", "influence")
@@ -189,6 +191,8 @@ class ThrowResults(Result):
     def plot(self, axes: "Axes | None" = None, *, support: str = "pinned") -> "Axes":
         """Draw the throw from the side with the forces on its pins and ends, as far as in this plane.
 
+        Of a throw from a file, whose outline is unknown, draw the reactions' forces.
+
         Parameters
         ----------
         support : str, optional
@@ -197,15 +201,12 @@ class ThrowResults(Result):
         Raises
         ------
         InputError
-            If there is no such support, or a file describes the throw, whose outline is unknown.
+            If there is no such support.
         """
         check_choice("support", support, self.supports, "these were calculated")
         throw, ends = self.dimensions, self.supports[support].reactions
         if isinstance(throw, ThrowInFile):
-            raise InputError(
-                f"plot: given a throw of {throw.file}; allowed is one from dimensions, because only these "
-                "are drawn; supports[...].reactions.plot() draws the reactions."
-            )
+            return ends.plot(axes)
         axes = throw.plot(axes, dimensions=False)
         pins = zip(throw.parts.pins, self.pin_forces, strict=False)
         acting = {

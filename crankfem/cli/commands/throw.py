@@ -90,20 +90,31 @@ def throw(
     A STEP file is a CAD part of steel: z along the shaft, faces named "left end", "right end" and
     "pin", or none named at all.
     """
+    from geometry.gmsh_session import shared_process
+
+    shared_process().start()  # which loads gmsh while this process loads the rest
+
+    from crankfem.cli.arguments import select_part
+    from fem.first_mesh import begin_mesh
+
+    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
+    part, material = select_part(engine, name, pins, out.quiet)
+    begin_mesh(part, accuracy)
+
     from crankbase.results import units as result_units
     from crankfem.analyses.throw.law_record import law_results
     from crankfem.analyses.throw.throw_record import (
         PICTURE,
+        UNIT_RADIAL_FORCE,
         free_modes,
         picture_reactions,
         throw_results,
         throw_slopes,
     )
-    from crankfem.cli.arguments import parse_gamma, parse_pin_force, select_part
+    from crankfem.cli.arguments import parse_gamma, parse_pin_force
     from crankfem.cli.tables.throw_tables import print_throw
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_outputs
-    from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
     from fem.modes import MOST_MODES
     from fem.sensitivities import check_sloped
@@ -113,7 +124,6 @@ def throw(
     angle = None if gamma is None else parse_gamma(gamma, out.quiet)
     if not 0 <= modes <= MOST_MODES:
         raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
-    part, material = select_part(engine, name, pins, out.quiet)
     texts = pin_force or []
     if len(texts) > len(part.pin_axes):
         raise InputError(
@@ -124,8 +134,7 @@ def throw(
     forces = [parse_pin_force(text, along) for text, along in zip(texts, directions, strict=False)]
     folder = check_outputs(None, pictures, input_path(engine), names=[PICTURE])
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
-    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
-    degree_of(shared)
+    degree_of(shared)  # before anything is printed
     if slopes:
         check_sloped(part, end_sections)
     law = law_results(part, material) if isinstance(part, CrankThrow) else None
