@@ -7,6 +7,7 @@ twice the energy of the error. That energy is estimated element by element from 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
@@ -33,6 +34,7 @@ from fem.end_reactions import (
     supported_table,
     throw_grid,
 )
+from fem.first_mesh import MOST_UNKNOWNS, REFINED_DRILLED, first_factor, most_planned
 from fem.material import STEEL, Material
 from fem.modes import DynamicSuperelement, ThrowModes, dynamic_superelement, free_modes
 from fem.plots import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
@@ -88,6 +90,8 @@ from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from fem.sensitivities import DimensionChange, Sensitivities
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -555,6 +559,56 @@ class ThrowAnalysis(SolvedSuperelement):
         """
         return compliance_over_angle(self.superelement, check_compliance(quantity), gamma_deg)
 
+    @cached_property
+    def _slopes_alone(self) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
+        return self._slopes(joined=False)
+
+    @cached_property
+    def _slopes_joined(self) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
+        return self._slopes(joined=True)
+
+    def _slopes(self, *, joined: bool) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
+        from fem.sensitivities import dimension_changes
+
+        return dimension_changes(self.throw, self.mesh, self.material, self.classes, joined=joined)
+
+    def sensitivities(
+        self,
+        quantity: Compliance | Literal["mass"] = "axial_compliance",
+        support: Support = "pinned",
+    ) -> "Sensitivities":
+        """How a compliance, or the mass, changes with each dimension of the throw.
+
+        All follow from the solutions at hand, without another mesh (`fem.sensitivities`); the first call
+        takes most of the time, longer between neighbors.
+
+        Parameters
+        ----------
+        quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient", "mass"}
+            The influence coefficient is that of the first pin.
+        support
+            As for `axial_compliance`; without effect on the mass.
+
+        Raises
+        ------
+        InputError
+            If an argument is unknown, the throw is a CAD part, or its end sections are not rigid.
+        """
+        from fem.sensitivities import Sensitivities
+
+        joined = isinstance(support, Neighbors)
+        changes, left_out = self._slopes_joined if joined else self._slopes_alone
+        if quantity == "mass":
+            shares = {path: change.volume for path, change in changes.items()}
+            return Sensitivities("mass", "", shares, left_out, 0.0)
+        chosen = check_compliance(quantity)
+        shares = {
+            path: change.share(lambda throw: compliance(throw, chosen, support))
+            for path, change in changes.items()
+        }
+        error = axial_correction(self.superelement, self.discrete.superelement)
+        return Sensitivities(chosen, str(support), shares, left_out, error)
+
     def plot(
         self, axes: "Axes | None" = None, *, quantity: Compliance = "axial_compliance"
     ) -> "Axes":
@@ -730,13 +784,6 @@ def _limit_size_growth(points: Array, tetrahedra: NDArray[np.int64], sizes: Arra
     return sizes
 
 
-# Size factor of the first mesh.
-FIRST_FILLETED = 2.0
-FIRST_SHARP = 2.2
-# With oil holes it is planned for this times the squared inverse of the wished accuracy, as far as this
-# factor goes: holes are small and many elements stand round them, though they hardly change compliances.
-# So is the first refined mesh, which has some 1.4 times the unknowns that are planned.
-FIRST_DRILLED, COARSEST_DRILLED, REFINED_DRILLED = 36.0, 12.0, 33.0
 # Recovered stresses miss some of the error, most beside surfaces; the estimate is theirs times this
 # (tests/campaigns/corrected_answers.py).
 SAFETY = 1.35
@@ -752,7 +799,6 @@ AIM_AGAIN = 0.85
 MOST_REFINEMENTS = 5
 # The finest mesh has at most about so many times the unknowns of the first, divided by the accuracy.
 GROWTH_FILLETED, GROWTH_SHARP = 0.0095, 0.030
-MOST_UNKNOWNS = 450_000
 
 # Makes the mesh of a throw: size factor, part, and element sizes instead of the planned ones.
 Mesher = Callable[[Throw, float, str, SizeMap | None], ThrowMesh]
@@ -911,24 +957,6 @@ def predicted_unknowns(throw: Throw, accuracy: float) -> float:
     return min(first * max(1.0, growth / accuracy), MOST_UNKNOWNS)
 
 
-def first_factor(throw: Throw, accuracy: float) -> float:
-    """Size factor of the first mesh for an accuracy of the axial compliance."""
-    factor = FIRST_FILLETED if throw.filleted else FIRST_SHARP
-    most = _most_planned(throw, accuracy, FIRST_DRILLED)
-    while factor < COARSEST_DRILLED and expected_unknowns(throw, factor) > most:
-        factor *= 1.1
-    while expected_unknowns(throw, factor) > MOST_UNKNOWNS:
-        factor *= 1.2
-    return factor
-
-
-def _most_planned(throw: Throw, accuracy: float, planned: float) -> float:
-    """Most unknowns that the first mesh, or the first refined one, is planned for."""
-    if isinstance(throw, CrankThrow) and throw.oil_holes:
-        return min(planned / accuracy**2, MOST_UNKNOWNS)
-    return MOST_UNKNOWNS
-
-
 def solve_to_accuracy(
     throw: Throw, accuracy: float, problem: Problem, mesher: Mesher = mesh_isolated
 ) -> RefinementLevel:
@@ -960,7 +988,7 @@ def solve_to_accuracy(
     level = solve_level(_mesh(throw, first, None, problem, mesher), problem)
     aim = AIM_FILLETED if throw.filleted else AIM_SHARP
     target = aim * MOST_CORRECTED * accuracy / level.effectivity
-    most = _most_planned(throw, accuracy, REFINED_DRILLED)
+    most = most_planned(throw, accuracy, REFINED_DRILLED)
     for _ in range(MOST_REFINEMENTS):
         if level.meets(accuracy):
             break

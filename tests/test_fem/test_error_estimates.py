@@ -11,12 +11,13 @@ from comparing import close
 from crankfem.analyses.throw.throw_record import NOT_CORRECTED, throw_results
 from crankfem.cli.tables.throw_tables import print_throw
 from fem import correction
-from fem.analysis import FIRST_FILLETED, analyze_axial, analyze_throw, first_factor
+from fem.analysis import analyze_axial, analyze_throw
 from fem.correction import (
     StressRecovery,
     corrected_class,
     stresses_at,
 )
+from fem.first_mesh import FIRST_FILLETED, first_factor
 from fem.material import STEEL
 from fem.solver import assemble_stiffness, physical_gradients, symmetric_product
 from fem.superelement import condense

@@ -69,6 +69,10 @@ def throw(
     modes: Annotated[
         int, typer.Option(help="Also compute this many natural modes of the free throw.")
     ] = 0,
+    slopes: Annotated[
+        bool,
+        typer.Option("--slopes", help="Also print how results change with each dimension."),
+    ] = False,
     profile: Annotated[
         bool, typer.Option("--profile", help="Print the time of each step.")
     ] = False,
@@ -86,28 +90,40 @@ def throw(
     A STEP file is a CAD part of steel: z along the shaft, faces named "left end", "right end" and
     "pin", or none named at all.
     """
+    from geometry.gmsh_session import shared_process
+
+    shared_process().start()  # which loads gmsh while this process loads the rest
+
+    from crankfem.cli.arguments import select_part
+    from fem.first_mesh import begin_mesh
+
+    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
+    part, material = select_part(engine, name, pins, out.quiet)
+    begin_mesh(part, accuracy)
+
     from crankbase.results import units as result_units
     from crankfem.analyses.throw.law_record import law_results
     from crankfem.analyses.throw.throw_record import (
         PICTURE,
+        UNIT_RADIAL_FORCE,
         free_modes,
         picture_reactions,
         throw_results,
+        throw_slopes,
     )
-    from crankfem.cli.arguments import parse_gamma, parse_pin_force, select_part
+    from crankfem.cli.arguments import parse_gamma, parse_pin_force
     from crankfem.cli.tables.throw_tables import print_throw
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_outputs
-    from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
     from fem.modes import MOST_MODES
+    from fem.sensitivities import check_sloped
     from fem.symmetry import degree_of, radial_directions
     from geometry.throw import CrankThrow
 
     angle = None if gamma is None else parse_gamma(gamma, out.quiet)
     if not 0 <= modes <= MOST_MODES:
         raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
-    part, material = select_part(engine, name, pins, out.quiet)
     texts = pin_force or []
     if len(texts) > len(part.pin_axes):
         raise InputError(
@@ -118,8 +134,9 @@ def throw(
     forces = [parse_pin_force(text, along) for text, along in zip(texts, directions, strict=False)]
     folder = check_outputs(None, pictures, input_path(engine), names=[PICTURE])
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
-    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
-    degree_of(shared)
+    degree_of(shared)  # before anything is printed
+    if slopes:
+        check_sloped(part, end_sections)
     law = law_results(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
         print_line(law.sentence(out.units))
@@ -146,6 +163,8 @@ def throw(
         free = free_modes(analysis.free_modes(modes))
         seconds = dict(results.seconds) | {"modes": time.perf_counter() - start}
         results = replace(results, free_modes=free, seconds=seconds)
+    if slopes:
+        results = replace(results, slopes=throw_slopes(analysis))
     made = None if folder is None else picture_reactions(results, folder)
     if out.json:
         pictures_made = {} if made is None else {"pictures": [str(made)]}
@@ -156,6 +175,9 @@ def throw(
         console.output.print(f"Picture: {made}", soft_wrap=True)
     if modes:
         print_table(results.mode_table(), out.units)
+    if slopes:
+        print_table(results.slope_table(), out.units)
+        print_line(results.slope_words())
     if profile:
         print_table(results.time_table())
 

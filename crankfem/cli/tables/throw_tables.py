@@ -2,13 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from rich.table import Table as RichTable
 
 from crankbase.quantity import significant
 from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
-from crankfem.analyses.file_check import Arrangement, Dimension, Shape
-from crankfem.analyses.mechanism.mechanism_results import intervals_text
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.formula_records import (
     KINDS,
@@ -35,6 +34,9 @@ from regression.formulas.axial_formulas import (
     PublishedValue,
 )
 
+if TYPE_CHECKING:  # of whole engines, for which much is loaded that a throw does without
+    from crankfem.analyses.file_check import Arrangement, Dimension, Shape
+
 
 def print_throw(results: ThrowResults, units: OutputUnits = SI) -> None:
     """Print compliances, reactions and masses of a throw."""
@@ -46,7 +48,7 @@ def print_throw(results: ThrowResults, units: OutputUnits = SI) -> None:
         print_notes([NOT_CORRECTED], units)
 
 
-def print_shape(shape: Shape, units: OutputUnits = SI, name: str = "Throw") -> None:
+def print_shape(shape: "Shape", units: OutputUnits = SI, name: str = "Throw") -> None:
     """Print the quantities that follow from the dimensions."""
     length, volume = units.of("mm"), units.of("dm^3")
     pins = "one pin" if shape.pins == 1 else f"{shape.pins} pins"
@@ -372,7 +374,9 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
     )
 
 
-def _print_arrangement(name: str, engine: Arrangement, units: OutputUnits) -> None:
+def _print_arrangement(name: str, engine: "Arrangement", units: OutputUnits) -> None:
+    from crankfem.analyses.mechanism.mechanism_results import intervals_text
+
     length, speed = units.of("mm"), units.of("1/min")
     digits = _digits(length)
     kind = "in line" if engine.bank_angles_deg is None else "in banks"
@@ -417,7 +421,7 @@ def _digits(unit: OutputUnit) -> int:
 
 
 def _print_dimensions(
-    dimensions: Sequence[Dimension], units: OutputUnits, title: str = "The throw as read"
+    dimensions: "Sequence[Dimension]", units: OutputUnits, title: str = "The throw as read"
 ) -> None:
     print_table(
         Table.of_records(
