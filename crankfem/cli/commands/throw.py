@@ -293,7 +293,8 @@ def export(
         check_writable(file, "solid", content.path)
         crankshaft = load_crankshaft(content) if shaft else None
         write_step(crankshaft or throw, file, part)
-        record["remarks"] = [] if crankshaft is None else list(crankshaft.remarks)
+        if crankshaft is not None and crankshaft.remarks:
+            record["remarks"] = list(crankshaft.remarks)
     else:
         if file.suffix.lower() not in MESH_ENDINGS:
             raise InputError(
@@ -378,7 +379,8 @@ def draw(
         files.append(picture_shaft(crankshaft, shaft))
     remarks = () if crankshaft is None else crankshaft.remarks
     if out.json:
-        print_json({"files": [str(file) for file in files], "remarks": list(remarks)})
+        noted = {"remarks": list(remarks)} if remarks else {}
+        print_json({"files": [str(file) for file in files]} | noted)
         return
     for file in files:
         console.output.print(f"{file} written.", soft_wrap=True)
