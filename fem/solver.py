@@ -288,7 +288,7 @@ def assemble_stiffness(
         (sums.reshape(-1, 3, 3), columns.astype(np.int32), limits.astype(np.int32)),
         shape=(3 * count, 3 * count),
     ).tocsr()
-    return _upper(whole)
+    return upper_triangle(whole)
 
 
 def assemble_mass(
@@ -322,7 +322,7 @@ def assemble_mass(
     return sparse.csr_array(sparse.kron(nodal, sparse.eye_array(3), format="csr"))
 
 
-def _upper(matrix: sparse.csr_array) -> sparse.csr_array:
+def upper_triangle(matrix: sparse.csr_array) -> sparse.csr_array:
     """Remove the part below the diagonal in the diagonal blocks."""
     lengths = np.diff(matrix.indptr)
     kept = matrix.indices >= np.repeat(np.arange(matrix.shape[0]), lengths)

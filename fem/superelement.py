@@ -372,16 +372,23 @@ def _with_given_ends(
 
 
 def unit_end_motions(
-    mesh: ThrowMesh, symmetry: SymmetryClass, sections: SectionMotions = RIGID
+    mesh: ThrowMesh,
+    symmetry: SymmetryClass,
+    sections: SectionMotions = RIGID,
+    shift: Array | None = None,
 ) -> list[tuple[NDArray[np.int64], Array]]:
-    """Nodes (s,) of each meshed end section, and their displacements (s, 3, k) for unit amplitudes."""
+    """Nodes (s,) of each meshed end section, and their displacements (s, 3, k) for unit amplitudes.
+
+    With a `shift` (n, 3) nodes are so far from their places [m].
+    """
+    points = mesh.points if shift is None else mesh.points + shift
     ends = end_amplitudes(symmetry, sections)
     beyond = 12 + sections.bending * np.arange(3)
     columns = []
     for place, section in enumerate(end_sections(symmetry)):
         nodes = nodes_on(mesh, section)
         numbers = np.r_[6 * place : 6 * place + 6, beyond[place] : beyond[place + 1]]
-        columns.append((nodes, sections.fields(mesh.points[nodes]) @ ends[numbers]))
+        columns.append((nodes, sections.fields(points[nodes]) @ ends[numbers]))
     return columns
 
 

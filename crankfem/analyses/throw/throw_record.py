@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from crankbase.array_checks import FloatArray
 from crankbase.choices import check_choice
@@ -19,10 +19,13 @@ from fem.analysis import ThrowAnalysis, axial_correction
 from fem.end_reactions import Reactions
 from fem.material import Material
 from fem.modes import ThrowModes
+from fem.plots import Compliance
+from fem.sensitivities import Sensitivities
 from fem.solver import asymmetry
 from fem.superelement import superelement_of_end_forces
 from fem.supports import Compliances, Neighbors, Support, reactions
 from fem.symmetry import Sections
+from geometry.boundary_motion import ZERO
 from geometry.mass import Unbalance, unbalance
 from geometry.mesher import Throw
 from geometry.throw import CrankThrow
@@ -137,6 +140,7 @@ class ThrowResults(Result):
     reciprocity: Annotated[Reciprocity | None, Quantity(left_out=True)] = None
     law: Annotated[LawResults | None, Quantity(left_out=True)] = None
     free_modes: Annotated[tuple[FreeMode, ...] | None, Quantity(left_out=True)] = None
+    slopes: Annotated[tuple[Sensitivities, ...] | None, Quantity(left_out=True)] = None
     further_pin_forces: Annotated[
         tuple[tuple[float, float, float], ...] | None,
         Quantity("N", "on the other pins, in their order", left_out=True),
@@ -272,6 +276,39 @@ class ThrowResults(Result):
             (Column("mode"), lambda row: row[0]),
             (Column("frequency", "Hz", decimals=1), lambda row: row[1].frequency),
             (Column("motion of the end sections", words=True), lambda row: row[1].name),
+        )
+
+    def slope_table(self) -> Table:
+        """Return the changes in per cent for one per cent of each dimension, those of e_n falling."""
+        slopes = self.slopes or ()
+        heads = [
+            f"{SYMBOLS.get(slope.quantity, slope.quantity)} {slope.support}" for slope in slopes
+        ]
+        paths = sorted(slopes[0].shares, key=lambda path: -abs(slopes[0][path])) if slopes else []
+        return Table(
+            "Change in per cent for one per cent of a dimension",
+            [
+                Column("dimension", words=True),
+                *(Column(head.strip(), decimals=3) for head in heads),
+            ],
+            [[path.replace("_", " "), *(slope[path] for slope in slopes)] for path in paths],
+        )
+
+    def slope_words(self) -> str:
+        """State how well the slopes are known, and which dimensions have none."""
+        slope = (self.slopes or ())[0]
+        zero = [path for path, why in slope.left_out.items() if why == ZERO]
+        others = [f"{path}: {why}" for path, why in slope.left_out.items() if why != ZERO]
+        missing = [f"no slope where a dimension is zero ({', '.join(zero)})"] if zero else []
+        return (
+            "; ".join(
+                [
+                    f"Slopes of the mesh's answer, without its correction of {percent(slope.error)} %",
+                    *missing,
+                    *others,
+                ]
+            )
+            + "."
         )
 
     def time_table(self) -> Table:
@@ -505,6 +542,22 @@ def reciprocity(analysis: ThrowAnalysis) -> Reciprocity:
     return Reciprocity(
         asymmetry(by_forces.stiffness, analysis.mesh.length), float(max(differences))
     )
+
+
+SYMBOLS = {"axial_compliance": "e_n", "torsional_compliance": "e_t", "influence_coefficient": "c"}
+# Whose slopes a command prints, besides that of the mass.
+SLOPED: tuple[tuple[Compliance, Literal["pinned", "guided"]], ...] = (
+    ("axial_compliance", "pinned"),
+    ("axial_compliance", "guided"),
+    ("torsional_compliance", "pinned"),
+    ("influence_coefficient", "pinned"),
+)
+
+
+def throw_slopes(analysis: ThrowAnalysis) -> tuple[Sensitivities, ...]:
+    """Return how the main answers change with each dimension."""
+    chosen = [analysis.sensitivities(quantity, support) for quantity, support in SLOPED]
+    return (*chosen, analysis.sensitivities("mass"))
 
 
 def free_modes(modes: ThrowModes) -> tuple[FreeMode, ...]:

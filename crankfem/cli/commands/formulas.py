@@ -75,8 +75,8 @@ def formulas(
         raise InputError("formulas: give one of ENGINE.toml, --all and --published.")
     if throw is not None and len(files) != 1:
         raise InputError(
-            f"--throw: given {throw!r} with {len(files) or 'no'} ENGINE.toml; allowed is it with one, "
-            "because its throws have names."
+            f"--throw: given {throw!r} {'with several' if files else 'without'} ENGINE.toml; allowed is it "
+            "with one, because its throws have names."
         )
     if published:
         _refuse_beside_published(

@@ -69,6 +69,10 @@ def throw(
     modes: Annotated[
         int, typer.Option(help="Also compute this many natural modes of the free throw.")
     ] = 0,
+    slopes: Annotated[
+        bool,
+        typer.Option("--slopes", help="Also print how results change with each dimension."),
+    ] = False,
     profile: Annotated[
         bool, typer.Option("--profile", help="Print the time of each step.")
     ] = False,
@@ -105,6 +109,7 @@ def throw(
         free_modes,
         picture_reactions,
         throw_results,
+        throw_slopes,
     )
     from crankfem.cli.arguments import parse_gamma, parse_pin_force
     from crankfem.cli.tables.throw_tables import print_throw
@@ -112,6 +117,7 @@ def throw(
     from crankfem.jobs.outputs import check_outputs
     from fem.analysis import analyze_throw
     from fem.modes import MOST_MODES
+    from fem.sensitivities import check_sloped
     from fem.symmetry import degree_of, radial_directions
     from geometry.throw import CrankThrow
 
@@ -129,6 +135,8 @@ def throw(
     folder = check_outputs(None, pictures, input_path(engine), names=[PICTURE])
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
     degree_of(shared)  # before anything is printed
+    if slopes:
+        check_sloped(part, end_sections)
     law = law_results(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
         print_line(law.sentence(out.units))
@@ -155,6 +163,8 @@ def throw(
         free = free_modes(analysis.free_modes(modes))
         seconds = dict(results.seconds) | {"modes": time.perf_counter() - start}
         results = replace(results, free_modes=free, seconds=seconds)
+    if slopes:
+        results = replace(results, slopes=throw_slopes(analysis))
     made = None if folder is None else picture_reactions(results, folder)
     if out.json:
         pictures_made = {} if made is None else {"pictures": [str(made)]}
@@ -165,6 +175,9 @@ def throw(
         console.output.print(f"Picture: {made}", soft_wrap=True)
     if modes:
         print_table(results.mode_table(), out.units)
+    if slopes:
+        print_table(results.slope_table(), out.units)
+        print_line(results.slope_words())
     if profile:
         print_table(results.time_table())
 
@@ -280,7 +293,8 @@ def export(
         check_writable(file, "solid", content.path)
         crankshaft = load_crankshaft(content) if shaft else None
         write_step(crankshaft or throw, file, part)
-        record["remarks"] = [] if crankshaft is None else list(crankshaft.remarks)
+        if crankshaft is not None and crankshaft.remarks:
+            record["remarks"] = list(crankshaft.remarks)
     else:
         if file.suffix.lower() not in MESH_ENDINGS:
             raise InputError(
@@ -365,7 +379,8 @@ def draw(
         files.append(picture_shaft(crankshaft, shaft))
     remarks = () if crankshaft is None else crankshaft.remarks
     if out.json:
-        print_json({"files": [str(file) for file in files], "remarks": list(remarks)})
+        noted = {"remarks": list(remarks)} if remarks else {}
+        print_json({"files": [str(file) for file in files]} | noted)
         return
     for file in files:
         console.output.print(f"{file} written.", soft_wrap=True)
