@@ -325,59 +325,14 @@ class Mark(NamedTuple):
     color: str = RED
 
 
-@dataclass(frozen=True, eq=False)
-class Curves:
-    """A diagram of curves over one axis.
-
-    Attributes
-    ----------
-    x : (m,) array
-        In the unit of the axis, ascending.
-    series : tuple of Series
-        Later ones cover earlier ones.
-    x_label, y_label : str
-        With their units in brackets.
-    top : float or None
-        Upper end of the vertical axis, which begins at zero; from the curves if None.
-    signed : bool
-        Whether the vertical axis extends below zero, with a line at zero.
-    x_step : float or None
-        Distance between the ticks of the horizontal axis.
-    dots : tuple of Dots
-    bands : tuple of Band
-    marks : tuple of Mark
-        Of bands and marks of the same name the first is in the legend.
-    """
-
-    x: Array
-    series: tuple[Series, ...]
-    x_label: str
-    y_label: str
-    top: float | None = None
-    signed: bool = False
-    x_step: float | None = None
-    dots: tuple[Dots, ...] = ()
-    bands: tuple[Band, ...] = ()
-    marks: tuple[Mark, ...] = ()
-
-    @property
-    def x_range(self) -> tuple[float, float] | None:
-        """Ends of the horizontal axis; None for a single position."""
-        return (float(self.x[0]), float(self.x[-1])) if len(self.x) > 1 else None
-
-    @property
-    def units(self) -> tuple[str, str]:
-        """Units of both axes."""
-        return bracketed(self.x_label), bracketed(self.y_label)
-
-
 class Line(NamedTuple):
     """A line through points of its own, in the units of the axes; NaN leaves a gap.
 
     Attributes
     ----------
     hover : str
-        What a screen tells of a point, in plotly's template language.
+        What a screen tells of a point, in plotly's template language. "": name and both values, of a curve
+        over an ascending x, whose points that nobody would miss it leaves out.
     width, marker : float
         Of the line, and of a dot at each point [points].
     texts : sequence of n str
@@ -394,7 +349,7 @@ class Line(NamedTuple):
     y: ArrayLike
     name: str
     color: str
-    hover: str
+    hover: str = ""
     width: float = 1.4
     dash: Dash = "solid"
     marker: float = 0.0
@@ -424,11 +379,15 @@ class Shape(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """An axis: its label with the unit in brackets, its ends, and ticks by name if it has no numbers."""
+    """An axis: its label with the unit in brackets, its ends (None: as far as there are curves), ticks.
+
+    The ticks have names if the axis has no numbers, or a distance.
+    """
 
     label: str
-    ends: tuple[float, float] | None = None
+    ends: tuple[float, float | None] | None = None
     ticks: Mapping[float, str] | None = None
+    step: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -437,6 +396,8 @@ class Diagram:
 
     Attributes
     ----------
+    bands, marks : sequence of Band, of Mark
+        Of those of the same name the first is in the legend.
     level : bool
         Whether a line marks zero.
     equal : bool
@@ -453,11 +414,58 @@ class Diagram:
     dots: Sequence[Dots] = ()
     notes: Sequence[Note] = ()
     bands: Sequence[Band] = ()
+    marks: Sequence[Mark] = ()
     shapes: Sequence[Shape] = ()
     level: bool = False
     equal: bool = False
     diagonal: tuple[float, float] | None = None
     lines_named: bool = True
+
+
+def curve_diagram(
+    x: Array,
+    series: Iterable[Series],
+    x_label: str,
+    y_label: str,
+    *,
+    top: float | None = None,
+    signed: bool = False,
+    x_step: float | None = None,
+    **more: Any,
+) -> Diagram:
+    """Describe curves over one axis.
+
+    Orders come last, and behind them what is no main curve.
+
+    Parameters
+    ----------
+    x : (m,) array
+        In the unit of the axis, ascending.
+    x_label, y_label : str
+        With their units in brackets.
+    top : float, optional
+        Upper end of the vertical axis, which begins at zero; by default that of the curves.
+    signed : bool
+        Whether the vertical axis extends below zero, with a line at zero.
+    x_step : float, optional
+        Distance between the ticks of the horizontal axis.
+    **more
+        Dots, bands and marks, as of `Diagram`.
+    """
+    lines = []
+    for curve in sorted(series, key=lambda curve: (not curve.main, curve.role == "order")):
+        color, dash, width = curve.line_style
+        lines.append(
+            Line(x, curve.values, curve.name, color, width=width, dash=dash, main=curve.main)
+        )
+    ends = (float(x[0]), float(x[-1])) if len(x) > 1 else None
+    return Diagram(
+        Limits(x_label, ends, step=x_step),
+        Limits(y_label, None if signed else (0.0, top)),
+        lines,
+        level=signed,
+        **more,
+    )
 
 
 # Sizes of dots on paper [points]: of those without weights by symbol, and at weights 0 and 1.
@@ -469,8 +477,7 @@ TICK_ROOM = 90
 
 def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
     """Draw a diagram on axes; the legend is left to the caller."""
-    for low, high, color, _ in diagram.bands:
-        axes.axvspan(low, high, color=color, zorder=0)
+    draw_bands(axes, (*diagram.bands, *diagram.marks))
     for shape in diagram.shapes:
         _draw_shape(axes, shape)
     if diagram.level or diagram.equal:
@@ -511,6 +518,9 @@ def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
         )
     if diagram.x.ends is not None:
         axes.set_xlim(*diagram.x.ends)
+    if step := diagram.x.step:
+        first, last = axes.get_xlim()
+        axes.set_xticks(np.arange(np.ceil(first / step) * step, last + 1e-6, step))
     if diagram.y.ends is not None:
         axes.set_ylim(*diagram.y.ends)
 
@@ -583,42 +593,16 @@ def bracketed(label: str) -> str:
     return label.rpartition("[")[2].removesuffix("]")
 
 
-def draw_curves(axes: "Axes", curves: Curves) -> None:
-    """Draw a diagram on axes; the legend is left to the caller."""
-    draw_bands(axes, curves.bands)
-    for curve in curves.series:
-        if curve.main:
-            color, dash, width = curve.line_style
-            look: dict[str, Any] = {"color": color, "linewidth": width, "linestyle": ON_PAPER[dash]}
-            axes.plot(curves.x, curve.values, label=curve.name, **look)
-    for dots in curves.dots:
-        axes.plot(dots.x, dots.y, "o", color=dots.color, markersize=4.0, label=dots.name)
+def draw_bands(axes: "Axes", bands: Iterable[Band | Mark]) -> None:
+    """Shade ranges of the horizontal axis, and mark positions; of one name the first is in the legend."""
     named: set[str] = set()
-    for place, name, color in curves.marks:
-        label = None if name in named else name
-        axes.axvline(place, color=color, linewidth=0.8, linestyle=":", label=label)
-        named.add(name)
-    axes.set_xlabel(curves.x_label)
-    if curves.x_range is not None:
-        axes.set_xlim(*curves.x_range)
-    if curves.x_step is not None:
-        first = np.ceil(curves.x[0] / curves.x_step)
-        axes.set_xticks(np.arange(first * curves.x_step, curves.x[-1] + 1e-6, curves.x_step))
-    if curves.signed:
-        axes.axhline(0.0, color=GRAY, linewidth=0.8)
-    elif curves.top is None:
-        axes.set_ylim(bottom=0.0)
-    else:
-        axes.set_ylim(0.0, curves.top)
-    axes.set_ylabel(curves.y_label)
-
-
-def draw_bands(axes: "Axes", bands: Iterable[Band]) -> None:
-    """Shade ranges of the horizontal axis."""
-    named: set[str] = set()
-    for low, high, color, name in bands:
-        axes.axvspan(low, high, color=color, zorder=0, label=None if name in named else name)
-        named.add(name)
+    for band in bands:
+        label = None if band.name in named else band.name
+        named.add(band.name)
+        if isinstance(band, Band):
+            axes.axvspan(band.low, band.high, color=band.color, zorder=0, label=label)
+        else:
+            axes.axvline(band.place, color=band.color, linewidth=0.8, linestyle=":", label=label)
 
 
 FILLED = 0.8  # share of the distance of two groups that their bars take

@@ -29,6 +29,7 @@ UNITS: dict[str, tuple[str, float]] = {
     "kg": ("kg", 1.0),
     "kg m": ("kg m", 1.0),
     "kg m^2": ("kg m^2", 1.0),
+    "kg/m^2": ("kg/m^2", 1.0),
     "kg/m^3": ("kg/m^3", 1.0),
     "W": ("W", 1.0),
     "kW": ("W", 1e3),

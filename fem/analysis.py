@@ -7,6 +7,7 @@ twice the energy of the error. That energy is estimated element by element from 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
@@ -20,8 +21,8 @@ from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
 from fem.correction import (
     EnergyErrors,
+    StressRecovery,
     class_energies,
-    class_errors,
     corrected_class,
     effectivity,
     error_bars,
@@ -33,6 +34,7 @@ from fem.end_reactions import (
     supported_table,
     throw_grid,
 )
+from fem.first_mesh import MOST_UNKNOWNS, REFINED_DRILLED, first_factor, most_planned
 from fem.material import STEEL, Material
 from fem.modes import DynamicSuperelement, ThrowModes, dynamic_superelement, free_modes
 from fem.plots import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
@@ -40,10 +42,12 @@ from fem.solver import SharedSolver, Stopwatch, assemble_stiffness
 from fem.superelement import (
     CondensedClass,
     EndSections,
+    HeldEnds,
     Superelement,
     checked_superelement,
     combine_classes,
     condense,
+    hold_ends,
 )
 from fem.supports import (
     STRETCH,
@@ -86,6 +90,8 @@ from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from fem.sensitivities import DimensionChange, Sensitivities
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -553,6 +559,56 @@ class ThrowAnalysis(SolvedSuperelement):
         """
         return compliance_over_angle(self.superelement, check_compliance(quantity), gamma_deg)
 
+    @cached_property
+    def _slopes_alone(self) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
+        return self._slopes(joined=False)
+
+    @cached_property
+    def _slopes_joined(self) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
+        return self._slopes(joined=True)
+
+    def _slopes(self, *, joined: bool) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
+        from fem.sensitivities import dimension_changes
+
+        return dimension_changes(self.throw, self.mesh, self.material, self.classes, joined=joined)
+
+    def sensitivities(
+        self,
+        quantity: Compliance | Literal["mass"] = "axial_compliance",
+        support: Support = "pinned",
+    ) -> "Sensitivities":
+        """How a compliance, or the mass, changes with each dimension of the throw.
+
+        All follow from the solutions at hand, without another mesh (`fem.sensitivities`); the first call
+        takes most of the time, longer between neighbors.
+
+        Parameters
+        ----------
+        quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient", "mass"}
+            The influence coefficient is that of the first pin.
+        support
+            As for `axial_compliance`; without effect on the mass.
+
+        Raises
+        ------
+        InputError
+            If an argument is unknown, the throw is a CAD part, or its end sections are not rigid.
+        """
+        from fem.sensitivities import Sensitivities
+
+        joined = isinstance(support, Neighbors)
+        changes, left_out = self._slopes_joined if joined else self._slopes_alone
+        if quantity == "mass":
+            shares = {path: change.volume for path, change in changes.items()}
+            return Sensitivities("mass", "", shares, left_out, 0.0)
+        chosen = check_compliance(quantity)
+        shares = {
+            path: change.share(lambda throw: compliance(throw, chosen, support))
+            for path, change in changes.items()
+        }
+        error = axial_correction(self.superelement, self.discrete.superelement)
+        return Sensitivities(chosen, str(support), shares, left_out, error)
+
     def plot(
         self, axes: "Axes | None" = None, *, quantity: Compliance = "axial_compliance"
     ) -> "Axes":
@@ -728,13 +784,6 @@ def _limit_size_growth(points: Array, tetrahedra: NDArray[np.int64], sizes: Arra
     return sizes
 
 
-# Size factor of the first mesh.
-FIRST_FILLETED = 2.0
-FIRST_SHARP = 2.2
-# With oil holes it is planned for this times the squared inverse of the wished accuracy, as far as this
-# factor goes: holes are small and many elements stand round them, though they hardly change compliances.
-# So is the first refined mesh, which has some 1.4 times the unknowns that are planned.
-FIRST_DRILLED, COARSEST_DRILLED, REFINED_DRILLED = 36.0, 12.0, 33.0
 # Recovered stresses miss some of the error, most beside surfaces; the estimate is theirs times this
 # (tests/campaigns/corrected_answers.py).
 SAFETY = 1.35
@@ -750,7 +799,6 @@ AIM_AGAIN = 0.85
 MOST_REFINEMENTS = 5
 # The finest mesh has at most about so many times the unknowns of the first, divided by the accuracy.
 GROWTH_FILLETED, GROWTH_SHARP = 0.0095, 0.030
-MOST_UNKNOWNS = 450_000
 
 # Makes the mesh of a throw: size factor, part, and element sizes instead of the planned ones.
 Mesher = Callable[[Throw, float, str, SizeMap | None], ThrowMesh]
@@ -786,10 +834,16 @@ class RefinementLevel:
         Upper triangle.
     pins : tuple of NodalLoads
         Unit loads on each pin.
+    held : HeldEnds or None
+        None with averaged sections.
     axial_part : CondensedClass
         The class excited by an axial force, with rigid sections.
     solved_part : CondensedClass
         The same without correction, with all section motions.
+    recovery : StressRecovery
+        Of the mesh.
+    energies : array
+        Mutual energies of the estimated errors of the fields of `solved_part` [J].
     errors : EnergyErrors
         Of the solution under an axial force, ends pinned, from recovered stresses.
     effectivity : float
@@ -801,8 +855,11 @@ class RefinementLevel:
     mesh: ThrowMesh
     stiffness: sparse.csr_array
     pins: tuple[NodalLoads, ...]
+    held: HeldEnds | None
     axial_part: CondensedClass
     solved_part: CondensedClass
+    recovery: StressRecovery
+    energies: NDArray[np.float64]
     errors: EnergyErrors
     effectivity: float
     solver: SharedSolver
@@ -843,20 +900,21 @@ class RefinementLevel:
             known
             if one == known.symmetry
             else condense(
-                *solved_mesh, one, self.solver, problem.end_sections, problem.watch, problem.degree
+                *solved_mesh, one, self.solver, problem.end_sections, problem.watch, held=self.held
             )
             for one in symmetries
         ]
-        if not known.sections.bending:  # then its energies are known as well
-            parts = [one for one in parts if one is not known]
         with problem.watch.lap("error estimate"):
-            energies = class_energies(parts, self.mesh, problem.material)
-            corrected = {
-                part.symmetry: corrected_class(part, energy, self.effectivity)
-                for part, energy in zip(parts, energies, strict=True)
-            }
-        corrected.setdefault(known.symmetry, self.axial_part)
-        return tuple(corrected[one] for one in symmetries)
+            return tuple(
+                corrected_class(
+                    part,
+                    self.energies
+                    if part is known
+                    else class_energies(part, self.recovery, problem.material),
+                    self.effectivity,
+                )
+                for part in parts
+            )
 
 
 def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
@@ -870,25 +928,23 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
     with watch.lap("assembly"):
         stiffness = assemble_stiffness(mesh.points, mesh.elements, problem.material)
         pins = unit_pin_loads(mesh)
+        rigid = problem.end_sections == "rigid"
+        held = hold_ends(mesh, stiffness, problem.degree) if rigid else None
     solver = SharedSolver(problem.solver, watch)
-    solved = condense(
-        mesh,
-        stiffness,
-        pins,
-        axial_class(mesh.part),
-        solver,
-        problem.end_sections,
-        watch,
-        problem.degree,
-    )
+    axial = axial_class(mesh.part)
+    solved = condense(mesh, stiffness, pins, axial, solver, problem.end_sections, watch, held=held)
     part = solved.up_to(RIGID)
     with watch.lap("error estimate"):
-        stresses = class_errors(part, mesh, problem.material)
-        axial = np.append(axial_motion(part, "pinned"), np.zeros(len(part.pin_components)))
-        errors = stresses.energy_errors(axial)
+        recovery = StressRecovery(mesh.points, mesh.elements)
+        moved = part.fields @ axial_motion(part, "pinned")
+        errors = recovery.energy_errors(moved, problem.material)
         factor = effectivity(mesh, errors.relative)
-        part = corrected_class(part, stresses.products(), factor)
-    return RefinementLevel(mesh, stiffness, pins, part, solved, errors, factor, solver)
+        energies = class_energies(solved, recovery, problem.material)
+        unbent = np.r_[: len(part.stiffness), len(solved.stiffness) : len(energies)]
+        part = corrected_class(part, energies[np.ix_(unbent, unbent)], factor)
+    return RefinementLevel(
+        mesh, stiffness, pins, held, part, solved, recovery, energies, errors, factor, solver
+    )
 
 
 def predicted_unknowns(throw: Throw, accuracy: float) -> float:
@@ -899,24 +955,6 @@ def predicted_unknowns(throw: Throw, accuracy: float) -> float:
     first = expected_unknowns(throw, first_factor(throw, accuracy))
     growth = GROWTH_FILLETED if throw.filleted else GROWTH_SHARP
     return min(first * max(1.0, growth / accuracy), MOST_UNKNOWNS)
-
-
-def first_factor(throw: Throw, accuracy: float) -> float:
-    """Size factor of the first mesh for an accuracy of the axial compliance."""
-    factor = FIRST_FILLETED if throw.filleted else FIRST_SHARP
-    most = _most_planned(throw, accuracy, FIRST_DRILLED)
-    while factor < COARSEST_DRILLED and expected_unknowns(throw, factor) > most:
-        factor *= 1.1
-    while expected_unknowns(throw, factor) > MOST_UNKNOWNS:
-        factor *= 1.2
-    return factor
-
-
-def _most_planned(throw: Throw, accuracy: float, planned: float) -> float:
-    """Most unknowns that the first mesh, or the first refined one, is planned for."""
-    if isinstance(throw, CrankThrow) and throw.oil_holes:
-        return min(planned / accuracy**2, MOST_UNKNOWNS)
-    return MOST_UNKNOWNS
 
 
 def solve_to_accuracy(
@@ -950,7 +988,7 @@ def solve_to_accuracy(
     level = solve_level(_mesh(throw, first, None, problem, mesher), problem)
     aim = AIM_FILLETED if throw.filleted else AIM_SHARP
     target = aim * MOST_CORRECTED * accuracy / level.effectivity
-    most = _most_planned(throw, accuracy, REFINED_DRILLED)
+    most = most_planned(throw, accuracy, REFINED_DRILLED)
     for _ in range(MOST_REFINEMENTS):
         if level.meets(accuracy):
             break

@@ -24,12 +24,11 @@ recovered stress and that of the elements measures their error; the recovered st
 used for fillets.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import sparse
 
 from fem.material import Material
 from fem.solver import physical_gradients
@@ -50,8 +49,8 @@ ENERGY_ORDER = 4
 # Terms of the fitted polynomial are held back by this share of the samples' weight where a patch has
 # too few of them to tell; the constant is free.
 HELD_BACK = np.array([0.0, *[1e-9] * 3, *[1e-5] * 6])
-# Elements taken at once: at most so many, and fewer the more solutions there are, to bound the memory.
-CHUNK, CHUNK_OF_ALL = 8192, 30_000
+# Elements taken at once, divided by the number of solutions: so many that their stresses stay in the cache.
+IN_CACHE = 1500
 # Which corners each edge node lies between.
 _ENDS = np.array([[1.0 if corner in edge else 0.0 for corner in range(4)] for edge in EDGES])
 
@@ -77,116 +76,22 @@ def stresses_at(
     (m, q, 6) array
         xx, yy, zz, xy, yz, zx [Pa].
     """
-    weights = np.ones(len(gradients))
-    stresses, _ = _stresses(
-        points, elements, displacement[:, :, None], material, gradients, weights
-    )
-    return stresses[..., 0]
+    spatial, _ = physical_gradients(points[elements], gradients, np.ones(len(gradients)))
+    return _stresses(
+        spatial, displacement[elements, :, None], material.lame_constant, material.shear_modulus
+    )[..., 0]
 
 
-def _stresses(
-    points: Array,
-    elements: Integers,
-    displacements: Array,
-    material: Material,
-    gradients: Array,
-    weights: Array,
-) -> tuple[Array, Array]:
-    """Stresses (m, q, 6, k) of k solutions (n, 3, k), and the volumes (m, q) of the places' weights."""
-    lame, shear = material.lame_constant, material.shear_modulus
-    count = displacements.shape[2]
-    stresses = np.empty((len(elements), len(gradients), 6, count))
-    volumes = np.empty((len(elements), len(gradients)))
-    for batch in _batches(len(elements), count):
-        nodes = elements[batch]
-        spatial, volumes[batch] = physical_gradients(points[nodes], gradients, weights)
-        of_nodes = displacements[nodes].reshape(len(nodes), 1, 10, 3 * count)
-        # slopes[m, q, j, i] = d u_i / d x_j
-        slopes = (spatial.transpose(0, 1, 3, 2) @ of_nodes).reshape(*spatial.shape[:2], 3, 3, count)
-        stresses[batch] = shear * (slopes[:, :, ROWS, COLUMNS] + slopes[:, :, COLUMNS, ROWS])
-        stresses[batch, :, :3] += lame * np.trace(slopes, axis1=2, axis2=3)[:, :, None]
-    return stresses, volumes
-
-
-def recovered_stress(
-    points: Array, elements: Integers, displacement: Array, material: Material
-) -> Array:
-    """Stress at the nodes, recovered from the adjacent elements.
-
-    Parameters
-    ----------
-    points, elements, displacement, material
-        As for `stresses_at`.
-
-    Returns
-    -------
-    (n, 6) array
-        xx, yy, zz, xy, yz, zx [Pa].
-    """
-    _, gradients, _ = shapes_for_quadrature(SAMPLING_ORDER)
-    samples = stresses_at(points, elements, displacement, material, gradients)
-    return _recovered(points, elements, samples)
-
-
-def _recovered(points: Array, elements: Integers, stress: Array) -> Array:
-    """Stress (n, c) at the nodes from that at the sampling points (m, 4, c)."""
-    components = stress.shape[-1]
-    values, _, _ = shapes_for_quadrature(SAMPLING_ORDER)
-    places = values @ points[elements]
-    corners = elements[:, :4]
-    vertices, number = np.unique(corners, return_inverse=True)
-    number = number.reshape(corners.shape)
-    sizes = _patch_sizes(points, corners, number, len(vertices))
-    matrices = np.zeros((len(vertices), 100))
-    sides = np.zeros((len(vertices), 10 * components))
-    for batch in _batches(len(elements), components // 6):
-        count = len(corners[batch])
-        owner = number[batch].ravel()
-        local = places[batch, None] - points[corners[batch]][:, :, None]
-        terms = _terms(local.reshape(4 * count, 4, 3) / sizes[owner, None, None])
-        own, place = np.unique(owner, return_inverse=True)
-        gather = sparse.csr_array(
-            (np.ones(len(owner)), (place, np.arange(len(owner)))), (len(own), len(owner))
-        )
-        matrices[own] += np.asarray(gather @ (terms.transpose(0, 2, 1) @ terms).reshape(-1, 100))
-        samples = np.repeat(stress[batch], 4, axis=0)
-        products = (terms.transpose(0, 2, 1) @ samples).reshape(-1, 10 * components)
-        sides[own] += np.asarray(gather @ products)
-    systems = matrices.reshape(-1, 10, 10)
-    weight = systems[:, 0, 0]
-    systems[:, np.arange(10), np.arange(10)] += weight[:, None] * HELD_BACK
-    coefficients = np.linalg.solve(systems, sides.reshape(-1, 10, components))
-
-    recovered = np.zeros((len(points), components))
-    recovered[vertices] = coefficients[:, 0]
-    ends = number[:, np.array(EDGES)].reshape(-1, 2)
-    middles, first = np.unique(elements[:, 4:], return_index=True)
-    for batch in _batches(len(middles), components // 6):
-        for owner in ends[first[batch]].T:
-            local = (points[middles[batch]] - points[vertices[owner]]) / sizes[owner, None]
-            own = np.einsum("np,npc->nc", _terms(local), coefficients[owner])
-            recovered[middles[batch]] += 0.5 * own
-    return recovered
-
-
-def _patch_sizes(points: Array, corners: Integers, number: Integers, count: int) -> Array:
-    """Mean distance (v,) of the patches' other corners from their own [m]."""
-    total, weight = np.zeros(count), np.zeros(count)
-    for corner in range(4):
-        for other in range(4):
-            if corner != other:
-                length = np.linalg.norm(
-                    points[corners[:, corner]] - points[corners[:, other]], axis=1
-                )
-                total += np.bincount(number[:, corner], length, count)
-                weight += np.bincount(number[:, corner], minlength=count)
-    return np.asarray(total / weight)
-
-
-def _terms(local: Array) -> Array:
-    """Terms (..., 10) of a quadratic polynomial at places (..., 3)."""
-    x, y, z = np.moveaxis(local, -1, 0)
-    return np.stack([np.ones_like(x), x, y, z, x * x, y * y, z * z, x * y, y * z, z * x], axis=-1)
+def _stresses(spatial: Array, displacements: Array, lame: float, shear: float | Array) -> Array:
+    """Stresses (m, q, 6, k) by gradients (m, q, 10, 3) and displacements (m, 10, 3, k) of nodes."""
+    shape = (*spatial.shape[:2], 3, 3, displacements.shape[-1])
+    rows = spatial.transpose(0, 1, 3, 2).reshape(shape[0], 3 * shape[1], 10)
+    # slopes[m, q, j, i] = d u_i / d x_j
+    slopes = (rows @ displacements.reshape(shape[0], 10, 3 * shape[4])).reshape(shape)
+    stresses = slopes[:, :, ROWS, COLUMNS] + slopes[:, :, COLUMNS, ROWS]
+    stresses *= shear
+    stresses[:, :, :3] += lame * np.trace(slopes, axis1=2, axis2=3)[:, :, None]
+    return np.asarray(stresses)
 
 
 @dataclass(frozen=True)
@@ -210,110 +115,135 @@ class EnergyErrors:
         return float(self.elements.sum() / self.energy)
 
 
-@dataclass(frozen=True)
-class StressErrors:
-    """Stresses of k solutions on one mesh, and the recovered ones.
+class StressRecovery:
+    """Recovers stresses on one mesh, and finds the energies of their difference from those of the elements.
 
-    Attributes
+    Parameters
     ----------
+    points : (n, 3) array
+        Node coordinates [m].
     elements : (m, 10) array
         Node numbers.
-    volumes : (m, 4) array
-        Volumes of the sampling points [m^3].
-    samples : (m, 4, 6, k) array
-        Stresses of the elements at the sampling points [Pa].
-    recovered : (n, 6, k) array
-        Recovered stresses at the nodes [Pa].
     """
 
-    elements: Integers
-    material: Material
-    volumes: Array
-    samples: Array
-    recovered: Array
+    def __init__(self, points: Array, elements: Integers) -> None:
+        values, gradients, weights = shapes_for_quadrature(SAMPLING_ORDER)
+        self._elements, self._count = elements, len(points)
+        self._spatial, self._volumes = physical_gradients(points[elements], gradients, weights)
+        vertices, number = np.unique(elements[:, :4], return_inverse=True)
+        # The elements round each vertex, one vertex after the other.
+        self._round, owner, starts = _grouped(number.ravel(), len(vertices))
+        self._round //= 4
+        self._limits = np.append(starts, len(owner)).tolist()
+        own = points[vertices[owner], None]
+        distances = np.linalg.norm(points[elements[self._round, :4]] - own, axis=2).sum(axis=1)
+        sizes = np.add.reduceat(distances, starts) / (3 * np.bincount(owner))
+        local = (values @ points[elements])[self._round] - own
+        self._terms = _terms(local / sizes[owner, None, None])
+        systems = np.add.reduceat(self._terms.transpose(0, 2, 1) @ self._terms, starts)
+        systems[:, np.arange(10), np.arange(10)] += systems[:, :1, 0] * HELD_BACK
+        # Each patch gives the stress at its vertex, and half of that in the middles of the edges there.
+        middles, first = np.unique(elements[:, 4:], return_index=True)
+        ends = number.reshape(-1, 4)[:, np.array(EDGES)].reshape(-1, 2)[first]
+        order, owner, starts = _grouped(
+            np.concatenate([np.arange(len(vertices)), *ends.T]), len(vertices)
+        )
+        self._nodes = np.concatenate([vertices, middles, middles])[order]
+        self._at = np.append(starts, len(owner)).tolist()
+        local = (points[self._nodes] - points[vertices[owner]]) / sizes[owner, None]
+        shares = np.where(order < len(vertices), 1.0, 0.5)[:, None] * _terms(local)
+        self._fit = (shares[:, None] @ np.linalg.inv(systems)[owner])[:, 0]
 
-    def energy_errors(self, amplitudes: Array) -> EnergyErrors:
-        """Estimate the energy of the error of a sum of the solutions times amplitudes (k,)."""
-        samples, recovered = self.samples @ amplitudes, self.recovered @ amplitudes
-        densities = np.empty(len(self.elements))
-        for batch, difference, shares in _differences(self.elements, samples, recovered):
-            densities[batch] = strain_energy(difference, self.material) @ shares
-        energy = float(np.sum(self.volumes * strain_energy(samples, self.material)))
-        return EnergyErrors(self.volumes.sum(axis=1) * densities, energy)
+    def stresses(self, displacements: Array, material: Material) -> Array:
+        """Recovered stresses (n, 6, k) at the nodes, of displacements (n, 3, k) [m, Pa]."""
+        moduli = material.lame_constant, material.shear_modulus
+        return self._recovered(self._samples(displacements, *moduli))
 
-    def products(self) -> Array:
-        """Mutual energies (k, k) of the estimated errors of the solutions in the meshed part [J].
+    def energy_errors(self, displacement: Array, material: Material) -> EnergyErrors:
+        """Estimate the energy of the error of a solution (n, 3) [m]."""
+        samples = self._samples(displacement[:, :, None], *_roots(material))
+        densities = [np.square(rows).sum(axis=(1, 2)) for _, rows in self._differences(samples)]
+        energy = float(np.sum(self._volumes * np.square(samples).sum(axis=(2, 3))))
+        return EnergyErrors(self._volumes.sum(axis=1) * np.concatenate(densities), energy)
+
+    def products(self, displacements: Array, material: Material) -> Array:
+        """Mutual energies (k, k) of the estimated errors of solutions (n, 3, k) in the meshed part [J].
 
         The work of the forces of one solution on the displacement of another is their mutual energy;
         the part lost by discretization is the mutual energy of the two errors.
         """
-        modulus, ratio = self.material.youngs_modulus, self.material.poisson_ratio
-        strains = np.diag(np.repeat([1.0, 2.0], 3)) * (1.0 + ratio)
-        strains[:3, :3] -= ratio
-        half = np.linalg.cholesky(strains / modulus).T
-        volumes = self.volumes.sum(axis=1)
-        count = self.samples.shape[-1]
+        count = displacements.shape[2]
         total = np.zeros((count, count))
-        for batch, difference, shares in _differences(self.elements, self.samples, self.recovered):
-            # The rule's weights are not all positive.
-            weights = np.repeat((volumes[batch, None] * shares).ravel(), 6)
-            rows = (half @ difference).reshape(-1, count)
-            total += rows.T @ (weights[:, None] * rows)
+        samples = self._samples(displacements, *_roots(material))
+        for batch, rows in self._differences(samples):
+            # Element by element: of larger products numpy's library makes threads, which wait for each other.
+            total += np.tensordot(
+                self._volumes[batch].sum(axis=1), rows.transpose(0, 2, 1) @ rows, 1
+            )
         return total
 
+    def _samples(self, displacements: Array, lame: float, shear: float | Array) -> Array:
+        """Stresses (m, 4, 6, k) of the elements at the sampling points."""
+        count = displacements.shape[2]
+        samples = np.empty((len(self._elements), 4, 6, count))
+        for batch in self._batches(count):
+            nodes = displacements[self._elements[batch]]
+            samples[batch] = _stresses(self._spatial[batch], nodes, lame, shear)
+        return samples
 
-def stress_errors(
-    points: Array, elements: Integers, displacements: Array, material: Material
-) -> StressErrors:
-    """Recover the stresses of several solutions, for the energies of their errors.
+    def _recovered(self, samples: Array) -> Array:
+        """Stresses (n, 6, k) at the nodes by those at the sampling points."""
+        count = samples.shape[3]
+        recovered = np.zeros((self._count, 6 * count))
+        for start, stop, at, to in zip(
+            self._limits, self._limits[1:], self._at, self._at[1:], strict=False
+        ):
+            patch = samples[self._round[start:stop]].reshape(-1, 6 * count)
+            sides = self._terms[start:stop].reshape(-1, 10).T @ patch
+            recovered[self._nodes[at:to]] += self._fit[at:to] @ sides
+        return recovered.reshape(-1, 6, count)
 
-    Parameters
-    ----------
-    points, elements, material
-        As for `stresses_at`.
-    displacements : (n, 3, k) array
-        [m]
-    """
-    _, gradients, weights = shapes_for_quadrature(SAMPLING_ORDER)
-    count = displacements.shape[2]
-    samples, volumes = _stresses(points, elements, displacements, material, gradients, weights)
-    recovered = _recovered(points, elements, samples.reshape(len(elements), len(weights), -1))
-    return StressErrors(
-        elements, material, volumes, samples, recovered.reshape(len(points), 6, count)
-    )
+    def _differences(self, samples: Array) -> Iterator[tuple[slice, Array]]:
+        """Recovered stresses less those of the elements, by samples (m, 4, 6, k), in batches of elements.
 
+        Given as rows (b, 60, k) whose sum of squares is the mean square over each element. Stress is linear
+        inside a straight element; the recovered one is a quadratic between the nodes.
+        """
+        values, _, weights = shapes_for_quadrature(ENERGY_ORDER)
+        masses = (values.T * weights / weights.sum()) @ values
+        linear = _linear_through_samples(np.vstack([np.eye(4), 0.5 * _ENDS]))
+        combine = np.linalg.cholesky(masses).T @ np.hstack([np.eye(10), -linear])
+        recovered = self._recovered(samples)
+        count = samples.shape[3]
+        for batch in self._batches(count):
+            nodes = recovered[self._elements[batch]]
+            both = np.concatenate([nodes, samples[batch]], axis=1)
+            yield batch, (combine @ both.reshape(len(both), 14, -1)).reshape(len(both), -1, count)
 
-def energy_errors(
-    points: Array, elements: Integers, displacement: Array, material: Material
-) -> EnergyErrors:
-    """Estimate the energy of the error of one solution; parameters as for `stresses_at`."""
-    errors = stress_errors(points, elements, displacement[:, :, None], material)
-    return errors.energy_errors(np.ones(1))
-
-
-def _differences(
-    elements: Integers, samples: Array, recovered: Array
-) -> Iterator[tuple[slice, Array, Array]]:
-    """Recovered stress less that of the elements (b, q, ...), and the volume shares (q,) of the places.
-
-    For samples (m, 4, ...) and recovered stresses (n, ...), in batches of elements.
-    """
-    # Stress is linear inside a straight element; the recovered one is a quadratic between the nodes.
-    fine, _, fine_weights = shapes_for_quadrature(ENERGY_ORDER)
-    linear = _linear_through_samples(fine[:, :4] + 0.5 * fine[:, 4:] @ _ENDS)
-    weights = np.hstack([fine, -linear])
-    shares = fine_weights / fine_weights.sum()
-    for batch in _batches(len(elements), int(np.prod(samples.shape[3:]))):
-        both = np.concatenate([recovered[elements[batch]], samples[batch]], axis=1)
-        flat = weights @ both.reshape(*both.shape[:2], -1)
-        yield batch, flat.reshape(*flat.shape[:2], *both.shape[2:]), shares
+    def _batches(self, solutions: int) -> Iterator[slice]:
+        size = max(16, IN_CACHE // solutions)
+        for start in range(0, len(self._elements), size):
+            yield slice(start, start + size)
 
 
-def _batches(elements: int, solutions: int) -> Iterator[slice]:
-    """Slices of so many elements, of a size for so many solutions."""
-    size = max(256, min(CHUNK, CHUNK_OF_ALL // max(solutions, 1)))
-    for start in range(0, elements, size):
-        yield slice(start, start + size)
+def _grouped(owner: Integers, count: int) -> tuple[Integers, Integers, Integers]:
+    """Order (k,) by owners, each of `count`; the owners in that order; where each one's part starts."""
+    order = np.argsort(owner, kind="stable")
+    ordered = owner[order]
+    return order, ordered, np.searchsorted(ordered, np.arange(count))
+
+
+def _roots(material: Material) -> tuple[float, Array]:
+    """Lame's constant and shear modulus of "stresses" whose squares add up to twice the energy."""
+    root = np.sqrt(material.shear_modulus)
+    lame = np.sqrt(3.0 * material.lame_constant + 2.0 * root**2) - np.sqrt(2.0) * root
+    return float(lame / 3.0), root * np.repeat([np.sqrt(0.5), 1.0], 3)[:, None]
+
+
+def _terms(local: Array) -> Array:
+    """Terms (..., 10) of a quadratic polynomial at places (..., 3)."""
+    x, y, z = np.moveaxis(local, -1, 0)
+    return np.stack([np.ones_like(x), x, y, z, x * x, y * y, z * z, x * y, y * z, z * x], axis=-1)
 
 
 def _linear_through_samples(corners: Array) -> Array:
@@ -324,14 +254,6 @@ def _linear_through_samples(corners: Array) -> Array:
     values, _, _ = shapes_for_quadrature(SAMPLING_ORDER)
     sampled = values[:, :4] + 0.5 * values[:, 4:] @ _ENDS
     return np.asarray(corners @ np.linalg.inv(sampled))
-
-
-def strain_energy(stress: Array, material: Material) -> Array:
-    """Twice the strain energy density (...) of stresses (..., 6) [J/m^3]."""
-    modulus, ratio = material.youngs_modulus, material.poisson_ratio
-    trace = stress[..., :3].sum(axis=-1)
-    squares = (stress[..., :3] ** 2).sum(axis=-1) + 2.0 * (stress[..., 3:] ** 2).sum(axis=-1)
-    return np.asarray(((1.0 + ratio) * squares - ratio * trace**2) / modulus)
 
 
 # True energy of the error divided by the estimated one: of throws with fillets or (False) without, on fine
@@ -349,17 +271,9 @@ COARSE, COARSE_UNCERTAINTY = 0.03, 0.3
 LARGEST_SHARE = 0.5
 
 
-def class_errors(part: CondensedClass, mesh: ThrowMesh, material: Material) -> StressErrors:
-    """Recover the stresses of a class's fields: of k unit motions, then of a loads on the pins."""
-    fields = np.concatenate([part.fields, part.pin_fields], axis=2)
-    return stress_errors(mesh.points, mesh.elements, fields, material)
-
-
-def class_energies(
-    parts: Sequence[CondensedClass], mesh: ThrowMesh, material: Material
-) -> list[Array]:
-    """Mutual energies (k + a, k + a) of the estimated errors of each class's fields [J]."""
-    return [class_errors(part, mesh, material).products() for part in parts]
+def class_energies(part: CondensedClass, recovery: StressRecovery, material: Material) -> Array:
+    """Mutual energies (k + a, k + a) of the errors of a class: of k unit motions, then of a pin loads [J]."""
+    return recovery.products(np.concatenate([part.fields, part.pin_fields], axis=2), material)
 
 
 def effectivity(mesh: ThrowMesh, share: float) -> float:

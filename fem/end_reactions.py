@@ -1,13 +1,19 @@
 """What holds a throw's ends, and tables of it: stiffness, compliances, loads and motions by name."""
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.choices import check_choice
+from crankbase.diagrams import draw_groups, new_axes, write_title
 from crankbase.frames import grid, table
 from crankbase.results import Quantity, Result, result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 Array = NDArray[np.float64]
 
@@ -93,6 +99,10 @@ def _by_place(rows: Mapping[str, Array], names: tuple[str, ...], units: tuple[st
 LARGEST_LOAD = 1e30
 
 
+# [m, 1] Moments and forces below this share of the largest force are round-off, and drawn as zero.
+ROUND_OFF = 1e-6
+
+
 @result("force", "moment", eq=True)
 class EndReaction(Result):
     """Force and moment on one end section, each (3,), in the throw frame."""
@@ -113,6 +123,39 @@ class Reactions(Result):
 
     left: EndReaction
     right: EndReaction
+
+    def __add__(self, other: "Reactions") -> "Reactions":
+        """Return the reactions to two loads at once."""
+        return Reactions(
+            EndReaction(self.left.force + other.left.force, self.left.moment + other.left.moment),
+            EndReaction(
+                self.right.force + other.right.force, self.right.moment + other.right.moment
+            ),
+        )
+
+    def plot(
+        self, axes: "Axes | None" = None, *, show: Literal["force", "moment"] = "force"
+    ) -> "Axes":
+        """Draw the components of force [kN] or moment [kN m] at both ends.
+
+        Raises
+        ------
+        InputError
+            If `show` is neither.
+        """
+        units = {"force": "kN", "moment": "kN m"}
+        check_choice("show", show, units, "these hold the ends")
+        axes = new_axes(axes)
+        ends = {"left": self.left, "right": self.right}
+        vectors = {name: getattr(end, show) for name, end in ends.items()}
+        noise = ROUND_OFF * max(float(np.abs(end.force).max()) for end in ends.values())
+        sizes = {
+            name: np.where(np.abs(vector) > noise, vector, 0.0) / 1e3
+            for name, vector in vectors.items()
+        }
+        draw_groups(axes, ("x", "y", "z"), sizes, f"{show} [{units[show]}]")
+        write_title(axes, f"Reactions: {show}s on the ends")
+        return axes
 
     def to_pandas(self) -> Any:
         """Return a table of forces and moments Fx to Mz at the left and the right end.

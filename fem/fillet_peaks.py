@@ -34,7 +34,7 @@ from crankbase.diagrams import draw_groups, new_axes, write_title
 from crankbase.frames import grid, table
 from crankbase.results import Number, Part, Quantity, Result, result
 from crankbase.summaries import summarized
-from fem.correction import recovered_stress, stresses_at
+from fem.correction import StressRecovery, stresses_at
 from fem.material import Material
 from fem.solver import SharedSolver, assemble_stiffness
 from fem.superelement import RX, RY, CondensedClass, EndSections, condense, nodes_on
@@ -506,13 +506,12 @@ class LoadedThrow:
         """Stresses (n, k, 6) at the nodes of each image, recovered from the elements [Pa]."""
         mesh = self.mesh
         totals = [np.zeros((len(mesh.points), len(self.loads), 6)) for _ in images]
+        recovery = StressRecovery(mesh.points, mesh.elements)
         for symmetry, field in self.shares:
-            for load in np.flatnonzero(np.any(field, axis=(0, 1))):
-                stress = recovered_stress(
-                    mesh.points, mesh.elements, field[:, :, load], self.material
-                )
-                for image, total in zip(images, totals, strict=True):
-                    total[:, load] += symmetry.parity(image) * stress
+            loads = np.flatnonzero(np.any(field, axis=(0, 1)))
+            stresses = recovery.stresses(field[:, :, loads], self.material)
+            for image, total in zip(images, totals, strict=True):
+                total[:, loads] += symmetry.parity(image) * stresses.transpose(0, 2, 1)
         return [
             as_components(np.outer(image.signs, image.signs) * as_matrices(total))
             for image, total in zip(images, totals, strict=True)

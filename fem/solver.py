@@ -288,7 +288,7 @@ def assemble_stiffness(
         (sums.reshape(-1, 3, 3), columns.astype(np.int32), limits.astype(np.int32)),
         shape=(3 * count, 3 * count),
     ).tocsr()
-    return _upper(whole)
+    return upper_triangle(whole)
 
 
 def assemble_mass(
@@ -322,7 +322,7 @@ def assemble_mass(
     return sparse.csr_array(sparse.kron(nodal, sparse.eye_array(3), format="csr"))
 
 
-def _upper(matrix: sparse.csr_array) -> sparse.csr_array:
+def upper_triangle(matrix: sparse.csr_array) -> sparse.csr_array:
     """Remove the part below the diagonal in the diagonal blocks."""
     lengths = np.diff(matrix.indptr)
     kept = matrix.indices >= np.repeat(np.arange(matrix.shape[0]), lengths)
@@ -446,8 +446,8 @@ SOLVERS = ("pardiso", "superlu")
 # Smaller systems are solved by one thread: a second one takes more processor time (a tenth in
 # factorizing, four fifths in solving) than it saves.
 FOR_ONE_THREAD = 100_000
-# Of so many unknowns on single precision saves more than refining takes.
-SINGLE_FROM = 30_000
+# Of so many unknowns on single precision saves more than refining takes, with the sides of a whole throw.
+SINGLE_FROM = 100_000
 # Phases of Pardiso.
 ANALYSIS, FACTORIZATION, SOLUTION = 11, 22, 33
 # Where pip and conda put MKL. Left alone, pypardiso reads all folders of an environment, twice.
@@ -491,14 +491,18 @@ class Factorization:
         SolveError
             If the residual is not near round-off.
         """
+        return self.solve_with_residual(right_sides)[0]
+
+    def solve_with_residual(self, right_sides: Array) -> tuple[Array, Array]:
+        """Return x as `solve` does, and b - A x."""
         solution = self.apply(right_sides)
-        _, shares = residual_shares(self.upper, self.size, solution, right_sides)
+        residual, shares = residual_shares(self.upper, self.size, solution, right_sides)
         if not np.all(shares <= LARGEST_RESIDUAL):
             raise SolveError(
                 f"{self.solver} left a relative residual of {np.max(shares):.1e} (allowed "
                 f"{LARGEST_RESIDUAL:.0e}): the structure may be insufficiently supported."
             )
-        return solution
+        return solution, residual
 
 
 class SharedSolver:

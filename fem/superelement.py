@@ -9,6 +9,7 @@ motions those of bending sections can be included (`fem.symmetry`) with one fact
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -30,6 +31,7 @@ from fem.solver import (
     symmetric_product,
 )
 from fem.symmetry import (
+    KEPT,
     RADIAL,
     RIGID,
     NodalLoads,
@@ -147,10 +149,53 @@ class CondensedClass:
         )
 
 
+@lru_cache(maxsize=KEPT)
 def end_amplitudes(symmetry: SymmetryClass, sections: SectionMotions) -> Array:
     """Motions (2 n, k) of both end sections for unit amplitudes of a class; see `CondensedClass.ends`."""
     beyond = symmetry.unit_motions(sections.mirror_x[6:], sections.mirror_z[6:])
     return np.asarray(block_diag(symmetry.ends, beyond))
+
+
+@dataclass(frozen=True, eq=False)
+class HeldEnds:
+    """Stiffness of a throw's meshed part with its end sections held: the same for all symmetry classes.
+
+    Attributes
+    ----------
+    free, ends : (f,) and (h,) arrays
+        Displacements, of 3 n, that are not and that are those of the end sections.
+    inner : (f, f) sparse array
+        Upper triangle of the stiffness of the free ones.
+    coupling : (f, h) sparse array
+        Forces along the free ones under those of the end sections.
+    own : (h, h) sparse array
+        Forces along those of the end sections under themselves.
+    sections : SectionMotions
+        Allowed motion of the end sections.
+    """
+
+    free: NDArray[np.int64]
+    ends: NDArray[np.int64]
+    inner: sparse.csr_array
+    coupling: sparse.csr_array
+    own: sparse.csr_array
+    sections: SectionMotions
+
+
+def hold_ends(mesh: ThrowMesh, stiffness: sparse.csr_array, degree: int) -> HeldEnds:
+    """Hold the end sections; parameters as of `condense`."""
+    ends = _end_unknowns(mesh, axial_class(mesh.part))
+    free = np.delete(np.arange(mesh.points.size), ends)
+    of_free, of_ends = stiffness[free], stiffness[ends]
+    own = of_ends[:, ends]
+    return HeldEnds(
+        free,
+        ends,
+        of_free[:, free].tocsr(),
+        (of_free[:, ends] + of_ends[:, free].T).tocsr(),
+        (own + own.T - sparse.diags_array(own.diagonal())).tocsr(),
+        measured_sections(mesh, degree),
+    )
 
 
 def condense(
@@ -162,6 +207,7 @@ def condense(
     end_sections: EndSections = "rigid",
     watch: Stopwatch | None = None,
     degree: int = 0,
+    held: HeldEnds | None = None,
 ) -> CondensedClass:
     """Condense one symmetry class of a throw's meshed part.
 
@@ -183,6 +229,8 @@ def condense(
         Measures the time.
     degree : int
         Of the polynomials that end sections also move as; 0 for none, always so of averaged sections.
+    held : HeldEnds, optional
+        From `hold_ends`, which several classes share; unused with averaged sections.
 
     Raises
     ------
@@ -200,28 +248,29 @@ def condense(
     shared = solver if isinstance(solver, SharedSolver) else SharedSolver(solver, watch)
     # The meshed part carries its share of a load on the whole pin.
     shares = pin_loads / symmetry.copies
+    ends = _end_unknowns(mesh, symmetry)
     if end_sections == "rigid":
-        sections = measured_sections(mesh, degree)
-        prescribed = unit_end_motions(mesh, symmetry, sections)
-        solved = _with_given_ends(mesh, stiffness, shares, symmetry, prescribed, shared, watch)
+        held = held or hold_ends(mesh, stiffness, degree)
+        sections = held.sections
+        solved, forces = _with_given_ends(mesh, held, shares, symmetry, shared, watch)
     else:
         sections = RIGID
-        solved = _with_averaged_ends(mesh, stiffness, shares, symmetry, shared, watch)
-    fields, pin_fields = solved
+        solved = np.hstack(_with_averaged_ends(mesh, stiffness, shares, symmetry, shared, watch))
+        forces = symmetric_product(stiffness, solved)
+        forces[:, -len(components) :] -= shares
     if shared is not solver:
         shared.close()
-    count = fields.shape[1]
-    forces = symmetric_product(stiffness, fields)
-    energy = fields.T @ forces
+    count = solved.shape[1] - len(components)
+    fields, pin_fields = solved[:, :count], solved[:, count:]
+    energy = fields.T @ forces[:, :count]
     works, reactions = np.zeros((2, len(pins), count, 6))
-    ends = _end_unknowns(mesh, symmetry)
     # The solutions hold the meshed part; forces on the whole throw are so many times theirs.
-    held = symmetry.copies * (symmetric_product(stiffness, pin_fields) - shares)[ends]
+    holding = symmetry.copies * forces[ends, count:]
     for column, (pin, component) in enumerate(components):
         works[pin, :, component] = pin_loads[:, column] @ fields
-        reactions[pin, :, component] = -fields[ends].T @ held[:, column]
+        reactions[pin, :, component] = -fields[ends].T @ holding[:, column]
     flexibility = pin_loads.T @ pin_fields
-    symmetric, end_forces = 0.5 * (energy + energy.T), fields[ends].T @ forces[ends]
+    symmetric, end_forces = 0.5 * (energy + energy.T), fields[ends].T @ forces[ends, :count]
     amplitudes = end_amplitudes(symmetry, sections)
     check_reciprocity(amplitudes, (symmetric, end_forces), (works, reactions), mesh.length)
     return CondensedClass(
@@ -293,45 +342,53 @@ def blocked_unknowns(
 
 def _with_given_ends(
     mesh: ThrowMesh,
-    stiffness: sparse.csr_array,
+    held: HeldEnds,
     pin_loads: Array,
     symmetry: SymmetryClass,
-    ends: list[tuple[NDArray[np.int64], Array]],
     solver: SharedSolver,
     watch: Stopwatch,
 ) -> tuple[Array, Array]:
-    """Fields (3 n, k) of given unit motions of the end sections, and (3 n, a) of loads on the pins."""
-    count = ends[0][1].shape[2]
-    prescribed = np.zeros((len(mesh.points), 3, count))
-    held = np.zeros((len(mesh.points), 3), dtype=bool)
-    for nodes, motions in ends:
-        prescribed[nodes], held[nodes] = motions, True
-    free = np.flatnonzero(~held.ravel())
-    blocked = blocked_unknowns(mesh, symmetry).ravel()[free]
-    fields = prescribed.reshape(-1, count)
+    """Fields (3 n, k + a) of given unit motions of the end sections and of loads on the pins.
+
+    With the forces (3 n, k + a) beside these loads that they take.
+    """
+    given = [motions for _, motions in unit_end_motions(mesh, symmetry, held.sections)]
+    motions = np.concatenate(given).reshape(len(held.ends), -1)
+    count = motions.shape[1]
+    fields, forces = np.zeros((2, mesh.points.size, count + pin_loads.shape[1]))
+    fields[held.ends, :count] = motions
     # What is prescribed acts as a load on the free unknowns.
-    loads = np.hstack([-symmetric_product(stiffness, fields)[free], pin_loads[free]])
+    loads = np.hstack([-(held.coupling @ motions), pin_loads[held.free]])
+    blocked = blocked_unknowns(mesh, symmetry).ravel()[held.free]
     loads[blocked] = 0.0
-    factors = solver.factorize(uncoupled(stiffness[free][:, free].tocsr(), blocked))
+    factors = solver.factorize(uncoupled(held.inner, blocked))
     with watch.lap("solves"):
-        solution = factors.solve(loads)
-    fields[free] = solution[:, :count]
-    pin_fields = np.zeros_like(pin_loads)
-    pin_fields[free] = solution[:, count:]
-    return fields, pin_fields
+        fields[held.free], residual = factors.solve_with_residual(loads)
+    forces[held.free] = -residual
+    forces[held.ends] = held.coupling.T @ fields[held.free]
+    forces[held.ends] += held.own @ fields[held.ends]
+    forces[held.ends, count:] -= pin_loads[held.ends]
+    return fields, forces
 
 
 def unit_end_motions(
-    mesh: ThrowMesh, symmetry: SymmetryClass, sections: SectionMotions = RIGID
+    mesh: ThrowMesh,
+    symmetry: SymmetryClass,
+    sections: SectionMotions = RIGID,
+    shift: Array | None = None,
 ) -> list[tuple[NDArray[np.int64], Array]]:
-    """Nodes (s,) of each meshed end section, and their displacements (s, 3, k) for unit amplitudes."""
+    """Nodes (s,) of each meshed end section, and their displacements (s, 3, k) for unit amplitudes.
+
+    With a `shift` (n, 3) nodes are so far from their places [m].
+    """
+    points = mesh.points if shift is None else mesh.points + shift
     ends = end_amplitudes(symmetry, sections)
     beyond = 12 + sections.bending * np.arange(3)
     columns = []
     for place, section in enumerate(end_sections(symmetry)):
         nodes = nodes_on(mesh, section)
         numbers = np.r_[6 * place : 6 * place + 6, beyond[place] : beyond[place + 1]]
-        columns.append((nodes, sections.fields(mesh.points[nodes]) @ ends[numbers]))
+        columns.append((nodes, sections.fields(points[nodes]) @ ends[numbers]))
     return columns
 
 

@@ -1,6 +1,5 @@
 """The whole crankshaft: throws at their crank angles, free end, flange."""
 
-import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
@@ -89,7 +88,7 @@ class Crankshaft:
     ----------
     throws : sequence of n CrankThrow
         From the free end to the flange. Adjacent throws share a main bearing, so their main
-        journals have one diameter and one bore.
+        journals have one diameter. Bores that differ end in the middle of the journal; see `remarks`.
     crank_angles_deg : sequence of n float
         Angle of each throw's first pin about +z, counted from +y [deg].
     ends : ShaftEnds, optional
@@ -121,34 +120,38 @@ class Crankshaft:
         for number, (first, second) in enumerate(
             zip(self.throws, self.throws[1:], strict=False), start=1
         ):
-            for name in ("main_journal_diameter", "main_journal_bore"):
-                left, right = getattr(first, name), getattr(second, name)
-                if left != right:
-                    raise InputError(
-                        f"throws: given {name} {format_quantity(left, 'm')} in throw {number} and "
-                        f"{format_quantity(right, 'm')} in throw {number + 1}; allowed is one value, because "
-                        "they share a main journal."
-                    )
+            left, right = first.main_journal_diameter, second.main_journal_diameter
+            if left != right:
+                raise InputError(
+                    f"throws: given main_journal_diameter {format_quantity(left, 'm')} in throw {number} and "
+                    f"{format_quantity(right, 'm')} in throw {number + 1}; allowed is one value, because "
+                    "they share a main journal."
+                )
 
-        for number in range(1, len(self.throws)):
-            self._check_bores(number)
+    def bore_step(self, number: int) -> str | None:
+        """State how the bores of a throw, counted from 0, and the next one differ where these meet."""
+        left, right = self.throws[number : number + 2]
+        ends = (left.parts.cylinders[-1], right.parts.cylinders[0])
+        turns = np.exp(1j * np.radians(self.crank_angles_deg[number : number + 2]))
+        first, second = np.array([complex(*end.bore_axis) for end in ends]) * turns
+        diameters = left.main_journal_bore, right.main_journal_bore
+        sizes = " and ".join(format_quantity(size, "m") for size in diameters)
+        if all(diameters) and abs(first - second) > 1e-9 * left.main_journal_diameter:
+            return f"{sizes}, {format_quantity(float(abs(first - second)), 'm', 4)} apart"
+        return None if diameters[0] == diameters[1] else sizes
 
-    def _check_bores(self, number: int) -> None:
-        """The bores of two throws must meet in the main journal that they share."""
-        left, right = self.throws[number - 1 : number + 1]
-        if left.main_journal_bore == 0.0:
-            return
-        ends = (left.parts.cylinders[-1].bore_axis, right.parts.cylinders[0].bore_axis)
-        angles = np.radians(self.crank_angles_deg[number - 1 : number + 1])
-        first, second = (
-            complex(*axis) * cmath.exp(1j * angle) for axis, angle in zip(ends, angles, strict=True)
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """State where the bores of neighboring throws do not continue each other, once for each kind."""
+        pairs: dict[str, list[str]] = {}
+        for number in range(len(self.throws) - 1):
+            if (step := self.bore_step(number)) is not None:
+                pairs.setdefault(step, []).append(f"{number + 1} and {number + 2}")
+        return tuple(
+            f"Throws {', '.join(between)} have main-journal bores of {step}: these do not continue each "
+            "other, and end in the middle of the journal."
+            for step, between in pairs.items()
         )
-        if abs(first - second) > 1e-9 * left.main_journal_diameter:
-            raise InputError(
-                f"throws: given main_journal_bore_offset so that the bores of throws {number} and "
-                f"{number + 1} are {format_quantity(abs(first - second), 'm')} apart in the main journal "
-                "they share; allowed are bores that meet there, such as concentric ones."
-            )
 
     @property
     def starts(self) -> NDArray[np.float64]:

@@ -188,6 +188,7 @@ class IsolatedProcess:
 
     def __init__(self) -> None:
         self._process: CallProcess | None = None
+        self._begun: tuple[Any, ...] | None = None
         self._lock = threading.Lock()
 
     def start(self) -> CallProcess:
@@ -200,8 +201,16 @@ class IsolatedProcess:
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
             )
-            self._process = CallProcess(child, "the process that called gmsh")
+            self._process, self._begun = CallProcess(child, "the process that called gmsh"), None
         return self._process
+
+    def begin(self, function: str, *arguments: Any, remarks: bool = False) -> None:
+        """Let it begin a call, with remarks or without, that is to be made later."""
+        with self._lock:
+            if self._begun is not None:
+                self.close()
+            self.start().give(function, *arguments, remarks=remarks)
+            self._begun = (function, *arguments)
 
     def close(self) -> None:
         """End the process."""
@@ -238,8 +247,12 @@ class IsolatedProcess:
         """
         with self._lock:
             try:
+                if self._begun not in (None, (function, *arguments)):
+                    self.close()  # the answer to another call is on its way
                 process = self.start()
-                process.give(function, *arguments, remarks=on_remark is not None)
+                if self._begun is None:
+                    process.give(function, *arguments, remarks=on_remark is not None)
+                self._begun = None
                 answer = process.wait(Limits(time_limit), on_remark)
             except BaseException:
                 # An answer may still be on its way: it must not be taken for that of the next call.

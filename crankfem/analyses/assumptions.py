@@ -130,7 +130,7 @@ def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]
     hinged = [cylinder for cylinder in layout.cylinders if cylinder.slave_pin is not None]
     plain = [cylinder for cylinder in layout.cylinders if cylinder.slave_pin is None]
     for section, cylinders in (("rod", plain), ("hinged_rods", hinged)):
-        if cylinders and f"{section}.inertia" not in given:
+        if cylinders and given.isdisjoint({f"{section}.inertia", f"{section}.swing_period"}):
             inertia = format_quantity(cylinders[0].rod.inertia, "kg m^2", 4)
             yield _assumed(f"{section}.inertia", inertia, "that of two masses at its pins")
     if hinged and "hinged_rods.pin_angle" not in given:

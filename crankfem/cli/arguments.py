@@ -249,7 +249,7 @@ def parse_quantities(text: str, unit: str, field: str) -> list[float]:
     return [parse_quantity(word, unit, field) for word in words]
 
 
-def parse_pin_force(text: str) -> list[float]:
+def parse_pin_force(text: str, radial: Sequence[float] = (0.0, -1.0, 0.0)) -> list[float]:
     """Return the force on a pin in the throw frame, x, y, z [N]; one number is Z towards the shaft.
 
     A bare 0 needs no unit.
@@ -275,7 +275,7 @@ def parse_pin_force(text: str) -> list[float]:
             f'--pin-force: given {text!r}; allowed is one radial force, like "100 kN", or x, y, z, like '
             f'"40, -100, 0 kN", none beyond {LARGEST_LOAD:g} N.'
         )
-    return forces if len(forces) == 3 else [0.0, 0.0 - forces[0], 0.0]
+    return forces if len(forces) == 3 else [0.0 + forces[0] * share for share in radial]
 
 
 def _is_number(text: str) -> bool:

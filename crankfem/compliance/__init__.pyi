@@ -14,6 +14,7 @@ from fem.fillet_peaks import ReadingQuality as ReadingQuality
 from fem.fillet_stress import fillet_stresses as fillet_stresses
 from fem.modes import DynamicSuperelement as DynamicSuperelement
 from fem.modes import ThrowModes as ThrowModes
+from fem.sensitivities import Sensitivities as Sensitivities
 from fem.superelement import ShaftCompliances as ShaftCompliances
 from fem.superelement import shaft_compliances as shaft_compliances
 from fem.supports import Motion as Motion

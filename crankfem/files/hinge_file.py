@@ -166,6 +166,15 @@ class RunningPoint(InputModel):
         description="gas force on the piston over the crank angle, in place of the three pressures: CSV "
         "file in the folder of the hinge file",
     )
+    pressure: float | None = quantity_field(
+        "pressure of the spring's gas at the top dead center to evaluate here, above ambient_pressure, "
+        "beside the best one; at design_speed only that of [hinge]",
+        "Pa",
+        minimum=1e3,
+        maximum=1e9,
+        symbol="p_0",
+        default=None,
+    )
 
     @property
     def pressures(self) -> tuple[float, float, float] | None:
@@ -438,4 +447,11 @@ def _read_hinge(content: TomlFile) -> HingeFile:
     for point in operation.points:  # refuses what cannot be read
         if point.gas_force_table is not None:
             file._gas_force(point)
+        design = math.isclose(point.speed, hinge.design_speed, rel_tol=SAME_SPEED)
+        if design and point.pressure not in (None, hinge.pressure):
+            raise InputError(
+                f"operation.points.pressure: given {format_quantity(point.pressure or 0.0, 'Pa')} at "
+                f"design_speed; allowed is hinge.pressure, {format_quantity(hinge.pressure, 'Pa')}, or none, "
+                "because the guides are made for that."
+            )
     return file

@@ -28,16 +28,13 @@ from crankfem.analyses.throw.formula_records import (
     formulas_of,
 )
 from crankfem.analyses.throw.stress import stress_results
-from crankfem.analyses.throw.throw_record import reciprocity, throw_results
+from crankfem.analyses.throw.throw_record import UNIT_RADIAL_FORCE, reciprocity, throw_results
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_computation import RunComputation, RunInputs
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
 from fem.analysis import ThrowAnalysis
 from fem.symmetry import pin_surfaces
-
-# Without a gas pressure in the engine file, reactions are given for this radial force.
-UNIT_RADIAL_FORCE = 1e5
 
 
 def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:

@@ -12,9 +12,10 @@ from crankbase.choices import is_whole_within
 from crankbase.diagrams import (
     BLUE,
     ORANGE,
-    Curves,
+    Diagram,
     Series,
-    draw_curves,
+    curve_diagram,
+    draw_diagram,
     legend_inside,
     new_axes,
     with_gaps,
@@ -330,7 +331,7 @@ class SplitMotion:
         drawn_as = in_unit(point_unit(self.point))
         axes = new_axes(axes, height=3.8)
         sums = (self.both_sum, self.tangential_sum, self.radial_sum)
-        draw_curves(axes, split_curves(self.speeds, sums, drawn_as.factor, drawn_as.label))
+        draw_diagram(axes, split_curves(self.speeds, sums, drawn_as.factor, drawn_as.label))
         write_title(
             axes, f"{self.point}: half the range over the working cycle, all orders together", 9
         )
@@ -410,7 +411,7 @@ def coupled_response(
 
 def split_curves(
     speeds: FloatArray, sums: tuple[FloatArray, FloatArray, FloatArray], factor: float, label: str
-) -> Curves:
+) -> Diagram:
     """Describe an amplitude over the speed by all, by tangential and by radial forces.
 
     Parameters
@@ -425,7 +426,7 @@ def split_curves(
         Of the upright axis, with its unit.
     """
     both, tangential, radial = (with_gaps(factor * values) for values in sums)
-    return Curves(
+    return curve_diagram(
         x=speeds * RPM,
         # Dashes over a line: where all cranks are in one plane, radial forces alone do all of it.
         series=(

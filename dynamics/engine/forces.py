@@ -24,10 +24,11 @@ from crankbase.diagrams import (
     BLUE,
     GREEN,
     ORANGE,
-    Curves,
     Dash,
+    Diagram,
     Series,
-    draw_curves,
+    curve_diagram,
+    draw_diagram,
     legend_inside,
     new_axes,
     write_title,
@@ -368,7 +369,7 @@ class MechanismForces:
         """Draw gas force, tangential force and side force of a cylinder over its cycle."""
         whole_within("cylinder", cylinder, 1, len(self.gas), "the engine has that many")
         axes = new_axes(axes)
-        draw_curves(axes, piston_forces(self, cylinder))
+        draw_diagram(axes, piston_forces(self, cylinder))
         write_title(axes, f"Forces of cylinder {cylinder}")
         legend_inside(axes)
         return axes
@@ -395,7 +396,7 @@ class MechanismForces:
         )
 
 
-def piston_forces(forces: MechanismForces, cylinder: int) -> Curves:
+def piston_forces(forces: MechanismForces, cylinder: int) -> Diagram:
     """Describe gas force, tangential force and side force of a cylinder, from 1, over its cycle."""
     since_firing = (
         forces.shaft_angles_deg - forces.engine.firing_deg[cylinder - 1]
@@ -406,7 +407,7 @@ def piston_forces(forces: MechanismForces, cylinder: int) -> Curves:
         (forces.tangential, ORANGE, "dash", "tangential, T"),
         (forces.side, GREEN, "dashdot", "side, N"),
     )
-    return Curves(
+    return curve_diagram(
         since_firing[order],
         tuple(
             Series(name, KILO * values[cylinder - 1][order], color=color, dash=dash)
@@ -809,7 +810,7 @@ class LoadDiagram:
         check_polar("crank" if frame is None else frame, mark_step_deg)
         if frame is None:
             axes = new_axes(axes)
-            draw_curves(axes, developed_load(self))
+            draw_diagram(axes, developed_load(self))
             write_title(
                 axes,
                 f"{self.name}: mean {format_number(KILO * self.mean, 4)} kN, maximum "

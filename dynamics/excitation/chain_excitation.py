@@ -21,9 +21,10 @@ from crankbase.diagrams import (
     BLUE,
     COLORS,
     GRAY,
-    Curves,
+    Diagram,
     Series,
-    draw_curves,
+    curve_diagram,
+    draw_diagram,
     legend_below,
     legend_inside,
     new_axes,
@@ -604,7 +605,7 @@ class AxialForceOverCycle:
     held: FloatArray
     thrust_bearing: FloatArray | None = None
 
-    def curves(self) -> Curves:
+    def curves(self) -> Diagram:
         """Describe both forces over the shaft angle, with the cycle closed."""
         degrees, held = self.shaft_angles_deg, KILO * self.held
         series = [
@@ -616,7 +617,7 @@ class AxialForceOverCycle:
             force = KILO * self.thrust_bearing
             name = "on the thrust bearing, vibrating"
             series.append(Series(name, np.append(force, force[0]), color=BLUE))
-        return Curves(
+        return curve_diagram(
             np.append(degrees, 2.0 * degrees[-1] - degrees[-2]),
             tuple(series),
             "shaft angle [deg]",
@@ -628,7 +629,7 @@ class AxialForceOverCycle:
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the force on the thrust bearing, and on held ends, over the shaft angle."""
         axes = new_axes(axes)
-        draw_curves(axes, self.curves())
+        draw_diagram(axes, self.curves())
         legend_below(axes, 2)
         write_title(axes, "Axial force over the cycle")
         return axes

@@ -19,7 +19,13 @@ from crankbase.array_checks import (
     turning_speeds,
 )
 from crankbase.choices import check_choice, whole_number, whole_within
-from crankbase.diagrams import Curves, draw_curves, legend_inside, new_axes, write_title
+from crankbase.diagrams import (
+    curve_diagram,
+    draw_diagram,
+    legend_inside,
+    new_axes,
+    write_title,
+)
 from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.quantity import RPM
@@ -351,7 +357,7 @@ class CylinderForces:
         sizes = KILO * np.abs(phasors[:, :, cylinder - 1])
         axes = new_axes(axes)
         series = tuple(order_series(self.orders, sizes, most))
-        draw_curves(axes, Curves(self.speeds * RPM, series, SPEED_LABEL, "amplitude [kN]"))
+        draw_diagram(axes, curve_diagram(self.speeds * RPM, series, SPEED_LABEL, "amplitude [kN]"))
         write_title(axes, f"Orders of the {show} force, cylinder {cylinder}")
         legend_inside(axes)
         return axes

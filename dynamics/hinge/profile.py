@@ -1156,6 +1156,22 @@ def flywheel_for(
     return float(brentq(excess, smaller, larger, rtol=1e-12))
 
 
+def moment_residuals(point: HingeMoment, hinge: HingeProfile) -> tuple[float, float]:
+    """Return what a hinge's moment lacks of that for constant speed, relative to it.
+
+    Returns
+    -------
+    tuple of two float
+        By root mean squares, and by largest values.
+    """
+    wanted = point.moment
+    residual = wanted - hinge.moment_at(angles_deg=point.angles_deg)
+    return (
+        math.sqrt(float(np.mean(residual**2) / np.mean(wanted**2))),
+        float(np.max(np.abs(residual)) / np.max(np.abs(wanted))),
+    )
+
+
 def best_pressure(
     point: HingeMoment,
     hinge: HingeProfile,
@@ -1220,13 +1236,14 @@ def best_pressure(
     unchanged = fluctuation(0.0)
     ratio = math.exp(float(minimum.x))
     wanted, hinged = point.moment, hinge.moment_at(angles_deg=point.angles_deg)
-    residual = wanted - hinge.moment_at(ratio * hinge.spring.pressure, angles_deg=point.angles_deg)
+    pressure = ratio * hinge.spring.pressure
+    lacking = moment_residuals(point, hinge.with_pressure(pressure))
     return BestPressure(
-        pressure=ratio * hinge.spring.pressure,
+        pressure=pressure,
         ratio=ratio,
         fluctuation=float(minimum.fun),
         unchanged=unchanged if unchanged < STANDING else None,
-        moment_residual=math.sqrt(float(np.mean(residual**2) / np.mean(wanted**2))),
-        largest_residual=float(np.max(np.abs(residual)) / np.max(np.abs(wanted))),
+        moment_residual=lacking[0],
+        largest_residual=lacking[1],
         fitted_ratio=float(np.dot(wanted, hinged) / np.dot(hinged, hinged)),
     )

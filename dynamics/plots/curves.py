@@ -14,10 +14,11 @@ from crankbase.diagrams import (
     GRAY,
     ORANGE,
     Band,
-    Curves,
+    Diagram,
     Mark,
     Series,
-    draw_curves,
+    curve_diagram,
+    draw_diagram,
     legend_above,
     legend_inside,
     new_axes,
@@ -418,7 +419,7 @@ def over_speed(
     barred: Sequence[tuple[float, float]] = (),
     main_orders: int = MAIN_ORDERS,
     running: tuple[float, float] | None = None,
-) -> Curves:
+) -> Diagram:
     """Describe orders, synthesis and plain sum of one location over the speed, with limits.
 
     Parameters
@@ -463,7 +464,7 @@ def over_speed(
     highest = max(
         [highest, *(float(np.nanmax(curve.values, initial=0.0)) for curve in series if curve.main)]
     )
-    return Curves(
+    return curve_diagram(
         x=rpm,
         series=(
             *order_series(orders, factor * by_order, main_orders, inside),
@@ -513,7 +514,7 @@ def draw_named_curves(
         )
         for place, (name, values) in enumerate(curves.items())
     )
-    draw_curves(axes, Curves(speeds * RPM, series, SPEED_LABEL, label))
+    draw_diagram(axes, curve_diagram(speeds * RPM, series, SPEED_LABEL, label))
     if title:
         write_title(axes, title)
     legend_inside(axes)

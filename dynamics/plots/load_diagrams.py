@@ -14,7 +14,6 @@ from crankbase.diagrams import (
     COLORS,
     GRAY,
     ORANGE,
-    Curves,
     Diagram,
     Dots,
     Limits,
@@ -22,6 +21,7 @@ from crankbase.diagrams import (
     Note,
     Series,
     Shape,
+    curve_diagram,
     draw_diagram,
     legend_below,
     legend_inside,
@@ -255,11 +255,11 @@ def _angles_and_sizes(degrees: FloatArray, force: NDArray[np.complex128]) -> lis
     ]
 
 
-def developed_load(load: _Load) -> Curves:
+def developed_load(load: _Load) -> Diagram:
     """Describe the size of a bearing's force over the shaft angle, with its mean and maximum."""
     degrees, size = load.angles_deg, KILO * load.magnitude
     mean, most = KILO * load.mean, KILO * load.maximum
-    return Curves(
+    return curve_diagram(
         np.append(degrees, 2.0 * degrees[-1] - degrees[-2]),
         (
             Series("force", np.append(size, size[0]), color=BLUE),

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
-from scipy.optimize import linear_sum_assignment
 
 from crankbase.array_checks import (
     ComplexArray,
@@ -242,6 +241,8 @@ def _with_undamped(terms: DampedModes) -> tuple[ComplexArray, ComplexArray, Comp
 
 def _places(eigenvalues: ComplexArray, vibrating: NDArray[np.intp]) -> NDArray[np.int64]:
     """Return the mode of each eigenvalue: its own, or that of which it is the mirror image."""
+    from scipy.optimize import linear_sum_assignment  # here: loading it takes a quarter second
+
     places = np.full(eigenvalues.size, -1, dtype=np.int64)
     mirrored = np.flatnonzero(eigenvalues.imag < 0.0)
     apart = np.abs(eigenvalues[vibrating, np.newaxis].imag + eigenvalues[mirrored].imag)
@@ -267,6 +268,8 @@ def _numbers(
     damped: FloatArray, undamped: FloatArray, locked: FloatArray | None
 ) -> NDArray[np.int64]:
     """Number modes by the corresponding undamped ones."""
+    from scipy.optimize import linear_sum_assignment
+
     middle = undamped if locked is None else np.sqrt(undamped * locked)
     apart = np.abs(np.log(damped[:, np.newaxis] / middle))
     rows, columns = linear_sum_assignment(apart)

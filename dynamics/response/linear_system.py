@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import eigh, qr
 
 from crankbase.array_checks import (
     ComplexArray,
@@ -232,6 +231,8 @@ def natural_modes(
     shapes : ndarray of shape (q, q)
         As columns, of unit modal mass.
     """
+    from scipy.linalg import eigh, qr  # here: engine files are read without it
+
     root = np.linalg.cholesky(mass)
     count = rigid.shape[1]
     basis = qr(root.T @ rigid)[0] if count else np.eye(len(root))

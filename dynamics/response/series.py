@@ -17,7 +17,13 @@ from crankbase.array_checks import (
     regular_array,
 )
 from crankbase.choices import whole_number, whole_within
-from crankbase.diagrams import Curves, draw_curves, legend_below, new_axes, write_title
+from crankbase.diagrams import (
+    Diagram,
+    draw_diagram,
+    legend_below,
+    new_axes,
+    write_title,
+)
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.results import result
@@ -450,12 +456,12 @@ class OrderSeries:
             number, quantity, limits=stated, barred=barred, main_orders=count, running=running
         )
         axes = new_axes(axes, height=4.4)
-        draw_curves(axes, curves)
+        draw_diagram(axes, curves)
         legend_below(axes, LEGEND_COLUMNS)
         write_title(axes, self.names[number], 10)
         return axes
 
-    def over_speed(self, place: int, quantity: QuantityDisplay, **more: Any) -> Curves:
+    def over_speed(self, place: int, quantity: QuantityDisplay, **more: Any) -> Diagram:
         """Describe the diagram of `plot` for a location, from 0; further arguments as for `over_speed`.
 
         Raises

@@ -521,10 +521,10 @@ COLUMNS = (
 )
 # The value by finite elements that the paper gives for one engine is doubted in words of its own.
 FINITE_ELEMENTS_DOUBT = (
-    "The survey's value by finite elements for ChN 26/26, 3.3220e-9 m/N, is probably 3.3220e-10 m/N: "
-    "as printed it is at least twice what any formula gives in its row, and four to eight times what "
-    "finite elements give for throws of that size between opposite neighbors. It is no validation "
-    "target."
+    "The survey's value by finite elements for ChN 26/26, 3.3220e-9 m/N, is unexplained: it is at least "
+    "twice what any formula gives in its row, and four to eight times what finite elements give for throws "
+    "of that size between opposite neighbors. A tenth of it, were a power of ten lost, would be 0.4 to 0.8 "
+    "times these. The survey gives neither dimensions nor supports of the throw. It is no validation target."
 )
 
 

@@ -17,7 +17,7 @@ from plotly.offline import get_plotlyjs
 from comparing import close
 from crankfem.analyses.throw.formula_records import formulas_over_angle
 from crankfem.report.interactive.mechanism import polar_load
-from crankfem.report.interactive.style import figure_of
+from crankfem.report.interactive.style import diagram_figure
 from dynamics.engine.forces import LoadDiagram
 
 pytestmark = pytest.mark.further
@@ -169,7 +169,7 @@ def test_names_are_no_markup_in_the_browser(open_page, tmp_path):
             "crank",
             name,
         ),
-        "angles": figure_of(
+        "angles": diagram_figure(
             formulas_over_angle(
                 np.arange(0.0, 181.0, 60.0), {name: np.full(4, 1e-9), "plain": np.full(4, 5e-10)}
             ),

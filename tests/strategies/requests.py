@@ -58,6 +58,7 @@ def nothing_started() -> Iterator[None]:
 
     with contextlib.ExitStack() as put:
         put.enter_context(mock.patch.object(geometry.gmsh_session.IsolatedProcess, "call", call))
+        put.enter_context(mock.patch.object(geometry.gmsh_session.IsolatedProcess, "start"))
         put.enter_context(mock.patch.object(crankbase.processes.subprocess, "Popen", _no_process))
         put.enter_context(mock.patch.object(crankfem.service.app, "serve"))
         yield

@@ -18,10 +18,12 @@ from crankfem.cli.arguments import parse_gamma
 from crankfem.cli.commands import completion
 from crankfem.cli.console import RunProgress
 from crankfem.files.engine.engine_file import SECTIONS
+from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import shipped_names
 from crankfem.jobs.exit_codes import MEANINGS
 from dynamics import wording
 from fem.superelement import shaft_unknowns, solve_shaft
+from fem.symmetry import pin_surfaces
 from stand_ins import stored_results, typed
 
 ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
@@ -431,6 +433,34 @@ def test_a_pin_force_of_three_components(call):
         total = sum(np.array(own["reactions"][side]["force"]) for side in ("left", "right"))
         assert total == close([-4e3, 1e4, -1e3], abs=1e-3)
         assert own["axial_force"] == close(-own["reactions"]["right"]["force"][2])
+
+
+@pytest.mark.slow
+def test_forces_on_both_halves_of_a_split_pin(call):
+    """The ends balance both at once, about each axis, and what they do is the sum of two loads."""
+    second = ("--pin-force", "8 kN")  # towards the shaft from the second half, 30 deg on
+    command = ("throw", "buick-3800", "--accuracy", "0.1", "--json", "--pictures", "p")
+    both = call(*command, "--pin-force", "1, -20, 3 kN", *second).json()
+    throw, material = load_throw("buick-3800")
+    analysis = cf.analyze_throw(throw, material, 0.1)
+    places = np.array([pin.center for pin in pin_surfaces(analysis.mesh)])  # where forces act
+    forces = np.array([both["pin_force"], *both["further_pin_forces"]])
+    assert forces[1] == close([4e3, -8e3 * np.cos(np.pi / 6.0), 0.0], abs=1e-6)
+    for name, own in both["supports"].items():
+        left, right = (own["reactions"][side] for side in ("left", "right"))
+        force = np.sum(forces, axis=0) + left["force"] + right["force"]
+        assert force == close(np.zeros(3), abs=0.02)
+        moment = np.sum(np.cross(places, forces), axis=0) + left["moment"] + right["moment"]
+        moment += np.cross([0.0, 0.0, throw.length], right["force"])
+        assert moment == close(np.zeros(3), abs=2e-3)
+        assert own["axial_force"] == close(-right["force"][2])
+        total = sum(
+            analysis.reactions(force, name, pin).left.force for pin, force in enumerate(forces)
+        )
+        assert left["force"] == close(total, abs=1e-3)
+    assert [Path(picture).name for picture in both["pictures"]] == ["throw_reactions.svg"]
+    message = "--pin-force: given 3 times; allowed is once for each crankpin of the throw, here 2"
+    assert message in call(*command, *second, *second, *second).err
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.diagrams import draw_curves, figure
+from crankbase.diagrams import draw_diagram, figure
 from crankfem.analyses.throw import formula_records
 from crankfem.analyses.throw.formula_records import (
     ElementValues,
@@ -26,6 +26,18 @@ from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web
 from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES, axial_formulas
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
+
+# An engine of nobody's.
+MINE = {
+    "crank_radius": 95,
+    "main_journal_diameter": 150,
+    "pin_diameter": 130,
+    "web_width": 210,
+    "web_thickness": 42,
+    "pin_length": 95,
+    "main_journal_length": 90,
+    "fillet_radius": 8,
+}
 
 coarse = functools.partial(analyze_throw, accuracy=0.1)
 
@@ -109,6 +121,28 @@ def test_all_engines_in_one_table(call, monkeypatch, analysis):
     assert [line.split()[0] for line in answer.out.splitlines()].count("greatest") == 2
 
 
+def test_several_engines_side_by_side(call, monkeypatch, analysis, tmp_path):
+    """Each row has what its engine gives alone, at the same angle; finite elements in front."""
+    monkeypatch.setattr("fem.analysis.analyze_throw", lambda *_: analysis)
+    (tmp_path / "mine.toml").write_text(
+        "[throw]\n" + "".join(f'{name} = "{size} mm"\n' for name, size in MINE.items()), "utf-8"
+    )
+    both = ("formulas", "mine.toml", "6chn25-34", "--gamma", "120 deg")
+    engines = call(*both, "--json").json()["engines"]
+    assert [each.pop("engine") for each in engines] == ["mine", "6chn25-34"]
+    for each, file in zip(engines, both[1:3], strict=True):
+        alone = call("formulas", file, "--gamma", "120 deg", "--json").json()
+        assert each == {name: alone[name] for name in each}
+        assert set(alone) - set(each) == {"gamma_deg", "constants", "units"}
+    printed = [line.split() for line in call(*both).out.splitlines()]
+    row = next(cells for cells in printed if cells[:1] == ["mine"])
+    values = [engines[0]["fe"]["axial"], *(each["value"] for each in engines[0]["axial"])]
+    assert [float(cell.rstrip("*")) for cell in row[1:]] == close(1e9 * np.array(values), rel=6e-3)
+    stars = [cell.endswith("*") for cell in row[2:]]
+    assert stars == [not each["valid"] for each in engines[0]["axial"]]
+    assert " FE " not in call(*both, "--no-fe").out
+
+
 def test_summary_over_engines():
     def engine(name, ratio, valid):
         return EngineSpread(
@@ -166,7 +200,7 @@ def test_pictures_of_the_angle(tmp_path):
     values = {name: np.array([t[name].value for t in tables]) for name in AXIAL_FORMULA_NAMES}
     curves = formulas_over_angle(gammas, values, law * 1e-9, {"guided": 0.2e-9, "pinned": 1e-9})
     with figure(tmp_path / "formulas.svg") as axes:
-        draw_curves(axes, curves)
+        draw_diagram(axes, curves)
         axes.legend()
     shown = texts(tmp_path / "formulas.svg")
     assert {*AXIAL_FORMULA_NAMES, "finite elements", "FE guided: 0.2", "FE pinned: 1"} <= set(shown)

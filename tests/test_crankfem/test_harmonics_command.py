@@ -312,6 +312,29 @@ def test_refusals(call, tmp_path, arguments, fragment):
     assert answer.err.count("\n") == 1
 
 
+def test_the_auxiliary_table_of_the_sums(call, tmp_path):
+    """Makushev, Polyakova 2024, table 2, its row of sums; and an engine's, whose sums give A_k and B_k."""
+    table = "yamz5340_torque_one_throw.csv"
+    assert call("harmonics", table, "--orders", "1", "--sums", "s.csv").code == 0
+    with (tmp_path / "s.csv").open(encoding="utf-8") as stream:
+        *rows, sums = csv.DictReader(stream)
+    assert (len(rows), sums["sample"]) == (36, "sum")
+    printed = {"y_Nm": 4441.0, "y_cos_1x": -3865.75, "y_sin_1x": -3224.93}
+    printed |= {"y_cos_2x": 2484.88, "y_sin_2x": 6689.29}
+    for name, value in printed.items():
+        assert float(sums[name]) == close(value, abs=0.006), name
+    answer = call("harmonics", "6chn25-34", "--orders", "4", "--sums", "e.csv", "--json").json()
+    with (tmp_path / "e.csv").open(encoding="utf-8") as stream:
+        *rows, sums = csv.DictReader(stream)
+    for name, key in (("cos", "cosine"), ("sin", "sine")):
+        found = [2.0 / len(rows) * float(sums[f"y_{name}_{k}x"]) for k in range(1, 9)]
+        assert found == close(answer["harmonics"][key], abs=1e-6)
+    assert (
+        "--sums: given s.csv, which --csv writes too"
+        in call("harmonics", table, "--csv", "s.csv", "--sums", "s.csv").err
+    )
+
+
 SHIPPED = "crosshead-30-100"
 
 
@@ -429,6 +452,40 @@ def test_flywheels_at_another_speed():
     (other,) = run_hinge(load_hinge(SHIPPED), speed=142.0 * np.pi / 30.0).others
     assert other.flywheel_with_hinge == close(2277.0, abs=0.5)
     assert other.flywheel == close(33514.0, abs=0.5)
+
+
+@pytest.mark.slow
+def test_a_pressure_chosen_for_a_running_point(changed):
+    """Without ambient pressure the guides' moment grows as the pressure; at the best one it leaves what
+    the best leaves."""
+    speed = 142.0 * np.pi / 30.0
+    best = run_hinge(load_hinge(SHIPPED), speed=speed).others[0]
+    path = changed({})
+    text = path.read_text("utf-8")
+    for pressure in (9.75e6, best.best.pressure):
+        point = f'speed = "142 1/min"\npressure = "{pressure!r} Pa"'
+        path.write_text(re.sub(r"(?m)^speed = .*142 .*", point, text), "utf-8")
+        run = run_hinge(load_hinge(path), speed=speed)
+        (other,) = run.others
+        drawn = run.plot().lines[-2].get_ydata()  # behind it is the zero line
+        assert drawn == close(1e-3 * pressure / 5e6 * run.profile.moment)
+    assert other.chosen.fluctuation == close(best.best.fluctuation, rel=1e-6)
+    assert other.chosen.flywheel == close(best.flywheel_with_hinge, rel=1e-6)
+    assert other.chosen.moment_residual == close(best.best.moment_residual)
+    path.write_text(re.sub(r"(?m)^speed = .*89 .*", point.replace("142", "89"), text), "utf-8")
+    with pytest.raises(InputError, match=r"points\.pressure: given 12\.\d+ MPa at design_speed; "):
+        load_hinge(path)
+
+
+@pytest.mark.slow
+def test_guides_are_drawn_without_a_comparison(call, changed, tmp_path):
+    path = changed({"[comparison]": None, "[[comparison.sizes]]": None})
+    run = run_hinge(load_hinge(path), speed=142.0 * np.pi / 30.0)
+    drawn = run.plot(show="guides").lines[1].get_xydata()[:-1]
+    assert np.hypot(*drawn.T) == close(run.profile.radius)
+    answer = call("hinge", path, "--pictures", "p", "--json", "--speed", "142 1/min")
+    assert "hinge_guides.svg" in " ".join(answer.json()["pictures"]), answer.err
+    assert answer.json()["compared"] == []
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from comparing import close
-from crankbase.diagrams import ON_PAPER, draw_curves
+from crankbase.diagrams import ON_PAPER, draw_diagram
 from crankbase.errors import InputError
 from crankfem.analyses.study.response_fits import fit_study, predicted
 from crankfem.analyses.throw.formula_records import formulas_over_angle
@@ -26,7 +26,13 @@ from crankfem.report.interactive import vibration as vibration_plots
 from crankfem.report.interactive.mechanism import MECHANISM, polar_load
 from crankfem.report.interactive.plot import write_figure
 from crankfem.report.interactive.study import parity, response_over_factors
-from crankfem.report.interactive.style import UNSEEN, design_texts, figure_of, plain_layout, rounded
+from crankfem.report.interactive.style import (
+    UNSEEN,
+    design_texts,
+    diagram_figure,
+    plain_layout,
+    rounded,
+)
 from crankfem.report.interactive.throw_view import (
     DRAWN_DISPLACEMENT,
     MOST_STRESSED,
@@ -142,17 +148,19 @@ def test_every_order_over_speed(series):
         LimitCurve(lambda speeds: 2.0 * permitted(speeds), 0.0, 50.0),
     )
     barred = [(25.0, 30.0), (40.0, 44.0)]
-    traces, layout = figure_of(amplitudes_over_speed(series, 0, "twist", limit, barred), "x")
+    traces, layout = diagram_figure(amplitudes_over_speed(series, 0, "twist", limit, barred), "x")
     assert layout["yaxis"]["title"]["text"] == "amplitude [mrad]"
     assert layout["xaxis"]["title"]["text"] == "crankshaft speed [1/min]"
     orders = [trace for trace in traces if trace["name"].startswith("order ")]
     # Those that are seen stand first in the legend.
-    assert [trace["visible"] for trace in orders] == [True] * 5 + ["legendonly"] * 3
+    assert [trace.get("visible", True) for trace in orders] == [True] * 5 + ["legendonly"] * 3
     orders.sort(key=lambda trace: trace["name"])
     assert [trace["name"] for trace in orders] == [f"order {order}" for order in range(1, 9)]
     # Those that are seen have colors of their own.
-    assert len({trace["line"]["color"] for trace in orders if trace["visible"] is True}) == 5
-    assert all(trace["visible"] in (True, "legendonly") for trace in orders)
+    assert (
+        len({trace["line"]["color"] for trace in orders if trace.get("visible", True) is True}) == 5
+    )
+    assert all(trace.get("visible", True) in (True, "legendonly") for trace in orders)
     shown = [(trace, series.amplitude[place, :, 0]) for place, trace in enumerate(orders)]
     both = series.synthesis
     shown.append((named(traces, "all orders (synthesis)"), both.amplitude[:, 0]))
@@ -170,7 +178,7 @@ def test_every_order_over_speed(series):
         # Beside the thinning there is the rounding of x and y.
         assert np.abs(drawn - own[known]).max() < 3.0 * UNSEEN * max(top, np.nanmax(own))
     limits = {trace["name"]: trace for trace in traces if "limit" in trace["name"]}
-    assert {name: trace["visible"] for name, trace in limits.items()} == {
+    assert {name: trace.get("visible", True) for name, trace in limits.items()} == {
         "limit": True,
         "limit while passing": "legendonly",
     }
@@ -198,7 +206,7 @@ def test_units_over_speed(series, quantity, title, factor):
     limit = VibrationLimit(
         "amplitude", "free end", "rad", LimitCurve(lambda speeds: 2e-4 + 0.0 * speeds), "here"
     )
-    traces, layout = figure_of(amplitudes_over_speed(series, 0, quantity, limit, ()), "x")
+    traces, layout = diagram_figure(amplitudes_over_speed(series, 0, quantity, limit, ()), "x")
     assert layout["yaxis"]["title"]["text"] == title
     unit = title.partition("[")[2].removesuffix("]")
     assert all(trace["hovertemplate"].endswith(f"}} {unit}<extra></extra>") for trace in traces)
@@ -236,7 +244,7 @@ def test_what_excites_the_axial_vibration():
         tangential_sum=curves[1],
         radial_sum=curves[2],
     )
-    traces, layout = figure_of(
+    traces, layout = diagram_figure(
         axial_split(SimpleNamespace(speeds=speeds, split=lambda _: split)), "x"
     )
     assert layout["yaxis"]["title"]["text"] == "axial amplitude of the free end [µm]"
@@ -290,8 +298,10 @@ def test_names_are_no_markup(load, studied):
         ),
         shaft_modes(shaft(), 0.2, SHARP_NAME),
         polar_load(own, "crank", SHARP_NAME),
-        figure_of(developed_load(own), SHARP_NAME),
-        figure_of(formulas_over_angle(np.array(record["gamma_deg"]), {SHARP_NAME: fe}, fe), "x"),
+        diagram_figure(developed_load(own), SHARP_NAME),
+        diagram_figure(
+            formulas_over_angle(np.array(record["gamma_deg"]), {SHARP_NAME: fe}, fe), "x"
+        ),
         ({"text": design_texts((choice,), np.array([[0.0], [1.0]]))}, {}),
     ]
     for figure in figures:
@@ -620,7 +630,7 @@ def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch):
         "stress, radial force",
         "stress, torque",
     ]
-    assert [trace["visible"] for trace in traces] == changes["solid"]["visible"]
+    assert [trace.get("visible", True) for trace in traces] == changes["solid"]["visible"]
     deformed, bent = named(traces, "deformed"), changes["deformed by an axial force"]
     moved = np.array([deformed[name] for name in "xyz"]) - np.array([solid[name] for name in "xyz"])
     sizes = np.linalg.norm(moved, axis=0)
@@ -708,15 +718,15 @@ def test_paper_and_screen_draw_the_same_curves(series):
     limits = {"limit": np.where(series.speeds < 30.0, np.inf, 2e-4)}
     barred = [(25.0, 30.0), (40.0, 44.0)]
     described = series.over_speed(0, quantity_display("twist", "SI"), limits=limits, barred=barred)
-    traces, layout = figure_of(described, "x")
+    traces, layout = diagram_figure(described, "x")
     axes = Figure().subplots()
-    draw_curves(axes, described)
+    draw_diagram(axes, described)
     drawn = {one.get_label(): one for one in axes.get_lines()}
     assert axes.get_xlim() == close(layout["xaxis"]["range"])
     assert axes.get_ylim() == close(layout["yaxis"]["range"])
     assert axes.get_xlabel() == layout["xaxis"]["title"]["text"]
     assert axes.get_ylabel() == layout["yaxis"]["title"]["text"]
-    seen = [trace for trace in traces if trace["visible"] is True]
+    seen = [trace for trace in traces if trace.get("visible", True) is True]
     assert {trace["name"] for trace in seen} == drawn.keys() - {"unbounded"}
     for trace in seen:
         line = drawn[trace["name"]]

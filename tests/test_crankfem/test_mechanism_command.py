@@ -14,7 +14,8 @@ from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankbase.table import merged_rows
 from crankfem.analyses.engine_mechanism import load_mechanism
-from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance
+from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance, per_area_table
+from crankfem.analyses.mechanism.hinged_rods import motion_columns
 from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.mechanism.plots import (
@@ -185,10 +186,57 @@ def test_two_models_of_the_rods(call, tmp_path):
     assert (tmp_path / "p" / "rod_models.svg").is_file()
     with (tmp_path / "f.csv").open(encoding="utf-8") as file:
         next(file)
-        row = list(csv.DictReader(file))[66]  # 33 deg
+        rows = list(csv.DictReader(file))
+    row = rows[66]  # 33 deg
     static, dynamic = (float(row[f"crankpin_cylinder_1_{name}_N"]) for name in asked[3::2])
     assert float(row["difference_of_same_angle"]) == close(dynamic / static - 1.0)
     assert 100.0 * float(row["difference_of_same_angle"]) == close(-5.51, abs=5e-3)
+    columns = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+    tangential, radial = (
+        columns[f"cylinder_1_{force}_N"] + columns[f"difference_{force}_N"]
+        for force in ("tangential", "radial")
+    )
+    whole = columns["crankpin_cylinder_1_three-mass_N"]
+    assert np.hypot(tangential, radial) == close(whole, rel=1e-9)
+    sides = [
+        run_mechanism(load_mechanism("8chn13-14"), model=model).forces.side[0]
+        for model in ("two-mass", "three-mass")
+    ]
+    assert columns["difference_side_N"] == close(sides[1] - sides[0], abs=1e-6)
+    for name in ("piston_motion", "crankpins"):
+        assert (tmp_path / "p" / f"{name}.svg").stat().st_size > 10_000
+
+
+def test_the_motion_of_the_third_mass(v8):
+    """Yamanin, Zhukov, Baryshnikov 2018, equation (3), differentiated here by finite differences."""
+    radius, length, foot, aside = 0.07, 0.265, 0.097, 0.009  # R, L, l_shk, l_d
+    alpha = np.radians(np.arange(0.0, 360.0, 0.01))
+    beta = np.arcsin(radius / length * np.sin(alpha))
+    up = radius * np.cos(alpha) + foot * np.cos(beta) + aside * np.sin(beta)
+    across = radius * np.sin(alpha) - foot * np.sin(beta) + aside * np.cos(beta)
+    rod = replace(v8.layout.cylinders[0].rod, center_offset=aside)
+    one = replace(v8.layout.cylinders[0], rod=rod, crank_angle_deg=0.0, bank_angle_deg=0.0)
+    columns = motion_columns(EngineLayout(radius, [one], [1]), v8.speed, (1,), alpha)
+    for name, place in (("", -up), ("_across", across)):
+        rate = np.gradient(np.gradient(place, alpha), alpha)[2:-2] * v8.speed**2
+        found = columns[f"cylinder_1_rod_center_acceleration{name}_m_s2"][2:-2]
+        assert found == close(rate, abs=1e-5 * np.max(np.abs(rate)))
+    travel = radius * (1.0 - np.cos(alpha)) + length * (1.0 - np.cos(beta))
+    assert columns["cylinder_1_piston_travel_m"] == close(travel, abs=1e-12)
+
+
+def test_masses_over_the_piston_area_are_those_of_the_papers_table(v8):
+    """Mikhina, Vyalkov 2024, table 2, whose areas are those of a piston of 265 mm, not of 260 mm."""
+    run = run_mechanism(load_mechanism("8chn26-26"))
+    rows, car = (
+        np.array(
+            [row[1:] for row in per_area_table(each.layout.cylinders, each.balance).rows], float
+        )
+        for each in (run, v8)
+    )
+    printed = np.array([799.2, 1195.8, 998.1]) * (0.265 / 0.26) ** 2
+    assert [rows[0, 0], rows[0, 1], rows[4, 1]] == close(printed, rel=1e-3)
+    assert np.all(car[:, :2] < [270.0, 410.0])
 
 
 @pytest.mark.parametrize(

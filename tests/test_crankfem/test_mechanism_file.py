@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import crankfem as cf
 from comparing import close
@@ -35,7 +37,7 @@ from crankfem.files.sections.excitation_sections import (
     gas_map_pressure,
 )
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
-from crankfem.files.sections.mechanism_sections import Gas, LoadSection
+from crankfem.files.sections.mechanism_sections import Gas, LoadSection, Rod
 from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout
@@ -45,9 +47,59 @@ from dynamics.gas.pressure import read_pressure_table
 from geometry.crankshaft import throw_masses
 from geometry.mass import MassProperties, unbalance
 
+MASSES = st.floats(0.1, 500.0)
+
 
 def degrees(values):
     return [round(math.degrees(value), 6) for value in values]
+
+
+@given(
+    length=st.floats(0.05, 3.0), share=st.floats(0.3, 0.9), arm=st.floats(0.02, 2.0), mass=MASSES
+)
+def test_a_rods_inertia_by_its_swings(length, share, arm, mass):
+    """A uniform bar swings about its end as a point at two thirds of its length does; and any body about
+    two edges by two periods that give one inertia."""
+    rod = {"length": length, "mass": mass, "rotating_mass": share * mass}
+    period = 2.0 * math.pi * math.sqrt(2.0 * length / 3.0 / 9.80665)
+    bar = Rod(**rod, swing_period=period, swing_distance=0.5 * length)
+    assert bar.known_inertia == close(mass * length**2 / 12.0, rel=1e-9)
+    about = bar.known_inertia + mass * arm**2
+    other = 2.0 * math.pi * math.sqrt(about / (mass * 9.80665 * arm))
+    assert Rod(**rod, swing_period=other, swing_distance=arm).known_inertia == close(
+        bar.known_inertia, rel=1e-9, abs=1e-12 * about
+    )
+    with pytest.raises(
+        InputError, match=r"^rod\.swing_period: given .* allowed is above .* s, because"
+    ):
+        Rod(
+            **rod, swing_period=0.999 * 2.0 * math.pi * math.sqrt(arm / 9.80665), swing_distance=arm
+        )
+
+
+def test_an_engine_whose_rods_were_swung_is_that_of_their_inertia(tmp_path, edit):
+    """The published asymmetric rod, swung about the far edge of its small end's bore of 40 mm."""
+    text = input_path("8chn13-14").read_text("utf-8")
+    plain, path = load_mechanism("8chn13-14"), tmp_path / "swung.toml"
+    swings = {"rod.inertia": None, "rod.mass": '"4.2 kg"\nswing_period = "1.0281643346 s"'}
+    swings |= {"rod.length": '"265 mm"\nswing_distance = "188 mm"'}
+    path.write_text(edit(text, swings), "utf-8")
+    swung = load_mechanism(path)
+    assert swung.layout.cylinders[0].rod.inertia == close(0.0589, rel=1e-8)
+    assert [cylinder.rod.center for cylinder in swung.layout.cylinders] == [
+        cylinder.rod.center for cylinder in plain.layout.cylinders
+    ]
+    assert not any("inertia" in remark for remark in swung.remarks)
+    for wrong, message in (
+        ('"1.0281643346 s"\ninertia = "0.05 kg m^2"', "swing_period: given beside inertia"),
+        ('"3 s"', "swing_period: given with swing_distance 1.61682 kg m\\^2; allowed is 0.363048"),
+    ):
+        path.write_text(edit(text, swings).replace('"1.0281643346 s"', wrong), "utf-8")
+        with pytest.raises(InputError, match=rf"^rod\.{message}"):
+            load_mechanism(path)
+    path.write_text(edit(text, swings).replace('swing_distance = "188 mm"', ""), "utf-8")
+    with pytest.raises(InputError, match="swing_period: given without the other one"):
+        load_mechanism(path)
 
 
 def test_a_cross_plane_v8_fires_evenly_in_its_order():

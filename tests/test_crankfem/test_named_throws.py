@@ -179,16 +179,6 @@ REFUSED = {
         [('pin_length = "38 mm"\n', 'pin_length = "38 mm"\nmain_journal_diameter = "80 mm"\n')],
         r"throws: given main_journal_diameter 80 mm in throw 1 and 78 mm in throw 2; allowed is one",
     ),
-    "bores": (
-        [
-            (
-                'pin_length = "38 mm"\n',
-                'pin_length = "38 mm"\nmain_journal_bore_offset = "3 mm"\n',
-            ),
-            ('pin_length = "36 mm"\n', 'pin_length = "36 mm"\nmain_journal_bore = "20 mm"\n'),
-        ],
-        r"throws: given main_journal_bore_offset so that the bores of throws 1 and 2 are 3 mm apart",
-    ),
     "like nothing": ([('like = "plain"', 'like = "plane"')], r"throws\.heavy\.like: given 'plane'; all"),
     "like itself": ([('like = "plain"', 'like = "heavy"')], r"throws\.heavy\.like: given 'heavy'; allowed"),
     "like a number": ([('like = "plain"', "like = 3")], r"throws\.heavy\.like: given 3; allowed is text"),

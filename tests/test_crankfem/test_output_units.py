@@ -305,7 +305,7 @@ def test_closed_streams_and_poor_encodings(spawn, spawn_environment, tmp_path):
 
 def test_an_option_of_one_value_is_not_given_twice(call):
     for line in (
-        ("throw", "6chn25-34", "--pin-force", "1 kN", "--pin-force=2 kN"),
+        ("throw", "6chn25-34", "--accuracy", "0.1", "--accuracy=0.2"),
         ("throw", "6chn25-34", "--gamma", "90 deg", "--gamma-deg", "120"),
         ("run", "6chn25-34", "--output", "a", "--output", "b"),
     ):

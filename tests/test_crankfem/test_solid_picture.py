@@ -103,6 +103,16 @@ def test_throws_of_a_shaft_have_no_faces_between_them():
     assert sorted(set(places.ravel().round(9))) == close([0.0, shaft.starts[-1]])
 
 
+def test_bores_that_end_in_a_journal_keep_the_face_that_closes_them():
+    narrow = throw_of("quarter").changed(main_journal_bore=0.04)
+    shaft = Crankshaft([throw_of("quarter"), narrow, narrow], crank_angles_deg=[0.0, 120.0, 240.0])
+    surface = shaft_surface(shaft, fineness=3)
+    places = surface.points[surface.triangles[surface.kinds == ENDS], 2]
+    assert sorted(set(places.ravel().round(9))) == close([0.0, *shaft.starts[[1, -1]]])
+    expected = sum(throw.volume for throw in shaft.throws)
+    assert volume_inside(surface) == close(expected, rel=5e-4)
+
+
 # ------------------------------------------------------------------------------------- pictures
 
 

@@ -251,6 +251,15 @@ def test_a_call_ends_with_an_owner_that_is_killed(own, tmp_path):
     assert owner.end() == ([], [])
 
 
+def test_a_call_that_was_begun_is_made_once(process, tmp_path):
+    made = [tmp_path / "first", tmp_path / "second"]
+    process.begin("os:mkdir", str(made[0]))
+    process.call("os:mkdir", str(made[0]), time_limit=10.0)  # twice it would fail
+    process.begin("os:mkdir", str(made[1]))
+    assert process.call("operator:add", 1, 2, time_limit=10.0) == 3
+    assert process.call("operator:add", 2, 2, time_limit=10.0) == 4
+
+
 def test_a_crash_costs_one_call(process):
     with pytest.raises(ProcessLostError, match=r"SIGSEGV|code"):
         process.call(

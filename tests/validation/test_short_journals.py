@@ -30,7 +30,7 @@ from crankfem.files.engine.engine_file import load_engine
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.shaft_modes import crankshaft_modes
 from fem.analysis import analyze_throw
-from fem.correction import energy_errors
+from fem.correction import StressRecovery
 from fem.material import STEEL
 from fem.modes import free_modes
 from geometry.crankshaft import Crankshaft
@@ -105,11 +105,9 @@ def test_rigid_sections_are_too_stiff_for_them(analysis, figure):
 def test_the_reference_is_that_of_the_mesh_corrected(figure):
     mesh = mesh_shaft_quarter(Crankshaft([THROW] * 4, crank_angles_deg=CRANKS), 0.012, 10, 0.3)
     found = free_modes(mesh, STEEL, count=10)
+    recovery = StressRecovery(mesh.points, mesh.elements)
     missing = np.array(
-        [
-            energy_errors(mesh.points, mesh.elements, shape, STEEL).relative
-            for shape in np.moveaxis(found.shapes, 2, 0)
-        ]
+        [recovery.energy_errors(shape, STEEL).relative for shape in np.moveaxis(found.shapes, 2, 0)]
     )
     true = found.frequencies * np.sqrt(1.0 - np.maximum(1.0, 1.25 - 3.5 * missing) * missing)
     figure("solid of 49,620 unknowns, corrected", true, FOUR, 1.5e-3, "Hz")

@@ -41,6 +41,7 @@ from dynamics.hinge.profile import (
     SteadyHingeTurn,
     best_pressure,
     flywheel_for,
+    moment_residuals,
     simulate_hinge,
     steady_hinge_turn,
 )
@@ -53,6 +54,27 @@ if TYPE_CHECKING:
 Shown = Literal["moment", "gas force", "speed", "guides"]
 SHOWN: tuple[Shown, ...] = ("moment", "gas force", "speed", "guides")
 DASHES = ("-", "--", ":", "-.")
+
+
+@result("pressure", "fluctuation", "flywheel")
+class ChosenPressure(Result):
+    """What the guides do at another operating point with the pressure that the file chooses for it.
+
+    Parameters
+    ----------
+    fluctuation : float or None
+        None if the crank does not complete a revolution.
+    moment_residual, largest_residual : float
+        As in `BestPressure`.
+    flywheel : float
+        Inertia that reaches the compared fluctuation.
+    """
+
+    pressure: Annotated[float, Quantity("Pa")]
+    fluctuation: Number | None
+    moment_residual: Number
+    largest_residual: Number
+    flywheel: Annotated[float, Quantity("kg m^2")]
 
 
 @result("speed", "best.pressure", "flywheel", "flywheel_with_hinge")
@@ -72,6 +94,12 @@ class OtherSpeed(Result):
     best: Flat[BestPressure]
     flywheel: Annotated[float, Quantity("kg m^2", key="flywheel_without_hinge")]
     flywheel_with_hinge: Annotated[float, Quantity("kg m^2")]
+    chosen: Annotated[ChosenPressure | None, Quantity(left_out=True)] = None
+
+    @property
+    def shown_pressure(self) -> float:
+        """The file's, else the best [Pa]."""
+        return self.best.pressure if self.chosen is None else self.chosen.pressure
 
     @property
     def speed(self) -> Speed:
@@ -213,7 +241,7 @@ class HingeRun(Result):
         ----------
         show : str
             "moment" for constant speed, or "gas force", at all operating points; "speed" over a revolution;
-            "guides": the rollers' path, for the largest of several springs.
+            "guides": the rollers' path, for the largest of several springs, else for the file's.
 
         Raises
         ------
@@ -222,14 +250,14 @@ class HingeRun(Result):
         """
         check_choice("show", show, SHOWN, "these are diagrams of a hinge")
         if show == "guides":
-            return self.plot_guides(axes) if self.compared else self.profile.plot(axes)
+            return self.plot_guides(axes)
         axes = new_axes(axes)
         points = [self.moment, *(other.point for other in self.others)]
         if show == "moment":
             given = [
                 (
-                    self.profile.moment_at(other.best.pressure, angles_deg=other.point.angles_deg),
-                    other.best.pressure,
+                    self.profile.moment_at(other.shown_pressure, angles_deg=other.point.angles_deg),
+                    other.shown_pressure,
                 )
                 for other in self.others
             ]
@@ -241,12 +269,19 @@ class HingeRun(Result):
         return axes
 
     @property
+    def drawn(self) -> tuple[ComparedGuides, ...]:
+        """The compared guides; without a comparison those of the file's spring."""
+        spring, profile = self.spring, self.profile
+        own = ComparedGuides(spring.height, spring.pressure, profile.start_radius, profile)
+        return self.compared or (own,)
+
+    @property
     def spring_sizes(self) -> list[tuple[float, float]]:
-        """Height of the spring and initial radius of the compared guides, the largest first [m]."""
-        return sorted({(each.height, each.start_radius) for each in self.compared}, reverse=True)
+        """Height of the spring and initial radius of the guides to draw, the largest first [m]."""
+        return sorted({(each.height, each.start_radius) for each in self.drawn}, reverse=True)
 
     def plot_guides(self, axes: "Axes | None" = None, size: int = 0) -> "Axes":
-        """Draw the rollers' path for all compared springs of one of the `spring_sizes`.
+        """Draw the rollers' path for all springs of one of the `spring_sizes`.
 
         Parameters
         ----------
@@ -255,7 +290,7 @@ class HingeRun(Result):
         """
         height, start = self.spring_sizes[size]
         compared = [
-            each for each in self.compared if (each.height, each.start_radius) == (height, start)
+            each for each in self.drawn if (each.height, each.start_radius) == (height, start)
         ]
         axes = new_axes(axes)
         draw_guides(axes, height, start, compared)
@@ -433,6 +468,8 @@ class HingeRun(Result):
                 f"{_inertia(other.flywheel_with_hinge, units)} with the best pressure, "
                 f"{_inertia(other.flywheel, units)} without the hinge."
             )
+            if other.chosen is not None:
+                yield units.text(_chosen_sentence(other.chosen, other, wanted, units))
 
     def _compared_tables(self, units: OutputUnits) -> Iterator[Table | str]:
         each = [(spring, spring.guides) for spring in self.compared]
@@ -460,6 +497,22 @@ class HingeRun(Result):
         for spring in self.compared:
             if spring.refused is not None:
                 yield units.text(f"Note: {spring.refused}")
+
+
+def _chosen_sentence(
+    chosen: ChosenPressure, other: OtherSpeed, wanted: float, units: OutputUnits
+) -> str:
+    fate = (
+        "the crank does not complete a revolution without a flywheel"
+        if chosen.fluctuation is None
+        else f"the fluctuation is {chosen.fluctuation:.3g}"
+    )
+    return (
+        f"At {units.of('1/min').with_name(other.speed)} with the file's pressure of "
+        f"{units.of('MPa').with_name(chosen.pressure)} {fate}; M_h lacks "
+        f"{100.0 * chosen.moment_residual:.3g} %, at most {100.0 * chosen.largest_residual:.3g} %; a "
+        f"fluctuation of {wanted:.3g} takes a flywheel of {_inertia(chosen.flywheel, units)}."
+    )
 
 
 def _inertia(value: float, units: OutputUnits) -> str:
@@ -524,11 +577,26 @@ def run_hinge(
 def _other(file: HingeFile, profile: HingeProfile, speed: float) -> OtherSpeed:
     point, wanted = file.moment(speed), file.operation.flywheel_fluctuation
     best = best_pressure(point, profile)
+    pressure = file.point_at("speed", speed).pressure
     return OtherSpeed(
         point=point,
         best=best,
         flywheel=flywheel_for(point, wanted),
         flywheel_with_hinge=flywheel_for(point, wanted, profile.with_pressure(best.pressure)),
+        chosen=None
+        if pressure is None
+        else _chosen(point, profile.with_pressure(pressure), wanted),
+    )
+
+
+def _chosen(point: HingeMoment, hinge: HingeProfile, wanted: float) -> ChosenPressure:
+    try:
+        fluctuation = steady_hinge_turn(point, hinge).fluctuation
+    except InputError:  # the crank does not come round
+        fluctuation = None
+    flywheel = flywheel_for(point, wanted, hinge)
+    return ChosenPressure(
+        hinge.spring.pressure, fluctuation, *moment_residuals(point, hinge), flywheel
     )
 
 
@@ -663,9 +731,8 @@ def _at(turn: SpeedOverAngle, angles: FloatArray) -> FloatArray:
     return np.interp(angles, np.radians(turn.angle_deg), turn.speed)
 
 
-# Files of the diagrams; that of the guides is written where springs are compared, that of their surface
-# where rollers have a radius.
-FILES, GUIDES = ("hinge_moment.svg", "hinge_speed.svg"), "hinge_guides.svg"
+# Files of the diagrams; that of the guides' surface is written where rollers have a radius.
+FILES = ("hinge_moment.svg", "hinge_speed.svg", "hinge_guides.svg")
 SURFACE = "hinge_surface.svg"
 
 
@@ -684,12 +751,10 @@ def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
         run.plot(right, show="moment")
     with figure(made[1]) as axes:
         run.plot(axes, show="speed")
-    if run.compared:
-        made.append(folder / GUIDES)
-        count = len(run.spring_sizes)
-        with figure(made[-1], columns=count, width=4.6 * count, height=4.9) as panels:
-            for size, panel in enumerate(np.atleast_1d(panels)):
-                run.plot_guides(panel, size)
+    count = len(run.spring_sizes)
+    with figure(made[2], columns=count, width=4.6 * count, height=4.9) as panels:
+        for size, panel in enumerate(np.atleast_1d(panels)):
+            run.plot_guides(panel, size)
     if run.surface is not None:
         made.append(folder / SURFACE)
         with figure(made[-1], width=6.4, height=6.8) as axes:

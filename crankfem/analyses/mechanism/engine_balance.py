@@ -2,9 +2,11 @@
 
 import cmath
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Annotated
+
+import numpy as np
 
 from crankbase.results import Flat, Quantity, Result, result
 from crankbase.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
@@ -15,6 +17,7 @@ from dynamics.balance import (
     Hodograph,
     balance,
 )
+from dynamics.engine.layout import EngineCylinder
 from geometry.parts import counterweight_moment
 
 BALANCED_TEXT = "balanced"
@@ -248,3 +251,28 @@ def _without_round_off(moment: complex, scale: float) -> tuple[float, float]:
         0.0 if abs(part) < ROUND_OFF * scale else part for part in (moment.real, moment.imag)
     )
     return along, across
+
+
+def per_area_table(
+    cylinders: Sequence[EngineCylinder], balance: Balance, units: OutputUnits = SI
+) -> Table:
+    """Return the moving masses of each cylinder over the piston's area, with ranges that are usual."""
+    rows = zip(cylinders, balance.masses, strict=True)
+    return Table(
+        "Masses over the area of the piston",
+        [
+            Column("cylinder", words=True),
+            *(Column(name, "kg/m^2") for name in ("piston", "reciprocating", "rotating")),
+        ],
+        [
+            [
+                str(row.cylinder),
+                *np.divide([part.piston_mass, row.reciprocating, row.rotating], part.area).tolist(),
+            ]
+            for part, row in rows
+        ],
+        note="Rotating: at the crankpin, without the throw. Usual of medium-speed engines: pistons 600 to "
+        "1100, reciprocating masses 750 to 1400 kg/m^2 (Mikhina, Vyalkov 2024, table 2); the shipped engines "
+        f"of up to {units.of('mm').with_name(0.15, 3)} bore have 80 to 270 and 100 to 410 kg/m^2.",
+        merged=True,
+    )

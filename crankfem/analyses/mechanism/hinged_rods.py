@@ -11,7 +11,13 @@ from crankbase.results import Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.mechanism.engine_balance import angle_cell, cleared
 from dynamics.balance import HingedRodEffects
-from dynamics.engine.forces import acceleration_orders, order_part, piston_acceleration
+from dynamics.engine.forces import (
+    acceleration_orders,
+    order_part,
+    parts_motion,
+    piston_acceleration,
+    piston_ends,
+)
 from dynamics.engine.layout import EngineLayout
 
 Degrees = Annotated[float, Quantity("deg")]
@@ -73,14 +79,27 @@ def _rod(layout: EngineLayout, number: int) -> Literal["main", "hinged"]:
     return "main" if layout.main_of(number) == number else "hinged"
 
 
-def acceleration_columns(
+def motion_columns(
     layout: EngineLayout, speed: float, cylinders: Sequence[int], shaft_angles: FloatArray
 ) -> dict[str, FloatArray]:
-    """Return the pistons' accelerations over shaft angles (m,) [rad] by name with unit: whole, by order."""
-    columns = {}
+    """Return the motion of pistons and rods over shaft angles (m,) [rad] by name with unit.
+
+    The piston's travel from its top and its acceleration towards the shaft, whole and by order, with that of
+    the rod's center of mass, where the third of three masses is; across: to the side to which the crankpin
+    moves as it passes the top.
+    """
+    columns: dict[str, FloatArray] = {}
     for number in cylinders:
         alpha = shaft_angles - math.radians(layout.cylinders[number - 1].top_shaft_angle_deg)
         parts = acceleration_orders(layout, number, speed, max(ORDERS))
+        motion = parts_motion(layout, number, shaft_angles)
+        center = motion.rod_point(layout.cylinders[number - 1].rod.center).acceleration(speed)
+        top = piston_ends(layout, number)[1]
+        columns |= {
+            f"cylinder_{number}_piston_travel_m": top - motion.piston.place.real,
+            f"cylinder_{number}_rod_center_acceleration_m_s2": -center.real,
+            f"cylinder_{number}_rod_center_acceleration_across_m_s2": center.imag,
+        }
         columns[f"cylinder_{number}_acceleration_m_s2"] = piston_acceleration(
             layout, number, speed, angles_deg=np.degrees(alpha)
         )

@@ -13,11 +13,15 @@ from crankbase.results import Flat, Internal, Number, Quantity, Result, Speed, r
 from crankbase.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_mechanism import MechanismFile
-from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance
+from crankfem.analyses.mechanism.engine_balance import (
+    EngineBalance,
+    engine_balance,
+    per_area_table,
+)
 from crankfem.analyses.mechanism.hinged_rods import (
     PistonAccelerations,
-    acceleration_columns,
     hinged_rod_table,
+    motion_columns,
     piston_accelerations,
 )
 from crankfem.analyses.mechanism.mechanism_run import CylinderWork, MechanismRun, hinged_group
@@ -36,7 +40,7 @@ from dynamics.balance import HingedRodEffects
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
 from dynamics.engine.forces import LoadDiagram, pin_groups
-from dynamics.engine.layout import firing_intervals, repeating_intervals
+from dynamics.engine.layout import EngineCylinder, firing_intervals, repeating_intervals
 from dynamics.excitation.pressure_map import EnginePower, indicated_power
 
 Degrees = Annotated[float, Quantity("deg")]
@@ -245,6 +249,7 @@ class MechanismDetails(Result):
     hinged_rods: tuple[HingedRodEffects, ...]
     accelerations: PistonAccelerations | None
     rods_shown: Internal[bool] = False
+    cylinders: Internal[tuple[EngineCylinder, ...]] = ()
     pictures: tuple[str, ...] = ()
 
     def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
@@ -255,6 +260,7 @@ class MechanismDetails(Result):
         if self.model_difference is not None:
             yield from self.model_difference.parts(units)
         yield from self.results.balance.parts(units)
+        yield per_area_table(self.cylinders, self.results.balance.balance, units)
         if self.accelerations is not None:
             yield hinged_rod_table(self.hinged_rods)
             yield from self.accelerations.parts(units)
@@ -272,6 +278,7 @@ def mechanism_details(
         hinged_rods=run.hinged_rods,
         accelerations=piston_accelerations(run.layout, run.speed, group) if group else None,
         rods_shown=rods_shown,
+        cylinders=tuple(run.layout.cylinders),
     )
 
 
@@ -401,8 +408,8 @@ def force_columns(
 ) -> tuple[dict[str, FloatArray], str]:
     """Return the forces over the shaft angle by name with unit, and a description.
 
-    With accelerations of the pistons on the first crankpin that has hinged rods, and the load of the first
-    crankpin by two rod models, if they are compared.
+    With the motion of pistons and rods and, if two rod models are compared, the forces of the first
+    cylinder and its crankpin by them.
     """
     columns = {"shaft_angle_deg": run.forces.shaft_angles_deg, "torque_Nm": run.torque.total}
     for place in range(len(run.layout.cylinders)):
@@ -417,11 +424,14 @@ def force_columns(
     for load in (*run.crankpins, *run.bearings):
         name = load.name.replace(", ", "_").replace(" ", "_")
         columns |= {f"{name}_{key}": load.columns()[key] for key in ("force_x_N", "force_y_N")}
-    angles, group = np.radians(run.forces.shaft_angles_deg), hinged_group(run.layout)
-    columns |= acceleration_columns(run.layout, run.speed, group, angles)
+    cylinders = range(1, len(run.layout.cylinders) + 1)
+    angles = np.radians(run.forces.shaft_angles_deg)
+    columns |= motion_columns(run.layout, run.speed, cylinders, angles)
     if compared is not None:
         for model, load in zip(compared.models, (compared.first, compared.second), strict=True):
             columns[f"{load.name.replace(', ', '_').replace(' ', '_')}_{model}_N"] = load.magnitude
+        changes = compared.force_changes.items()
+        columns |= {f"difference_{force}_N": values for force, values in changes}
         columns["difference_of_same_angle"] = compared.of_same_angle
         columns["difference_of_mean"] = compared.of_mean
     heading = f"{run.mechanism.name}, {run.speed * RPM:.10g} 1/min, rods as {run.forces.model}"

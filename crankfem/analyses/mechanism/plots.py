@@ -20,6 +20,8 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
+from crankfem.analyses.mechanism.hinged_rods import motion_columns
+from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.rod_models import ModelDifference
 from crankfem.analyses.titles import add_title
 from dynamics.balance import Balance, hinged_rod_effects
@@ -32,7 +34,7 @@ from dynamics.engine.forces import (
 )
 from dynamics.engine.layout import EngineLayout
 from dynamics.harmonics import Harmonics, TorqueTable
-from dynamics.plots.curves import KILO
+from dynamics.plots.curves import KILO, draw_over_angle
 from dynamics.plots.harmonics import (
     KIND_COLORS,
     STAR_STEP,
@@ -225,7 +227,7 @@ def plot_polar_loads(
 def plot_model_difference(path: Path, difference: ModelDifference, *, title: str = "") -> None:
     """Plot the crankpin load by two rod models, and their difference over the shaft angle."""
     per_piston = 1e-6 / (KILO * difference.piston_area)  # MPa for each kN
-    with figure(path, 2, width=11.8, height=6.4) as (polar, shares):
+    with figure(path, 3, width=17.4, height=6.4) as (polar, shares, forces):
         loads = list(zip(difference.models, (difference.first, difference.second), strict=True))
         draw_polar_loads(polar, loads, "crank", 30.0)
         scale = (lambda force: force * per_piston, lambda pressure: pressure / per_piston)
@@ -244,7 +246,42 @@ def plot_model_difference(path: Path, difference: ModelDifference, *, title: str
         shares.set_xlabel("shaft angle [deg]")
         shares.set_ylabel(f"force, {difference.models[1]} less {difference.models[0]} [%]")
         legend_below(shares, 2)
-        add_title((polar, shares), title)
+        changes = {name: KILO * change for name, change in difference.force_changes.items()}
+        label = f"{difference.models[1]} less {difference.models[0]} [kN]"
+        draw_over_angle(forces, np.radians(degrees), changes, f"force, {label}")
+        forces.axhline(0.0, color=GRAY, linewidth=0.8)
+        add_title((polar, shares, forces), title)
+
+
+ENGINE_FILES = ("piston_motion.svg", "crankpins.svg")
+
+
+def plot_engine(folder: Path, run: MechanismRun, *, title: str = "") -> list[Path]:
+    """Write the pictures `ENGINE_FILES`: motion of the first piston and rod, loads of all crankpins."""
+    motion, crankpins = (folder / name for name in ENGINE_FILES)
+    angles = np.linspace(0.0, 2.0 * np.pi, POINTS)
+    columns = list(motion_columns(run.layout, run.speed, (1,), angles).values())
+    names = (
+        "rod's center of mass, towards the shaft",
+        "the same, across",
+        "piston, towards the shaft",
+    )
+    with figure(motion, 2, width=11.8, height=4.4) as (left, right):
+        travel = {"piston": 1e3 * columns[0]}
+        draw_over_angle(left, angles, travel, "piston travel from its top [mm]", cyclic=False)
+        curves = dict(zip(names, columns[1:], strict=False))
+        draw_over_angle(right, angles, curves, "acceleration [m/s$^2$]", cyclic=False)
+        add_title((left, right), f"cylinder 1, {title}")
+    width = min(len(run.crankpins), MOST_IN_A_ROW)
+    rows = math.ceil(len(run.crankpins) / width)
+    with figure(crankpins, width, 4.6 * width, 4.8 * rows, rows=rows) as axes:
+        for panel in axes.flat[len(run.crankpins) :]:
+            panel.remove()
+        for panel, load in zip(axes.flat, run.crankpins, strict=False):
+            draw_polar_loads(panel, [(load.name, load)], "crank", 60.0)
+            write_title(panel, load.name)
+        add_title(axes.flat, title)
+    return [motion, crankpins]
 
 
 STARS_A_ROW = 4

@@ -74,6 +74,17 @@ class ModelDifference(Result):
     first: Internal[LoadDiagram]
     second: Internal[LoadDiagram]
     piston_area: Annotated[float, Quantity("m^2", "of the piston above the crankpin")]
+    side_change: Internal[FloatArray]
+
+    @property
+    def force_changes(self) -> dict[str, FloatArray]:
+        """T and Z of the crankpin and N of the piston above it: second model less first, (m,) [N]."""
+        crankpin = self.second.in_crank_frame - self.first.in_crank_frame
+        return {
+            "tangential": crankpin.imag,
+            "radial": -crankpin.real,
+            "side": self.side_change,
+        }
 
     @property
     def crankpin(self) -> Part[str]:
@@ -195,11 +206,13 @@ def _largest(shares: FloatArray) -> int:
 
 def model_difference(run: MechanismRun, model: RodModelName) -> ModelDifference:
     """Compare the load of the first crankpin by another rod model with that of a run."""
+    other = _with_model(run, model)
     return ModelDifference(
         (run.forces.model, model),
         run.crankpins[0],
-        crankpin_loads(_with_model(run, model))[0],
+        crankpin_loads(other)[0],
         run.layout.cylinders[0].area,
+        other.side[0] - run.forces.side[0],
     )
 
 

@@ -58,6 +58,37 @@ def _csv_rows(name: str, harmonics: Spectrum) -> list[list[object]]:
     return [[name, unit, 0.0, mean, 0.0, mean, 0.0], *([name, unit, *row] for row in values)]
 
 
+def finite_sums(
+    degrees: FloatArray, torque: FloatArray, strokes: int, highest: float
+) -> Iterator[list[object]]:
+    """Return the auxiliary table of the finite sums: names, a row for each sample, their sums.
+
+    Parameters
+    ----------
+    degrees, torque : ndarray of shape (m,)
+        Even crank angles of one cycle [deg], and the torque there [N m].
+    highest : float
+        Order up to which there are columns.
+
+    Notes
+    -----
+    x is the angle of the cycle, 360 deg long, and k counts its waves: of the order k in two strokes and k/2
+    in four. A_k and B_k are 2/m times the sums of y cos kx and y sin kx (Makushev, Polyakova 2024, doi
+    10.25206/1813-8225-2024-191-39-47, table 2).
+    """
+    turns = strokes / 2.0
+    x = np.radians(degrees / turns)
+    columns = {"x_deg": degrees / turns, "y_Nm": torque}
+    for k in range(1, int(highest * turns + 1e-9) + 1):
+        for name, wave in (("cos", np.cos(k * x)), ("sin", np.sin(k * x))):
+            columns |= {f"{name}_{k}x": wave, f"y_{name}_{k}x": torque * wave}
+    yield ["sample", *columns]
+    rows = np.column_stack([*columns.values()]).tolist()
+    yield from ([number, *row] for number, row in enumerate(rows, start=1))
+    sums = (float(np.sum(column)) if "y" in name else "" for name, column in columns.items())
+    yield ["sum", *sums]
+
+
 def _torque(value: float, units: OutputUnits, unit: str = "N m") -> str:
     return table_unit([value], unit, units).with_unit(value)
 

@@ -10,17 +10,18 @@ import numpy as np
 from crankbase.array_checks import FloatArray, positive_number
 from crankbase.diagrams import (
     ALL_ORDERS,
-    Curves,
+    Diagram,
     Series,
+    curve_diagram,
     display_unit,
-    draw_curves,
+    draw_diagram,
     new_axes,
     order_line_style,
     write_title,
 )
 from crankbase.errors import InputError
 from crankbase.quantity import percent
-from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, result
+from crankbase.results import Flat, InItsUnit, Internal, Number, Quantity, Result, result
 from crankfem.analyses.throw.law_record import LAW, LawAnswer, law_results
 from crankfem.analyses.throw.throw_record import ThrowResults
 from fem.analysis import ThrowAnalysis, analyze_throw
@@ -124,6 +125,14 @@ class Formulas(Result):
     def by_law(self, kind: Kind) -> LawAnswer | None:
         """Return the law's compliance."""
         return (self.law or {}).get(f"{kind}_compliance")
+
+
+@result("engine", "formulas")
+class EngineFormulas(Result):
+    """One of several engines with its formulas."""
+
+    engine: str
+    formulas: Flat[Formulas]
 
 
 def formulas_of(
@@ -330,7 +339,7 @@ class CompliancesOverAngle(Result):
     formulas: Annotated[Mapping[str, tuple[float | None, ...]], Quantity("m/N")]
     law: AngleNumbers | None
 
-    def curves(self, throw: ThrowResults) -> Curves:
+    def curves(self, throw: ThrowResults) -> Diagram:
         """Describe finite elements and formulas over the angle."""
         curves = {name: np.array(row, dtype=np.float64) for name, row in self.formulas.items()}
         bounds = {name: throw.supports[name].axial for name in ("guided", "pinned")}
@@ -547,9 +556,9 @@ def plot_run_formulas(results: Result | Mapping[str, Any], axes: "Axes | None" =
     return _draw(axes, described, "Axial compliance over the angle")
 
 
-def _draw(axes: "Axes | None", described: Curves, title: str) -> "Axes":
+def _draw(axes: "Axes | None", described: Diagram, title: str) -> "Axes":
     axes = new_axes(axes)
-    draw_curves(axes, described)
+    draw_diagram(axes, described)
     axes.legend(
         frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=3.2
     )
@@ -562,7 +571,7 @@ def formulas_over_angle(
     formulas: Mapping[str, FloatArray],
     fe: FloatArray | None = None,
     bounds: Mapping[str, float] | None = None,
-) -> Curves:
+) -> Diagram:
     """Describe the axial compliance over the angle between neighboring cranks.
 
     Parameters
@@ -585,7 +594,7 @@ def formulas_over_angle(
     for name, value in (bounds or {}).items():
         level = np.full(len(gammas), NANO * value)
         series.append(Series(f"FE {name}: {NANO * value:.4g}", level, color=ALL_ORDERS, dash="dot"))
-    return Curves(
+    return curve_diagram(
         gammas,
         tuple(series),
         "angle between neighboring cranks γ [deg]",

@@ -3,9 +3,13 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Annotated
+from itertools import cycle
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from crankbase.array_checks import FloatArray
+from crankbase.choices import check_choice
+from crankbase.diagrams import COLORS, figure, legend_below, write_title
 from crankbase.errors import InputError
 from crankbase.quantity import percent
 from crankbase.results import Number, Quantity, Result, result
@@ -15,17 +19,25 @@ from fem.analysis import ThrowAnalysis, axial_correction
 from fem.end_reactions import Reactions
 from fem.material import Material
 from fem.modes import ThrowModes
+from fem.plots import Compliance
+from fem.sensitivities import Sensitivities
 from fem.solver import asymmetry
 from fem.superelement import superelement_of_end_forces
 from fem.supports import Compliances, Neighbors, Support, reactions
 from fem.symmetry import Sections
+from geometry.boundary_motion import ZERO
 from geometry.mass import Unbalance, unbalance
 from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 from regression.models.lookup import ReactionLookup
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 Metre = Annotated[float, Quantity("m")]
 Newton = Annotated[float, Quantity("N")]
+# Without a gas pressure in the engine file, reactions are given for this radial force [N].
+UNIT_RADIAL_FORCE = 1e5
 
 
 @result("axial", "torsional", "influence")
@@ -128,6 +140,16 @@ class ThrowResults(Result):
     reciprocity: Annotated[Reciprocity | None, Quantity(left_out=True)] = None
     law: Annotated[LawResults | None, Quantity(left_out=True)] = None
     free_modes: Annotated[tuple[FreeMode, ...] | None, Quantity(left_out=True)] = None
+    slopes: Annotated[tuple[Sensitivities, ...] | None, Quantity(left_out=True)] = None
+    further_pin_forces: Annotated[
+        tuple[tuple[float, float, float], ...] | None,
+        Quantity("N", "on the other pins, in their order", left_out=True),
+    ] = None
+
+    @property
+    def pin_forces(self) -> tuple[tuple[float, float, float], ...]:
+        """Forces on the pins, from the first on [N]."""
+        return (self.pin_force, *(self.further_pin_forces or ()))
 
     @property
     def error_words(self) -> str:
@@ -137,8 +159,11 @@ class ThrowResults(Result):
 
     def pin_force_words(self, units: OutputUnits = SI) -> str:
         """State which force acts on the pin."""
-        first = "the first pin" if _pins(self.dimensions) > 1 else "the pin"
-        return force_words(self.pin_force, first, units)
+        if _pins(self.dimensions) == 1:
+            return force_words(self.pin_force, "the pin", units)
+        first = force_words(self.pin_force, "the first pin", units)
+        further = enumerate(self.further_pin_forces or (), start=2)
+        return " and ".join([first, *(force_words(own, f"pin {n}", units) for n, own in further)])
 
     def support_table(self) -> Table:
         """Return the compliances by support of the end sections."""
@@ -162,6 +187,51 @@ class ThrowResults(Result):
             note="P: axial force at the right end that keeps the length under "
             f"{self.pin_force_words(units)}.",
         )
+
+    def plot(self, axes: "Axes | None" = None, *, support: str = "pinned") -> "Axes":
+        """Draw the throw from the side with the forces on its pins and ends, as far as in this plane.
+
+        Of a throw from a file, whose outline is unknown, draw the reactions' forces.
+
+        Parameters
+        ----------
+        support : str, optional
+            One of the `supports`.
+
+        Raises
+        ------
+        InputError
+            If there is no such support.
+        """
+        check_choice("support", support, self.supports, "these were calculated")
+        throw, ends = self.dimensions, self.supports[support].reactions
+        if isinstance(throw, ThrowInFile):
+            return ends.plot(axes)
+        axes = throw.plot(axes, dimensions=False)
+        pins = zip(throw.parts.pins, self.pin_forces, strict=False)
+        acting = {
+            f"pin {number}": ((0.5 * (pin.start + pin.end), pin.axis[1]), force)
+            for number, (pin, force) in enumerate(pins, start=1)
+        }
+        acting["left end"] = (0.0, 0.0), tuple(ends.left.force.tolist())
+        acting["right end"] = (throw.length, 0.0), tuple(ends.right.force.tolist())
+        longest = max(math.hypot(along, up) for _, (_, up, along) in acting.values())
+        scale = LONGEST_ARROW * throw.length / (longest or 1.0)
+        for color, (name, ((z, y), force)) in zip(cycle(COLORS), acting.items(), strict=False):
+            components = ", ".join(f"{value / 1e3:.3g}" for value in force)
+            axes.plot([], [], color=color, label=f"{name}: {components}")
+            arrow = {
+                "arrowstyle": "->",
+                "color": color,
+                "linewidth": 1.8,
+                "shrinkA": 0,
+                "shrinkB": 0,
+            }
+            tip = (z + scale * force[2], y + scale * force[1])
+            axes.annotate("", tip, (z, y), arrowprops=arrow, annotation_clip=False)
+        legend_below(axes, 2)
+        write_title(axes, f"Forces x, y, z [kN], {support} ends")
+        return axes
 
     def reaction_table(self, units: OutputUnits = SI) -> Table:
         """Return the reactions of the ends to the force on the pin."""
@@ -206,6 +276,39 @@ class ThrowResults(Result):
             (Column("mode"), lambda row: row[0]),
             (Column("frequency", "Hz", decimals=1), lambda row: row[1].frequency),
             (Column("motion of the end sections", words=True), lambda row: row[1].name),
+        )
+
+    def slope_table(self) -> Table:
+        """Return the changes in per cent for one per cent of each dimension, those of e_n falling."""
+        slopes = self.slopes or ()
+        heads = [
+            f"{SYMBOLS.get(slope.quantity, slope.quantity)} {slope.support}" for slope in slopes
+        ]
+        paths = sorted(slopes[0].shares, key=lambda path: -abs(slopes[0][path])) if slopes else []
+        return Table(
+            "Change in per cent for one per cent of a dimension",
+            [
+                Column("dimension", words=True),
+                *(Column(head.strip(), decimals=3) for head in heads),
+            ],
+            [[path.replace("_", " "), *(slope[path] for slope in slopes)] for path in paths],
+        )
+
+    def slope_words(self) -> str:
+        """State how well the slopes are known, and which dimensions have none."""
+        slope = (self.slopes or ())[0]
+        zero = [path for path, why in slope.left_out.items() if why == ZERO]
+        others = [f"{path}: {why}" for path, why in slope.left_out.items() if why != ZERO]
+        missing = [f"no slope where a dimension is zero ({', '.join(zero)})"] if zero else []
+        return (
+            "; ".join(
+                [
+                    f"Slopes of the mesh's answer, without its correction of {percent(slope.error)} %",
+                    *missing,
+                    *others,
+                ]
+            )
+            + "."
         )
 
     def time_table(self) -> Table:
@@ -327,6 +430,7 @@ def throw_results(
     radial_force: float,
     *,
     pin_force: Sequence[float] | None = None,
+    further_pin_forces: Sequence[Sequence[float]] = (),
     gamma_deg: float | None = None,
     left_gamma_deg: float | None = None,
 ) -> ThrowResults:
@@ -338,18 +442,21 @@ def throw_results(
         Z for the reactions [N].
     pin_force : (3,) sequence of float, optional
         On the first pin, in the throw frame, replaces Z [N].
+    further_pin_forces : sequence of (3,) sequences of float, optional
+        On the pins after it, at the same time [N].
     gamma_deg : float, optional
         Angle to equal neighbors, for one more support [deg].
     left_gamma_deg : float, optional
         Angle to the left neighbor, if different [deg].
     """
     x, y, z = (0.0, -radial_force, 0.0) if pin_force is None else pin_force
+    further = [(right, up, along) for right, up, along in further_pin_forces]
     mesh, masses, sections = analysis.mesh, analysis.masses, analysis.sections
     return ThrowResults(
         dimensions=dimensions_of(analysis.throw),
         material=analysis.material,
         supports={
-            name: _on_support(analysis, support, (x, y, z))
+            name: _on_support(analysis, support, [(x, y, z), *further])
             for name, support in named_supports(gamma_deg, left_gamma_deg).items()
         },
         radial_force=-y,
@@ -377,16 +484,19 @@ def throw_results(
         unknowns=mesh.unknowns,
         model=f"{mesh.part}, second-order tetrahedra, end sections {analysis.end_sections}",
         remarks=(*analysis.throw.remarks, *(() if analysis.corrected else (NOT_CORRECTED,))),
+        further_pin_forces=tuple(further) or None,
         meshing_attempts=mesh.attempts,
         mended_elements=mesh.mended_elements,
     )
 
 
 def _on_support(
-    analysis: ThrowAnalysis, support: Support, force: tuple[float, float, float]
+    analysis: ThrowAnalysis, support: Support, forces: Sequence[tuple[float, float, float]]
 ) -> ThrowOnSupport:
     answer, plain = analysis.supported(support), isinstance(support, Neighbors)
     rigid = plain or analysis.sections == "rigid"
+    ends = [analysis.reactions(force, support, pin) for pin, force in enumerate(forces)]
+    lengthening = zip(answer.stretches, forces, strict=False)  # pins without a force are left out
     return ThrowOnSupport(
         axial=answer.axial,
         torsional=answer.torsional,
@@ -394,9 +504,28 @@ def _on_support(
         errors=analysis.error_bars(support),
         section_errors=None if rigid else analysis.section_errors(support),
         axial_force_per_radial=answer.influence / answer.axial,
-        axial_force=float(answer.stretches[0] @ force) / answer.axial,
-        reactions=analysis.reactions(force, support),
+        axial_force=float(sum(stretch @ force for stretch, force in lengthening)) / answer.axial,
+        reactions=sum(ends[1:], ends[0]),
     )
+
+
+LONGEST_ARROW = 0.3  # share of the throw's length
+PICTURE = "throw_reactions.svg"
+
+
+def picture_reactions(results: ThrowResults, folder: Path) -> Path:
+    """Write the forces on the throw and the reactions of its ends, a row for each support."""
+    path, drawn = folder / PICTURE, isinstance(results.dimensions, CrankThrow)
+    columns, rows = 2 + drawn, len(results.supports)
+    with figure(path, columns, 4.8 * columns, 4.2 * rows, rows=rows) as panels:
+        for row, (name, own) in zip(panels, results.supports.items(), strict=True):
+            if drawn:
+                results.plot(row[0], support=name)
+            own.reactions.plot(row[-2], show="force")
+            own.reactions.plot(row[-1], show="moment")
+            for panel in row[-2:]:
+                write_title(panel, f"Reactions, {name} ends")
+    return path
 
 
 def reciprocity(analysis: ThrowAnalysis) -> Reciprocity:
@@ -413,6 +542,22 @@ def reciprocity(analysis: ThrowAnalysis) -> Reciprocity:
     return Reciprocity(
         asymmetry(by_forces.stiffness, analysis.mesh.length), float(max(differences))
     )
+
+
+SYMBOLS = {"axial_compliance": "e_n", "torsional_compliance": "e_t", "influence_coefficient": "c"}
+# Whose slopes a command prints, besides that of the mass.
+SLOPED: tuple[tuple[Compliance, Literal["pinned", "guided"]], ...] = (
+    ("axial_compliance", "pinned"),
+    ("axial_compliance", "guided"),
+    ("torsional_compliance", "pinned"),
+    ("influence_coefficient", "pinned"),
+)
+
+
+def throw_slopes(analysis: ThrowAnalysis) -> tuple[Sensitivities, ...]:
+    """Return how the main answers change with each dimension."""
+    chosen = [analysis.sensitivities(quantity, support) for quantity, support in SLOPED]
+    return (*chosen, analysis.sensitivities("mass"))
 
 
 def free_modes(modes: ThrowModes) -> tuple[FreeMode, ...]:

@@ -1,9 +1,9 @@
 """The published formulas: for one throw, for all shipped engines, and the survey's own table."""
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,10 @@ from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import GammaOption, Output, ThrowOption, with_output
 from crankfem.cli.console import parse_pairs, print_json
+
+if TYPE_CHECKING:
+    from crankbase.results import Result
+    from crankfem.analyses.throw.formula_records import Formulas
 
 
 @dataclass(frozen=True)
@@ -28,11 +32,12 @@ class _Request:
 
 @with_output(units=True)
 def formulas(
-    engine: Annotated[
-        str | None,
+    engines: Annotated[
+        list[str] | None,
         typer.Argument(
             metavar="ENGINE.toml",
-            help="Engine file, or the name of a shipped engine; none with --all or --published.",
+            help="Engine file, or the name of a shipped engine; several for a table of them; none with "
+            "--all or --published.",
             autocompletion=completion.engines,
         ),
     ] = None,
@@ -62,15 +67,16 @@ def formulas(
     *,
     out: Output,
 ) -> None:
-    """Compare the published formulas with finite elements, for a throw or all shipped engines."""
+    """Compare the published formulas with finite elements, for a throw or several engines."""
     from crankfem.cli.arguments import parse_gamma
 
-    if (engine is not None) + all_engines + published != 1:
+    files = engines or []
+    if bool(files) + all_engines + published != 1:
         raise InputError("formulas: give one of ENGINE.toml, --all and --published.")
-    if throw is not None and engine is None:
+    if throw is not None and len(files) != 1:
         raise InputError(
-            f"--throw: given {throw!r} without ENGINE.toml; allowed is it with one, because its throws have "
-            "names."
+            f"--throw: given {throw!r} {'with several' if files else 'without'} ENGINE.toml; allowed is it "
+            "with one, because its throws have names."
         )
     if published:
         _refuse_beside_published(
@@ -92,10 +98,12 @@ def formulas(
         fe=fe,
         out=out,
     )
-    if engine is None:
+    if not files:
         _all_engines(asked)
+    elif len(files) == 1:
+        _one_throw(files[0], asked)
     else:
-        _one_throw(engine, asked)
+        _some_engines(files, asked)
 
 
 def _refuse_beside_published(options: Mapping[str, bool]) -> None:
@@ -106,25 +114,60 @@ def _refuse_beside_published(options: Mapping[str, bool]) -> None:
         )
 
 
-def _one_throw(engine: str, asked: _Request) -> None:
+def _values(engine: str, asked: _Request) -> "Formulas":
     from crankfem.analyses.throw.formula_records import by_elements, formulas_of
     from crankfem.cli.arguments import select_throw
-    from crankfem.cli.tables import throw_tables
     from fem.analysis import analyze_throw
 
     dimensions, material = select_throw(engine, asked.throw, asked.out.quiet)
-    gamma, constants = asked.gamma, asked.constants
-    values = replace(
-        formulas_of(dimensions, material, gamma, asked.variant, constants),
-        gamma_deg=gamma,
-        constants=constants,
-    )
+    values = formulas_of(dimensions, material, asked.gamma, asked.variant, asked.constants)
     if asked.fe:
-        values = replace(values, fe=by_elements(analyze_throw(dimensions, material), gamma))
+        fe = by_elements(analyze_throw(dimensions, material), asked.gamma)
+        values = replace(values, fe=fe)
+    return values
+
+
+def _one_throw(engine: str, asked: _Request) -> None:
+    from crankfem.cli.tables import throw_tables
+
+    gamma, constants = asked.gamma, asked.constants
+    values = replace(_values(engine, asked), gamma_deg=gamma, constants=constants)
     if asked.out.json:
         print_json(values)
     else:
         throw_tables.print_one_throw(values, gamma, constants, asked.out.units)
+
+
+def _some_engines(files: Sequence[str], asked: _Request) -> None:
+    from crankfem.analyses.throw.formula_records import EngineFormulas
+    from crankfem.cli.tables import throw_tables
+    from crankfem.files.reading.data_files import input_path
+
+    names = [input_path(file).stem for file in files]  # refuses all that are not there at once
+    rows: list[EngineFormulas] = []
+    for name, file in zip(names, files, strict=True):
+        console.print_note(f"{name} ({len(rows) + 1} of {len(names)})", asked.out.quiet)
+        rows.append(EngineFormulas(name, _values(file, asked)))
+    if asked.out.json:
+        _print_engines(rows, asked)
+    else:
+        throw_tables.print_engines(
+            rows, asked.gamma, asked.variant, asked.constants, asked.out.units
+        )
+
+
+def _print_engines(rows: "Sequence[Result]", asked: _Request) -> None:
+    """Print as JSON what was calculated for each of several engines."""
+    from crankbase.results import units as result_units
+
+    print_json(
+        {
+            "gamma_deg": asked.gamma,
+            "constants": dict(asked.constants),
+            "engines": rows,
+            "units": {"gamma_deg": "deg", "constants.*": "1"} | result_units(rows, "engines."),
+        }
+    )
 
 
 def _all_engines(asked: _Request) -> None:
@@ -148,17 +191,7 @@ def _all_engines(asked: _Request) -> None:
         ),
     )
     if asked.out.json:
-        from crankbase.results import units as result_units
-
-        print_json(
-            {
-                "gamma_deg": asked.gamma,
-                "constants": dict(asked.constants),
-                "engines": spreads,
-                "units": {"gamma_deg": "deg", "constants.*": "1"}
-                | result_units(spreads, "engines."),
-            }
-        )
+        _print_engines(spreads, asked)
     else:
         throw_tables.print_spread(
             spreads, asked.gamma, asked.variant, asked.constants, asked.out.units

@@ -55,7 +55,6 @@ def hinge(
     from crankbase.results import units as result_units
     from crankfem.analyses.hinge.hinge_run import (
         FILES,
-        GUIDES,
         SURFACE,
         hinge_columns,
         plot_hinge,
@@ -74,11 +73,7 @@ def hinge(
     check_choice(
         "--kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
     )
-    names = [
-        *FILES,
-        *([] if loaded.comparison is None else [GUIDES]),
-        *([SURFACE] if loaded.roller_radius else []),
-    ]
+    names = [*FILES, *([SURFACE] if loaded.roller_radius else [])]
     folder = check_outputs(csv, pictures, loaded.path, *loaded.tables, names=names)
     run = run_hinge(loaded, cast(Any, kinematics), other)
     if csv is not None:

@@ -15,6 +15,7 @@ from crankfem.cli.console import print_json, print_parts
 from dynamics.engine import ROD_MODELS, RodModelName
 
 if TYPE_CHECKING:
+    from crankbase.array_checks import FloatArray
     from crankfem.analyses.mechanism.torque_harmonics import EngineHarmonics, TableHarmonics
     from dynamics.harmonics import Harmonics
 
@@ -51,7 +52,11 @@ def mechanism(
     from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_inputs
     from crankfem.analyses.mechanism.mechanism_results import force_columns, mechanism_details
     from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-    from crankfem.analyses.mechanism.plots import plot_model_difference
+    from crankfem.analyses.mechanism.plots import (
+        ENGINE_FILES,
+        plot_engine,
+        plot_model_difference,
+    )
     from crankfem.analyses.titles import at_speed
     from crankfem.cli.arguments import parse_speed
     from crankfem.cli.console import write_columns
@@ -60,7 +65,7 @@ def mechanism(
 
     loaded, turning, models = load_mechanism(engine), parse_speed(speed), _rod_models(model)
     inputs = mechanism_inputs(loaded)
-    names = [*MECHANISM.files(), *([ROD_MODELS_FILE] if len(models) == 2 else [])]
+    names = [*MECHANISM.files(), *ENGINE_FILES, *([ROD_MODELS_FILE] if len(models) == 2 else [])]
     folder = check_outputs(csv, pictures, *inputs, names=names)
     console.print_warnings(loaded.warnings, out.units)
     run = run_mechanism(loaded, turning, models[0], motored=motored)
@@ -68,9 +73,11 @@ def mechanism(
     compared = details.model_difference
     if csv is not None:
         write_columns(csv, *force_columns(run, compared))
-    made = [] if folder is None else MECHANISM.draw(folder, run)
+    made, title = [], at_speed(loaded.name, run.speed)
+    if folder is not None:
+        made = [*MECHANISM.draw(folder, run), *plot_engine(folder, run, title=title)]
     if folder is not None and compared is not None:
-        title = f"{compared.crankpin}, {at_speed(loaded.name, run.speed)}"
+        title = f"{compared.crankpin}, {title}"
         plot_model_difference(folder / ROD_MODELS_FILE, compared, title=title)
         made.append(folder / ROD_MODELS_FILE)
     if out.json:
@@ -110,6 +117,7 @@ class _Request:
     firing: tuple[str | None, str | None]
     csv: Path | None
     pictures: str | None
+    sums: Path | None
 
 
 @with_output(files=True, units=True)
@@ -151,6 +159,13 @@ def harmonics(
     csv: Annotated[
         Path | None, typer.Option(metavar="FILE.csv", help="Write the harmonics as a table.")
     ] = None,
+    sums: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.csv",
+            help="Write the samples y of the torque with y cos kx and y sin kx, and their sums.",
+        ),
+    ] = None,
     pictures: Annotated[
         str | None,
         typer.Option(metavar="FOLDER", help="Write torque, harmonics and star diagrams as SVG."),
@@ -168,7 +183,7 @@ def harmonics(
             "orders count cycles per crankshaft revolution."
         )
     firing = (firing_order, firing_angles)
-    asked = _Request(strokes, orders, cylinder, speed, firing, csv, pictures)
+    asked = _Request(strokes, orders, cylinder, speed, firing, csv, pictures, sums)
     split = _engine_harmonics if _names_engine(source) else _torque_table_harmonics
     spectra = split(source, asked)
     if csv is not None:
@@ -178,7 +193,7 @@ def harmonics(
         print_json(spectra)
         return
     print_parts(spectra.parts(out.units), out.units)
-    for path, kind in ((csv, "Table"), (pictures, "Pictures")):
+    for path, kind in ((csv, "Table"), (sums, "Sums"), (pictures, "Pictures")):
         if path is not None:
             console.output.print(f"{kind}: {path}", soft_wrap=True)
 
@@ -217,6 +232,7 @@ def _torque_table_harmonics(source: str, asked: _Request) -> "TableHarmonics":
     spectra, drawn = table_harmonics(path.name, table, asked.orders, firing)
     stars = spectra.cylinders.stars if spectra.cylinders is not None else ()
     folder = check_outputs(asked.csv, asked.pictures, path, names=table_files(stars))
+    _write_sums(asked, path, table.crank_angle_deg, table.torque, drawn)
     if folder is not None:
         picture_torque_table(folder, table, drawn, stars)
     return spectra
@@ -264,6 +280,8 @@ def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
     torque = engine_torque(engine, speed, pressure, throws=mechanism.throws)
     _check_resolved(asked.orders, torque.harmonics())
     highest = USUAL_ENGINE_ORDERS if asked.orders is None else asked.orders
+    spectrum = torque.harmonics().up_to(highest)
+    _write_sums(asked, mechanism.path, torque.shaft_angles_deg, torque.total, spectrum)
     forces = (
         None
         if cylinder is None
@@ -272,6 +290,21 @@ def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
     if folder is not None:
         picture_torque(folder, torque, highest, title=titles.at_speed(mechanism.name, speed))
     return engine_harmonics(mechanism, torque, highest, forces)
+
+
+def _write_sums(
+    asked: _Request, source: Path, degrees: "FloatArray", torque: "FloatArray", shown: "Harmonics"
+) -> None:
+    """Write the auxiliary table of the harmonics shown, if it is asked for."""
+    from crankfem.analyses.mechanism.torque_harmonics import finite_sums
+    from crankfem.jobs.outputs import check_distinct_files, check_writable, write_rows
+
+    if asked.sums is None:
+        return
+    check_distinct_files({"--csv": asked.csv, "--sums": asked.sums})
+    check_writable(asked.sums, "table", source, name=f"--sums {asked.sums}")
+    names, *rows = finite_sums(degrees, torque, shown.strokes, float(shown.orders[-1]))
+    write_rows(asked.sums, list(map(str, names)), rows)
 
 
 def _check_resolved(orders: float | None, harmonics: "Harmonics") -> None:

@@ -16,7 +16,7 @@ from crankfem.cli.commands.options import (
     ThrowOption,
     with_output,
 )
-from crankfem.cli.console import print_json, print_line, print_parts, print_table
+from crankfem.cli.console import print_json, print_line, print_notes, print_parts, print_table
 from fem.wished_accuracy import COMPLIANCE_ACCURACY, STRESS_ACCURACY
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ PinsOption = Annotated[
 ]
 
 
-@with_output(units=True)
+@with_output(files=True, units=True)
 def throw(
     engine: ThrowArgument,
     name: ThrowOption = None,
@@ -46,11 +46,12 @@ def throw(
         ),
     ] = None,
     pin_force: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
             metavar='"100 kN"',
-            help='Force on the first pin: Z towards the shaft, or x, y, z in its frame ("40, -100, 0 kN").',
-            show_default="100 kN",
+            help='Force on a pin: Z towards the shaft, or x, y, z in the throw\'s frame ("40, -100, 0 kN"); '
+            "once for each pin of the throw, the first one first.",
+            show_default="100 kN on the first",
         ),
     ] = None,
     pins: PinsOption = None,
@@ -68,9 +69,19 @@ def throw(
     modes: Annotated[
         int, typer.Option(help="Also compute this many natural modes of the free throw.")
     ] = 0,
+    slopes: Annotated[
+        bool,
+        typer.Option("--slopes", help="Also print how results change with each dimension."),
+    ] = False,
     profile: Annotated[
         bool, typer.Option("--profile", help="Print the time of each step.")
     ] = False,
+    pictures: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FOLDER", help="Draw the forces on the throw and its ends' reactions."
+        ),
+    ] = None,
     *,
     out: Output,
 ) -> None:
@@ -79,24 +90,53 @@ def throw(
     A STEP file is a CAD part of steel: z along the shaft, faces named "left end", "right end" and
     "pin", or none named at all.
     """
+    from geometry.gmsh_session import shared_process
+
+    shared_process().start()  # which loads gmsh while this process loads the rest
+
+    from crankfem.cli.arguments import select_part
+    from fem.first_mesh import begin_mesh
+
+    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
+    part, material = select_part(engine, name, pins, out.quiet)
+    begin_mesh(part, accuracy)
+
+    from crankbase.results import units as result_units
     from crankfem.analyses.throw.law_record import law_results
-    from crankfem.analyses.throw.throw_record import free_modes, throw_results
-    from crankfem.cli.arguments import parse_gamma, parse_pin_force, select_part
+    from crankfem.analyses.throw.throw_record import (
+        PICTURE,
+        UNIT_RADIAL_FORCE,
+        free_modes,
+        picture_reactions,
+        throw_results,
+        throw_slopes,
+    )
+    from crankfem.cli.arguments import parse_gamma, parse_pin_force
     from crankfem.cli.tables.throw_tables import print_throw
-    from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
+    from crankfem.files.reading.data_files import input_path
+    from crankfem.jobs.outputs import check_outputs
     from fem.analysis import analyze_throw
     from fem.modes import MOST_MODES
-    from fem.symmetry import degree_of
+    from fem.sensitivities import check_sloped
+    from fem.symmetry import degree_of, radial_directions
     from geometry.throw import CrankThrow
 
     angle = None if gamma is None else parse_gamma(gamma, out.quiet)
-    force = None if pin_force is None else parse_pin_force(pin_force)
     if not 0 <= modes <= MOST_MODES:
         raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
-    part, material = select_part(engine, name, pins, out.quiet)
+    texts = pin_force or []
+    if len(texts) > len(part.pin_axes):
+        raise InputError(
+            f"--pin-force: given {len(texts)} times; allowed is once for each crankpin of the throw, here "
+            f"{len(part.pin_axes)}, because each is loaded once."
+        )
+    directions = [(0.0, -1.0, 0.0), *radial_directions(part).tolist()[1:]]
+    forces = [parse_pin_force(text, along) for text, along in zip(texts, directions, strict=False)]
+    folder = check_outputs(None, pictures, input_path(engine), names=[PICTURE])
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
-    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
-    degree_of(shared)
+    degree_of(shared)  # before anything is printed
+    if slopes:
+        check_sloped(part, end_sections)
     law = law_results(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
         print_line(law.sentence(out.units))
@@ -109,19 +149,35 @@ def throw(
         sections=shared,
     )
     results = replace(
-        throw_results(analysis, UNIT_RADIAL_FORCE, pin_force=force, gamma_deg=angle), law=law
+        throw_results(
+            analysis,
+            UNIT_RADIAL_FORCE,
+            pin_force=forces[0] if forces else None,
+            further_pin_forces=forces[1:],
+            gamma_deg=angle,
+        ),
+        law=law,
     )
     if modes:
         start = time.perf_counter()
         free = free_modes(analysis.free_modes(modes))
         seconds = dict(results.seconds) | {"modes": time.perf_counter() - start}
         results = replace(results, free_modes=free, seconds=seconds)
+    if slopes:
+        results = replace(results, slopes=throw_slopes(analysis))
+    made = None if folder is None else picture_reactions(results, folder)
     if out.json:
-        print_json(results)
+        pictures_made = {} if made is None else {"pictures": [str(made)]}
+        print_json(results.to_record() | pictures_made | {"units": result_units(results)})
         return
     print_throw(results, out.units)
+    if made is not None:
+        console.output.print(f"Picture: {made}", soft_wrap=True)
     if modes:
         print_table(results.mode_table(), out.units)
+    if slopes:
+        print_table(results.slope_table(), out.units)
+        print_line(results.slope_words())
     if profile:
         print_table(results.time_table())
 
@@ -235,7 +291,10 @@ def export(
         if size != 1.0:
             raise InputError(f"--size: given {size:g}; allowed only for meshes, not for solids.")
         check_writable(file, "solid", content.path)
-        write_step(load_crankshaft(content) if shaft else throw, file, part)
+        crankshaft = load_crankshaft(content) if shaft else None
+        write_step(crankshaft or throw, file, part)
+        if crankshaft is not None and crankshaft.remarks:
+            record["remarks"] = list(crankshaft.remarks)
     else:
         if file.suffix.lower() not in MESH_ENDINGS:
             raise InputError(
@@ -265,6 +324,7 @@ def export(
     if record.get("kind") == "mesh":
         mesh_text = f": {record['nodes']} nodes, {record['elements']} elements"
     console.output.print(f"{file} written{mesh_text}; lengths in m.", soft_wrap=True)
+    print_notes(record.get("remarks", ()))
 
 
 @with_output(files=True)
@@ -317,11 +377,14 @@ def draw(
         files.append(picture_throw(dimensions, picture))
     if shaft and crankshaft:
         files.append(picture_shaft(crankshaft, shaft))
+    remarks = () if crankshaft is None else crankshaft.remarks
     if out.json:
-        print_json({"files": [str(file) for file in files]})
+        noted = {"remarks": list(remarks)} if remarks else {}
+        print_json({"files": [str(file) for file in files]} | noted)
         return
     for file in files:
         console.output.print(f"{file} written.", soft_wrap=True)
+    print_notes(remarks)
 
 
 def _title(content: "TomlFile") -> str:

@@ -2,16 +2,16 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from rich.table import Table as RichTable
 
 from crankbase.quantity import significant
 from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
-from crankfem.analyses.file_check import Arrangement, Dimension, Shape
-from crankfem.analyses.mechanism.mechanism_results import intervals_text
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.formula_records import (
     KINDS,
+    EngineFormulas,
     EngineSpread,
     Formulas,
     FormulaSpread,
@@ -34,6 +34,9 @@ from regression.formulas.axial_formulas import (
     PublishedValue,
 )
 
+if TYPE_CHECKING:  # of whole engines, for which much is loaded that a throw does without
+    from crankfem.analyses.file_check import Arrangement, Dimension, Shape
+
 
 def print_throw(results: ThrowResults, units: OutputUnits = SI) -> None:
     """Print compliances, reactions and masses of a throw."""
@@ -45,7 +48,7 @@ def print_throw(results: ThrowResults, units: OutputUnits = SI) -> None:
         print_notes([NOT_CORRECTED], units)
 
 
-def print_shape(shape: Shape, units: OutputUnits = SI, name: str = "Throw") -> None:
+def print_shape(shape: "Shape", units: OutputUnits = SI, name: str = "Throw") -> None:
     """Print the quantities that follow from the dimensions."""
     length, volume = units.of("mm"), units.of("dm^3")
     pins = "one pin" if shape.pins == 1 else f"{shape.pins} pins"
@@ -142,6 +145,38 @@ def _print_kind(formulas: Formulas, kind: Kind, units: OutputUnits) -> None:
             f"  The {len(inside)} formulas that apply give {min(inside):.2f} to {max(inside):.2f} times the "
             "finite-element value."
         )
+
+
+def print_engines(
+    engines: Sequence[EngineFormulas],
+    gamma_deg: float,
+    variant: str,
+    constants: Mapping[str, float],
+    units: OutputUnits = SI,
+) -> None:
+    """Print the compliances of several engines by all formulas, one row for each."""
+    gamma = f"gamma = {angle_text(gamma_deg)}, {variant} formulas{_given(constants)}"
+    for kind in KINDS:
+        unit = units.of("1e-9 m/N" if kind == "axial" else "1e-9 rad/(N m)")
+        rows: list[dict[str, str]] = []
+        for each in engines:
+            rows.append({"engine": each.engine})
+            if each.formulas.fe is not None:
+                rows[-1]["FE"] = _compliance(getattr(each.formulas.fe, kind), unit)
+            for value in each.formulas.of_kind(kind):
+                shown = _compliance(value.value, unit)
+                rows[-1][_short(value.name)] = f"{shown}{'' if value.valid else '*'}"
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        head = gamma if kind == "axial" else "pinned"
+        _print_title(f"{kind.capitalize()} compliance [{unit.name}], {head}")
+        table = _wide_table(names)
+        _add_rows(table, [[row.get(name, "-") for name in names] for row in rows])
+        console.print_drawn(table)
+    print_line("* outside the range where the formula has a meaning.")
+    for each in engines:
+        for without in each.formulas.left_out:
+            print_line(units.text(f"Left out of {each.engine}: {without.reason}."))
+    print_line(_legend())
 
 
 def print_spread(
@@ -339,7 +374,9 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
     )
 
 
-def _print_arrangement(name: str, engine: Arrangement, units: OutputUnits) -> None:
+def _print_arrangement(name: str, engine: "Arrangement", units: OutputUnits) -> None:
+    from crankfem.analyses.mechanism.mechanism_results import intervals_text
+
     length, speed = units.of("mm"), units.of("1/min")
     digits = _digits(length)
     kind = "in line" if engine.bank_angles_deg is None else "in banks"
@@ -384,7 +421,7 @@ def _digits(unit: OutputUnit) -> int:
 
 
 def _print_dimensions(
-    dimensions: Sequence[Dimension], units: OutputUnits, title: str = "The throw as read"
+    dimensions: "Sequence[Dimension]", units: OutputUnits, title: str = "The throw as read"
 ) -> None:
     print_table(
         Table.of_records(

@@ -151,21 +151,27 @@ def inertia_of_masses(rod: Rod | HingedRods) -> float:
     return rod.rotating_mass * (rod.mass - rod.rotating_mass) / rod.mass * rod.length**2
 
 
+def known_inertia(rod: Rod | HingedRods) -> float | None:
+    """Return a rod's inertia about its center of mass, if it is given or was found by swings [kg m^2]."""
+    return rod.known_inertia if isinstance(rod, Rod) else rod.inertia
+
+
 def inertia_remarks(*rods: Rod | HingedRods | None) -> list[str]:
     """State the consequence for each rod whose inertia is not given, or unusual."""
     remarks = []
     for rod in rods:
         if rod is None:
             continue
-        if rod.inertia is None:
+        inertia = known_inertia(rod)
+        if inertia is None:
             remarks.append(
                 f"{rod.section}.inertia is not given: the rod is modeled as two masses at its pins"
             )
             continue
         plain = inertia_of_masses(rod)
-        if not USUAL_INERTIA[0] <= rod.inertia / plain <= USUAL_INERTIA[1]:
+        if not USUAL_INERTIA[0] <= inertia / plain <= USUAL_INERTIA[1]:
             remarks.append(
-                f"{rod.section}.inertia is {rod.inertia / plain:.2g} times that of two masses at its pins; "
+                f"{rod.section}.inertia is {inertia / plain:.2g} times that of two masses at its pins; "
                 f"usual is {USUAL_INERTIA[0]:g} to {USUAL_INERTIA[1]:g}"
             )
     return remarks
@@ -199,14 +205,15 @@ def _rod(section: Rod | HingedRods) -> ConnectingRod:
     """Return the rod with its center of mass at the position given by its shares."""
     distance = section.length * (1.0 - section.rotating_mass / section.mass)
     # Without an inertia the rod is as the two masses at its pins.
-    inertia = section.mass * distance * (section.length - distance)
-    if section.inertia is not None:
-        inertia = section.inertia
+    inertia = known_inertia(section) or section.mass * distance * (section.length - distance)
     offset = section.center_offset if isinstance(section, Rod) else 0.0
     try:
         return ConnectingRod(section.length, section.mass, distance, inertia, offset)
     except InputError as error:
-        raise InputError(f"{section.section}.{str(error).removeprefix('rod ')}") from None
+        text = str(error).removeprefix("rod ")
+        if section.inertia is None:
+            text = text.replace("inertia: given", "swing_period: given with swing_distance")
+        raise InputError(f"{section.section}.{text}") from None
 
 
 def _positions(

@@ -13,6 +13,8 @@ from dynamics.excitation.pressure_map import LoadPoints
 from dynamics.gas.gas_cycle import USUAL_VALUES, name_of_field
 from dynamics.gas.pressure import ATMOSPHERE
 
+GRAVITY = 9.80665  # standard [m/s^2]
+
 
 def _check_share(section: str, share: float, whole: float) -> None:
     if not 0.0 < share < whole:
@@ -56,10 +58,45 @@ class Rod(InputModel):
         default=0.0,
         feature=True,
     )
+    swing_period: float | None = quantity_field(
+        "period of small swings about a fixed edge, in place of inertia",
+        "s",
+        1e-3,
+        100.0,
+        default=None,
+    )
+    swing_distance: float | None = quantity_field(
+        "distance of that edge from the center of mass", "m", 1e-4, 10.0, default=None
+    )
+
+    @property
+    def known_inertia(self) -> float | None:
+        """J about the center of mass, given or by the swings [kg m^2].
+
+        A body that swings by small angles about an edge at a from its center of mass, with J + m a^2 about
+        the edge, has the period T = 2 pi sqrt((J + m a^2) / (m g a)).
+        """
+        period, arm = self.swing_period, self.swing_distance
+        if period is None or arm is None:
+            return self.inertia
+        return self.mass * arm * (GRAVITY * (period / (2.0 * math.pi)) ** 2 - arm)
 
     @model_validator(mode="after")
-    def _share_below_whole(self) -> Self:
-        if self.center_offset != 0.0 and self.inertia is None:
+    def _can_be_a_body(self) -> Self:
+        period, arm = self.swing_period, self.swing_distance
+        if (period is None) is not (arm is None) or None not in (self.inertia, period):
+            raise InputError(
+                f"rod.swing_{'distance' if period is None else 'period'}: given "
+                f"{'without the other one' if self.inertia is None else 'beside inertia'}; allowed are "
+                "swing_period with swing_distance, or inertia, because either way defines the inertia."
+            )
+        if period is not None and (self.known_inertia or 0.0) <= 0.0:
+            point = 2.0 * math.pi * math.sqrt((arm or 0.0) / GRAVITY)
+            raise InputError(
+                f"rod.swing_period: given {period:g} s at {format_quantity(arm or 0.0, 'm')} from the edge; "
+                f"allowed is above {point:.5g} s, because a body swings more slowly than a point does there."
+            )
+        if self.center_offset != 0.0 and self.known_inertia is None:
             raise InputError(
                 f"rod.center_offset: given {format_quantity(self.center_offset, 'm')} "
                 "without inertia; allowed "

@@ -6,11 +6,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from crankbase.diagrams import Curves, draw_curves, figure, legend_below, make_folder
+from crankbase.diagrams import (
+    Diagram,
+    draw_diagram,
+    figure,
+    legend_below,
+    make_folder,
+)
 from crankbase.errors import InputError
 from crankbase.outputs import check_output, write_text
 from crankfem.analyses.titles import add_title
-from crankfem.report.interactive.style import Figure, Part, figure_of
+from crankfem.report.interactive.style import Figure, Part, diagram_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,14 +100,14 @@ def plot_of_curves(
     name: str,
     alt: str,
     caption: str,
-    describe: Callable[[Run], Curves],
+    describe: Callable[[Run], Diagram],
     title: Callable[[Run], str],
     needs: str = "",
 ) -> Plot[Run]:
     """Return a plot whose curves are described once, for paper and for a screen."""
 
     def draw(axes: "Axes", run: Run) -> None:
-        draw_curves(axes, describe(run))
+        draw_diagram(axes, describe(run))
         legend_below(axes, LEGEND_COLUMNS)
 
     return Plot(
@@ -109,7 +115,7 @@ def plot_of_curves(
         alt,
         caption,
         picture(draw, title),
-        lambda run: figure_of(describe(run), title(run)),
+        lambda run: diagram_figure(describe(run), title(run)),
         needs,
     )
 

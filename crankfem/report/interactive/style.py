@@ -5,7 +5,7 @@ Figures are plain dicts in plotly's form, so that making them needs no plotly.
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any
 
@@ -16,13 +16,13 @@ from crankbase.diagrams import (
     GRAY,
     STYLE,
     Band,
-    Curves,
     Diagram,
     Dots,
     Limits,
     Line,
     Mark,
     Note,
+    bracketed,
     display_unit,
 )
 from crankbase.quantity import format_number
@@ -375,69 +375,6 @@ UNSEEN, HOVER_STEP = 5e-4, 1.0 / 80.0
 WIDER = 1.2
 
 
-def figure_of(curves: Curves, title: str) -> Figure:
-    """Return the traces and the layout of described curves.
-
-    Orders come last in the legend, and behind them what is no main curve and waits to be requested.
-    """
-    along, (x_unit, y_unit) = curves.x, curves.units
-    top = curves.top
-    if top is None:
-        top = max(float(np.nanmax(np.abs(curve.values), initial=0.0)) for curve in curves.series)
-    traces: list[Part] = []
-    hover = f"<br>%{{x:.5g}} {x_unit}<br>%{{y:.4g}} {y_unit}"
-    for curve in sorted(curves.series, key=lambda mark: (not mark.main, mark.role == "order")):
-        kept = visible_points(along, curve.values, UNSEEN * top, HOVER_STEP * float(np.ptp(along)))
-        color, dash, width = curve.line_style
-        traces.append(
-            line(
-                along[kept],
-                curve.values[kept],
-                curve.name,
-                color,
-                literal(curve.name) + hover,
-                width=WIDER * width,
-                dash=dash,
-                visible=True if curve.main else "legendonly",
-            )
-        )
-    for points in curves.dots:
-        traces.append(
-            dots(points.x, points.y, points.name, points.color, literal(points.name) + hover)
-        )
-    shapes: list[Part] = [level()] if curves.signed else []
-    named: set[str] = set()
-    drawn: list[Band | Mark] = [*curves.bands, *curves.marks]
-    for mark in drawn:
-        # The first of several shapes stands in the legend, from where it switches all.
-        legend: Part = {
-            "name": mark.name,
-            "legendgroup": mark.name,
-            "showlegend": mark.name not in named,
-        }
-        named.add(mark.name)
-        if isinstance(mark, Band):
-            shapes.append(band(mark.low, mark.high, mark.color, **legend))
-            continue
-        look = {"color": mark.color, "width": 1, "dash": "dot"}
-        place = (mark.place, 0.0), (mark.place, 1.0)
-        shapes.append(shape("line", *place, ("x", "paper"), line=look, layer="above", **legend))
-    ends = {} if curves.x_range is None else {"range": list(curves.x_range)}
-    ticks = {} if curves.x_step is None else {"dtick": curves.x_step, "tick0": 0}
-    if curves.signed:
-        height: Part = {}
-    elif curves.top is None:
-        height = {"rangemode": "tozero"}
-    else:
-        height = {"range": [0.0, curves.top]}
-    return traces, layout(
-        axis(curves.x_label, **ends, **ticks),
-        axis(curves.y_label, **height),
-        title=title,
-        shapes=shapes,
-    )
-
-
 # Sizes of dots [pixels]: of those without weights by symbol, and at weights 0 and 1.
 DOT_SIZES = {"o": 7.0, "x": 9.0, "_": 22.0}
 LEAST_DOT, DOT_GROWTH = 5.0, 12.0
@@ -453,17 +390,12 @@ SYMBOLS = {
 
 def diagram_figure(diagram: Diagram, title: str, height: int = HEIGHT) -> Figure:
     """Return the traces and the layout of a described diagram."""
-    shapes = [
-        band(low, high, color, name=name, showlegend=True)
-        for low, high, color, name in diagram.bands
-    ]
+    shapes = _described_bands((*diagram.bands, *diagram.marks))
     shapes += [
         shape("circle" if part.round else "rect", part.low, part.high, fillcolor=part.color)
         for part in diagram.shapes
     ]
     x, y = _described_axis(diagram.x), _described_axis(diagram.y)
-    if diagram.bands:
-        x["showgrid"] = False
     if diagram.level or diagram.equal:
         shapes.append(level())
     if diagram.equal:
@@ -484,8 +416,33 @@ def diagram_figure(diagram: Diagram, title: str, height: int = HEIGHT) -> Figure
     return described_traces(diagram), made
 
 
+def _described_bands(described: Iterable[Band | Mark]) -> list[Part]:
+    shapes = []
+    named: set[str] = set()
+    for mark in described:
+        # The first of several shapes stands in the legend, from where it switches all.
+        legend: Part = {
+            "name": mark.name,
+            "legendgroup": mark.name,
+            "showlegend": mark.name not in named,
+        }
+        named.add(mark.name)
+        if isinstance(mark, Band):
+            shapes.append(band(mark.low, mark.high, mark.color, **legend))
+            continue
+        look = {"color": mark.color, "width": 1, "dash": "dot"}
+        place = (mark.place, 0.0), (mark.place, 1.0)
+        shapes.append(shape("line", *place, ("x", "paper"), line=look, layer="above", **legend))
+    return shapes
+
+
 def _described_axis(limits: Limits) -> Part:
-    more: Part = {} if limits.ends is None else {"range": list(limits.ends)}
+    more: Part = {}
+    if limits.ends is not None:
+        to_curves = limits.ends[1] is None
+        more = {"rangemode": "tozero"} if to_curves else {"range": list(limits.ends)}
+    if limits.step:
+        more |= {"dtick": limits.step, "tick0": 0}
     if limits.ticks is not None:
         names = ["<br>".join(map(literal, name.split("\n"))) for name in limits.ticks.values()]
         more |= {"tickvals": list(limits.ticks), "ticktext": names}
@@ -515,6 +472,13 @@ def described_traces(diagram: Diagram) -> list[Part]:
     traces: list[Part] = []
     named: set[tuple[str, str]] = set()
     parts: list[Line | Dots] = [*diagram.lines, *diagram.dots]
+    values = (
+        f"<br>%{{x:.5g}} {bracketed(diagram.x.label)}<br>%{{y:.4g}} {bracketed(diagram.y.label)}"
+    )
+    top = diagram.y.ends and diagram.y.ends[1]
+    if top is None:
+        tops = (float(np.nanmax(np.abs(curve.y), initial=0.0)) for curve in diagram.lines)
+        top = max(tops, default=0.0)
     for drawn in parts:
         more: Part = {} if drawn.main else {"visible": "legendonly"}
         if drawn.group:
@@ -524,6 +488,10 @@ def described_traces(diagram: Diagram) -> list[Part]:
         if drawn.numbers:
             more["customdata"] = drawn.numbers
         if isinstance(drawn, Line):
+            x, y = np.asarray(drawn.x), np.asarray(drawn.y)
+            if not drawn.hover:
+                kept = visible_points(x, y, UNSEEN * top, HOVER_STEP * float(np.ptp(x)))
+                x, y = x[kept], y[kept]
             if drawn.marker:
                 more |= {"mode": "lines+markers", "marker": {"size": round(2.0 * drawn.marker)}}
             if drawn.texts:
@@ -531,11 +499,11 @@ def described_traces(diagram: Diagram) -> list[Part]:
             width = round(WIDER * drawn.width, 2)
             traces.append(
                 line(
-                    drawn.x,
-                    drawn.y,
+                    x,
+                    y,
                     drawn.name,
                     drawn.color,
-                    drawn.hover,
+                    drawn.hover or literal(drawn.name) + values,
                     width=width,
                     dash=drawn.dash,
                     **more,
@@ -554,6 +522,14 @@ def described_traces(diagram: Diagram) -> list[Part]:
         if drawn.texts:
             more["text"] = list(drawn.texts)
         traces.append(
-            dots(drawn.x, drawn.y, drawn.name, drawn.color, drawn.hover, size=size, **more)
+            dots(
+                drawn.x,
+                drawn.y,
+                drawn.name,
+                drawn.color,
+                drawn.hover or literal(drawn.name) + values,
+                size=size,
+                **more,
+            )
         )
     return traces

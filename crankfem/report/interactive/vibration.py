@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from crankbase.array_checks import FloatArray
-from crankbase.diagrams import BLUE, ORANGE, Curves, Series, with_gaps
+from crankbase.diagrams import BLUE, ORANGE, Diagram, Series, curve_diagram, with_gaps
 from crankbase.quantity import RPM
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.titles import at_speed, short_name
@@ -174,7 +174,7 @@ def _campbell(run: EngineVibration, vibration: Vibration, title: str) -> Figure:
     )
 
 
-def _free_end(run: EngineVibration, kind: str) -> Curves:
+def _free_end(run: EngineVibration, kind: str) -> Diagram:
     forced, assessment = run.forced(kind), run.assessment
     assert forced is not None
     assert assessment is not None
@@ -188,7 +188,7 @@ def _free_end(run: EngineVibration, kind: str) -> Curves:
     )
 
 
-def _stress(run: EngineVibration) -> Curves:
+def _stress(run: EngineVibration) -> Diagram:
     """Show the element, of crankshaft or shaft line, that uses its limit most."""
     forced, assessment = run.forced_torsional, run.assessment
     assert forced is not None
@@ -217,7 +217,7 @@ def _stress_title(run: EngineVibration) -> str:
     return _title(f"nominal torsional stress, {stress.names[place]}")(run)
 
 
-def _misfiring_stress(run: EngineVibration) -> Curves:
+def _misfiring_stress(run: EngineVibration) -> Diagram:
     """Describe a shaft's stress over the running speeds, all cylinders firing and one misfiring."""
     check = _stress_check(run)
     assert check.over_speed is not None
@@ -228,7 +228,7 @@ def _misfiring_stress(run: EngineVibration) -> Curves:
         "limit": check.limit.continuous.at(speeds),
         "limit while misfiring": check.limit.misfiring.at(speeds),
     }
-    return Curves(
+    return curve_diagram(
         x=speeds * RPM,
         series=(
             Series("all cylinders firing", with_gaps(shown.factor * normal), color=BLUE),
@@ -260,7 +260,7 @@ def amplitudes_over_speed(
     limit: VibrationLimit | None,
     barred: Sequence[tuple[float, float]],
     running: tuple[float, float] | None = None,
-) -> Curves:
+) -> Diagram:
     """Describe a place's amplitudes over the speed, with their limit as far as it is stated.
 
     Parameters
@@ -286,18 +286,18 @@ def amplitudes_over_speed(
     )
 
 
-def _axial_force(run: EngineVibration) -> Curves:
+def _axial_force(run: EngineVibration) -> Diagram:
     assert run.axial_force is not None
     return run.axial_force.curves()
 
 
-def _axial_split(run: EngineVibration) -> Curves:
+def _axial_split(run: EngineVibration) -> Diagram:
     assert run.comparison is not None
     assert run.comparison.coupled is not None
     return axial_split(run.comparison.coupled)
 
 
-def axial_split(response: CoupledResponse) -> Curves:
+def axial_split(response: CoupledResponse) -> Diagram:
     """Describe the axial amplitude of the free end, all orders together, by what excites it."""
     split = response.split("main bearing 1 uz")
     return split_curves(

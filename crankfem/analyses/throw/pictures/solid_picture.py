@@ -122,7 +122,8 @@ def shaft_surface(shaft: Crankshaft, fineness: int) -> SolidSurface:
             shaft.throws, np.radians(shaft.crank_angles_deg), shaft.starts[:-1], strict=True
         )
     ]
-    throws = _joined(row).without_ends(shaft.starts[1:-1].tolist())
+    inside = enumerate(shaft.starts[1:-1].tolist())
+    throws = _joined(row).without_ends([z for n, z in inside if shaft.bore_step(n) is None])
     return _joined([throws, *(_cylinder(*cylinder) for cylinder in shaft.end_cylinders)])
 
 

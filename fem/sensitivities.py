@@ -1,0 +1,369 @@
+"""How a throw's answers change with its dimensions, from the solutions of one analysis.
+
+When a dimension changes, the mesh moves with the solid: v is the velocity of its nodes. The energy of two
+displacement fields u and w that are solutions for prescribed motions of the end sections changes by
+
+    integral of [ s(u):e(w) div v - s(u):(grad w grad v) - s(w):(grad u grad v) ]
+
+the work of Eshelby's configurational stress on grad v (J. D. Eshelby, Phil. Trans. R. Soc. A 244, 1951,
+87-112), and by the work of the forces on the end sections where the motion prescribed at a node changes
+with its place. No further displacement is solved for. Only the motion of the surface matters, along its
+normal; inside, nodes move as in an elastic body whose surface moves so.
+
+Slopes are those of the discretized answer, whatever small elements do to it; the answers' correction for
+discretization is not differentiated, and its share is the slopes' error.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from crankbase.diagrams import draw_rows, new_axes, write_title
+from crankbase.errors import InputError
+from crankbase.frames import table
+from crankbase.results import Number, Quantity, Result, result
+from fem.material import Material
+from fem.solver import (
+    QUADRATURE_ORDER,
+    assemble_stiffness,
+    factorize,
+    physical_gradients,
+    symmetric_product,
+)
+from fem.superelement import CondensedClass, Superelement, combine_classes, unit_end_motions
+from fem.symmetry import RIGID, NodalLoads, radial_directions, unit_pin_loads
+from geometry.boundary_motion import boundary_motion, lengths_of, with_length
+from geometry.mesh import ThrowMesh
+from geometry.shapes import EDGES, shapes_for_quadrature
+from geometry.throw import CrankThrow
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+# Stiffness that holds corners on the moving surface, in largest entries of the matrix.
+HELD = 1e6
+# Surfaces that touch, as a fillet and its journal, have normals as parallel as this.
+PARALLEL = 1e-3
+# Numbers taken at once, so that they stay in the cache.
+CACHED = 60_000
+# Differences of loads and prescribed motions, which are smooth, in lengths of the throw.
+SHIFT = 1e-7
+# Exact for the volume of curved elements.
+VOLUME_ORDER = 5
+# Of a dimension, for central differences of answers over the superelement.
+STEP = 1e-5
+
+
+@result("quantity", "support", "shares")
+class Sensitivities(Result):
+    """How an answer of a throw changes with each of its dimensions.
+
+    ``sensitivities["web_width"]`` is the change in per cent for one per cent of the web width.
+
+    Attributes
+    ----------
+    quantity, support : str
+        The answer; the mass depends on no support ("").
+    shares : mapping
+        d ln(answer) / d ln(dimension), by dimension ("counterweight.thickness").
+    left_out : mapping
+        Dimensions without one, and the reason.
+    error : float
+        Share of the answer that is correction for discretization, which is not differentiated: how well the
+        larger ones of the shares are known.
+    """
+
+    quantity: str
+    support: str
+    shares: Annotated[Mapping[str, float], Quantity("1")]
+    left_out: Mapping[str, str]
+    error: Number
+
+    def __getitem__(self, dimension: str) -> float:
+        """Return the share of a dimension.
+
+        Raises
+        ------
+        InputError
+            If it has none.
+        """
+        if dimension not in self.shares:
+            why = self.left_out.get(dimension, "the throw has no such dimension with a number")
+            raise InputError(
+                f"dimension: given {dimension!r}; allowed are {', '.join(self.shares)}, because {why}."
+            )
+        return self.shares[dimension]
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw a bar for each dimension, the largest first."""
+        axes = new_axes(axes, height=1.2 + 0.3 * len(self.shares))
+        ordered = dict(sorted(self.shares.items(), key=lambda share: -abs(share[1])))
+        names = [name.replace("_", " ").replace(".", ", ") for name in ordered]
+        draw_rows(axes, names, [*ordered.values()], "per cent for one per cent of the dimension")
+        title = f"{self.quantity.replace('_', ' ').capitalize()} {self.support}"
+        write_title(axes, title.strip())
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table, a row for each dimension.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        columns = {"dimension": ([*self.shares], ""), "share": ([*self.shares.values()], "1")}
+        return table(columns).set_index("dimension")
+
+
+@dataclass(frozen=True)
+class DimensionChange:
+    """Change of a throw with one of its dimensions, by its length: superelements and volumes beside it.
+
+    Attributes
+    ----------
+    size : float
+        The dimension [SI].
+    ends : two Superelement
+        Of the throw with the dimension smaller and larger by the share `STEP`, to first order.
+    volume : float
+        Change of the volume, as a share for a share.
+    """
+
+    size: float
+    ends: tuple[Superelement, Superelement]
+    volume: float
+
+    def share(self, answer: Callable[[Superelement], float]) -> float:
+        """Return d ln(answer) / d ln(dimension)."""
+        low, high = map(answer, self.ends)
+        return (high - low) / (0.5 * (high + low)) / (2.0 * STEP)
+
+
+def check_sloped(throw: object, end_sections: str) -> CrankThrow:
+    """Return the throw if slopes can be found for it.
+
+    Raises
+    ------
+    InputError
+        If it is a CAD part, or its end sections are not rigid.
+    """
+    if not isinstance(throw, CrankThrow):
+        raise InputError(
+            "throw: given a CAD part; allowed for slopes is a throw by its dimensions, because they are "
+            "over these."
+        )
+    if end_sections != "rigid":
+        raise InputError(
+            f"end_sections: given {end_sections!r}; allowed for slopes is 'rigid', because they "
+            "follow from the forces on sections whose motion is prescribed."
+        )
+    return throw
+
+
+def dimension_changes(
+    throw: object,
+    mesh: ThrowMesh,
+    material: Material,
+    classes: Sequence[CondensedClass],
+    *,
+    joined: bool,
+) -> tuple[dict[str, DimensionChange], dict[str, str]]:
+    """Find the change of a throw with each of its dimensions, and why others have none.
+
+    Errors as of `check_sloped`.
+
+    Parameters
+    ----------
+    joined : bool
+        Whether also with the bending sections of throws that meet, which takes several times as long.
+    """
+    solved = check_sloped(throw, classes[0].end_sections)
+    parts = [part if joined else part.up_to(RIGID) for part in classes]
+    plain = [part.discrete or part for part in parts]
+    stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
+    velocities, left_out = node_velocities(mesh, solved, classes[0].solver)
+    moving = list(velocities.values())
+    loads = load_slopes(mesh, moving)
+    by_class = [class_slopes(mesh, material, stiffness, part, moving, loads) for part in plain]
+    volumes = volume_slopes(mesh, moving)
+    changes = {}
+    for path, slopes, volume in zip(velocities, zip(*by_class, strict=True), volumes, strict=True):
+        size = lengths_of(solved)[path]
+
+        def beside(
+            step: float, slopes: Any = slopes, path: str = path, size: float = size
+        ) -> Superelement:
+            parts = [
+                replace(
+                    part,
+                    stiffness=part.stiffness + step * slope.stiffness,
+                    pin_loads=part.pin_loads + step * slope.pin_loads,
+                )
+                for part, slope in zip(plain, slopes, strict=True)
+            ]
+            return combine_classes(parts, radial_directions(with_length(solved, path, size + step)))
+
+        changes[path] = DimensionChange(
+            size, (beside(-STEP * size), beside(STEP * size)), size * volume
+        )
+    return changes, left_out
+
+
+def volume_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[float]:
+    """Relative change of the meshed volume, by velocity of the nodes."""
+    _, gradients, weights = shapes_for_quadrature(VOLUME_ORDER)
+    spatial, volumes = physical_gradients(mesh.points[mesh.elements], gradients, weights)
+    share = np.einsum("mq,mqni->mni", volumes / volumes.sum(), spatial)
+    return [float(np.sum(share * velocity[mesh.elements])) for velocity in velocities]
+
+
+def node_velocities(
+    mesh: ThrowMesh, throw: CrankThrow, solver: str
+) -> tuple[dict[str, Array], dict[str, str]]:
+    """Velocities (n, 3) of a mesh's nodes by dimension, and why others have none.
+
+    Corners move as smoothly as the surface lets them: the sum of |grad v|^2 is least. Edge nodes move as
+    their corners do, on the surface along its normal as they must.
+    """
+    motion = boundary_motion(throw, mesh)
+    corners, elements = np.unique(mesh.elements[:, :4], return_inverse=True)
+    elements = elements.reshape(-1, 4)
+    number = np.full(len(mesh.points), -1)
+    number[corners] = np.arange(len(corners))
+    # Gradients (m, 4, 3) of the four linear shape functions, and volumes.
+    sides = mesh.points[mesh.elements[:, 1:4]] - mesh.points[mesh.elements[:, :1]]
+    others = np.linalg.inv(sides).transpose(0, 2, 1)
+    gradients = np.concatenate([-others.sum(axis=1, keepdims=True), others], axis=1)
+    products = (gradients @ gradients.transpose(0, 2, 1)) * np.abs(np.linalg.det(sides))[
+        :, None, None
+    ]
+    laplacian = sparse.csr_array(
+        (products.ravel(), (np.repeat(elements, 4, axis=1).ravel(), np.tile(elements, 4).ravel())),
+        shape=(len(corners),) * 2,
+    )
+    here = number[motion.nodes] >= 0
+    columns = 3 * number[motion.nodes[here], None] + np.arange(3)
+    rows = np.broadcast_to(np.arange(len(columns))[:, None], columns.shape)
+    conditions = sparse.csr_array(
+        (motion.normals[here].ravel(), (rows.ravel(), columns.ravel())),
+        shape=(len(columns), 3 * len(corners)),
+    )
+    held = HELD * float(laplacian.diagonal().max())
+    matrix = sparse.kron(laplacian, np.eye(3)) + held * (conditions.T @ conditions)
+    speeds = np.column_stack(list(motion.speeds.values()))
+    with factorize(sparse.csr_array(sparse.triu(matrix, format="csr")), solver) as factors:
+        moved = factors.solve(held * np.asarray(conditions.T @ speeds[here]))
+    velocities = np.zeros((len(mesh.points), 3, len(motion.speeds)))
+    velocities[corners] = moved.reshape(len(corners), 3, -1)
+    for node, (start, stop) in zip(range(4, 10), EDGES, strict=True):
+        ends = velocities[mesh.elements[:, start]] + velocities[mesh.elements[:, stop]]
+        velocities[mesh.elements[:, node]] = 0.5 * ends
+    # On all surfaces that meet in a node, by the least further motion.
+    nodes, place = np.unique(motion.nodes, return_inverse=True)
+    order = np.argsort(place, kind="stable")
+    first = np.searchsorted(place[order], np.arange(len(nodes)))
+    which = np.arange(len(order)) - first[place[order]]
+    normals = np.zeros((len(nodes), int(which.max()) + 1, 3))
+    missed = np.zeros((*normals.shape[:2], speeds.shape[1]))
+    along = np.einsum("ca,cad->cd", motion.normals, velocities[motion.nodes])
+    normals[place[order], which] = motion.normals[order]
+    missed[place[order], which] = (speeds - along)[order]
+    velocities[nodes] += np.linalg.pinv(normals, rcond=PARALLEL) @ missed
+    return dict(zip(motion.speeds, np.moveaxis(velocities, 2, 0), strict=True)), motion.left_out
+
+
+def load_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[list[NodalLoads]]:
+    """Derivatives of the unit loads on the pins, by velocity of the nodes."""
+    before, slopes = unit_pin_loads(mesh), []
+    # The end of the meshed part, which the throw's length follows.
+    last, images = int(mesh.points[:, 2].argmax()), 2.0 if mesh.part == "quarter" else 1.0
+    for velocity in velocities:
+        step = _step(mesh, velocity)
+        length = mesh.length + step * images * velocity[last, 2]
+        moved = replace(mesh, points=mesh.points + step * velocity, length=length)
+        after = unit_pin_loads(moved)
+        slopes.append(
+            [
+                replace(first, values=(last.values - first.values) / step)
+                for first, last in zip(before, after, strict=True)
+            ]
+        )
+    return slopes
+
+
+def _step(mesh: ThrowMesh, velocity: Array) -> float:
+    return SHIFT * mesh.length / (float(np.abs(velocity).max()) or 1.0)
+
+
+def class_slopes(
+    mesh: ThrowMesh,
+    material: Material,
+    stiffness: sparse.csr_array,
+    part: CondensedClass,
+    velocities: Sequence[Array],
+    loads: Sequence[Sequence[NodalLoads]],
+) -> list[CondensedClass]:
+    """Return the class with the derivatives of its stiffness and pin loads in their place, by velocity."""
+    count = part.fields.shape[2]
+    fields = part.fields.reshape(-1, count)
+    both = np.concatenate([part.fields, part.pin_fields], axis=2)
+    forces = symmetric_product(stiffness, both.reshape(len(fields), -1))
+    forces = forces.reshape(*both.shape)
+    copies, slopes = part.symmetry.copies, []
+    before = unit_end_motions(mesh, part.symmetry, part.sections)
+    changes = energy_slopes(mesh, material, both, velocities)
+    for velocity, change, of_pins in zip(velocities, changes, loads, strict=True):
+        step = _step(mesh, velocity)
+        moved = unit_end_motions(mesh, part.symmetry, part.sections, step * velocity)
+        work = np.zeros((count, both.shape[2]))
+        for (nodes, first), (_, last) in zip(before, moved, strict=True):
+            work += np.einsum("sak,sac->kc", (last - first) / step, forces[nodes])
+        works = np.zeros_like(part.pin_loads)
+        for column, (pin, component) in enumerate(part.pin_components):
+            held = change[count + column, :count] + work[:, count + column]
+            load = of_pins[pin].of_class(part.symmetry)[..., component]
+            moving = np.einsum("sa,sak->k", load, part.fields[of_pins[pin].nodes])
+            works[pin, :, component] = moving - copies * held
+        energy = change[:count, :count] + work[:, :count] + work[:, :count].T
+        slopes.append(replace(part, stiffness=energy, pin_loads=works))
+    return slopes
+
+
+def energy_slopes(
+    mesh: ThrowMesh, material: Material, fields: Array, velocities: Sequence[Array]
+) -> Array:
+    """Derivatives (velocities, c, c) of the energies of fields (n, 3, c) that move with the mesh."""
+    lame, shear = material.lame_constant, material.shear_modulus
+    _, gradients, weights = shapes_for_quadrature(QUADRATURE_ORDER)
+    count, moving = fields.shape[2], np.concatenate(velocities, axis=1)
+    changes = np.zeros((len(velocities), count, count))
+    size = max(1, CACHED // (9 * len(weights) * count))
+    for nodes in np.split(mesh.elements, range(size, len(mesh.elements), size)):
+        spatial, volumes = physical_gradients(mesh.points[nodes], gradients, weights)
+        across = spatial.transpose(0, 1, 3, 2)
+        # slopes[m, q, j, i] = d u_i / d x_j
+        flat = across @ fields[nodes].reshape(len(nodes), 1, 10, 3 * count)
+        slopes = flat.reshape(*volumes.shape, 3, 3, count)
+        stresses = shear * (slopes + slopes.swapaxes(2, 3))
+        trace = lame * np.trace(slopes, axis1=2, axis2=3)
+        for axis in range(3):
+            stresses[:, :, axis, axis] += trace
+        stresses *= volumes[:, :, None, None, None]
+        work = stresses.reshape(-1, count).T
+        # turned[m, q, j, k] = d v_k / d x_j for each velocity
+        turned = (across @ moving[nodes][:, None]).reshape(*volumes.shape, 3, -1, 3)
+        for number in range(len(velocities)):
+            turn = turned[:, :, :, number]
+            # (grad u grad v)_ij = d u_i / d x_k d v_k / d x_j
+            bent = (
+                0.5 * np.trace(turn, axis1=2, axis2=3)[..., None, None] * np.eye(3) - turn
+            ) @ flat
+            changes[number] += work @ bent.reshape(-1, count)
+    return changes + changes.transpose(0, 2, 1)

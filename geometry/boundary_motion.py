@@ -1,0 +1,241 @@
+"""How a throw's surface moves when a dimension changes: the velocity of each node of its mesh's surface.
+
+All surfaces of a throw are level sets of functions of its parts: planes, cylinders, tori and the faces
+over a web's outline. A point on a level s(x, p) = 0 stays on it while the dimension p grows if it moves
+along the normal by -(ds/dp) / |grad s|; along the surface it may move as it likes.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.errors import InputError
+from geometry.mesh import ThrowMesh, six_node_triangles
+from geometry.parts import Arc, ThrowParts, WebPlate
+from geometry.solid import part_end
+from geometry.throw import CrankThrow
+
+Array = NDArray[np.float64]
+Level = Callable[[Array], Array]
+
+# Why a dimension has no slope, mostly.
+ZERO = "it is zero: the throw has another shape with it"
+# A facet lies on a level whose distance from all of its nodes is below this share of the throw's length.
+ON_LEVEL = 1e-6
+# Of a dimension, and of the throw's length, for central differences of smooth functions.
+STEP = 1e-5
+
+
+@dataclass(frozen=True)
+class BoundaryMotion:
+    """What a dimension prescribes of the motion of the nodes on a mesh's surface.
+
+    Attributes
+    ----------
+    nodes : (c,) array
+        Node of each condition; nodes on edges and in corners have several.
+    normals : (c, 3) array
+        Unit normal of the surface there.
+    speeds : dict of str to (c,) array
+        Velocity along the normal, by dimension [per unit of the dimension].
+    left_out : dict of str to str
+        Dimensions that have none, and the reason.
+    """
+
+    nodes: NDArray[np.int64]
+    normals: Array
+    speeds: dict[str, Array]
+    left_out: dict[str, str]
+
+
+def lengths_of(throw: CrankThrow) -> dict[str, float]:
+    """Return all dimensions of a throw that have a number, by path: "counterweight.thickness"."""
+    return dict(_numbers(throw.model_dump(exclude={"oil_holes"}), ""))
+
+
+def _numbers(value: Any, path: str) -> Iterator[tuple[str, float]]:
+    if isinstance(value, dict | list | tuple):
+        parts = value.items() if isinstance(value, dict) else enumerate(value)
+        for name, part in parts:
+            yield from _numbers(part, f"{path}.{name}" if path else str(name))
+    elif isinstance(value, float | int) and not isinstance(value, bool):
+        yield path, float(value)
+
+
+def with_length(throw: CrankThrow, path: str, value: float) -> CrankThrow:
+    """Return a throw with another value of a dimension.
+
+    Raises
+    ------
+    InputError
+        If it cannot be built.
+    """
+    record = throw.model_dump()
+    *steps, last = path.split(".")
+    place: Any = record
+    for step in steps:
+        place = place[int(step)] if isinstance(place, list | tuple) else place[step]
+    place[last] = value
+    return CrankThrow(**record)
+
+
+def boundary_motion(throw: CrankThrow, mesh: ThrowMesh) -> BoundaryMotion:
+    """Find the motion of a mesh's surface under each dimension of its throw."""
+    levels = bounding_levels(throw.parts, mesh.part)
+    facets = six_node_triangles(mesh, np.concatenate(list(mesh.surfaces.values())))
+    on_surface, places = np.unique(facets, return_inverse=True)
+    points = mesh.points[on_surface]
+    distances = np.array([np.abs(level(points)) for level in levels.values()])
+    farthest = distances[:, places.reshape(facets.shape)].max(axis=2)
+    nearest = farthest.argmin(axis=0)
+    known = farthest.min(axis=0) < ON_LEVEL * mesh.length
+    pairs = np.unique(
+        np.column_stack([np.repeat(nearest[known], 6), facets[known].ravel()]), axis=0
+    )
+    numbers, nodes = pairs.T
+    normals = _by_level(list(levels.values()), numbers, mesh.points[nodes], mesh.length * STEP)
+    speeds, left_out = {}, {}
+    for path, value in lengths_of(throw).items():
+        if value == 0.0:
+            left_out[path] = ZERO
+            continue
+        try:
+            ends = [
+                bounding_levels(with_length(throw, path, value * factor).parts, mesh.part)
+                for factor in (1.0 - STEP, 1.0 + STEP)
+            ]
+        except InputError as error:
+            left_out[path] = f"next to it no throw can be built ({error})"
+            continue
+        if any(list(end) != list(levels) for end in ends):
+            left_out[path] = "the throw's surfaces are others on both sides of it"
+            continue
+        low, high = (_values(list(end.values()), numbers, mesh.points[nodes]) for end in ends)
+        speeds[path] = -(high - low) / (2.0 * STEP * value)
+    return BoundaryMotion(nodes, normals, speeds, left_out)
+
+
+def _values(levels: list[Level], numbers: NDArray[np.int64], points: Array) -> Array:
+    values = np.empty(len(points))
+    for number in np.unique(numbers):
+        here = numbers == number
+        values[here] = levels[number](points[here])
+    return values
+
+
+def _by_level(levels: list[Level], numbers: NDArray[np.int64], points: Array, step: float) -> Array:
+    """Gradients of the levels, which are distances, by central differences."""
+    columns = [
+        _values(levels, numbers, points + shift) - _values(levels, numbers, points - shift)
+        for shift in step * np.eye(3)
+    ]
+    gradients = np.column_stack(columns)
+    return np.asarray(gradients / np.linalg.norm(gradients, axis=1)[:, None])
+
+
+def bounding_levels(parts: ThrowParts, part: str) -> dict[str, Level]:
+    """Return the signed distances from all surfaces that bound a throw, by names of their own.
+
+    Rounded exits of oil holes are none of them.
+    """
+    levels: dict[str, Level] = {"left end": _plane(0.0), "right end": _plane(part_end(parts, part))}
+    if part != "full":
+        levels["crank plane"] = lambda x: x[:, 0]
+    for cylinder in parts.cylinders:
+        name, radius = cylinder.name, cylinder.radius
+        levels[name] = _round(cylinder.axis, radius)
+        if cylinder.bore_radius:
+            levels[f"bore of {name}"] = _round(cylinder.bore_axis, cylinder.bore_radius)
+            levels[f"start of bore of {name}"] = _plane(cylinder.bore_start)
+            levels[f"end of bore of {name}"] = _plane(cylinder.bore_end)
+        for end, fillet, z in (
+            ("start", cylinder.start_fillet, cylinder.start + cylinder.start_fillet),
+            ("end", cylinder.end_fillet, cylinder.end - cylinder.end_fillet),
+        ):
+            if fillet:
+                levels[f"{end} fillet of {name}"] = _torus(cylinder.axis, radius, fillet, z)
+    for web in parts.webs:
+        levels |= {f"{web.name} {name}": level for name, level in _web_levels(web)}
+    for hole in parts.drillings:
+        levels[f"oil hole {hole.number}"] = _drilled(hole.local, hole.radius)
+        if not hole.through:
+            levels[f"end of oil hole {hole.number}"] = _bottom(hole.local, hole.inner_end)
+    return levels
+
+
+def _web_levels(web: WebPlate) -> Iterator[tuple[str, Level]]:
+    if web.end <= web.start:
+        return
+    yield "start", _plane(web.start)
+    yield "end", _plane(web.end)
+    for number, piece in enumerate(web.outline.pieces):
+        (u_0, v_0), (u_1, v_1) = piece.start, piece.end
+        if isinstance(piece, Arc):
+            yield f"arc {number}", _over(web, _circle(piece.center, piece.radius))
+        else:
+            yield f"side {number}", _over(web, _line(u_0, v_0, u_1 - u_0, v_1 - v_0))
+    for slope in web.slopes:
+        run, fall = slope.end - slope.start, slope.inward * slope.drop
+        # In v and z: through the face where the slope starts.
+        yield f"slope {slope.towards:+.0f}", _inclined(web, slope.start, slope.face, run, fall)
+    if sector := web.sector:
+        yield "start of counterweight", _plane(sector.start)
+        yield "end of counterweight", _plane(sector.end)
+        yield "counterweight", _over(web, _circle((0.0, 0.0), sector.outer_radius))
+        if sector.inner_radius:
+            yield "inside of counterweight", _over(web, _circle((0.0, 0.0), sector.inner_radius))
+        sine, cosine = math.sin(sector.half_angle), math.cos(sector.half_angle)
+        yield "edge of counterweight", _over(web, _line(0.0, 0.0, sine, -cosine))
+
+
+def _plane(z: float) -> Level:
+    return lambda x: x[:, 2] - z
+
+
+def _round(axis: tuple[float, float], radius: float) -> Level:
+    return lambda x: np.hypot(x[:, 0] - axis[0], x[:, 1] - axis[1]) - radius
+
+
+def _torus(axis: tuple[float, float], radius: float, fillet: float, z: float) -> Level:
+    reach = _round(axis, radius + fillet)
+    return lambda x: np.hypot(reach(x), x[:, 2] - z) - fillet
+
+
+def _across(web: WebPlate, x: Array) -> tuple[Array, Array]:
+    (a, b), (x_0, y_0) = web.direction, web.foot
+    along, up = x[:, 0] - x_0, x[:, 1] - y_0
+    return np.abs(along * b - up * a), along * a + up * b
+
+
+def _over(web: WebPlate, outline: Callable[[Array, Array], Array]) -> Level:
+    return lambda x: outline(*_across(web, x))
+
+
+def _circle(center: tuple[float, float], radius: float) -> Callable[[Array, Array], Array]:
+    return lambda u, v: np.hypot(u - center[0], v - center[1]) - radius
+
+
+def _line(u: float, v: float, du: float, dv: float) -> Callable[[Array, Array], Array]:
+    size = math.hypot(du, dv)
+    return lambda along, up: ((along - u) * dv - (up - v) * du) / size
+
+
+def _inclined(web: WebPlate, start: float, face: float, run: float, fall: float) -> Level:
+    size = math.hypot(run, fall)
+    return lambda x: ((x[:, 2] - face) * run - (_across(web, x)[1] - start) * fall) / size
+
+
+def _drilled(local: Callable[[Array], Array], radius: float) -> Level:
+    def level(x: Array) -> Array:
+        p, q, _ = local(x).T
+        return np.asarray(np.hypot(p, q) - radius)
+
+    return level
+
+
+def _bottom(local: Callable[[Array], Array], end: float) -> Level:
+    return lambda x: local(x)[:, 2] - end

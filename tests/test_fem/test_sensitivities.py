@@ -1,0 +1,184 @@
+"""Slopes over dimensions against the same mesh moved and solved again, and against other meshes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import crankfem as cf
+from comparing import close
+from crankbase.errors import InputError
+from fem.analysis import analyze_throw
+from fem.material import STEEL
+from fem.sensitivities import class_slopes, load_slopes, node_velocities
+from fem.solver import assemble_stiffness
+from fem.superelement import combine_classes
+from fem.supports import support_throw
+from geometry.boundary_motion import boundary_motion, bounding_levels, lengths_of, with_length
+from geometry.mesh import mesh_throw
+from geometry.throw import CrankThrow
+
+# Every surface that a quarter can have but oil holes: bores off their axes, fillets of two radii, webs
+# narrowed at one end and thinned at both, a counterweight with an inner radius.
+FEATURES = {
+    "crank_radius": 0.09,
+    "main_journal_diameter": 0.13,
+    "pin_diameter": 0.11,
+    "main_journal_length": 0.06,
+    "pin_length": 0.07,
+    "web_width": 0.18,
+    "web_thickness": 0.04,
+    "fillet_radius": 0.006,
+    "pin_fillet_radius": 0.005,
+    "main_journal_bore": 0.04,
+    "pin_bore": 0.035,
+    "pin_bore_offset": 0.01,
+    "web_journal_end": 0.095,
+    "web_pin_end": 0.075,
+    "web_tip_thickness": 0.032,
+    "web_foot_thickness": 0.035,
+    "counterweight": {
+        "outer_radius": 0.14,
+        "inner_radius": 0.08,
+        "angle": 1.9,
+        "thickness": 0.036,
+        "offset": 0.001,
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def featured():
+    return CrankThrow(**FEATURES)
+
+
+def slopes_of(mesh, throw, condensed):
+    classes, _ = condensed(mesh)
+    stiffness = assemble_stiffness(mesh.points, mesh.elements, STEEL)
+    velocities, _ = node_velocities(mesh, throw, "auto")
+    moving = list(velocities.values())
+    loads = load_slopes(mesh, moving)
+    slopes = [class_slopes(mesh, STEEL, stiffness, part, moving, loads) for part in classes]
+    return velocities, dict(zip(velocities, zip(*slopes, strict=True), strict=True))
+
+
+def test_slopes_are_those_of_the_moved_mesh(mesh, throw, condensed):
+    """Without another mesh nothing scatters; one-sided steps of 1e-7 differentiate loads on the pins."""
+    velocities, slopes = slopes_of(mesh, throw, condensed)
+    for path in ("crank_radius", "pin_diameter", "main_journal_length", "fillet_radius"):
+        step = 1e-4 * getattr(throw, path)
+        ends = []
+        for sign in (-1.0, 1.0):
+            length = with_length(throw, path, getattr(throw, path) + sign * step).length
+            moved = mesh.points + sign * step * velocities[path]
+            # The ends and the middle of the throw lie in their planes, not a rounding beside them.
+            for plane, place in ((0.0, 0.0), (mesh.length / 2.0, length / 2.0)):
+                moved[np.abs(mesh.points[:, 2] - plane) < 1e-9, 2] = place
+            moved[np.abs(mesh.points[:, 0]) < 1e-9, 0] = 0.0
+            ends.append(condensed(replace(mesh, points=moved, length=length))[0])
+        for low, high, slope in zip(*ends, slopes[path], strict=True):
+            for name in ("stiffness", "pin_loads"):
+                difference = (getattr(high, name) - getattr(low, name)) / (2.0 * step)
+                size = np.abs(getattr(slope, name)).max()
+                assert getattr(slope, name) == close(difference, abs=1e-5 * size)
+
+
+@pytest.mark.slow
+def test_the_whole_and_the_quarter_have_the_same_slopes(throw, mesh, full_mesh, condensed):
+    answers = []
+    for solved in (mesh, full_mesh):
+        classes, _ = condensed(solved)
+        _, slopes = slopes_of(solved, throw, condensed)
+        step = 1e-5 * throw.pin_diameter
+        low, high = (
+            support_throw(
+                combine_classes(
+                    [
+                        replace(
+                            part,
+                            stiffness=part.stiffness + sign * step * slope.stiffness,
+                            pin_loads=part.pin_loads + sign * step * slope.pin_loads,
+                        )
+                        for part, slope in zip(classes, slopes["pin_diameter"], strict=True)
+                    ]
+                ),
+                "pinned",
+            )
+            for sign in (-1.0, 1.0)
+        )
+        answers.append([high.axial - low.axial, high.influence - low.influence])
+    assert answers[1] == close(answers[0], rel=1e-4)
+
+
+def test_every_surface_moves_with_its_dimension(featured):
+    """A point that follows the motion of its surface stays on it, whatever the dimension."""
+    mesh = mesh_throw(featured, 3.0)
+    motion = boundary_motion(featured, mesh)
+    known = {path: size for path, size in lengths_of(featured).items() if size}
+    assert motion.speeds.keys() | motion.left_out.keys() >= known.keys()
+    assert not motion.left_out.keys() & known.keys()
+    for path, speeds in motion.speeds.items():
+        step = 1e-6 * known[path]
+        moved = bounding_levels(with_length(featured, path, known[path] + step).parts, mesh.part)
+        points = mesh.points[motion.nodes] + (step * speeds)[:, None] * motion.normals
+        off = np.min([np.abs(level(points)) for level in moved.values()], axis=0)
+        assert off.max() < 1e-10
+
+
+@pytest.mark.slow
+def test_volumes_change_as_the_parts_say(featured):
+    analysis = analyze_throw(featured, accuracy=0.1)
+    shares = analysis.sensitivities("mass").shares
+    for path, share in shares.items():
+        size = lengths_of(featured)[path]
+        low, high = (with_length(featured, path, size * factor).volume for factor in (0.999, 1.001))
+        assert share == close(np.log(high / low) / 0.002, abs=2e-3)
+    lengths = [share for path, share in shares.items() if path != "counterweight.angle"]
+    assert sum(lengths) == close(3.0, abs=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("support", ["pinned", "guided", cf.Neighbors(120.0, 120.0)])
+def test_compliances_scale_with_the_size_of_the_throw(throw, support):
+    """A throw of twice the size is half as compliant; in no way built into the slopes."""
+    analysis = analyze_throw(throw, accuracy=0.02)
+    for quantity, power in (("axial_compliance", -1.0), ("torsional_compliance", -3.0)):
+        slopes = analysis.sensitivities(quantity, support)
+        assert slopes.error < 0.04
+        assert sum(slopes.shares.values()) == close(power, rel=0.01)
+
+
+@pytest.mark.further
+def test_slopes_are_those_between_other_meshes(featured):
+    """Central differences over 6 %, whose meshes scatter by up to 0.05 %: 0.02 of a share."""
+    slopes = analyze_throw(featured, accuracy=0.01).sensitivities()
+    for path in ("crank_radius", "pin_diameter", "pin_length", "pin_bore", "web_journal_end"):
+        size = lengths_of(featured)[path]
+        low, high = (
+            analyze_throw(with_length(featured, path, size * factor), accuracy=0.005)
+            for factor in (0.97, 1.03)
+        )
+        ratio = high.axial_compliance() / low.axial_compliance()
+        assert slopes[path] == close(np.log(ratio) / np.log(1.03 / 0.97), rel=0.015, abs=0.02)
+
+
+def test_what_has_no_slope_says_why(throw):
+    analysis = analyze_throw(throw, accuracy=0.1)
+    slopes = analysis.sensitivities("torsional_compliance", "guided")
+    assert "zero" in slopes.left_out["pin_bore"]
+    for path in ("pin_bore", "wheel_radius"):
+        with pytest.raises(InputError, match="web_width"):
+            slopes[path]
+    with pytest.raises(InputError, match="quantity"):
+        analysis.sensitivities("stiffness")
+    averaged = analyze_throw(throw, accuracy=0.1, end_sections="averaged", sections="rigid")
+    with pytest.raises(InputError, match="end_sections"):
+        averaged.sensitivities()
+
+
+def test_slopes_as_table_and_picture(throw):
+    slopes = analyze_throw(throw, accuracy=0.1).sensitivities()
+    frame = slopes.to_pandas()
+    assert frame.loc["web_width", "share"] == slopes["web_width"]
+    axes = slopes.plot()
+    assert len(axes.patches) == len(slopes.shares)
