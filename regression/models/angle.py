@@ -50,15 +50,20 @@ def between(gamma_deg: ArrayLike, in_line: Any, opposite: Any, ratio: Any) -> An
             f"tilt_stiffness_ratio: given {least:g}; allowed is a positive number, because it is a ratio "
             "of two stiffnesses: an equation that gives another one does not hold for these dimensions."
         )
+    share = opposite_share(gamma_deg, ratio)
+    # In this form both ends are met to the last digit.
+    values = in_line * (1.0 - share) + opposite * share
+    return values if isinstance(values, np.ndarray) else float(values)
+
+
+def opposite_share(gamma_deg: ArrayLike, ratio: Any) -> Any:
+    """Share of e_180 in the mean of e_0 and e_180, by angle [deg] and rho."""
     half = np.pi / 360.0 * fold_angle(gamma_deg)
     if isinstance(half, float):
         sine, cosine = math.sin(half) ** 2, math.cos(half) ** 2
     else:
         sine, cosine = np.sin(half) ** 2, np.cos(half) ** 2
-    share = sine / (sine + ratio * cosine)
-    # In this form both ends are met to the last digit.
-    values = in_line * (1.0 - share) + opposite * share
-    return values if isinstance(values, np.ndarray) else float(values)
+    return sine / (sine + ratio * cosine)
 
 
 def between_values(angle: Any, values: Sequence[Any]) -> Any:

@@ -30,12 +30,13 @@ from crankbase.outputs import write_text
 from fem.end_reactions import Reactions
 from fem.plots import angle_axis
 from geometry.throw import CrankThrow
-from regression.models.angle import between_values, fold_angle
+from regression.models.angle import between_values, fold_angle, opposite_share
 from regression.models.family import Family, angle_law_remarks, query_for_throw
 from regression.models.lookup import (
     Lookup,
     Lookups,
     ReactionLookup,
+    Slope,
     both_ends,
     checked_force,
     checked_support,
@@ -192,6 +193,12 @@ def _column_ranges(responses: Mapping[str, ResponseModel]) -> dict[str, tuple[fl
 
 
 Value = float | NDArray[np.float64]
+
+
+def _warn_outside(answers: Iterable[ResponseValues], frames: int) -> None:
+    """Warn of each dimension outside its range, once, in the code so many frames up."""
+    for finding in {part.name: part for answer in answers for part in answer.outside}.values():
+        warnings.warn(finding.remark, OutsideRangeWarning, stacklevel=frames)
 
 
 # Beginnings of names of what a throw has that its first pin's reactions do not tell of.
@@ -468,9 +475,7 @@ class ComplianceModel(InputModel):
     ) -> Value:
         """Evaluate, with warnings for the caller of the public method, two frames up."""
         answers = [answer for _, answer in self._answers(name, gamma_deg, strict, dimensions)]
-        # Each dimension is told of once.
-        for finding in {part.name: part for answer in answers for part in answer.outside}.values():
-            warnings.warn(finding.remark, OutsideRangeWarning, stacklevel=3)
+        _warn_outside(answers, 4)
         value: Value = answers[0].values
         if gamma_deg is not None:
             value = between_values(fold_angle(gamma_deg), [answer.values for answer in answers])
@@ -487,6 +492,62 @@ class ComplianceModel(InputModel):
                 raise InputError(answer.outside[0].error_sentence)
             answers.append((part, answer))
         return answers
+
+    def slopes(
+        self,
+        response: str,
+        /,
+        *,
+        gamma_deg: ArrayLike | None = None,
+        strict: bool = False,
+        **dimensions: ArrayLike | str,
+    ) -> dict[str, Slope]:
+        """Derivatives of a response by its factors, from the equation itself, without differences.
+
+        Parameters
+        ----------
+        response, gamma_deg, strict, **dimensions
+            As in `axial_compliance` and `lookup`; the angle and the throw's size relative to the study
+            are held.
+
+        Returns
+        -------
+        dict of str to Slope
+            By each numeric factor given; dimensions that follow from it by relations move with it.
+            Choices and fixed dimensions have no slope.
+
+        Raises
+        ------
+        InputError
+            As in `axial_compliance`; if the model lacks the response, or dimensions are given in place
+            of the factors that they follow from.
+
+        Warns
+        -----
+        OutsideRangeWarning
+            As in `axial_compliance`.
+        """
+        answers = self._answers(response, gamma_deg, strict, dimensions)
+        _warn_outside([answer for _, answer in answers], 3)
+        family = self.family
+        rows = [self._compiled.query(name).slopes(dimensions) for name, _ in answers]
+        values: dict[str, Any] = rows[0]
+        if gamma_deg is not None:
+            in_line, opposite, ratio = (answer.values for _, answer in answers)
+            between_values(gamma_deg, (in_line, opposite, ratio))  # refuses impossible values
+            share = opposite_share(gamma_deg, ratio)
+            by_ratio = (in_line - opposite) * share * (1.0 - share) / ratio
+            values = {
+                name: rows[0][name] * (1.0 - share)
+                + rows[1][name] * share
+                + rows[2][name] * by_ratio
+                for name in values
+            }
+        unit = self.responses[answers[0][0]].unit or "1"
+        return {
+            name: Slope(value, f"{unit} per {family.unit(name) or '1'}")
+            for name, value in values.items()
+        }
 
     def answer(self, response: str, dimensions: Mapping[str, ArrayLike | str]) -> ResponseValues:
         """Values of a response with those outside its range, without warnings."""

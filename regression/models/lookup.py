@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +23,13 @@ if TYPE_CHECKING:
 
 
 NO_BAND = "none holds outside the range of the fit"
+
+
+class Slope(NamedTuple):
+    """Derivative of a response by one factor, a float or an array, and its unit, such as "m/N per m"."""
+
+    value: Any
+    unit: str
 
 
 @result("symbol", "value", "unit", "support", "lower", "upper", "inside", "remarks")

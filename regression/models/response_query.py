@@ -31,6 +31,8 @@ from regression.throw_values import SAME, format_value
 LEAST_SAID = 1e-5
 # The largest error of so many designs holds 95 % of new ones on the average.
 FEWEST = 19
+# The imaginary part by which slopes are taken [SI]: its square is nothing beside any value.
+_STEP = 1e-50
 # A larger factor is the same as none: errors of nearly 100 %, or estimates beyond all measure.
 _OPEN = 1e30
 
@@ -487,6 +489,38 @@ class ResponseQuery:
                 "equation that gives another one does not hold for these dimensions."
             )
         return ResponseValues(values, outside, inside)
+
+    def slopes(self, query: Mapping[str, Given]) -> dict[str, Any]:
+        """Derivatives by each factor given, at a query that `evaluate` accepts [SI].
+
+        The equation is evaluated in complex numbers with an imaginary part far below rounding: its
+        imaginary part is the derivative without a difference, as the real part does not change
+        (Squire and Trapp, SIAM Review 40, 1998). What follows from a factor by relations follows it.
+        """
+        checked, shape = self._used(query)
+        family = self.family
+        names = [name for name in family.ranges if name in query]
+        moved: dict[str, Given] = {
+            name: value for name, value in checked.items() if name not in family.relations
+        }
+        for place, name in enumerate(names):
+            step = np.zeros((len(names), *(1 for _ in shape)), dtype=np.complex128)
+            step[place] = 1j * _STEP
+            moved[name] = checked[name] + step
+        known = family.completed(moved, checked[_SIZE])
+        missing = [name for name in self.needed if name not in known]
+        if missing:
+            raise InputError(
+                f"{missing[0]}: given without the factors that it follows from; allowed are the model's "
+                f"factors {', '.join(family.factors)}, because slopes are by these."
+            )
+        values = self.equation([column.read(known) for column in self.columns], np)
+        if self.scale is not None:
+            values = values * self.scale(known)
+        rows = np.broadcast_to(np.imag(values) / _STEP, (len(names), *shape))
+        return {
+            name: row.copy() if shape else float(row) for name, row in zip(names, rows, strict=True)
+        }
 
     @cached_property
     def _ranges(self) -> dict[str, tuple[float, float, str]]:

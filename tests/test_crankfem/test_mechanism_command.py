@@ -35,6 +35,7 @@ from dynamics.engine.layout import EngineLayout, SlavePin
 from dynamics.engine.rods import ConnectingRod
 from dynamics.plots.load_diagrams import on_paper
 from geometry.crankshaft import throw_masses
+from json_units import numbers_with_units
 from parts_in_a_line import cylinder
 
 
@@ -131,7 +132,7 @@ def test_a_balance_is_read_as_it_was_written(v8):
     again = EngineBalance.from_json(text)
     assert again.to_json() == text
     assert again.summary() == found.summary()
-    units = json.loads(text)["units"]
+    units = {".".join(path): unit for path, _, unit in numbers_with_units(json.loads(text))}
     assert (units["orders.force.major"], units["orders.parts.lateral.moment.x"]) == ("N", "N m")
 
 
