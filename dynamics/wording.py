@@ -311,6 +311,11 @@ def differing_chains(differences: Sequence[str], kind: str) -> str:
     )
 
 
+# Of the chain that stands beside them.
+ADEQUATE = "The lumped model is adequate."
+INADEQUATE = "Lumped model inadequate; the section on the whole crankshaft gives the reasons."
+
+
 def adequate_chain(kind: str) -> str:
     """State that a chain is an adequate model of the whole crankshaft."""
     return f"The {kind} chain is an adequate lumped model of the whole crankshaft."
@@ -324,6 +329,20 @@ def inadequate_chain(kind: str) -> str:
 def chains_alone(reason: str) -> str:
     """State why no whole crankshaft stands beside a verdict."""
     return f"The verdict uses lumped models (chains) alone: {reason}."
+
+
+WITHOUT_PLANT = (
+    "the torsional chain is the maker's for the whole plant (shaft_line.plant), not one of the "
+    "file's throws: the whole crankshaft, made of these, is without the plant and judged by no limit"
+)
+
+
+def without_propeller(node: str) -> str:
+    """State why the whole crankshaft is not judged: a propeller's forces act on another node."""
+    return (
+        f"the propeller's forces act on {node}, not behind the flywheel: the whole crankshaft is without "
+        "them and judged by no limit"
+    )
 
 
 def differing_amplitude(kind: str, shaft: str, chain: str) -> str:

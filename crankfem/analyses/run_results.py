@@ -21,6 +21,7 @@ from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.whole_verdict import WholeVibration
 from crankfem.files.reading.toml_file import InputRecord
+from dynamics import wording
 from dynamics.critical import TwoMassCheck
 from dynamics.response.loads import LARGEST_POWER_ERROR
 from dynamics.torque import LARGEST_ENERGY_ERROR
@@ -371,11 +372,7 @@ def _chain_checks(whole: WholeVibration | None) -> list[Check]:
                 f"The {kind} chain compared with the whole crankshaft",
                 figure,
                 f"First {kind} frequency of the chain compared with that of the whole crankshaft. "
-                + (
-                    "The lumped model is adequate."
-                    if chain.suffices
-                    else "Lumped model inadequate; the section on the whole crankshaft gives the reasons."
-                ),
+                + (wording.ADEQUATE if chain.suffices else wording.INADEQUATE),
                 shown_unit="%",
                 # Frequencies, shares of the energy and amplitudes decide together.
                 met=chain.suffices,

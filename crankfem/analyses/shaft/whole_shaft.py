@@ -415,18 +415,12 @@ def whole_shaft(
 def not_comparable(engine_file: EngineFile) -> str:
     """Say why nothing judges the whole crankshaft of an engine file; nothing if it can be judged."""
     if PLANT in engine_file.shaft_lines:
-        return (
-            "the torsional chain is the maker's for the whole plant (shaft_line.plant), not one of the "
-            "file's throws: the whole crankshaft, made of these, is without the plant and judged by no limit"
-        )
+        return wording.WITHOUT_PLANT
     propeller_forces = engine_file.propeller_forces
     if propeller_forces is not None and {propeller_forces.node} - _line_nodes(
         engine_file, propeller_forces
     ):
-        return (
-            f"the propeller's forces act on {propeller_forces.node}, not behind the flywheel: the whole "
-            "crankshaft is without them and judged by no limit"
-        )
+        return wording.without_propeller(propeller_forces.node)
     return ""
 
 
