@@ -270,6 +270,8 @@ _NUMBER = r"[+-]?(?!0\d)(?:\d+\.?\d*|\.\d+)"
 _EXPONENT = rf"(?:\*\*\s*(?:(?P<power>{_NUMBER})|\(\s*(?P<root>{_NUMBER})\s*(?:/\s*\d+\s*)?\)))?"
 _FACTOR = re.compile(rf"(?<![\w.])[^\W\d]\w*\s*{_EXPONENT}")
 _BRACKET = re.compile(rf"\(\s*1\s*(?:[*/]\s*1\s*)*\)\s*{_EXPONENT}")
+# Pint 0.26 leaves the space of "N m", which older releases made a sign; both multiply from left to right.
+_SPACE = re.compile(r"(?<=[\w.)])\s+(?=[\w.(])")
 _PRODUCT = re.compile(r"\s*(?:1(?:\.0*)?\s*(?:[*/]\s*1(?:\.0*)?\s*)*)?")
 
 
@@ -328,6 +330,7 @@ def _normalized_unit(text: str) -> str:
     spelled = POWER.sub(r"\1^\2", text)
     for step in (*unit_registry().preprocessors, string_preprocessor):
         spelled = step(spelled)
+    spelled = _SPACE.sub("*", spelled)
     powers = 1.0
 
     def factor(match: re.Match[str]) -> str:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from crankbase.choices import check_choice
 from crankbase.diagrams import draw_groups, new_axes, write_title
+from crankbase.errors import InputError
 from crankbase.frames import grid, table
 from crankbase.results import Quantity, Result, result
 
@@ -141,10 +142,15 @@ class Reactions(Result):
         Raises
         ------
         InputError
-            If `show` is neither.
+            If `show` is neither, or these are reactions of several throws.
         """
         units = {"force": "kN", "moment": "kN m"}
         check_choice("show", show, units, "these hold the ends")
+        if self.left.force.ndim != 1:
+            raise InputError(
+                f"plot: given reactions of {len(self.left.force)} throws; allowed are those of one, "
+                "because its two ends are drawn."
+            )
         axes = new_axes(axes)
         ends = {"left": self.left, "right": self.right}
         vectors = {name: getattr(end, show) for name, end in ends.items()}

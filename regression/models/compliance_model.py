@@ -76,6 +76,7 @@ if TYPE_CHECKING:
 
 
 FILE_FORMAT = "crankfem compliance model"
+# Later releases read files of version 4, as docs/lookup.md promises: a change of content keeps them readable.
 FORMAT_VERSION = 4
 _MODEL_FILE = "a compliance model file as crankfem saves it"
 _WANTED = f"allowed is {_MODEL_FILE}"

@@ -31,8 +31,9 @@ from regression.throw_values import SAME, format_value
 LEAST_SAID = 1e-5
 # The largest error of so many designs holds 95 % of new ones on the average.
 FEWEST = 19
-# The imaginary part by which slopes are taken [SI]: its square is nothing beside any value.
-_STEP = 1e-50
+# Imaginary parts by which slopes are taken [SI]: their squares are nothing beside any value, and both give
+# one slope where there is one. As powers of two they change no digit.
+_STEPS = np.array([2.0**-166, 2.0**-332])
 # A larger factor is the same as none: errors of nearly 100 %, or estimates beyond all measure.
 _OPEN = 1e30
 
@@ -500,12 +501,13 @@ class ResponseQuery:
         checked, shape = self._used(query)
         family = self.family
         names = [name for name in family.ranges if name in query]
+        steps = _STEPS.reshape(2, *(1 for _ in shape))
         moved: dict[str, Given] = {
             name: value for name, value in checked.items() if name not in family.relations
         }
         for place, name in enumerate(names):
-            step = np.zeros((len(names), *(1 for _ in shape)), dtype=np.complex128)
-            step[place] = 1j * _STEP
+            step = np.zeros((2, len(names), *(1 for _ in shape)), dtype=np.complex128)
+            step[:, place] = 1j * steps
             moved[name] = checked[name] + step
         known = family.completed(moved, checked[_SIZE])
         missing = [name for name in self.needed if name not in known]
@@ -517,7 +519,14 @@ class ResponseQuery:
         values = self.equation([column.read(known) for column in self.columns], np)
         if self.scale is not None:
             values = values * self.scale(known)
-        rows = np.broadcast_to(np.imag(values) / _STEP, (len(names), *shape))
+        parts = np.broadcast_to(np.imag(values), (2, len(names), *shape))
+        rows, again = parts / steps[:, None]
+        for name, row, other in zip(names, rows, again, strict=True):
+            if not np.allclose(row, other, rtol=1e-9, atol=0.0):
+                raise InputError(
+                    f"{name}: given a value at which {self.name} has no slope; allowed are others, because a "
+                    "relation of this model takes the root of zero there."
+                )
         return {
             name: row.copy() if shape else float(row) for name, row in zip(names, rows, strict=True)
         }

@@ -190,3 +190,23 @@ def test_slopes_need_the_factors(related):
     }
     with pytest.raises(InputError, match="given without the factors"):
         related.slopes("axial_compliance", **columns)
+
+
+@pytest.mark.parametrize("power", ["0.5", "0.99"])
+def test_a_root_of_zero_has_no_slope(power):
+    """L = 125 mm + 0.3 x^p of an optional fillet x: its slope 0.3 p x^(p - 1) has no bound at zero."""
+    made = MODELS["group quadratic"].model_dump()
+    made["fixed"] = {n: v for n, v in made["fixed"].items() if n != "fillet_radius"}
+    made["ranges"] = {n: of for n, of in BOX.items() if n != "pin_length"} | {
+        "fillet_radius": (0.0, 0.02)
+    }
+    made["relations"] = {"pin_length": f"125 mm + 300 mm * (fillet_radius / (1 m)) ^ {power}"}
+    model = ComplianceModel(**made | {"throw": None})
+    at = {"web_width": 0.3, "web_thickness": 0.07}
+    length = 0.125 + 0.3 * 0.01 ** float(power)
+    direct = MODELS["group quadratic"].slopes("axial_compliance", pin_length=length, **at)
+    chained = 0.3 * direct["pin_length"].value * float(power) * 0.01 ** (float(power) - 1.0)
+    slopes = model.slopes("axial_compliance", fillet_radius=0.01, **at)
+    assert slopes["fillet_radius"].value == close(chained, rel=1e-12)
+    with pytest.raises(InputError, match="fillet_radius: given a value at which axial_compliance"):
+        model.slopes("axial_compliance", fillet_radius=[0.0, 0.01], **at)
