@@ -222,6 +222,15 @@ class EngineSpread(Result):
     ratios: Annotated[Mapping[str, Mapping[str, Ratio]], Quantity(key="beside_fe")]
 
 
+@result("gamma_deg", "engines")
+class FormulasOfEngines(Result):
+    """What was calculated for each of several engines, at the same angle and with the same constants."""
+
+    gamma_deg: Annotated[float, Quantity("deg")]
+    constants: Annotated[Mapping[str, float], Quantity("1")]
+    engines: tuple[EngineFormulas | EngineSpread, ...]
+
+
 @dataclass(frozen=True)
 class FormulaSpread:
     """One formula compared with finite elements over many engines: least, mean and greatest ratio."""

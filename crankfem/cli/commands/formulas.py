@@ -14,8 +14,7 @@ from crankfem.cli.commands.options import GammaOption, Output, ThrowOption, with
 from crankfem.cli.console import parse_pairs, print_json
 
 if TYPE_CHECKING:
-    from crankbase.results import Result
-    from crankfem.analyses.throw.formula_records import Formulas
+    from crankfem.analyses.throw.formula_records import EngineFormulas, EngineSpread, Formulas
 
 
 @dataclass(frozen=True)
@@ -156,18 +155,13 @@ def _some_engines(files: Sequence[str], asked: _Request) -> None:
         )
 
 
-def _print_engines(rows: "Sequence[Result]", asked: _Request) -> None:
+def _print_engines(rows: "Sequence[EngineFormulas | EngineSpread]", asked: _Request) -> None:
     """Print as JSON what was calculated for each of several engines."""
-    from crankbase.results import units as result_units
+    from crankbase.results import units
+    from crankfem.analyses.throw.formula_records import FormulasOfEngines
 
-    print_json(
-        {
-            "gamma_deg": asked.gamma,
-            "constants": dict(asked.constants),
-            "engines": rows,
-            "units": {"gamma_deg": "deg", "constants.*": "1"} | result_units(rows, "engines."),
-        }
-    )
+    made = FormulasOfEngines(asked.gamma, asked.constants, tuple(rows))
+    print_json(made.to_record() | {"units": units(made)})
 
 
 def _all_engines(asked: _Request) -> None:
