@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,10 +25,11 @@ if TYPE_CHECKING:
 NO_BAND = "none holds outside the range of the fit"
 
 
-class Slope(NamedTuple):
+@result("value", "unit")
+class Slope(Result):
     """Derivative of a response by one factor, a float or an array, and its unit, such as "m/N per m"."""
 
-    value: Any
+    value: Annotated[float | FloatArray, Quantity(".unit")]
     unit: str
 
 

@@ -179,7 +179,7 @@ def test_what_follows_from_a_factor_moves_with_it(related, ratio, h):
         assert slope.value == close(expected, rel=1e-8)
     # A dimension that is told besides its factor changes nothing.
     again = related.slopes("axial_compliance", web_width=0.18 * ratio, **at)
-    assert again == slopes
+    assert [slope.value for slope in again.values()] == [slope.value for slope in slopes.values()]
 
 
 def test_slopes_need_the_factors(related):
