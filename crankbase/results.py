@@ -84,7 +84,8 @@ class Quantity:
         from pydantic_core import core_schema
 
         size = EXPORTED[self.exported][0] if self.exported else 1.0
-        if "numpy.ndarray" in str(source):  # also optional ones, and mappings to arrays
+        # Also optional ones, and mappings to arrays; numpy 2.5 names the alias in place of the class.
+        if any(name in str(source) for name in ("numpy.ndarray", "NDArray[")):
             return core_schema.no_info_plain_validator_function(
                 lambda values: _array(values, size, self.missing)
             )
