@@ -58,16 +58,10 @@ from regression.models.lookup import ReactionLookup
 
 def reactions_record(lookup: ReactionLookup) -> Record:
     """Return reactions by a law or a model: of each end force and moment, and how far they may be off."""
-    return {
-        "support": lookup.support,
-        **{
-            side: {
-                **attributes(getattr(lookup, side), "force", "moment"),
-                "force_band": attributes(getattr(lookup.band, side), "force")["force"],
-                "moment_band": attributes(getattr(lookup.band, side), "moment")["moment"],
-            }
-            for side in ("left", "right")
-        },
+    ends = {"left": (lookup.left, lookup.band.left), "right": (lookup.right, lookup.band.right)}
+    return {"support": lookup.support} | {
+        side: end.to_record() | {f"{name}_band": error for name, error in band.to_record().items()}
+        for side, (end, band) in ends.items()
     }
 
 

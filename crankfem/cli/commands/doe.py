@@ -1,5 +1,6 @@
 """Studies: run one, list its designs or write them, import and export results, verify a store."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,6 +16,7 @@ from crankfem.jobs.exit_codes import EXIT_INPUT
 
 if TYPE_CHECKING:
     from crankbase.results import Result
+    from crankbase.table import Table
     from regression.plans.plan import StudyPlan
     from regression.runs.study_table import StudyTable
 
@@ -46,11 +48,11 @@ StudyOption = Annotated[
 ]
 
 
-def _print(made: "Result", out: Output) -> None:
+def _print(made: "Result", parts: "Iterable[Table | str]", out: Output) -> None:
     if out.json:
         print_json(made)
     else:
-        print_parts(made.parts())  # type: ignore[attr-defined]
+        print_parts(parts)
 
 
 @with_output()
@@ -173,7 +175,8 @@ def plan(study: StudyArgument, *, out: Output) -> None:
     from crankfem.analyses.study.planned_designs import PlannedDesigns
     from crankfem.files.engine.throw_file import load_study
 
-    _print(PlannedDesigns.of(load_study(study).planned), out)
+    planned = PlannedDesigns.of(load_study(study).planned)
+    _print(planned, planned.parts(), out)
 
 
 @with_output(files=True)
@@ -205,7 +208,7 @@ def designs(
         written = export_designs(
             planned, made, mesh, lambda done, total: progress.design(done, total, None)
         )
-    _print(written, out)
+    _print(written, written.parts(), out)
 
 
 @with_output()
@@ -235,7 +238,7 @@ def import_(
     imported = import_results(load_study(study), store, file, alone=alone)
     if imported.damaged:
         console.print_warning(f"{imported.damaged}.")
-    _print(imported, out)
+    _print(imported, imported.parts(), out)
 
 
 @with_output(files=True)
@@ -254,7 +257,8 @@ def results(
 
     check_export(file)
     check_writable(file, "table", store, name=str(file))
-    _print(export_table(read_study(store, study_key(study)), file), out)
+    written = export_table(read_study(store, study_key(study)), file)
+    _print(written, written.parts(), out)
 
 
 @with_output()
@@ -263,7 +267,7 @@ def verify(store: StoreArgument, *, out: Output) -> None:
     from regression.runs.study import check_store
 
     check = check_store(store)
-    _print(check, out)
+    _print(check, check.parts(), out)
     if not check.sound:
         remedy = (
             "use a copy of it, or give a new file name"
