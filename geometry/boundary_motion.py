@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, MeshError
 from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.parts import Arc, ThrowParts, WebPlate
-from geometry.solid import part_end
+from geometry.solid import OIL_HOLE, part_end
 from geometry.throw import CrankThrow
 
 Array = NDArray[np.float64]
@@ -24,7 +24,7 @@ Level = Callable[[Array], Array]
 
 # Why a dimension has no slope, mostly.
 ZERO = "it is zero: the throw has another shape with it"
-# A facet lies on a level whose distance from all of its nodes is below this share of the throw's length.
+# A facet lies on a level whose distance from its corners is below this share of the throw's length.
 ON_LEVEL = 1e-6
 # Of a dimension, and of the throw's length, for central differences of smooth functions.
 STEP = 1e-5
@@ -84,18 +84,31 @@ def with_length(throw: CrankThrow, path: str, value: float) -> CrankThrow:
 
 
 def boundary_motion(throw: CrankThrow, mesh: ThrowMesh) -> BoundaryMotion:
-    """Find the motion of a mesh's surface under each dimension of its throw."""
+    """Find the motion of a mesh's surface under each dimension of its throw.
+
+    Rounded exits of oil holes are left free.
+
+    Raises
+    ------
+    MeshError
+        If a facet lies on no other surface of the throw.
+    """
     levels = bounding_levels(throw.parts, mesh.part)
     facets = six_node_triangles(mesh, np.concatenate(list(mesh.surfaces.values())))
     on_surface, places = np.unique(facets, return_inverse=True)
     points = mesh.points[on_surface]
     distances = np.array([np.abs(level(points)) for level in levels.values()])
-    farthest = distances[:, places.reshape(facets.shape)].max(axis=2)
-    nearest = farthest.argmin(axis=0)
-    known = farthest.min(axis=0) < ON_LEVEL * mesh.length
-    pairs = np.unique(
-        np.column_stack([np.repeat(nearest[known], 6), facets[known].ravel()]), axis=0
-    )
+    distances = distances[:, places.reshape(facets.shape)]
+    # By the corners: edge nodes of mended elements lie beside the surface, and follow their corners.
+    on_level = distances < ON_LEVEL * mesh.length
+    apart = np.where(on_level[:, :, :3].all(axis=2), distances.max(axis=2), np.inf)
+    nearest = apart.argmin(axis=0)
+    known = np.isfinite(apart.min(axis=0))
+    rounded = [name == OIL_HOLE for name, corners in mesh.surfaces.items() for _ in corners]
+    if not np.all(known | np.array(rounded)):
+        raise MeshError("the mesh has facets on none of the throw's surfaces.")
+    held = on_level[nearest, np.arange(len(facets))] & known[:, None]
+    pairs = np.unique(np.column_stack([np.repeat(nearest, 6)[held.ravel()], facets[held]]), axis=0)
     numbers, nodes = pairs.T
     normals = _by_level(list(levels.values()), numbers, mesh.points[nodes], mesh.length * STEP)
     speeds, left_out = {}, {}
@@ -168,9 +181,10 @@ def bounding_levels(parts: ThrowParts, part: str) -> dict[str, Level]:
 
 
 def _web_levels(web: WebPlate) -> Iterator[tuple[str, Level]]:
+    # Between the halves of a split pin there is no web, but what one half stands over the other.
+    yield "start", _plane(web.start)
     if web.end <= web.start:
         return
-    yield "start", _plane(web.start)
     yield "end", _plane(web.end)
     for number, piece in enumerate(web.outline.pieces):
         (u_0, v_0), (u_1, v_1) = piece.start, piece.end

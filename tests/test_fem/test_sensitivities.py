@@ -110,6 +110,30 @@ def test_the_whole_and_the_quarter_have_the_same_slopes(throw, mesh, full_mesh, 
     assert answers[1] == close(answers[0], rel=1e-4)
 
 
+SPLIT = {
+    "crank_radius": 0.142,
+    "main_journal_diameter": 0.124,
+    "pin_diameter": 0.113,
+    "main_journal_length": 0.101,
+    "pin_length": 0.073,
+    "web_width": 0.194,
+    "web_thickness": 0.046,
+    "fillet_radius": 0.009,
+    "web_outline": "rectangle",
+    "web_corner_chamfer": 0.024,
+    "further_pins": ({"angle": 0.465, "web_thickness": 0.0},),
+    "oil_holes": ({"part": "pin", "diameter": 0.012, "exit_radius": 0.004},),
+}
+
+
+@pytest.mark.slow
+def test_a_split_pin_with_oil_holes_scales_with_its_size():
+    """Halves that stand over each other, a chamfer, rounded exits that are left free."""
+    volume = analyze_throw(CrankThrow(**SPLIT), accuracy=0.1).sensitivities("mass").shares
+    lengths = [share for path, share in volume.items() if not path.endswith("angle")]
+    assert sum(lengths) == close(3.0, abs=5e-3)
+
+
 def test_every_surface_moves_with_its_dimension(featured):
     """A point that follows the motion of its surface stays on it, whatever the dimension."""
     mesh = mesh_throw(featured, 3.0)
