@@ -598,10 +598,10 @@ def test_diagrams_take_their_height_and_orders_from_running_speeds(series):
     loud = OrderSeries(series.orders, series.speeds, values, series.unbounded, series.names)
     running = (float(GRID_SPEEDS[30]), float(GRID_SPEEDS[119]))
     curves = loud.over_speed(0, quantity_display(None, "SI"), running=running, main_orders=1)
-    assert curves.top == close(1.08 * loud.synthesis.plain_sum[30:120, 0].max())
+    assert curves.y.ends[1] == close(1.08 * loud.synthesis.plain_sum[30:120, 0].max())
     assert [band.name for band in curves.bands] == 2 * ["outside the running range"]
     assert curves.bands[0].high == close(running[0] * 30.0 / np.pi)
-    (main,) = (one.name for one in curves.series if one.role == "order" and one.main)
+    (main,) = (line.name for line in curves.lines if line.name.startswith("order") and line.main)
     sizes = np.abs(values[:, 30:120, 0]).max(axis=1)
     assert main == f"order {series.orders[np.argmax(sizes)]:g}"
 
