@@ -509,6 +509,8 @@ class LoadedThrow:
         recovery = StressRecovery(mesh.points, mesh.elements)
         for symmetry, field in self.shares:
             loads = np.flatnonzero(np.any(field, axis=(0, 1)))
+            if not loads.size:
+                continue
             stresses = recovery.stresses(field[:, :, loads], self.material)
             for image, total in zip(images, totals, strict=True):
                 total[:, loads] += symmetry.parity(image) * stresses.transpose(0, 2, 1)
