@@ -18,8 +18,8 @@ from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.shaft.chains import bearing_stiffness, magnifier_of
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.vibration.axial_cycle import axial_cycle
+from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics, forces_over_speeds
-from crankfem.analyses.vibration.forced import EngineChains
 from crankfem.analyses.vibration.modes import axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import load_engine
 from fem.analysis import analyze_throw

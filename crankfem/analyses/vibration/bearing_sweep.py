@@ -15,6 +15,7 @@ from crankfem.analyses.shaft.chains import BearingStiffness, bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.shaft.whole_shaft import WholeShaft, not_comparable
+from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import calculated_range
 from crankfem.analyses.vibration.engine_limits import (
     assessment_end_speeds,
@@ -23,12 +24,7 @@ from crankfem.analyses.vibration.engine_limits import (
     judges_axial,
     limit_findings,
 )
-from crankfem.analyses.vibration.forced import (
-    EngineChains,
-    ForcedVibration,
-    resonances_of,
-    vibrations_at,
-)
+from crankfem.analyses.vibration.forced import ForcedVibration, resonances_of, vibrations_at
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics import wording

@@ -36,13 +36,14 @@ from crankfem.analyses.vibration.bearing_sweep import (
     held_chains,
     with_answers,
 )
+from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
     EngineLoad,
     engine_harmonics,
     engine_load,
     refuse_vibration,
 )
-from crankfem.analyses.vibration.forced import EngineChains, ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Kind, Vibration, axial_vibration, torsional_vibration
 from crankfem.analyses.vibration.whole_verdict import (
