@@ -72,7 +72,7 @@ class ChainAnswer:
     @cached_property
     def crank_elements(self) -> OrderSeries:
         """Torque or force in the elements of the crankshaft itself, from the free end."""
-        return first_places(self.loads.elements, crank_element_count(self.engine_chain))
+        return first_places(self.loads.elements, self.engine_chain.crank_elements)
 
 
 # Of the axial and of the torsional chain.
@@ -194,13 +194,6 @@ def first_places(series: OrderSeries, count: int) -> OrderSeries:
     return replace(series, values=series.values[:, :, :count], names=series.names[:count])
 
 
-def crank_element_count(chain: EngineChain) -> int:
-    """Return the number of elements between free end (or first throw) and flywheel, the first ones."""
-    if chain.kind == "axial":
-        return chain.throws
-    return chain.throw_nodes[-1] + 1
-
-
 def nominal_section_modulus(throw: CrankThrow) -> float:
     """Section modulus of the weaker of main journal and crankpin in torsion [m^3]."""
     moduli = section_modulus(
@@ -215,7 +208,7 @@ def _sections(engine_file: EngineFile, chain: EngineChain) -> dict[int, float]:
     """Section modulus of each element of the crankshaft: the weaker one of the throws that it joins."""
     moduli = [nominal_section_modulus(throw) for throw in engine_file.crank_throws]
     sections: dict[int, float] = {}
-    for element in range(crank_element_count(chain)):
+    for element in range(chain.crank_elements):
         ends = chain.chain.connections[element]
         joined = [
             moduli[chain.throw_nodes.index(node)] for node in ends if node in chain.throw_nodes

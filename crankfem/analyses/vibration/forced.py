@@ -529,9 +529,7 @@ def vibrations_at(
 
 
 def resonances_of(
-    engine_file: EngineFile,
-    forced: ForcedVibration,
-    limited: Collection[str] = (),
+    engine_file: EngineFile, forced: ForcedVibration, limited: Collection[str] = ()
 ) -> tuple[DampedCritical, ...]:
     """Return the peaks of all elements and nodes, ascending in speed, and then modes without a peak.
 
@@ -541,10 +539,7 @@ def resonances_of(
     response, motion = forced.response, MOTION[forced.kind]
     major = major_orders(response.orders, engine_file.engine.firing_angles)
     criticals = damped_criticals(
-        response,
-        speed_range=forced.judged_range,
-        modes=forced.modes,
-        first=limited,
+        response, speed_range=forced.judged_range, modes=forced.modes, first=limited
     )
     listed = [
         replace(

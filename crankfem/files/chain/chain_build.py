@@ -482,12 +482,7 @@ def _check_known(field: str, name: str, nodes: tuple[str, ...]) -> None:
 
 
 def _spring(
-    section: Section,
-    number: int,
-    element: Element,
-    left: str,
-    right: str,
-    base: PerUnitBase | None,
+    section: Section, number: int, element: Element, left: str, right: str, base: PerUnitBase | None
 ) -> _Row:
     field = f"chain.elements[{number}].stiffness"
     where = f"chain.elements[{number}]"
@@ -506,10 +501,7 @@ def _spring(
         "a spring without stiffness cuts the chain in two",
     )
     stiffness, loss_factor, damping, law = varied(
-        element.variation,
-        stiffness,
-        in_si(element, where, "loss_factor", base),
-        element.damping,
+        element.variation, stiffness, in_si(element, where, "loss_factor", base), element.damping
     )
     return _Row(left, right, stiffness, damping, loss_factor, element.distributed_inertia, law)
 
