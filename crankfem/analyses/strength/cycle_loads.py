@@ -17,7 +17,6 @@ from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Quantity, Result, result
 from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
-from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
@@ -389,7 +388,7 @@ def shaft_under_forces(vibration: EngineVibration) -> ShaftUnderForces:
     return ShaftUnderForces(
         tuple(analysis.superelement for analysis in each),
         np.asarray(np.radians(file.throw_angles_deg)),
-        bearing_stiffness(file).nominal,
+        file.main_bearings.stiffness,
     )
 
 

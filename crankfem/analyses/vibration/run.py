@@ -14,7 +14,6 @@ from crankbase.results import Internal, Part, Quantity, Result, result
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_mechanism import MechanismFile, layout_of, mechanism_of
 from crankfem.analyses.record import AssumedInput, assumed_values
-from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft, usable_model
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
 from crankfem.analyses.shaft.whole_shaft import (
@@ -337,7 +336,7 @@ def engine_vibration(
     shaft = compliances_in_shaft(read, analyses)
     axial = axial_vibration(read, analyses, shaft, model)
     torsional = torsional_vibration(read, analyses, shaft, model)
-    nominal = HeldChains(bearing_stiffness(read).nominal, shaft, axial, torsional)
+    nominal = HeldChains(read.main_bearings.stiffness, shaft, axial, torsional)
     held = chains_over_bearings(read, analyses, model, nominal)
     lengthened = twisted = assessment = whole = comparison = misfiring = axial_force = None
     note = ""
