@@ -23,13 +23,7 @@ from dynamics.chains.engine_chains import (
 )
 from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.crankshaft.surroundings import AxialSupport, EndBody, MainBearings, ShaftSurroundings
-from dynamics.response.linear_system import (
-    DEFAULT_MAGNIFIER,
-    MAGNIFIER_SOURCE,
-    UNIT,
-    DampedChain,
-    damped,
-)
+from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE, DampedChain, damped
 from geometry.mass import cylinder_mass_properties
 
 # Points of the mean torque of the load over the speed, linear between.
@@ -212,10 +206,9 @@ def magnifier_damping(engine_file: EngineFile, chain: EngineChain) -> tuple[Arra
 def damped_engine_chain(engine_file: EngineFile, chain: EngineChain) -> DampedChain:
     """Return the chain with the damping of engine and shaft; dampers and couplings add theirs."""
     added, magnifier = magnifier_damping(engine_file, chain)
-    system = damped(chain.chain, modal_damping=added)
-    record = system.record if added is None else (*system.record[:-1], magnifier)
     unit = "N s/m" if chain.kind == "axial" else "N m s/rad"
-    return replace(system, record=tuple(sentence.replace(UNIT, unit) for sentence in record))
+    system = damped(chain.chain, modal_damping=added, unit=unit)
+    return system if added is None else replace(system, record=(*system.record[:-1], magnifier))
 
 
 class Motion(NamedTuple):
