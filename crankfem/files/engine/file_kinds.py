@@ -13,6 +13,7 @@ from crankbase.input_file import LOOKED_AT, InputFile
 from crankfem.files.reading.data_files import FOLDERS, InputKind, input_path, shipped_names
 from crankfem.files.reading.toml_file import TomlFile, read_toml
 from crankfem.files.sections.engine_sections import TorqueTable
+from dynamics.engine.layout import firing_order_from_text
 
 FileKind = Literal["engine", "mechanism", "throw", "hinge", "chain"]
 # A file with none of these is not meant as a whole engine.
@@ -84,26 +85,11 @@ def torque_table_file(content: TomlFile) -> InputFile | None:
 # Orders in which cylinders in line usually fire, by strokes per cycle; the cranks follow from them, for
 # firing is even.
 FIRING_ORDERS: dict[int, dict[int, tuple[int, ...]]] = {
-    4: {
-        1: (1,),
-        2: (1, 2),
-        3: (1, 3, 2),
-        4: (1, 3, 4, 2),
-        5: (1, 2, 4, 5, 3),
-        6: (1, 5, 3, 6, 2, 4),
-        7: (1, 3, 5, 7, 6, 4, 2),
-        8: (1, 6, 2, 5, 8, 3, 7, 4),
-    },
-    2: {
-        1: (1,),
-        2: (1, 2),
-        3: (1, 3, 2),
-        4: (1, 3, 2, 4),
-        5: (1, 4, 3, 2, 5),
-        6: (1, 5, 3, 4, 2, 6),
-        7: (1, 7, 2, 5, 4, 3, 6),
-        8: (1, 8, 3, 4, 7, 2, 5, 6),
-    },
+    strokes: {len(order): order for order in map(firing_order_from_text, orders.split())}
+    for strokes, orders in (
+        (4, "1 1-2 1-3-2 1-3-4-2 1-2-4-5-3 1-5-3-6-2-4 1-3-5-7-6-4-2 1-6-2-5-8-3-7-4"),
+        (2, "1 1-2 1-3-2 1-3-2-4 1-4-3-2-5 1-5-3-4-2-6 1-7-2-5-4-3-6 1-8-3-4-7-2-5-6"),
+    )
 }
 
 

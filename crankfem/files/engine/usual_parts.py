@@ -9,6 +9,7 @@ from typing import Any
 
 from crankbase.model import field_extra
 from crankbase.quantity import format_quantity
+from crankbase.table import text_rows
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import MechanismSections, inertia_of_masses
 from crankfem.files.engine.usual_sizes import PRACTICE, SHIPPED, UsualRange
@@ -190,13 +191,15 @@ two_mass_check.flywheel_inertia | 0.8 1.25 3 | flywheel.inertia | the flywheel's
 """
 
 
-def _row(field: str, numbers: str, beside: str, *cells: str) -> tuple[str, tuple[str, UsualRange]]:
-    (words, unit, basis), (low, high, margin) = (*cells, "", "")[:3], map(float, numbers.split())
+def _usual(numbers: str, words: str, unit: str = "", basis: str = "") -> UsualRange:
+    low, high, margin = map(float, numbers.split())
     meaning, basis = f"is {{}} {words}".rstrip(), SHIPPED if basis else PRACTICE
-    return field, (beside, UsualRange(low, high, meaning, unit or "times", basis, margin))
+    return UsualRange(low, high, meaning, unit or "times", basis, margin)
 
 
-PARTS = dict(_row(*map(str.strip, line.split("|"))) for line in USUAL.strip().splitlines())
+PARTS = {
+    field: (beside, _usual(numbers, *cells)) for field, numbers, beside, *cells in text_rows(USUAL)
+}
 POISSON = PARTS["material.poisson_ratio"][1]
 
 
