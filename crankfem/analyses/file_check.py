@@ -28,8 +28,8 @@ from crankfem.files.engine.usual_sizes import throw_warnings
 from crankfem.files.hinge_file import SECTIONS as HINGE_SECTIONS
 from crankfem.files.hinge_file import HingeFile, load_hinge
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
-from crankfem.files.sections.crank_throws import PLAIN
-from crankfem.files.sections.engine_sections import Engine, ShaftLayout
+from crankfem.files.sections.crank_throws import PLAIN, ShaftLayout
+from crankfem.files.sections.engine_sections import Engine
 from dynamics.chains.coupling_damping import in_all_conventions
 from dynamics.harmonics import read_torque_table
 from fem.material import STEEL, Material

@@ -32,8 +32,8 @@ from crankfem.analyses.vibration.engine_limits import (
     unmodeled_plant,
 )
 from crankfem.files.chain.chain_file import load_chain
-from crankfem.files.engine.engine_file import SECTIONS, load_engine
-from crankfem.files.engine.file_kinds import FIRING_ORDERS, engine_template
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.file_kinds import FIRING_ORDERS, SECTIONS, engine_template
 from crankfem.files.engine.throw_file import load_throw_file
 from crankfem.files.engine.usual_sizes import SHARP
 from crankfem.files.hinge_file import load_hinge
