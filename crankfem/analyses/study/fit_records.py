@@ -23,11 +23,11 @@ from crankfem.analyses.study.study_results import (
 from fem.responses import RESPONSES
 from fem.symmetry import SHARED
 from geometry.throw import CrankThrow
+from geometry.throw_dimensions import changed_record
 from regression.fits.fits import Fit
 from regression.fits.forms import constant_groups
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
-from regression.plans.factors import changed_record
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.records import MEASURED, ExtraRow
 from regression.runs.study_table import StudyTable

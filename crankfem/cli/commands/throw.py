@@ -101,7 +101,7 @@ def throw(
     part, material = select_part(engine, name, pins, out.quiet)
     begin_mesh(part, accuracy)
 
-    from crankbase.results import units as result_units
+    from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.law_record import law_results
     from crankfem.analyses.throw.throw_record import (
         PICTURE,
@@ -169,7 +169,7 @@ def throw(
     made = None if folder is None else picture_reactions(results, folder)
     if out.json:
         pictures_made = {} if made is None else {"pictures": [str(made)]}
-        print_json(results.to_record() | pictures_made | {"units": result_units(results)})
+        print_json(with_units(results) | pictures_made)
         return
     print_throw(results, out.units)
     if made is not None:
