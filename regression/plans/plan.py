@@ -12,6 +12,7 @@ from crankbase.errors import InputError
 from crankbase.results import Quantity, Result, result
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
+from geometry.throw_dimensions import changed_record
 from regression.plans.designs import (
     HELD_OUT_STREAM,
     RUN_STREAM,
@@ -28,7 +29,6 @@ from regression.plans.factors import (
     FREE_NAME,
     Factor,
     ThrowField,
-    changed_record,
     field_value,
     rounded,
     throw_fields,

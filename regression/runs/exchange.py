@@ -17,7 +17,8 @@ from crankbase.quantity import parse_quantity
 from crankbase.results import Result, result
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
-from regression.plans.factors import Factor, changed_record, field_value
+from geometry.throw_dimensions import changed_record
+from regression.plans.factors import Factor, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan, Variants
 from regression.plans.relations import evaluate_expression
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome

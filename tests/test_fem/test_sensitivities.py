@@ -55,7 +55,7 @@ def featured():
 def slopes_of(mesh, throw, condensed):
     classes, _ = condensed(mesh)
     stiffness = assemble_stiffness(mesh.points, mesh.elements, STEEL)
-    velocities, _ = node_velocities(mesh, throw, "auto")
+    velocities = node_velocities(mesh, boundary_motion(throw, mesh), "auto")
     moving = list(velocities.values())
     loads = load_slopes(mesh, moving)
     slopes = [class_slopes(mesh, STEEL, stiffness, part, moving, loads) for part in classes]

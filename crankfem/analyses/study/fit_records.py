@@ -23,11 +23,11 @@ from crankfem.analyses.study.study_results import (
 from fem.responses import RESPONSES
 from fem.symmetry import SHARED
 from geometry.throw import CrankThrow
+from geometry.throw_dimensions import changed_record
 from regression.fits.fits import Fit
 from regression.fits.forms import constant_groups
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
-from regression.plans.factors import changed_record
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.records import MEASURED, ExtraRow
 from regression.runs.study_table import StudyTable
@@ -78,7 +78,7 @@ def compliance_model(
             "accuracy": plan.accuracy,
             "model_version": MODEL_VERSION,
             "crankfem": program_version(),
-            **{name: package_version(name) for name in ("gmsh", "scikit-fem")},
+            "gmsh": package_version("gmsh"),
             "date": datetime.date.today().isoformat(),
             "design": plan.design.kind,
             "end_sections": f"rigid; between neighbors polynomials of degree {SHARED}",
