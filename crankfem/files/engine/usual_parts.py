@@ -35,7 +35,9 @@ class EngineScale:
         return getattr(self.file, "two_mass" if section == "two_mass_check" else section, None)
 
     def value(self, path: str) -> Any:
-        """Return an attribute of the scale, or a field like "rod.mass"; None where the file has none."""
+        """Return what `COMPARED`, an attribute or a field calls so; of a field None where there is none."""
+        if path in COMPARED:
+            return COMPARED[path](self)
         section, _, name = path.partition(".")
         return getattr(self.part(section), name, None) if name else getattr(self, path)
 
@@ -132,7 +134,7 @@ COMPARED: Mapping[str, Callable[[EngineScale], float]] = {
     ),
     "shaft": lambda scale: sum(throw.length for throw in scale.file.crank_throws),
 }
-# Field; lowest and highest usual ratio, and margin; what it is the ratio to, of `COMPARED` or as
+# Field; lowest and highest usual ratio, and margin; what it is the ratio to, as
 # `EngineScale.value` finds it; how it is written; its unit if it is no factor. Where the shipped engines have
 # the part, the range is theirs; the margins leave room for engines unlike them.
 USUAL = """
@@ -210,8 +212,7 @@ def part_warnings(scale: EngineScale) -> Iterator[str]:
         if value:  # zero is what most of these are without the part
             section, name = field.split(".")
             unit = field_extra(type(scale.part(section)).model_fields[name], "unit")
-            beside = COMPARED[compared](scale) if compared in COMPARED else scale.value(compared)
-            yield from usual.warning_of(field, value, unit, abs(value) / beside)
+            yield from usual.warning_of(field, value, unit, abs(value) / scale.value(compared))
     shaft, engine = scale.file.shaft, scale.file.engine
     yield from near_angles("shaft.throw_angles", None if shaft is None else shaft.throw_angles)
     yield from near_angles("engine.bank_angles", engine.bank_angles)
