@@ -6,7 +6,7 @@ from typing import Annotated, Self
 import numpy as np
 
 from crankbase.quantity import format_quantity
-from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, result
+from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, made_from, result
 from crankbase.table import Column, Table
 from crankfem.analyses.study.response_fits import FittedResponse, ResponseFits
 from regression.fits.equation_text import term_symbols
@@ -94,7 +94,9 @@ class FittedEquation(Result):
             for term in form.natural_coefficients()
         ]
         by_term = [f"({unit})/({term})" if term else unit for term in terms]
-        return cls(
+        return made_from(
+            statistics,
+            cls,
             errors=fit,
             equation=response.equation(fit),
             coefficients=fit.coefficients,
@@ -113,10 +115,6 @@ class FittedEquation(Result):
                     strict=True,
                 )
             ),
-            f_value=statistics.f_value,
-            aic=statistics.aic,
-            bic=statistics.bic,
-            condition_number=statistics.condition_number,
             largest_variance_inflation=max(inflation.values(), default=None),
             largest_leverage=float(np.max(statistics.leverage)),
             warnings=tuple(warnings_of(fit)),

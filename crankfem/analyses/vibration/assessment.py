@@ -12,7 +12,17 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.frames import table_of
 from crankbase.quantity import RPM
-from crankbase.results import Flat, Hertz, Internal, Part, Quantity, Result, Speed, result
+from crankbase.results import (
+    Flat,
+    Hertz,
+    Internal,
+    Part,
+    Quantity,
+    Result,
+    Speed,
+    made_from,
+    result,
+)
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.assumptions import is_assumed
 from crankfem.analyses.shaft.chains import MOTION, damped_engine_chain, magnifier_of
@@ -483,14 +493,7 @@ class Assessment(Result):
         """The limits, as far as they are judged."""
         judged_to = {check.limit.name: check.judged[1] for check in self.verdict.checks}
         return tuple(
-            JudgedLimit(
-                limit.name,
-                limit.unit,
-                limit.source,
-                limit.assumed,
-                limit.remark,
-                judged_to[limit.name],
-            )
+            made_from(limit, JudgedLimit, judged_to=judged_to[limit.name])
             for limit in self.limits.values()
         )
 

@@ -228,10 +228,7 @@ FLYWHEEL_AGAIN = (0.5, 2.0)
 def first_nodes(file: EngineFile) -> Iterator[tuple[str, bool]]:
     """Say what a line's first node adds to the flywheel, and whether that is perhaps counted twice."""
     wheel = file.flywheel
-    for kind, size, unit in (
-        ("torsional", wheel.inertia, "kg m^2"),
-        ("axial", wheel.mass, "kg"),
-    ):
+    for kind, size, unit in (("torsional", wheel.inertia, "kg m^2"), ("axial", wheel.mass, "kg")):
         if (line := file.shaft_lines.get(kind)) is None:
             continue
         added = float(line.inertia[0])
