@@ -5,6 +5,8 @@ paper. Every design has the same 30 held-out ones, whose time is not counted. La
 with several seeds; their median is shown. A quarter of an hour on two cores.
 """
 
+import multiprocessing
+import os
 import sys
 import time
 from collections.abc import Iterator
@@ -14,11 +16,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from paper_study import HELD_OUT, THROW
 
 from crankfem.analyses.study.response_fits import fit_study
 from fem.responses import ThrowResponses
 from geometry.mesh import keep_solids
+from paper_study import HELD_OUT, THROW
 from regression.plans.designs import RUN_STREAM, DesignChoice, space_filling_points, values_at
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
@@ -114,7 +116,9 @@ def main(box: str = "three", seeds: str = "3") -> None:
     made = list(plans(box, int(seeds)))
     needed = {design.key: design.inputs for _, plan in made for design in plan.planned.designs}
     print(f"{len(needed)} designs", flush=True)
-    with ProcessPoolExecutor(2, initializer=keep_solids) as pool:
+    os.environ |= ONE_THREAD
+    started = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, started, initializer=keep_solids) as pool:
         known = dict(zip(needed, pool.map(timed, needed.values()), strict=True))
     by_name: dict[tuple[str, bool, int], list[tuple[float, float]]] = {}
     for name, plan in made:
@@ -140,13 +144,10 @@ def main(box: str = "three", seeds: str = "3") -> None:
     }
     print(f"one design: {each[False]:.2f} s, with slopes {each[True]:.2f} s")
     print(
-        f"cheapest to {100.0 * WANTED} %: {cheapest[False]:.1f} s without, {cheapest[True]:.1f} s with slopes, "
-        f"{cheapest[False] / cheapest[True]:.2f} times"
+        f"cheapest to {100.0 * WANTED} %: {cheapest[False]:.1f} s without, {cheapest[True]:.1f} s with "
+        f"slopes, {cheapest[False] / cheapest[True]:.2f} times"
     )
 
 
 if __name__ == "__main__":
-    import os
-
-    os.environ |= ONE_THREAD
     main(*sys.argv[1:])
