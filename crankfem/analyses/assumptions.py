@@ -6,7 +6,8 @@ from crankbase.model import field_extra
 from crankbase.quantity import compact, format_quantity
 from crankfem.analyses.engine_mechanism import MechanismFile, by_gas, mechanism_of
 from crankfem.analyses.shaft.chains import bearing_stiffness, flywheel_overhang
-from crankfem.files.engine.engine_file import SECTIONS, EngineFile
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.reading.toml_file import InputRecord
 from dynamics.assessment.limit_rules import (
     BASE_STRENGTH,

@@ -14,14 +14,8 @@ from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
-from crankfem.files.engine.engine_file import (
-    SECTIONS,
-    EngineFile,
-    check_load,
-    check_sections,
-    load_engine,
-)
-from crankfem.files.engine.file_kinds import engine_sections, file_kind
+from crankfem.files.engine.engine_file import EngineFile, check_load, load_engine
+from crankfem.files.engine.file_kinds import SECTIONS, check_sections, engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
     MechanismSections,
     angles_of_throws,
@@ -38,8 +32,14 @@ from crankfem.files.engine.usual_sizes import engine_warnings
 from crankfem.files.engine.usual_tables import table_warnings
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
-from crankfem.files.sections.crank_throws import PLAIN, read_throws, throw_names, throws_along_shaft
-from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
+from crankfem.files.sections.crank_throws import (
+    PLAIN,
+    ShaftLayout,
+    read_throws,
+    throw_names,
+    throws_along_shaft,
+)
+from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd
 from crankfem.files.sections.mechanism_sections import (
     Gas,
     HingedRods,

@@ -23,13 +23,13 @@ from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.throw_file import ThrowFile, load_study
-from crankfem.files.engine.usual_parts import POISSON, near_angles, study_warnings
+from crankfem.files.engine.usual_parts import POISSON, first_nodes, near_angles, study_warnings
 from crankfem.files.engine.usual_sizes import throw_warnings
 from crankfem.files.hinge_file import SECTIONS as HINGE_SECTIONS
 from crankfem.files.hinge_file import HingeFile, load_hinge
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
-from crankfem.files.sections.crank_throws import PLAIN
-from crankfem.files.sections.engine_sections import Engine, ShaftLayout
+from crankfem.files.sections.crank_throws import PLAIN, ShaftLayout
+from crankfem.files.sections.engine_sections import Engine
 from dynamics.chains.coupling_damping import in_all_conventions
 from dynamics.harmonics import read_torque_table
 from fem.material import STEEL, Material
@@ -332,6 +332,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     remarks = [_thrust_bearing(read), *mechanism.remarks, *_power(mechanism)]
     if read.driven is not None and read.driven.loss_factor:
         remarks.append(f"coupling: {in_all_conventions(read.driven.loss_factor)}")
+    remarks += [sentence for sentence, twice in first_nodes(read) if not twice]
     if read.gas is None:
         remarks.append(_without_gas())
     if read.limits is not None or read.strength is not None:

@@ -182,7 +182,7 @@ def chain_system(chain: Chain) -> LinearSystem:
     Returns
     -------
     LinearSystem
-        q unknowns: n nodes less the number of gears.
+        q unknowns: the chain's `leading_nodes`.
     """
     expand = chain.expansion()
     rigid, _ = chain.rigid_motions()
@@ -195,8 +195,7 @@ def chain_system(chain: Chain) -> LinearSystem:
             chain.loss_matrix(),
         )
     )
-    leading = np.array([np.flatnonzero(column)[0] for column in expand.T])
-    unknowns = rigid[leading]
+    unknowns = rigid[chain.leading_nodes]
     frequencies, elastic = elastic_modes(
         chain.spring_rows() @ expand, mass, len(mass) - rigid.shape[1]
     )

@@ -257,11 +257,11 @@ def _gear_torques(response: ForcedResponse, chain: Chain) -> OrderSeries:
 def place_limits(file: EngineFile) -> dict[tuple[str, str], VibrationLimit]:
     """Return the limits by their location; "" is each location of the crankshaft."""
     limits, quantities = engine_limits(file)[0], limited_quantities(file)
-    shown = {"Pa": STRESS, "N m": TORQUE}
+    shown = {"Pa": (STRESS,), "N m": (TORQUE, DASHPOTS)}
     return {
-        (shown[limit.unit], quantities[name].element): limit
+        (key, quantities[name].element): limit
         for name, limit in limits.items()
-        if limit.unit in shown
+        for key in shown.get(limit.unit, ())
     }
 
 

@@ -117,7 +117,6 @@ def throw(
     from crankfem.jobs.outputs import check_outputs
     from fem.analysis import analyze_throw
     from fem.modes import MOST_MODES
-    from fem.sensitivities import check_sloped
     from fem.symmetry import degree_of, radial_directions
     from geometry.throw import CrankThrow
 
@@ -136,6 +135,8 @@ def throw(
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
     degree_of(shared)  # before anything is printed
     if slopes:
+        from fem.sensitivities import check_sloped
+
         check_sloped(part, end_sections)
     law = law_results(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
@@ -259,6 +260,7 @@ def export(
     out: Output,
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
+    from crankbase.input_file import STEP_ENDINGS
     from crankfem.cli.arguments import select_throw
     from crankfem.files.engine.file_kinds import engine_sections
     from crankfem.files.engine.throw_file import load_crankshaft
@@ -268,7 +270,6 @@ def export(
     from geometry.solid_files import (
         MESH_ENDINGS,
         SOLID_ENDINGS,
-        STEP_ENDINGS,
         SURFACE_ENDINGS,
         write_mesh,
         write_step,

@@ -11,7 +11,8 @@ from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import InputRecord
-from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
+from crankfem.files.sections.crank_throws import ShaftLayout
+from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, LoadSection, Piston, Rod
 from dynamics.engine.layout import (
     EVEN,

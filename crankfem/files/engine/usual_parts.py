@@ -332,6 +332,30 @@ def part_warnings(scale: EngineScale) -> Iterator[str]:
     yield from near_angles("shaft.throw_angles", None if shaft is None else shaft.throw_angles)
     yield from near_angles("engine.bank_angles", engine.bank_angles)
     yield from _counterweights(scale)
+    if isinstance(scale.file, EngineFile):
+        yield from (sentence for sentence, twice in first_nodes(scale.file) if twice)
+
+
+# What a line's first node may have of the flywheel's inertia before it is perhaps the flywheel itself.
+FLYWHEEL_AGAIN = (0.5, 2.0)
+
+
+def first_nodes(file: EngineFile) -> Iterator[tuple[str, bool]]:
+    """Say what a line's first node adds to the flywheel, and whether that is perhaps counted twice."""
+    wheel = file.flywheel
+    for kind, size, unit in (
+        ("torsional", wheel.inertia, "kg m^2"),
+        ("axial", wheel.mass, "kg"),
+    ):
+        if (line := file.shaft_lines.get(kind)) is None:
+            continue
+        added = float(line.inertia[0])
+        twice = FLYWHEEL_AGAIN[0] <= added / size <= FLYWHEEL_AGAIN[1]
+        sentence = (
+            f"shaft_line.{kind}: its first node {line.names[0]!r} is the flywheel, and adds "
+            f"{format_quantity(added, unit, 4)} to the {format_quantity(size, unit, 4)} of [flywheel]"
+        )
+        yield sentence + ("; perhaps both files give the flywheel" if twice else ""), twice
 
 
 # Throws and banks are at one angle, or further apart than this [deg].
