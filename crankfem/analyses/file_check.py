@@ -228,10 +228,7 @@ def _dimensions(throw: CrankThrow) -> list[Dimension]:
     """The dimensions as understood, if given."""
     return [
         Dimension(
-            name,
-            field_extra(info, "symbol") or "",
-            info.description or "",
-            getattr(throw, name),
+            name, field_extra(info, "symbol") or "", info.description or "", getattr(throw, name)
         )
         for name, info in type(throw).model_fields.items()
         if field_extra(info, "unit") == "m"

@@ -199,10 +199,7 @@ class ResponseForms(Result):
             (Column("R2", decimals=5), lambda f: f.r_squared),
             (Column("Q2", decimals=5), lambda f: f.q_squared),
             (Column("at the runs"), lambda f: _both(f.largest_error, f.mean_error)),
-            (
-                Column("held out"),
-                lambda f: _both(f.largest_heldout_error, f.mean_heldout_error),
-            ),
+            (Column("held out"), lambda f: _both(f.largest_heldout_error, f.mean_heldout_error)),
         )
         if self.fitted.slopes:
             yield f"Fitted to {self.fitted.slopes} slopes besides the values at the runs."

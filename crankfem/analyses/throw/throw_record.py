@@ -297,19 +297,11 @@ class ThrowResults(Result):
     def slope_words(self) -> str:
         """State how well the slopes are known, and which dimensions have none."""
         slope = (self.slopes or ())[0]
-        zero = [path for path, why in slope.left_out.items() if why == ZERO]
-        others = [f"{path}: {why}" for path, why in slope.left_out.items() if why != ZERO]
-        missing = [f"no slope where a dimension is zero ({', '.join(zero)})"] if zero else []
-        return (
-            "; ".join(
-                [
-                    f"Slopes of the mesh's answer, without its correction of {percent(slope.error)} %",
-                    *missing,
-                    *others,
-                ]
-            )
-            + "."
-        )
+        words = [f"Slopes of the mesh's answer, without its correction of {percent(slope.error)} %"]
+        if zero := [path for path, reason in slope.left_out.items() if reason == ZERO]:
+            words.append(f"no slope where a dimension is zero ({', '.join(zero)})")
+        words += [f"{path}: {why}" for path, why in slope.left_out.items() if path not in zero]
+        return f"{'; '.join(words)}."
 
     def time_table(self) -> Table:
         """Return the time of each step."""

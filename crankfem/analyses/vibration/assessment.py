@@ -19,6 +19,7 @@ from crankfem.analyses.shaft.chains import MOTION, damped_engine_chain, magnifie
 from crankfem.analyses.shaft.sources import source_spread
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_chain
+from crankfem.analyses.vibration.chain_answers import cause_at
 from crankfem.analyses.vibration.engine_limits import (
     Findings,
     engine_limits,
@@ -31,7 +32,7 @@ from crankfem.analyses.vibration.engine_limits import (
     strengths,
     unmodeled_plant,
 )
-from crankfem.analyses.vibration.forced import ForcedVibration, cause_at, limit_curves
+from crankfem.analyses.vibration.forced import ForcedVibration, limit_curves
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.files.chain.chain_file import PLANT
 from crankfem.files.engine.engine_file import EngineFile
@@ -60,6 +61,7 @@ from dynamics.assessment.verdict import (
     status_by,
 )
 from dynamics.chains.chain import Chain
+from dynamics.chains.engine_chains import Kind
 from dynamics.critical import engine_orders
 from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import within
@@ -397,6 +399,11 @@ class JudgedLimit(Result):
     assumed: bool
     remark: str
     judged_to: Speed
+
+    @property
+    def kind(self) -> Kind:
+        """Of the vibration: in units of length and force the axial one alone is judged."""
+        return "axial" if self.unit in (MOTION["axial"].si, MOTION["axial"].load) else "torsional"
 
 
 @result("status", "checks", "barred")
