@@ -9,8 +9,8 @@ these numbers; `regression.response_kinds` calculates all reactions from them.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
@@ -22,10 +22,12 @@ from fem.angle_law import effective_angle_law
 from fem.correction import error_bars
 from fem.fillet_stress import fillet_stresses
 from fem.material import STEEL, Material
+from fem.sensitivities import DimensionChange, dimension_changes
 from fem.solver import Stopwatch
 from fem.superelement import RX, RY, Superelement, checked_superelement, combine_classes
 from fem.supports import Neighbors, Support, all_end_motions, support_throw
 from fem.symmetry import SHARED, degree_of, radial_directions, symmetry_classes
+from geometry.boundary_motion import STEP
 from geometry.mass import mass_properties
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
@@ -167,11 +169,18 @@ class ThrowResponses:
         Estimated relative error of each.
     unknowns : int
         Of the meshed part.
+    slopes : dict
+        Response to its d ln(response) / d ln(dimension) by the dimension's path, where wanted and known.
+    slope_errors : dict
+        Estimated error of the slopes of each response: the share of it that is correction for
+        discretization, which is not differentiated.
     """
 
     values: dict[str, float]
     errors: dict[str, float]
     unknowns: int
+    slopes: dict[str, dict[str, float]] = field(default_factory=dict)
+    slope_errors: dict[str, float] = field(default_factory=dict)
 
 
 def evaluate_throw(
@@ -180,6 +189,7 @@ def evaluate_throw(
     accuracy: float = 0.01,
     stresses: bool = False,
     mesher: Mesher = mesh_isolated,
+    slopes: Collection[str] = (),
 ) -> ThrowResponses:
     """Compute all responses of a throw.
 
@@ -193,6 +203,8 @@ def evaluate_throw(
         long as everything else.
     mesher : callable
         As for `fem.analysis.analyze_throw`.
+    slopes : collection of str
+        Paths of dimensions over which slopes are wanted (`fem.sensitivities`); the fillets' stress has none.
 
     Raises
     ------
@@ -216,9 +228,8 @@ def evaluate_throw(
         for (name, value), bar in zip(values.items(), bars.tolist(), strict=True)
     }
     for support in SUPPORTS:
-        answers[f"axial_reaction_{support}"] = _ratio(
-            answers[f"influence_coefficient_{support}"], answers[f"axial_compliance_{support}"]
-        )
+        influence, axial = (answers[name] for name in _reaction_of(support))
+        answers[f"axial_reaction_{support}"] = _ratio(influence, axial)
     # A ratio of differences is known less well than what it is made of.
     for name, other in RATIOS.items():
         if name in answers:
@@ -229,11 +240,49 @@ def evaluate_throw(
     if stresses:
         answers["fillet_stress_factor"] = _largest_factor(throw, material, mesher)
     order = [name for name in RESPONSES if name in answers]
+    shares: dict[str, dict[str, float]] = {}
+    corrections = {name: abs(1.0 - plain[name] / value) for name, value in values.items() if value}
+    if slopes:
+        changes, _ = dimension_changes(
+            throw,
+            level.mesh,
+            material,
+            classes,
+            joined=True,
+            paths=slopes,
+            stiffness=level.stiffness,
+        )
+        by_path = {path: _shares(change, plain, part) for path, change in changes.items()}
+        shares = {
+            name: {path: found[name] for path, found in by_path.items() if name in found}
+            for name in order
+        }
+        for support in SUPPORTS:
+            parts = [corrections[name] for name in _reaction_of(support)]
+            corrections[f"axial_reaction_{support}"] = math.hypot(*parts)
+        corrections["mass"] = answers["mass"][1]
     return ThrowResponses(
         {name: answers[name][0] for name in order},
         {name: abs(answers[name][1]) for name in order},
         level.mesh.unknowns,
+        {name: found for name, found in shares.items() if found},
+        {name: corrections[name] for name, found in shares.items() if found},
     )
+
+
+def _shares(change: DimensionChange, plain: Mapping[str, float], part: str) -> dict[str, float]:
+    """Return d ln(response) / d ln(dimension) of all responses that are not zero, by their values."""
+    larger = _plain_answers(change.ends[1], change.throws[1].length, part)
+    shares = {name: (larger[name] / value - 1.0) / STEP for name, value in plain.items() if value}
+    for support in SUPPORTS:
+        influence, axial = (shares[name] for name in _reaction_of(support))
+        shares[f"axial_reaction_{support}"] = influence - axial
+    return {name: float(share) for name, share in shares.items()} | {"mass": change.volume}
+
+
+def _reaction_of(support: Support) -> tuple[str, str]:
+    """Name the responses of which the axial reaction is the quotient."""
+    return f"influence_coefficient_{support}", f"axial_compliance_{support}"
 
 
 def _plain_answers(throw: Superelement, length: float, part: str) -> dict[str, float]:

@@ -199,6 +199,8 @@ class ResponseForms(Result):
             (Column("at the runs"), lambda f: _both(f.largest_error, f.mean_error)),
             (Column("held out"), lambda f: _both(f.largest_heldout_error, f.mean_heldout_error)),
         )
+        if self.fitted.slopes:
+            yield f"Fitted to {self.fitted.slopes} slopes besides the values at the runs."
         yield f"Chosen by its errors: {self.fitted.reason}"
         yield (
             "The form was chosen by this error, so it is slightly optimistic for other designs."
@@ -367,6 +369,15 @@ class FittedStudy(Result):
             (Column("95 %"), lambda name: _percent(every[name].band_error)),
             (Column("FE"), lambda name: _percent(self.fits[name].fitted.fe_error)),
         )
+        doubted: dict[tuple[str, ...], list[str]] = {}
+        for name, response in self.fits.items():
+            doubted.setdefault(response.fitted.left_out_slopes, []).append(name)
+        for slopes, names in doubted.items():
+            if slopes:
+                yield (
+                    f"Slopes left out, because they contradict the values and the other slopes, of "
+                    f"{', '.join(names)}: {'; '.join(slopes)}."
+                )
         errors = [fit.largest_heldout_error for fit in moments.values()]
         known = [error for error in errors if error is not None]
         if known:
