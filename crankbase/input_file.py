@@ -10,6 +10,7 @@ from crankbase.errors import InputError
 
 CSV = "is a table (CSV)"
 JSON = "is a JSON file, such as the results of a run or a saved model"
+STEP_ENDINGS = (".step", ".stp")
 # Beginnings of files to what they are.
 BEGINNINGS = (
     (b"SQLite format 3\0", "is the store of a study (SQLite); use it with fit and doe --store"),

@@ -3,8 +3,6 @@
 import contextlib
 from pathlib import Path
 
-import psutil
-
 from crankbase.calls import GIGABYTE
 from crankbase.errors import NotEnoughMemoryError
 
@@ -22,6 +20,8 @@ LITTLE = 0.1 * GIGABYTE
 
 def free_memory() -> float:
     """Return the free memory [byte]: of the machine, or of its container if that is less."""
+    import psutil  # takes long to load, and little memory is not asked for
+
     free = float(psutil.virtual_memory().available)
     for limit, use, statistics in CONTROL_GROUPS:
         # No such files, or no limit, which version 2 calls "max".

@@ -26,8 +26,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from skfem import MeshTri1
-from skfem.quadrature import get_quadrature
 
 from crankbase.choices import check_choice
 from crankbase.diagrams import draw_groups, new_axes, write_title
@@ -50,7 +48,7 @@ from fem.symmetry import (
 from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.mesher import Throw
 from geometry.parts import Cylinder, DrillingExit, ThrowParts, WebPlate
-from geometry.shapes import EDGES, element_volumes, shapes_at_nodes, triangle_shapes_at
+from geometry.shapes import EDGES, element_volumes, quadrature, shapes_at_nodes, triangle_shapes_at
 from geometry.sizes import SizeMap, element_sizes, sizes_at_corners
 from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MIDDLE_PLANE, OIL_HOLE, RIGHT_END
 
@@ -200,7 +198,7 @@ def _fitted(
     points: Array, facets: Integers, displacement: Array, corners: Integers, frames: Array
 ) -> _Patches:
     """Fit polynomials to the strains of the facets round each corner."""
-    where, _ = get_quadrature(MeshTri1.elem.refdom, QUADRATURE_ORDER)
+    where, _ = quadrature(2, QUADRATURE_ORDER)
     values, slopes = triangle_shapes_at(where)
     tangents = np.einsum("aiq,taj->tqij", slopes, points[facets])
     normals = np.cross(tangents[:, :, 0], tangents[:, :, 1])

@@ -8,13 +8,13 @@ displacement fields u and w that are solutions for prescribed motions of the end
 the work of Eshelby's configurational stress on grad v (J. D. Eshelby, Phil. Trans. R. Soc. A 244, 1951,
 87-112), and by the work of the forces on the end sections where the motion prescribed at a node changes
 with its place. No further displacement is solved for. Only the motion of the surface matters, along its
-normal; inside, nodes move as in an elastic body whose surface moves so.
+normal; inside, nodes move as smoothly as that lets them.
 
 Slopes are those of the discretized answer, whatever small elements do to it; the answers' correction for
 discretization is not differentiated, and its share is the slopes' error.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -33,10 +33,11 @@ from fem.solver import (
     factorize,
     physical_gradients,
     symmetric_product,
+    upper_triangle,
 )
 from fem.superelement import CondensedClass, Superelement, combine_classes, unit_end_motions
 from fem.symmetry import RIGID, NodalLoads, radial_directions, unit_pin_loads
-from geometry.boundary_motion import boundary_motion, lengths_of, with_length
+from geometry.boundary_motion import STEP, BoundaryMotion, boundary_motion, lengths_of
 from geometry.mesh import ThrowMesh
 from geometry.shapes import EDGES, shapes_for_quadrature
 from geometry.throw import CrankThrow
@@ -56,8 +57,6 @@ CACHED = 60_000
 SHIFT = 1e-7
 # Exact for the volume of curved elements.
 VOLUME_ORDER = 5
-# Of a dimension, for central differences of answers over the superelement.
-STEP = 1e-5
 
 
 @result("quantity", "support", "shares")
@@ -124,19 +123,19 @@ class Sensitivities(Result):
 
 @dataclass(frozen=True)
 class DimensionChange:
-    """Change of a throw with one of its dimensions, by its length: superelements and volumes beside it.
+    """Change of a throw with one of its dimensions.
 
     Attributes
     ----------
-    size : float
-        The dimension [SI].
+    throws : two CrankThrow
+        With the dimension smaller and larger by the share `STEP`.
     ends : two Superelement
-        Of the throw with the dimension smaller and larger by the share `STEP`, to first order.
+        Theirs, to first order.
     volume : float
         Change of the volume, as a share for a share.
     """
 
-    size: float
+    throws: tuple[CrankThrow, CrankThrow]
     ends: tuple[Superelement, Superelement]
     volume: float
 
@@ -174,46 +173,55 @@ def dimension_changes(
     classes: Sequence[CondensedClass],
     *,
     joined: bool,
+    paths: Collection[str] | None = None,
+    stiffness: sparse.csr_array | None = None,
 ) -> tuple[dict[str, DimensionChange], dict[str, str]]:
-    """Find the change of a throw with each of its dimensions, and why others have none.
+    """Find the change of a throw with its dimensions, and why some have none.
 
     Errors as of `check_sloped`.
 
     Parameters
     ----------
     joined : bool
-        Whether also with the bending sections of throws that meet, which takes several times as long.
+        Whether also with the bending sections of throws that meet, which takes longer.
+    paths : collection of str, optional
+        Of the dimensions; all by default.
+    stiffness : sparse array, optional
+        Upper triangle of the mesh's, if it is at hand.
     """
     solved = check_sloped(throw, classes[0].end_sections)
     parts = [part if joined else part.up_to(RIGID) for part in classes]
     plain = [part.discrete or part for part in parts]
-    stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
-    velocities, left_out = node_velocities(mesh, solved, classes[0].solver)
+    if stiffness is None:
+        stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
+    motion = boundary_motion(solved, mesh, paths)
+    if not motion.speeds:
+        return {}, motion.left_out
+    velocities = node_velocities(mesh, motion, classes[0].solver)
     moving = list(velocities.values())
     loads = load_slopes(mesh, moving)
     by_class = [class_slopes(mesh, material, stiffness, part, moving, loads) for part in plain]
     volumes = volume_slopes(mesh, moving)
-    changes = {}
+    sizes, changes = lengths_of(solved), {}
     for path, slopes, volume in zip(velocities, zip(*by_class, strict=True), volumes, strict=True):
-        size = lengths_of(solved)[path]
-
-        def beside(
-            step: float, slopes: Any = slopes, path: str = path, size: float = size
-        ) -> Superelement:
-            parts = [
-                replace(
-                    part,
-                    stiffness=part.stiffness + step * slope.stiffness,
-                    pin_loads=part.pin_loads + step * slope.pin_loads,
-                )
-                for part, slope in zip(plain, slopes, strict=True)
-            ]
-            return combine_classes(parts, radial_directions(with_length(solved, path, size + step)))
-
-        changes[path] = DimensionChange(
-            size, (beside(-STEP * size), beside(STEP * size)), size * volume
+        low, high = (
+            combine_classes(
+                [
+                    replace(
+                        part,
+                        stiffness=part.stiffness + step * slope.stiffness,
+                        pin_loads=part.pin_loads + step * slope.pin_loads,
+                    )
+                    for part, slope in zip(plain, slopes, strict=True)
+                ],
+                radial_directions(end),
+            )
+            for step, end in zip(
+                (-STEP * sizes[path], STEP * sizes[path]), motion.beside[path], strict=True
+            )
         )
-    return changes, left_out
+        changes[path] = DimensionChange(motion.beside[path], (low, high), sizes[path] * volume)
+    return changes, motion.left_out
 
 
 def volume_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[float]:
@@ -224,20 +232,17 @@ def volume_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[float]:
     return [float(np.sum(share * velocity[mesh.elements])) for velocity in velocities]
 
 
-def node_velocities(
-    mesh: ThrowMesh, throw: CrankThrow, solver: str
-) -> tuple[dict[str, Array], dict[str, str]]:
-    """Velocities (n, 3) of a mesh's nodes by dimension, and why others have none.
+def node_velocities(mesh: ThrowMesh, motion: BoundaryMotion, solver: str) -> dict[str, Array]:
+    """Velocities (n, 3) of a mesh's nodes, by dimension.
 
     Corners move as smoothly as the surface lets them: the sum of |grad v|^2 is least. Edge nodes move as
     their corners do, on the surface along its normal as they must.
     """
-    motion = boundary_motion(throw, mesh)
     corners, elements = np.unique(mesh.elements[:, :4], return_inverse=True)
     elements = elements.reshape(-1, 4)
     number = np.full(len(mesh.points), -1)
     number[corners] = np.arange(len(corners))
-    # Gradients (m, 4, 3) of the four linear shape functions, and volumes.
+    # Gradients (m, 4, 3) of the four linear shape functions; products, weighed by six times the volume.
     sides = mesh.points[mesh.elements[:, 1:4]] - mesh.points[mesh.elements[:, :1]]
     others = np.linalg.inv(sides).transpose(0, 2, 1)
     gradients = np.concatenate([-others.sum(axis=1, keepdims=True), others], axis=1)
@@ -258,7 +263,7 @@ def node_velocities(
     held = HELD * float(laplacian.diagonal().max())
     matrix = sparse.kron(laplacian, np.eye(3)) + held * (conditions.T @ conditions)
     speeds = np.column_stack(list(motion.speeds.values()))
-    with factorize(sparse.csr_array(sparse.triu(matrix, format="csr")), solver) as factors:
+    with factorize(upper_triangle(matrix.tocsr()), solver) as factors:
         moved = factors.solve(held * np.asarray(conditions.T @ speeds[here]))
     velocities = np.zeros((len(mesh.points), 3, len(motion.speeds)))
     velocities[corners] = moved.reshape(len(corners), 3, -1)
@@ -276,7 +281,7 @@ def node_velocities(
     normals[place[order], which] = motion.normals[order]
     missed[place[order], which] = (speeds - along)[order]
     velocities[nodes] += np.linalg.pinv(normals, rcond=PARALLEL) @ missed
-    return dict(zip(motion.speeds, np.moveaxis(velocities, 2, 0), strict=True)), motion.left_out
+    return dict(zip(motion.speeds, np.moveaxis(velocities, 2, 0), strict=True))
 
 
 def load_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[list[NodalLoads]]:

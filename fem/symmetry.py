@@ -26,13 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import block_diag
-from skfem import MeshTri1
-from skfem.quadrature import get_quadrature
 
 from crankbase.errors import InputError, quoted
 from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.mesher import Throw
-from geometry.shapes import triangle_shapes_at
+from geometry.shapes import quadrature, triangle_shapes_at
 from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, RIGHT_END
 
 # A mirror reverses the displacement across it, and the rotations about the axes along it.
@@ -649,7 +647,7 @@ def _surface(
     mesh: ThrowMesh, corners: NDArray[np.int64], images: tuple[MirrorImage, ...]
 ) -> LoadedSurface:
     triangles = six_node_triangles(mesh, corners)
-    where, weights = get_quadrature(MeshTri1.elem.refdom, QUADRATURE_ORDER)
+    where, weights = quadrature(2, QUADRATURE_ORDER)
     values, slopes = triangle_shapes_at(where)
     tangents = np.einsum("aiq,taj->tqij", slopes, mesh.points[triangles])
     areas = np.cross(tangents[:, :, 0], tangents[:, :, 1]) * weights[:, None]

@@ -6,9 +6,8 @@ along the normal by -(ds/dp) / |grad s|; along the surface it may move as it lik
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +17,15 @@ from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.parts import Arc, ThrowParts, WebPlate
 from geometry.solid import OIL_HOLE, part_end
 from geometry.throw import CrankThrow
+from geometry.throw_dimensions import changed_record, values_by_path
 
 Array = NDArray[np.float64]
 Level = Callable[[Array], Array]
 
 # Why a dimension has no slope, mostly.
 ZERO = "it is zero: the throw has another shape with it"
+# Parts that are meshed, the larger ones first.
+PARTS = ("full", "half", "quarter")
 # A facet lies on a level whose distance from its corners is below this share of the throw's length.
 ON_LEVEL = 1e-6
 # Of a dimension, and of the throw's length, for central differences of smooth functions.
@@ -42,6 +44,8 @@ class BoundaryMotion:
         Unit normal of the surface there.
     speeds : dict of str to (c,) array
         Velocity along the normal, by dimension [per unit of the dimension].
+    beside : dict of str to two CrankThrow
+        The throw with the dimension smaller and larger by the share `STEP`.
     left_out : dict of str to str
         Dimensions that have none, and the reason.
     """
@@ -49,21 +53,17 @@ class BoundaryMotion:
     nodes: NDArray[np.int64]
     normals: Array
     speeds: dict[str, Array]
+    beside: dict[str, tuple[CrankThrow, CrankThrow]]
     left_out: dict[str, str]
 
 
 def lengths_of(throw: CrankThrow) -> dict[str, float]:
-    """Return all dimensions of a throw that have a number, by path: "counterweight.thickness"."""
-    return dict(_numbers(throw.model_dump(exclude={"oil_holes"}), ""))
-
-
-def _numbers(value: Any, path: str) -> Iterator[tuple[str, float]]:
-    if isinstance(value, dict | list | tuple):
-        parts = value.items() if isinstance(value, dict) else enumerate(value)
-        for name, part in parts:
-            yield from _numbers(part, f"{path}.{name}" if path else str(name))
-    elif isinstance(value, float | int) and not isinstance(value, bool):
-        yield path, float(value)
+    """Return the dimensions of a throw that have a number, without oil holes, by path."""
+    return {
+        path: value
+        for path, value in values_by_path(throw)
+        if isinstance(value, float) and not path.startswith("oil_holes.")
+    }
 
 
 def with_length(throw: CrankThrow, path: str, value: float) -> CrankThrow:
@@ -74,17 +74,13 @@ def with_length(throw: CrankThrow, path: str, value: float) -> CrankThrow:
     InputError
         If it cannot be built.
     """
-    record = throw.model_dump()
-    *steps, last = path.split(".")
-    place: Any = record
-    for step in steps:
-        place = place[int(step)] if isinstance(place, list | tuple) else place[step]
-    place[last] = value
-    return CrankThrow(**record)
+    return CrankThrow(**changed_record(throw.model_dump(), {path: value}))
 
 
-def boundary_motion(throw: CrankThrow, mesh: ThrowMesh) -> BoundaryMotion:
-    """Find the motion of a mesh's surface under each dimension of its throw.
+def boundary_motion(
+    throw: CrankThrow, mesh: ThrowMesh, paths: Collection[str] | None = None
+) -> BoundaryMotion:
+    """Find the motion of a mesh's surface under dimensions of its throw: all, or those at some paths.
 
     Rounded exits of oil holes are left free.
 
@@ -110,26 +106,32 @@ def boundary_motion(throw: CrankThrow, mesh: ThrowMesh) -> BoundaryMotion:
     held = on_level[nearest, np.arange(len(facets))] & known[:, None]
     pairs = np.unique(np.column_stack([np.repeat(nearest, 6)[held.ravel()], facets[held]]), axis=0)
     numbers, nodes = pairs.T
-    normals = _by_level(list(levels.values()), numbers, mesh.points[nodes], mesh.length * STEP)
-    speeds, left_out = {}, {}
+    normals = _normals(list(levels.values()), numbers, mesh.points[nodes], mesh.length * STEP)
+    speeds, beside, left_out = {}, {}, {}
     for path, value in lengths_of(throw).items():
+        if paths is not None and path not in paths:
+            continue
         if value == 0.0:
             left_out[path] = ZERO
             continue
         try:
-            ends = [
-                bounding_levels(with_length(throw, path, value * factor).parts, mesh.part)
-                for factor in (1.0 - STEP, 1.0 + STEP)
-            ]
+            low, high = (
+                with_length(throw, path, value * factor) for factor in (1.0 - STEP, 1.0 + STEP)
+            )
         except InputError as error:
             left_out[path] = f"next to it no throw can be built ({error})"
             continue
+        if any(PARTS.index(end.symmetry) < PARTS.index(mesh.part) for end in (low, high)):
+            left_out[path] = f"next to it the {mesh.part} that is meshed does not make up the throw"
+            continue
+        ends = [bounding_levels(end.parts, mesh.part) for end in (low, high)]
         if any(list(end) != list(levels) for end in ends):
             left_out[path] = "the throw's surfaces are others on both sides of it"
             continue
-        low, high = (_values(list(end.values()), numbers, mesh.points[nodes]) for end in ends)
-        speeds[path] = -(high - low) / (2.0 * STEP * value)
-    return BoundaryMotion(nodes, normals, speeds, left_out)
+        less, more = (_values(list(end.values()), numbers, mesh.points[nodes]) for end in ends)
+        speeds[path] = -(more - less) / (2.0 * STEP * value)
+        beside[path] = (low, high)
+    return BoundaryMotion(nodes, normals, speeds, beside, left_out)
 
 
 def _values(levels: list[Level], numbers: NDArray[np.int64], points: Array) -> Array:
@@ -140,8 +142,8 @@ def _values(levels: list[Level], numbers: NDArray[np.int64], points: Array) -> A
     return values
 
 
-def _by_level(levels: list[Level], numbers: NDArray[np.int64], points: Array, step: float) -> Array:
-    """Gradients of the levels, which are distances, by central differences."""
+def _normals(levels: list[Level], numbers: NDArray[np.int64], points: Array, step: float) -> Array:
+    """Unit normals of the levels, by central differences."""
     columns = [
         _values(levels, numbers, points + shift) - _values(levels, numbers, points - shift)
         for shift in step * np.eye(3)

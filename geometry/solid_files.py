@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError, MeshError, MissingLibraryError
+from crankbase.input_file import STEP_ENDINGS
 from crankbase.outputs import atomic_file, write_errors, write_text
 from crankbase.processes import scratch_folder
 from geometry.crankshaft import Crankshaft, make_shaft
@@ -28,8 +29,6 @@ from geometry.parts import ThrowParts
 from geometry.solid import LEFT_END, RIGHT_END, make_solid, remove_loose
 from geometry.step_file import CYLINDER, PLANE, StepFace, read_step
 from geometry.throw import CrankThrow
-
-STEP_ENDINGS = (".step", ".stp")
 
 
 def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "full") -> Path:

@@ -3,6 +3,7 @@
 The optional parts of a throw have their own tables in a file, and so their own classes here.
 """
 
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar
 
 from pydantic import Field
@@ -346,3 +347,45 @@ def web_dimension(throw: ThrowDimensions, table: str, kind: str) -> tuple[str, A
     if special is not None:
         return f"{table}.{kind}", special
     return f"web_{kind}", getattr(throw, f"web_{kind}")
+
+
+def values_by_path(record: InputModel, prefix: str = "") -> Iterator[tuple[str, float | str]]:
+    """Iterate over the numbers and labels of a record and its parts, by path ("further_pins.0.length")."""
+    for name in type(record).model_fields:
+        value = getattr(record, name)
+        if isinstance(value, InputModel):
+            yield from values_by_path(value, f"{prefix}{name}.")
+        elif isinstance(value, tuple):
+            for place, item in enumerate(value):
+                yield from values_by_path(item, f"{prefix}{name}.{place}.")
+        elif value is not None:
+            yield prefix + name, value if isinstance(value, str) else float(value)
+
+
+def changed_record(record: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Copy of a throw's record (JSON content) with other values at some paths.
+
+    Parts that it lacks are made.
+    """
+    changed: dict[str, Any] = _copied(record)
+    for path, value in changes.items():
+        *steps, last = path.split(".")
+        place: Any = changed
+        for step in steps:
+            if isinstance(place, list):
+                place = place[int(step)]
+                continue
+            if place.get(step) is None:
+                place[step] = {}
+            place = place[step]
+        place[last] = value
+    return changed
+
+
+def _copied(content: Any) -> Any:
+    """Copy JSON content; several times as fast as what copies anything."""
+    if isinstance(content, Mapping):
+        return {name: _copied(value) for name, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [_copied(value) for value in content]
+    return content

@@ -254,7 +254,7 @@ class SearchSpace:
         """Build the throw of some dimensions, or say why it cannot be built."""
         if self.model.throw is None:
             return None, []
-        from regression.plans.factors import changed_record
+        from geometry.throw_dimensions import changed_record
         from regression.throw_values import declaration
 
         record = CrankThrow(**self.model.throw).model_dump(mode="json")

@@ -10,6 +10,7 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.quantity import DISPLAY_UNITS, format_quantity
 from geometry.throw import CrankThrow
+from geometry.throw_dimensions import values_by_path
 
 # What a dimension is where it is not given: a share of another one.
 DEFAULTS = {
@@ -96,8 +97,7 @@ def throw_values(throw: CrankThrow, *, spelled_out: bool = False) -> dict[str, f
     >>> list(throw_values(throw))[-3:]
     ['web_thickness', 'fillet_radius', 'web_outline']
     """
-    values: dict[str, float | str] = {}
-    _collect(throw, "", values)
+    values = dict(values_by_path(throw))
     for name, (other, share) in DEFAULTS.items():
         base = values.get(other)
         value = values.get(name)
@@ -109,20 +109,6 @@ def throw_values(throw: CrankThrow, *, spelled_out: bool = False) -> dict[str, f
         if field_extra(info, "feature") and values.get(name) == 0.0:
             del values[name]
     return values
-
-
-def _collect(record: InputModel, prefix: str, values: dict[str, float | str]) -> None:
-    for name in type(record).model_fields:
-        value = getattr(record, name)
-        if isinstance(value, InputModel):
-            _collect(value, f"{prefix}{name}.", values)
-        elif isinstance(value, tuple):
-            for place, item in enumerate(value):
-                _collect(item, f"{prefix}{name}.{place}.", values)
-        elif isinstance(value, str):
-            values[prefix + name] = value
-        elif value is not None:
-            values[prefix + name] = float(value)
 
 
 def same_dimension(first: float, second: float) -> bool:

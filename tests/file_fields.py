@@ -8,7 +8,7 @@ from pathlib import Path
 
 from crankbase.model import field_extra, part_kind
 from crankfem.files.chain.chain_file import KINDS as CHAIN
-from crankfem.files.engine.engine_file import SECTIONS
+from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.hinge_file import KINDS as HINGE
 from crankfem.files.reading.data_files import input_path
 

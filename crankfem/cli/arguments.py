@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError
+from crankbase.input_file import STEP_ENDINGS
 from crankbase.model import limits_of, range_text
 from crankbase.quantity import format_quantity, parse_quantity
 from crankfem.cli import console
 from crankfem.files.engine.throw_file import load_throw, names_of_throws
 from crankfem.files.reading.toml_file import TomlFile
-from dynamics.cycle import cycle_degrees
-from dynamics.engine.layout import MOST_CYLINDERS, firing_order_from_text
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from regression.throw_values import field_unit
@@ -122,9 +121,6 @@ def select_part(
     quiet : bool
         Whether to omit notes.
     """
-    from geometry.imported import import_throw
-    from geometry.solid_files import STEP_ENDINGS
-
     if Path(engine).suffix.lower() not in STEP_ENDINGS:
         if pins:
             raise InputError(
@@ -136,6 +132,8 @@ def select_part(
             f"--throw: given {name!r} with a STEP file; allowed only with a TOML file, because a part is one "
             "throw."
         )
+    from geometry.imported import import_throw
+
     part = import_throw(engine, pins=pins or ("pin",))
     for remark in part.remarks:
         console.print_note(remark, quiet)
@@ -339,6 +337,9 @@ def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) ->
     >>> firing_angles_deg(None, "0, 90 deg", strokes=2)
     [0.0, 90.0]
     """
+    from dynamics.cycle import cycle_degrees
+    from dynamics.engine.layout import MOST_CYLINDERS, firing_order_from_text
+
     if order is not None and angles is not None:
         raise InputError(
             f"--firing-order: given {order!r} with --firing-angles; allowed is one of them, because each "
@@ -355,10 +356,7 @@ def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) ->
         return [round(math.degrees(angle), 9) for angle in radians]
     if order is None:
         return []
-    try:
-        numbers = firing_order_from_text(order)
-    except InputError as error:
-        raise InputError(f"--firing-order:{str(error).removeprefix('firing_order:')}") from None
+    numbers = firing_order_from_text(order, "--firing-order: ")
     count = len(numbers)
     if count > MOST_CYLINDERS or sorted(numbers) != list(range(1, count + 1)):
         raise InputError(

@@ -21,6 +21,8 @@ def main() -> None:
     # waiting: twice the processor time on two cores, and several times as long where others work too.
     # Finite elements are solved by another library, which is not bound by this.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Its search for plugins, of which none is ours, reads what every installed package says of itself.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     gc.set_threshold(GARBAGE_THRESHOLD)
     # Commands load most modules when they begin, so this holds for them too, but where something is open
     # that must be closed (`crankfem.cli.interrupts.interrupts_raise`); and until Python itself has ended.

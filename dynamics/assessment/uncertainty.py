@@ -8,13 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import FloatArray, positive_vector
-from crankbase.choices import (
-    check_choice,
-    is_number,
-    is_whole_within,
-    whole_number,
-    whole_within,
-)
+from crankbase.choices import check_choice, is_number, is_whole_within, whole_number, whole_within
 from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes
@@ -487,8 +481,12 @@ def _frequencies(chain: Chain, spreads: Sequence[Spread], factors: FloatArray) -
 
     As `elastic_modes`: singular values of C L'^(-1), with K = C' C and M = L L'.
     """
-    scales = scale_factors(chain, spreads, factors)
     expand = chain.expansion()
+    if expand.shape[1] < chain.inertia.size - len(chain.gears):
+        # Gears without inertia stand elsewhere with each set of springs.
+        scaled = (scaled_chain(chain, spreads, row) for row in factors)
+        return np.array([variant.modes().frequencies for variant in scaled])
+    scales = scale_factors(chain, spreads, factors)
     elongations = chain.elongations() @ expand
     springs = np.concatenate(
         (

@@ -229,8 +229,8 @@ class Chain:
     ------
     InputError
         If an inertia or a stiffness is not above zero (an inertia may be zero where an element or a
-        gear brings some), another value is negative, lengths do not fit, a value is not a finite
-        number, the chain is not connected, or gears contradict each other.
+        gear brings some, or of gears between springs), another value is negative, lengths do not fit, a
+        value is not a finite number, the chain is not connected, or gears contradict each other.
 
     Examples
     --------
@@ -316,15 +316,31 @@ class Chain:
             self._check_moving()
 
     def _check_moving(self) -> None:
-        """Refuse a node without inertia of its own, of its elements or of gears."""
-        expand = self.expansion()
-        bare = np.diag(expand.T @ self.mass_matrix() @ expand) == 0.0
-        if np.any(bare):
-            node = int(np.flatnonzero(expand[:, bare].any(axis=1))[0])
+        """Refuse nodes without inertia of their own, of their elements or of gears that no springs lead."""
+        parts, _ = speed_ratios(self.connections, self.gears, self.inertia.size)
+        groups, _, massless = self._gear_groups()
+        bare = massless[groups]
+        ends = np.array(self.connections, dtype=np.intp).reshape(-1, 2)
+        geared = [node for gear in self.gears for node in (gear.driver, gear.driven)]
+        led = np.isin(np.arange(bare.size), geared)
+        led &= (groups != groups[0]) & np.isin(parts, parts[~bare]) & (self.ground_damping == 0.0)
+        led[ends[self.damping > 0.0].ravel()] = False
+        led[[node for link in self.dashpots for node in (link.left, link.right)]] = False
+        for spring in self.varying:
+            led[spring.place if spring.to_ground else ends[spring.place]] = False
+        if np.any(bare & ~led):
+            node = int(np.flatnonzero(bare & ~led)[0])
             raise InputError(
                 f"inertia[{node}]: given 0; allowed is more than zero where neither an element nor a gear "
-                "brings inertia, because a node without inertia has no motion of its own."
+                "brings inertia, or 0 of gears between springs without viscous damping that do not vary, "
+                "but for the first node, because a node without inertia has no motion of its own."
             )
+
+    def _gear_groups(self) -> tuple[NDArray[np.int64], FloatArray, NDArray[np.bool_]]:
+        """Return the group of each node, its motion per motion of the group, and which have no inertia."""
+        groups, ratios = speed_ratios((), self.gears, self.inertia.size)
+        loaded = np.diag(self.mass_matrix()) > 0.0
+        return groups, ratios, ~np.isin(np.arange(groups.max() + 1), groups[loaded])
 
     @property
     def elements(self) -> tuple[str, ...]:
@@ -349,11 +365,27 @@ class Chain:
         between = (self.damping > 0.0) | (self.loss_factor > 0.0) | bridged
         return np.concatenate((between, (self.ground > 0.0) & (self.ground_damping > 0.0)))
 
+    @property
+    def leading_nodes(self) -> NDArray[np.int64]:
+        """Nodes whose motions are the unknowns that gears and nodes without inertia leave free, (q,)."""
+        groups, _, massless = self._gear_groups()
+        return np.unique(groups, return_index=True)[1][~massless]
+
     def expansion(self) -> FloatArray:
-        """Return T of shape (n, q): node motions per motion of the unknowns that gears leave free."""
-        groups, ratios = speed_ratios((), self.gears, self.inertia.size)
-        expand = np.zeros((self.inertia.size, int(groups.max()) + 1))
-        expand[np.arange(self.inertia.size), groups] = ratios
+        """Return T of shape (n, q): motions of the nodes per motion of the `leading_nodes`.
+
+        Gears without inertia stand where the springs at them are in equilibrium, without the springs' loss
+        factors: where these differ, the error of the stiffness is of the order of their difference squared.
+        """
+        groups, ratios, massless = self._gear_groups()
+        expand = np.zeros((groups.size, massless.size))
+        expand[np.arange(groups.size), groups] = ratios
+        if np.any(massless):
+            moving, bare = expand[:, ~massless], expand[:, massless]
+            stiffness = self.stiffness_matrix()
+            expand = moving - bare @ np.linalg.solve(
+                bare.T @ stiffness @ bare, bare.T @ stiffness @ moving
+            )
         return expand
 
     def elongations(self) -> FloatArray:
@@ -420,7 +452,7 @@ class Chain:
         Returns
         -------
         Modes
-            q modes, ascending, n less the number of gears; that of a rigid body is exactly 0.
+            q modes, ascending, one for each of the `leading_nodes`; that of a rigid body is exactly 0.
 
         Raises
         ------

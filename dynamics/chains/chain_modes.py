@@ -24,7 +24,7 @@ EQUAL_DISPLACEMENT = 1e-9
 class Modes:
     """Natural frequencies and mode shapes of a chain of n inertias, ascending.
 
-    Gears remove unknowns: q is n minus their number.
+    q is n less what gears lead: one for each, and one more for each that has no inertia on either side.
 
     Parameters
     ----------

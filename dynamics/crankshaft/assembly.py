@@ -61,7 +61,7 @@ class JoinedLine:
         alone : list of pairs of (u,) array and str
             Of parts that only dashpots join, with the names of their nodes.
         """
-        leading = np.argmax(self.chain.expansion() != 0.0, axis=0)[1:]
+        leading = self.chain.leading_nodes[1:]
         with_section, alone = None, []
         for motion in self.chain.rigid_motions()[0].T:
             column = np.zeros(self.motions.shape[1])

@@ -362,15 +362,19 @@ def motion_rows(
 
 
 def named_quantity(response: ForcedResponse, name: str) -> LinearQuantities:
-    """Return the load or the motion of the element or node of a name."""
-    if response.chain is not None and name in response.chain.elements:
+    """Return the load, relative motion or motion of the element, dashpot or node of a name."""
+    chain = response.chain
+    if chain is not None and name in chain.elements:
         return load_quantities(response, [name])
+    if chain is not None and name in (dashpots := dashpot_names(chain)):
+        rows = chain.dashpot_elongations()[[dashpots.index(name)]] @ response.system.expand
+        return LinearQuantities((name,), rows, np.ones(1, dtype=bool))
     if name in response.names:
         rows, names = motion_rows(response, [name])
         return LinearQuantities(names, rows, np.zeros(1, dtype=bool))
     raise InputError(
-        f"place: given {name!r}; allowed are elements and nodes of the response, because modes tell how "
-        "these move."
+        f"place: given {name!r}; allowed are elements, dashpots and nodes of the response, because modes "
+        "tell how these move."
     )
 
 

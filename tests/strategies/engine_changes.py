@@ -7,7 +7,7 @@ from typing import Any, get_args
 from hypothesis import strategies as st
 
 from crankbase.model import InputModel, field_extra, limits_of, part_kind
-from crankfem.files.engine.engine_file import SECTIONS
+from crankfem.files.engine.file_kinds import SECTIONS
 from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 

@@ -131,6 +131,34 @@ def test_a_torsional_file_with_everything(load):
     ]
 
 
+@pytest.mark.parametrize(
+    ("kind", "key", "assumed"),
+    [("torsional", "shear_modulus", 2.1e11 / 2.6), ("axial", "youngs_modulus", 2.1e11)],
+)
+def test_a_modulus_of_all_pieces_or_of_one(load, kind, key, assumed):
+    unit = {"torsional": 'inertia = "1 kg m^2"', "axial": 'mass = "1 kg"'}[kind]
+    piece = '[[chain.elements]]\nshape = "cylinder"\nlength = "2 m"\ndiameter = "100 mm"\n'
+    nodes = "".join(f'[[chain.nodes]]\nname = "{name}"\n{unit}\n' for name in "abc")
+
+    def chain(of_all="", of_one="", pieces=piece):
+        head = f'[chain]\nname = "shafts"\nkind = "{kind}"\n'
+        return load(f"{head}{of_all}{nodes}{pieces}{piece}{of_one}").chain
+
+    steel = chain()
+    iron, other = (f'{key} = "{size} GPa"\n' for size in (120, 90))
+    changed = chain(iron, other)
+    assert changed.stiffness / steel.stiffness == close([120e9 / assumed, 90e9 / assumed])
+    assert changed.distributed_inertia == close(steel.distributed_inertia)
+    spring = {"torsional": "N m/rad", "axial": "N/m"}[kind]
+    alone = f'[[chain.elements]]\nstiffness = "1e5 {spring}"\n'
+    with pytest.raises(
+        InputError, match=rf"chain\.elements\[0\]\.{key}: given together with stiff"
+    ):
+        chain(pieces=alone + other)
+    with pytest.raises(InputError, match=rf"chain\.{key}: given without a piece of shaft"):
+        load(f'[chain]\nname = "springs"\nkind = "{kind}"\n{iron}{nodes}{alone}{alone}')
+
+
 def test_an_element_over_mean_torque_and_temperature_in_one_table(load):
     chain = load("""
         [chain]

@@ -1,5 +1,6 @@
 """What `crankfem check` says of files of every kind, of wrong and of new ones."""
 
+import json
 import math
 import re
 from collections import Counter
@@ -32,8 +33,8 @@ from crankfem.analyses.vibration.engine_limits import (
     unmodeled_plant,
 )
 from crankfem.files.chain.chain_file import load_chain
-from crankfem.files.engine.engine_file import SECTIONS, load_engine
-from crankfem.files.engine.file_kinds import FIRING_ORDERS, engine_template
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.file_kinds import FIRING_ORDERS, SECTIONS, engine_template
 from crankfem.files.engine.throw_file import load_throw_file
 from crankfem.files.engine.usual_sizes import SHARP
 from crankfem.files.hinge_file import load_hinge
@@ -134,6 +135,11 @@ tensile_strength = "600 MPa"
         ),
         ({}, '[limits]\ncoupling_torque = "1 kN m"\n', "limits.coupling_torque: given without"),
         (
+            {},
+            '[[limits.elements]]\nelement = "flywheel - gear"\ntorque = "1 kN m"\n',
+            r"limits\.elements\[0\]\.element: given 'flywheel - gear'; .*allowed are .*because",
+        ),
+        (
             {
                 "study.factors.web_width": '["60 mm", "300 mm"]',
                 "study.factors.web_thickness": '["5 mm", "68 mm"]',
@@ -143,7 +149,7 @@ tensile_strength = "600 MPa"
             r"study\.factors: given 8 designs of which \d can be built, to which no equation",
         ),
     ],
-    ids=["element", "coupling", "study"],
+    ids=["element", "coupling", "line", "study"],
 )
 def test_check_refuses_what_run_refuses_before_it_computes(
     call, tmp_path, unseen, six_cylinders, edit, command, changes, more, message
@@ -153,6 +159,60 @@ def test_check_refuses_what_run_refuses_before_it_computes(
     assert answer.code == 2
     assert re.search(message, answer.err)
     assert not (tmp_path / "mine-results").exists()
+
+
+@pytest.mark.parametrize(
+    ("limits", "message"),
+    [
+        (
+            'torque = "1 N m"\ntorque_passing = "0.5 N m"',
+            r"limits.elements\[0\].torque_passing: given 0.5",
+        ),
+        ('torque_passing = "2 N m"', r"limits.elements\[0\].torque: given neither it nor heat"),
+        (
+            'heat = "2 W"\ntorque_passing = "2 N m"',
+            r"limits.elements\[0\].torque_passing: given 2 N m",
+        ),
+        (
+            'torque = "1 N m"\n[[limits.elements]]\nelement = "a - b"\nheat = "1 W"',
+            r"limits\.elements\[1\]\.element: given 'a - b' a second time",
+        ),
+    ],
+)
+def test_limits_of_a_part_that_cannot_be(tmp_path, six_cylinders, limits, message):
+    table = f'\n[[limits.elements]]\nelement = "a - b"\n{limits}\n'
+    (tmp_path / "mine.toml").write_text(six_cylinders + table, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        cf.load_engine(tmp_path / "mine.toml")
+
+
+def test_check_tells_what_a_line_adds_to_the_flywheel(call, tmp_path, six_cylinders):
+    wheel = cf.load_engine("6chn25-34").flywheel
+    for kind, size, field in (
+        ("torsional", wheel.inertia, 'inertia = "{} kg m^2"'),
+        ("axial", wheel.mass, 'mass = "{} kg"'),
+    ):
+        spring = {"torsional": "N m/rad", "axial": "N/m"}[kind]
+        for share, suspected in ((0.1, False), (1.0, True)):
+            nodes = "".join(
+                f'[[chain.nodes]]\nname = "{name}"\n{field.format(share * size)}\n'
+                for name in ("wheel", "end")
+            )
+            (tmp_path / "line.toml").write_text(
+                f'[chain]\nname = "line"\nkind = "{kind}"\n{nodes}'
+                f'[[chain.elements]]\nstiffness = "1e6 {spring}"\n',
+                encoding="utf-8",
+            )
+            text = f'{six_cylinders}\n[shaft_line]\n{kind} = "line.toml"\n'
+            (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+            record = json.loads(call("check", "mine.toml", "--json").out)
+            (sentence,) = (
+                each
+                for each in (*record["remarks"], *record["warnings"])
+                if each.startswith(f"shaft_line.{kind}: its first node 'wheel' is the flywheel")
+            )
+            assert (sentence in record["warnings"]) == suspected
+            assert sentence.endswith("perhaps both files give the flywheel") == suspected
 
 
 def test_designs_that_are_left_out_are_told(call, tmp_path, six_cylinders, edit):

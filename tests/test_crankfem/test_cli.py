@@ -17,7 +17,7 @@ from crankfem.cli import app as cli
 from crankfem.cli.arguments import parse_gamma
 from crankfem.cli.commands import completion
 from crankfem.cli.console import RunProgress
-from crankfem.files.engine.engine_file import SECTIONS
+from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import shipped_names
 from crankfem.jobs.exit_codes import MEANINGS

@@ -17,7 +17,8 @@ from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.shaft.chains import engine_throw_inertias
 from crankfem.analyses.vibration.engine_limits import engine_limits, rule_of
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.files.engine.engine_file import SECTIONS, load_engine
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.engine.throw_file import load_crankshaft, load_study, load_throw
 from crankfem.files.reading import toml_file
 from crankfem.files.reading.data_files import input_path

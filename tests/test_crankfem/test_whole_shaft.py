@@ -26,7 +26,13 @@ from crankfem.analyses.shaft.whole_shaft import (
     whole_shaft,
     whole_shaft_remark,
 )
-from crankfem.analyses.vibration.engine_limits import engine_limits, even_firing_interval
+from crankfem.analyses.submission.firing_cases import firing_cases
+from crankfem.analyses.submission.tables import damper_table
+from crankfem.analyses.vibration.engine_limits import (
+    engine_limits,
+    even_firing_interval,
+    refuse_limits,
+)
 from crankfem.analyses.vibration.modes import axial_weights
 from crankfem.analyses.vibration.plots import plot_shaft_modes
 from crankfem.analyses.vibration.run import engine_vibration
@@ -40,7 +46,7 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.reading.data_files import input_path
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.verdict import decide
-from dynamics.chains.chain import Chain
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
     ChainVerdict,
@@ -208,6 +214,55 @@ def test_torques_of_the_whole_crankshaft_turn_the_masses_behind_it(six, coupled_
     # The crankshaft's last main bearing drives flywheel and machine, but for the end of the shaft.
     flywheel = squared * engine_file.flywheel.inertia * coupled.motion("main bearing 7 rz")
     assert last == close(flywheel + coupling, rel=0.02, abs=0.02 * scale)
+
+
+@pytest.mark.slow
+def test_limits_on_a_coupling_and_a_damper_behind_the_flywheel(six, coupled_vibration):
+    plain, analysis = six
+    places = ("flywheel - input", "input - line damper")
+    line = Chain(
+        [12.0, 40.0, 0.0, 0.0, 900.0, 6.0],
+        [4e5, 2e7, 2.15e6],
+        connections=[(0, 1), (1, 2), (3, 4)],
+        loss_factor=[0.15, 0.0, 0.0],
+        gears=[Gear(2, 3, -0.4)],
+        dashpots=[Dashpot(1, 5, 1500.0)],
+        names=["flange", "input", "pinion", "wheel", "propeller", "line damper"],
+    )
+    limits = {"elements": [{"element": place, "torque": 3e3, "heat": 2e3} for place in places]}
+    engine_file = replace(plain.changed(limits=limits), shaft_lines={"torsional": line})
+    refuse_limits(engine_file)
+    forces = coupled_vibration("6chn25-34").forced_torsional.forces
+    run = engine_vibration(engine_file, analysis=analysis)
+    chain = run.forced_torsional
+    coupled = shaft_response(engine_file, whole_shaft(engine_file, analysis), forces)
+    cranks = chain_of(engine_file, analysis)[1]
+    whole = WholeTorsion(coupled, cranks, {}).loads
+    ring = chain.response.motion[:, :, chain.response.names.index("line damper")]
+    for loads, response, moved in (
+        (chain.loads, chain.response, ring),
+        (whole, coupled.total, coupled.motion("line damper rz")),
+    ):
+        assert loads.dashpots.names == places[1:]
+        turned = 6.0 * response.angular_frequencies**2 * moved
+        # Modal damping of the chain, 1/80 of critical, is in no dashpot.
+        scale = np.abs(turned).max()
+        assert np.abs(loads.dashpots.values[:, :, 0] - turned).max() < 0.02 * scale
+        # The gears without inertia pass on what the shafts on both sides have.
+        before, behind = (
+            loads.elastic.values[:, :, loads.elastic.names.index(name)]
+            for name in ("input - pinion", "wheel - propeller")
+        )
+        assert before == close(-0.4 * behind, abs=1e-9 * np.abs(behind).max())
+    rows = {row[0]: row for row in damper_table(run, firing_cases(run)).rows if row[1] == "normal"}
+    assert [rows[place][4] for place in places] == [3e3, 3e3]
+    assert [rows[place][6] for place in places] == [2e3, 2e3]
+    judged = {check.limit.name: check for check in run.assessment.verdict.checks}
+    for place, series in zip(places, (chain.loads.elements, chain.loads.dashpots), strict=True):
+        check = judged[f"torque of {place}"]
+        at = series.names.index(place)
+        assert check.curve.name == place
+        assert check.curve.peak == close(series.synthesis.amplitude[:, at].max())
 
 
 def _peaks(run):

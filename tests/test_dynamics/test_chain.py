@@ -20,6 +20,7 @@ from dynamics.chains.editing import (
     with_inertia,
     with_names,
 )
+from dynamics.chains.varying import Variation, Varying
 from dynamics.excitation.propeller import PropellerForces, propeller_excitation
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import chain_system
@@ -345,6 +346,56 @@ def test_an_idler_gear_may_be_without_inertia():
     assert chain.modes().frequencies == close(expected)
     with pytest.raises(InputError, match=r"inertia\[2\]: given 0; allowed is more than zero where"):
         Chain([1.0, 1.0, 0.0], [1.0], connections=[(1, 2)], gears=[Gear(0, 1, 2.0)])
+
+
+@settings(max_examples=15)
+@given(st.lists(value, min_size=6, max_size=6), ratio, st.floats(0.2, 3.0), st.floats(0.0, 0.2))
+def test_gears_without_inertia_stand_in_equilibrium(v, r, frequency, loss):
+    def shafts(gear, losses=(loss, loss)):
+        # Nodes 0 - 1 and 2 - 3 on shafts that the gears 1 and 2 join.
+        return Chain(
+            [v[0], gear, gear, v[1]],
+            v[2:4],
+            {3: v[4]},
+            connections=[(0, 1), (2, 3)],
+            loss_factor=losses,
+            gears=[Gear(1, 2, r)],
+        )
+
+    led = shafts(0.0)
+    # In series: the first spring seen from the second shaft is 1/r^2 as stiff.
+    spring = 1.0 / (1.0 / v[3] + r * r / v[2])
+    plain = Chain([r**-2 * v[0], v[1]], [spring], {1: v[4]}, loss_factor=loss)
+    assert led.leading_nodes.tolist() == [0, 3]
+    assert led.modes().frequencies == close(plain.modes().frequencies, rel=1e-9)
+    # Moments about the first shaft are r times those about the second, motions 1/r.
+    moved, referred = answer(led, frequency, 3), answer(plain, frequency, 1)
+    assert moved[[0, 3]] == close(np.array([referred[0] / r, referred[1]]), rel=1e-8)
+    # Gears of next to no inertia move alike.
+    assert moved == close(answer(shafts(1e-9), frequency, 3), rel=1e-5)
+    # The error by loss factors that differ is a quarter of their squared difference at most.
+    still, light = (answer(shafts(gear, (0.0, 0.1)), 1e-4, 0)[0] for gear in (0.0, 1e-9))
+    assert abs(still / light - 1.0) <= 0.26 * 0.1**2
+
+
+@pytest.mark.parametrize(
+    "resisted",
+    [
+        {"damping": [0.1, 0.0]},
+        {"ground_damping": {2: 0.1}},
+        {"dashpots": [Dashpot(0, 1, 0.1)]},
+        {"varying": [Varying(1, Variation(speed=(0.0, 1.0), stiffness=(1.0, 2.0)).of(2.0))]},
+        {"inertia": [0.0, 0.0, 0.0, 1.0], "connections": [(1, 0), (2, 3)]},
+    ],
+)
+def test_gears_without_inertia_need_springs_that_lead_them(resisted):
+    chain = {"inertia": [1.0, 0.0, 0.0, 1.0], "stiffness": [1.0, 2.0], "gears": [Gear(1, 2, 2.0)]}
+    chain["connections"] = [(0, 1), (2, 3)]
+    assert Chain(**chain).leading_nodes.tolist() == [0, 3]
+    with pytest.raises(
+        InputError, match=r"inertia\[\d\]: given 0; allowed is .*because a node without"
+    ):
+        Chain(**chain | resisted)
 
 
 def test_a_loop_of_springs():

@@ -260,16 +260,16 @@ def plot_engine(folder: Path, run: MechanismRun, *, title: str = "") -> list[Pat
     """Write the pictures `ENGINE_FILES`: motion of the first piston and rod, loads of all crankpins."""
     motion, crankpins = (folder / name for name in ENGINE_FILES)
     angles = np.linspace(0.0, 2.0 * np.pi, POINTS)
-    columns = list(motion_columns(run.layout, run.speed, (1,), angles).values())
-    names = (
-        "rod's center of mass, towards the shaft",
-        "the same, across",
-        "piston, towards the shaft",
-    )
+    columns = motion_columns(run.layout, run.speed, (1,), angles)
+    names = {
+        "rod_center_acceleration_m_s2": "rod's center of mass, towards the shaft",
+        "rod_center_acceleration_across_m_s2": "the same, across",
+        "acceleration_m_s2": "piston, towards the shaft",
+    }
     with figure(motion, 2, width=11.8, height=4.4) as (left, right):
-        travel = {"piston": 1e3 * columns[0]}
+        travel = {"piston": 1e3 * columns["cylinder_1_piston_travel_m"]}
         draw_over_angle(left, angles, travel, "piston travel from its top [mm]", cyclic=False)
-        curves = dict(zip(names, columns[1:], strict=False))
+        curves = {name: columns[f"cylinder_1_{column}"] for column, name in names.items()}
         draw_over_angle(right, angles, curves, "acceleration [m/s$^2$]", cyclic=False)
         add_title((left, right), f"cylinder 1, {title}")
     width = min(len(run.crankpins), MOST_IN_A_ROW)

@@ -14,9 +14,13 @@ from crankbase.quantity import RPM
 from crankbase.results import Flat, Number, Quantity, Result, Speed, result
 from crankbase.table import SI, Column, OutputUnits, Table, table_unit
 from crankfem.analyses.mechanism.torque_harmonics import summed_cylinders
-from crankfem.files.engine.file_kinds import torque_table_file
 from crankfem.files.reading.toml_file import TomlFile
-from crankfem.files.sections.engine_sections import Engine, TwoMassInput, VibrationSettings
+from crankfem.files.sections.engine_sections import (
+    Engine,
+    TwoMassInput,
+    VibrationSettings,
+    torque_table_file,
+)
 from dynamics.critical import TwoMassCheck, critical_speeds, engine_orders, two_mass_check
 from dynamics.harmonics import Harmonics, read_torque_table
 

@@ -2,13 +2,13 @@
 
 import datetime
 from collections.abc import Mapping
-from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.results import made_from
 from crankfem.analyses.provenance import program_version
 from crankfem.analyses.study.nominal_throw import sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits
@@ -23,11 +23,11 @@ from crankfem.analyses.study.study_results import (
 from fem.responses import RESPONSES
 from fem.symmetry import SHARED
 from geometry.throw import CrankThrow
+from geometry.throw_dimensions import changed_record
 from regression.fits.fits import Fit
 from regression.fits.forms import constant_groups
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
-from regression.plans.factors import changed_record
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.records import MEASURED, ExtraRow
 from regression.runs.study_table import StudyTable
@@ -78,7 +78,7 @@ def compliance_model(
             "accuracy": plan.accuracy,
             "model_version": MODEL_VERSION,
             "crankfem": program_version(),
-            **{name: package_version(name) for name in ("gmsh", "scikit-fem")},
+            "gmsh": package_version("gmsh"),
             "date": datetime.date.today().isoformat(),
             "design": plan.design.kind,
             "end_sections": f"rigid; between neighbors polynomials of degree {SHARED}",
@@ -131,12 +131,7 @@ def fitted_study(
     return FittedStudy(
         key=plan.key,
         design=plan.design.kind,
-        factors={
-            factor.name: FactorRange(
-                **{part.name: getattr(factor, part.name) for part in fields(FactorRange)}
-            )
-            for factor in plan.factors
-        },
+        factors={factor.name: made_from(factor, FactorRange) for factor in plan.factors},
         relations=plan.relations,
         constraints=plan.constraints,
         runs=int(np.sum(~table.held_out)),

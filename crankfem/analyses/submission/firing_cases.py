@@ -10,6 +10,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
+from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     engine_harmonics,
@@ -22,7 +23,6 @@ from crankfem.analyses.vibration.engine_limits import (
     engine_limits,
     limited_quantities,
 )
-from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.misfiring import (
     Cylinders,
     Reached,
@@ -257,11 +257,11 @@ def _gear_torques(response: ForcedResponse, chain: Chain) -> OrderSeries:
 def place_limits(file: EngineFile) -> dict[tuple[str, str], VibrationLimit]:
     """Return the limits by their location; "" is each location of the crankshaft."""
     limits, quantities = engine_limits(file)[0], limited_quantities(file)
-    shown = {"Pa": STRESS, "N m": TORQUE}
+    shown = {"Pa": (STRESS,), "N m": (TORQUE, DASHPOTS)}
     return {
-        (shown[limit.unit], quantities[name].element): limit
+        (key, quantities[name].element): limit
         for name, limit in limits.items()
-        if limit.unit in shown
+        for key in shown.get(limit.unit, ())
     }
 
 

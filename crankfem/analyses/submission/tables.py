@@ -712,15 +712,14 @@ def damper_table(run: EngineVibration, cases: FiringCases) -> Table | None:
     chain, limits = run.torsional_chain, run.engine_file.limits or LimitsInput()
     dampers = damper_places(chain)
     places = dict.fromkeys([*dampers, *heat_factors(chain)])
-    if COUPLING in chain.elements:
-        places[TORQUE, COUPLING] = None
+    permitted = {COUPLING: (limits.coupling_torque, limits.coupling_heat)}
+    permitted |= {part.element: (part.torque, part.heat) for part in limits.elements}
+    places |= {(TORQUE, name): None for name in permitted if name in chain.elements}
+    of_damper = limits.damper_torque, limits.damper_heat
     rows: list[list[Cell]] = []
     for key, name in places:
-        torque_limit = heat_limit = None
-        if name == COUPLING:
-            torque_limit, heat_limit = limits.coupling_torque, limits.coupling_heat
-        elif (key, name) in dampers:
-            torque_limit, heat_limit = limits.damper_torque, limits.damper_heat
+        unlimited = of_damper if (key, name) in dampers else (None, None)
+        torque_limit, heat_limit = permitted.get(name, unlimited)
         for way, reached, heat in _each_way(cases, key, name):
             used = [
                 value / limit
@@ -747,7 +746,7 @@ def damper_table(run: EngineVibration, cases: FiringCases) -> Table | None:
         rows,
         note="Outside ranges to be barred; torque with all orders together, mean heat over the cycle. "
         "Permitted values are the maker's: damper_torque, damper_heat, coupling_torque, coupling_heat of "
-        "[limits].",
+        "[limits], and [[limits.elements]].",
         marks=_marks("over", [isinstance(row[-1], float) and row[-1] > 1.0 for row in rows]),
     )
 

@@ -33,8 +33,9 @@ from dynamics.assessment.limit_rules import Kind as EngineKind
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.assessment.response_curves import curves_of
 from dynamics.assessment.verdict import Verdict, judge
+from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import Kind
-from dynamics.response.loads import ElementLoads, alternating_stress, section_modulus
+from dynamics.response.loads import ElementLoads, alternating_stress, dashpot_names, section_modulus
 from dynamics.response.series import OrderSeries
 
 RULE_PICKED = (
@@ -100,8 +101,9 @@ def at_place(series: OrderSeries, name: str) -> OrderSeries:
     return replace(series, values=series.values[:, :, [place]], names=(name,))
 
 
-def _coupling_torque(answer: Limited) -> OrderSeries:
-    return at_place(answer.loads.elements, COUPLING)
+def _torque(place: str, answer: Limited) -> OrderSeries:
+    elements, dashpots = answer.loads.elements, answer.loads.dashpots
+    return at_place(elements if place in elements.names else dashpots, place)
 
 
 def _shaft_stress(shaft: ShaftLimitInput, answer: Limited) -> OrderSeries:
@@ -115,7 +117,7 @@ LIMITED = {
     "torsional_amplitude": LimitedQuantity("torsional", attrgetter("free_end")),
     "axial_amplitude": LimitedQuantity("axial", attrgetter("free_end")),
     "axial_force": LimitedQuantity("axial", attrgetter("crank_elements")),
-    "coupling_torque": LimitedQuantity("torsional", _coupling_torque, COUPLING),
+    "coupling_torque": LimitedQuantity("torsional", partial(_torque, COUPLING), COUPLING),
 }
 
 
@@ -124,12 +126,14 @@ def limited_quantities(engine_file: EngineFile) -> dict[str, LimitedQuantity]:
 
     The elements are those of `check_limited_elements`.
     """
-    return LIMITED | {
-        f"shaft: {shaft.element}": LimitedQuantity(
-            "torsional", partial(_shaft_stress, shaft), shaft.element
-        )
-        for shaft in (engine_file.limits or LimitsInput()).shafts
+    limits = engine_file.limits or LimitsInput()
+    series: dict[str, tuple[Callable[[Limited], OrderSeries], str]] = {
+        f"shaft: {shaft.element}": (partial(_shaft_stress, shaft), shaft.element)
+        for shaft in limits.shafts
     }
+    for part in limits.elements:
+        series[f"torque: {part.element}"] = partial(_torque, part.element), part.element
+    return LIMITED | {name: LimitedQuantity("torsional", *of) for name, of in series.items()}
 
 
 # The limits of a file by their names, and remarks.
@@ -196,6 +200,7 @@ def _engine_limits(engine_file: EngineFile) -> Limits:
             "engine maker can give limits.axial_amplitude or limits.axial_force"
         )
     unused = [f"limits.{name}" for name in IN_CLASS_DOCUMENT if getattr(limits, name) is not None]
+    unused += [f"heat of {part.element}" for part in limits.elements if part.heat is not None]
     if unused:
         remarks.append(
             f"{', '.join(unused)}: not part of this verdict, but judged in the class document "
@@ -379,23 +384,33 @@ def refuse_limits(engine_file: EngineFile) -> None:
             "limits: given without gas pressure; allowed are both, because amplitudes need what excites "
             "them: a section [gas] or [gas_map]."
         )
-    check_limited_elements(engine_file.limits, named.chain.elements)
+    check_limited_elements(engine_file.limits, named.chain)
 
 
-def check_limited_elements(limits: LimitsInput, elements: Sequence[str]) -> None:
+def check_limited_elements(limits: LimitsInput, chain: Chain) -> None:
     """Refuse limits on elements that the torsional chain does not have."""
+    elements = chain.elements
     for name in ("coupling_torque", "coupling_heat"):
         if getattr(limits, name) is not None and COUPLING not in elements:
             raise InputError(
                 f"limits.{name}: given without the section [driven]; allowed are both, because the "
                 "coupling joins the driven machine."
             )
-    for place, shaft in enumerate(limits.shafts):
-        if shaft.element not in elements:
+    limited = [
+        (f"limits.{table}[{place}].element", part.element, known)
+        for table, known in (("shafts", elements), ("elements", (*elements, *dashpot_names(chain))))
+        for place, part in enumerate(getattr(limits, table))
+    ]
+    for field, element, known in limited:
+        if element not in known:
             raise InputError(
-                f"limits.shafts[{place}].element: given {shaft.element!r}; "
-                f"{did_you_mean(shaft.element, elements)}allowed are {', '.join(elements)}, because the "
-                "torsional chain has these elements."
+                f"{field}: given {element!r}; {did_you_mean(element, known)}allowed are {', '.join(known)}, "
+                "because the torsional chain has these elements."
+            )
+        if element == COUPLING and (limits.coupling_torque or limits.coupling_heat):
+            raise InputError(
+                f"{field}: given {element!r} together with coupling_torque or coupling_heat; allowed is one "
+                "of the two, because both limit that coupling."
             )
 
 

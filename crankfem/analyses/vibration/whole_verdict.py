@@ -7,6 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
+from crankbase.array_checks import ComplexArray
 from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, Speed, result
 from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
@@ -27,10 +28,11 @@ from dynamics import wording
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.response_curves import curves_of
 from dynamics.assessment.verdict import Decision, LimitCheck, Verdict, decide
+from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import FLYWHEEL, FREE_END, EngineChain
 from dynamics.chains.varying import VaryingSpring
 from dynamics.crankshaft.coupled_response import CoupledResponse, shaft_criticals
-from dynamics.response.loads import ElementLoads, LinearQuantities
+from dynamics.response.loads import ElementLoads, LinearQuantities, dashpot_names
 from dynamics.response.series import OrderSeries
 
 DIGITS = 3
@@ -102,21 +104,31 @@ class WholeTorsion:
 
     @cached_property
     def loads(self) -> ElementLoads:
-        """Torques in the elements of the torsional chain [N m].
+        """Torques in the elements and dashpots of the torsional chain [N m].
 
         In the crankshaft those at its main bearings, behind it and in a damper those of the springs.
         """
+
+        def twist(pair: tuple[int, int]) -> ComplexArray:
+            left, right = (
+                coupled.total.motion[:, :, point] for point in _ends(coupled, chain, pair)
+            )
+            return right - left
+
         coupled, chain = self.coupled, self.cranks.chain
         elastic = whole_torques(coupled, self.cranks).series(coupled.total)
         total, speeds = elastic.values.copy(), coupled.total.angular_frequencies
         for spring in range(self.cranks.crank_elements, len(chain.connections)):
-            left, right = (
-                coupled.total.motion[:, :, point] for point in _ends(coupled, self.cranks, spring)
-            )
             total[:, :, spring] *= 1.0 + 1j * chain.loss_factor[spring]
-            total[:, :, spring] += 1j * speeds * chain.damping[spring] * (right - left)
+            rate = 1j * speeds * twist(chain.connections[spring])
+            total[:, :, spring] += chain.damping[spring] * rate
         none = replace(elastic, values=elastic.values[:, :, :0], names=())
-        return ElementLoads(replace(elastic, values=total), elastic, ground=none, dashpots=none)
+        resisted = np.zeros((*speeds.shape, len(chain.dashpots)), dtype=complex)
+        for place, dashpot in enumerate(chain.dashpots):
+            rate = 1j * speeds * twist((dashpot.left, dashpot.right))
+            resisted[:, :, place] = np.where(elastic.unbounded, 0.0, dashpot.damping * rate)
+        dashpots = replace(elastic, values=resisted, names=dashpot_names(chain))
+        return ElementLoads(replace(elastic, values=total), elastic, ground=none, dashpots=dashpots)
 
 
 @result("order", "place", "value", "speed")
@@ -217,8 +229,8 @@ def whole_torques(coupled: CoupledResponse, cranks: EngineChain) -> LinearQuanti
     bearings = [_bearing(cranks, element) for element in crank_elements]
     springs = range(cranks.crank_elements, len(chain.connections))
     twists = [
-        np.subtract(*(expand[point] for point in _ends(coupled, cranks, spring)[::-1]))
-        for spring in springs
+        np.subtract(*(expand[point] for point in _ends(coupled, chain, pair)[::-1]))
+        for pair in chain.connections[cranks.crank_elements :]
     ]
     rows = [chain.stiffness[spring] * twist for spring, twist in zip(springs, twists, strict=True)]
     varying = tuple(
@@ -244,11 +256,11 @@ def _bearing(cranks: EngineChain, element: int) -> int:
     return int(np.sum(np.array(cranks.throw_nodes) <= min(cranks.chain.connections[element])))
 
 
-def _ends(coupled: CoupledResponse, cranks: EngineChain, element: int) -> list[int]:
-    """Return the points of the whole crankshaft at both ends of an element behind it or in a damper."""
+def _ends(coupled: CoupledResponse, chain: Chain, pair: tuple[int, int]) -> list[int]:
+    """Return the points of the whole crankshaft at two nodes of the chain behind it or in a damper."""
     points, count = coupled.crankshaft, coupled.crankshaft.shaft.section_count
     ends = {FREE_END: "main bearing 1 rz", FLYWHEEL: f"main bearing {count} rz"}
-    names = (cranks.chain.names[node] for node in cranks.chain.connections[element])
+    names = (chain.names[node] for node in pair)
     return [
         points.point(ends.get(name, name if name in points.names else f"{name} rz"))
         for name in names

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import typer
 
+from crankbase.input_file import STEP_ENDINGS
 from crankfem.files.reading.data_files import FOLDERS, InputKind, shipped_names, shipped_torques
 
 # Typer tells these functions apart by the names of their arguments.
@@ -15,9 +16,7 @@ Completion = Callable[[str], list[str]]
 
 
 def files(
-    *endings: str,
-    shipped: Iterable[InputKind] = (),
-    further: Callable[[], tuple[str, ...]] = tuple,
+    *endings: str, shipped: Iterable[InputKind] = (), further: Callable[[], tuple[str, ...]] = tuple
 ) -> Completion:
     """Return the completion of files with these endings, folders on the way, and shipped files of kinds.
 
@@ -49,7 +48,7 @@ def files(
 
 
 engines = files(".toml", shipped=("engine",))
-engines_and_parts = files(".toml", ".step", ".stp", shipped=("engine",))
+engines_and_parts = files(".toml", *STEP_ENDINGS, shipped=("engine",))
 engines_and_chains = files(".toml", ".txt", shipped=("engine", "chain"))
 engines_and_tables = files(".toml", ".csv", shipped=("engine",), further=shipped_torques)
 hinges = files(".toml", shipped=("hinge",))
@@ -59,8 +58,8 @@ shipped = files(shipped=FOLDERS)
 
 def sections(incomplete: str) -> list[str]:
     """Sections of engine files, and that of chain files."""
-    from crankfem.files.engine.engine_file import SECTIONS
     from crankfem.files.engine.field_tables import CHAIN
+    from crankfem.files.engine.file_kinds import SECTIONS
 
     return [name for name in (*SECTIONS, CHAIN) if name.startswith(incomplete)]
 

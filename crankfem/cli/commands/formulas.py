@@ -157,11 +157,9 @@ def _some_engines(files: Sequence[str], asked: _Request) -> None:
 
 def _print_engines(rows: "Sequence[EngineFormulas | EngineSpread]", asked: _Request) -> None:
     """Print as JSON what was calculated for each of several engines."""
-    from crankbase.results import units
     from crankfem.analyses.throw.formula_records import FormulasOfEngines
 
-    made = FormulasOfEngines(asked.gamma, asked.constants, tuple(rows))
-    print_json(made.to_record() | {"units": units(made)})
+    print_json(FormulasOfEngines(asked.gamma, asked.constants, tuple(rows)))
 
 
 def _all_engines(asked: _Request) -> None:

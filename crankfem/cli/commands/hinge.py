@@ -52,7 +52,6 @@ def hinge(
     """Calculate the guides of an elastic hinge for constant crank speed, and the speed left uneven."""
     from crankbase.choices import check_choice
     from crankbase.quantity import parse_quantity
-    from crankbase.results import units as result_units
     from crankfem.analyses.hinge.hinge_run import (
         FILES,
         SURFACE,
@@ -60,6 +59,7 @@ def hinge(
         plot_hinge,
         run_hinge,
     )
+    from crankfem.analyses.record import with_units
     from crankfem.cli.console import print_parts, write_columns
     from crankfem.files.hinge_file import load_hinge
     from crankfem.jobs.outputs import check_outputs
@@ -81,7 +81,7 @@ def hinge(
     made = [] if folder is None else plot_hinge(folder, run)
     if out.json:
         pictures_made = [str(path) for path in made]
-        print_json(run.to_record() | {"pictures": pictures_made, "units": result_units(run)})
+        print_json(with_units(run) | {"pictures": pictures_made})
         return
     print_parts(run.tables(out.units), out.units)
     if csv is not None:

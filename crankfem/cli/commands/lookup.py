@@ -368,8 +368,8 @@ def _print_optimum(model: "ComplianceModel", best: "Optimum", units: "OutputUnit
     from crankfem.cli.arguments import dimensions_text
 
     print_line(f"Smallest {best.minimized}: {units.quantity(best.value, best.unit, 4)}")
-    for text in dimensions_text(model, best.factors):
-        end = " (end of its range)" if text.partition(" ")[0] in best.at_ends else ""
+    for name, text in zip(best.factors, dimensions_text(model, best.factors), strict=True):
+        end = " (end of its range)" if name in best.at_ends else ""
         print_line(units.text(f"  {text}{end}"))
     if best.limits:
         names = ("limit", "bound", "by the equation", "worst in its band", "kept")

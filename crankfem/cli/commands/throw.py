@@ -70,8 +70,7 @@ def throw(
         int, typer.Option(help="Also compute this many natural modes of the free throw.")
     ] = 0,
     slopes: Annotated[
-        bool,
-        typer.Option("--slopes", help="Also print how results change with each dimension."),
+        bool, typer.Option("--slopes", help="Also print how results change with each dimension.")
     ] = False,
     profile: Annotated[
         bool, typer.Option("--profile", help="Print the time of each step.")
@@ -101,7 +100,7 @@ def throw(
     part, material = select_part(engine, name, pins, out.quiet)
     begin_mesh(part, accuracy)
 
-    from crankbase.results import units as result_units
+    from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.law_record import law_results
     from crankfem.analyses.throw.throw_record import (
         PICTURE,
@@ -117,7 +116,6 @@ def throw(
     from crankfem.jobs.outputs import check_outputs
     from fem.analysis import analyze_throw
     from fem.modes import MOST_MODES
-    from fem.sensitivities import check_sloped
     from fem.symmetry import degree_of, radial_directions
     from geometry.throw import CrankThrow
 
@@ -136,6 +134,8 @@ def throw(
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
     degree_of(shared)  # before anything is printed
     if slopes:
+        from fem.sensitivities import check_sloped
+
         check_sloped(part, end_sections)
     law = law_results(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
@@ -168,7 +168,7 @@ def throw(
     made = None if folder is None else picture_reactions(results, folder)
     if out.json:
         pictures_made = {} if made is None else {"pictures": [str(made)]}
-        print_json(results.to_record() | pictures_made | {"units": result_units(results)})
+        print_json(with_units(results) | pictures_made)
         return
     print_throw(results, out.units)
     if made is not None:
@@ -259,6 +259,7 @@ def export(
     out: Output,
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
+    from crankbase.input_file import STEP_ENDINGS
     from crankfem.cli.arguments import select_throw
     from crankfem.files.engine.file_kinds import engine_sections
     from crankfem.files.engine.throw_file import load_crankshaft
@@ -268,7 +269,6 @@ def export(
     from geometry.solid_files import (
         MESH_ENDINGS,
         SOLID_ENDINGS,
-        STEP_ENDINGS,
         SURFACE_ENDINGS,
         write_mesh,
         write_step,

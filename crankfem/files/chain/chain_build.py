@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal, cast
 from pydantic import Field, create_model
 
 from crankbase.array_checks import positive_number
+from crankbase.choices import check_choice
 from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, field_extra, part_field, quantity_field
 from crankfem.files.chain.maker_values import PerUnitBase, at_own_speeds, in_si
@@ -27,7 +28,7 @@ from dynamics.chains.coupling_damping import (
     SMALLEST_MAGNIFIER,
 )
 from dynamics.chains.editing import with_damper
-from dynamics.chains.shaft_line import ShaftCone, shaft_cylinder, shaft_flange
+from dynamics.chains.shaft_line import ShaftCone, ShaftMaterial, shaft_cylinder, shaft_flange
 from dynamics.chains.varying import Variation, Varying, VaryingPart, varied
 from fem.material import Material
 
@@ -43,6 +44,8 @@ UNITS = {
     },
     "axial": {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m", "flexibility": "m/N"},
 }
+# Of a piece of shaft.
+MODULI = {"torsional": "shear_modulus", "axial": "youngs_modulus"}
 INERTIA, STIFFNESS, DAMPING, FLEXIBILITY = UNITS["torsional"].values()
 GD2 = "GD2, mass times the square of the diameter of gyration: four times the inertia"
 H = "H, energy at rated speed per rated power"
@@ -61,6 +64,10 @@ def _loss_factor() -> Any:
     return quantity_field(
         "loss factor, hysteretic damping", "", 0.0, 2.0, default=0.0, feature=True
     )
+
+
+def _modulus(of: str) -> Any:
+    return quantity_field(f"shear modulus of {of}", "Pa", 1e8, 3e11, default=None)
 
 
 class _Varies(InputModel):
@@ -99,6 +106,7 @@ class _Shape(_Varies):
         description="of a cone: cylindrical, or a constant share of its diameter",
         json_schema_extra={"feature": True},
     )
+    shear_modulus: float | None = _modulus("the piece, by default that of the chain")
     parts: int = quantity_field(
         "number of elements it is divided into", "", 1, 1000, default=1, feature=True
     )
@@ -159,6 +167,7 @@ class TorsionalChainSection(InputModel):
     )
     relative_damping: Numbers | None = quantity_field(PSI, "", default=None)
     magnifier: Numbers | None = quantity_field(MAGNIFIER, "", default=None)
+    shear_modulus: float | None = _modulus("all pieces of shaft, by default that of [material]")
     gears: tuple[GearPair, ...] = part_field("gears", GearPair, many=True)
     kind: Literal["torsional"] = Field(description="torsional or axial")
     inertia: tuple[float, ...] | None = quantity_field(
@@ -211,7 +220,13 @@ def _axial(model: type[InputModel], title: str, **kinds: Any) -> Any:
         Types of fields that differ.
     """
     units = dict(zip(UNITS["torsional"].values(), UNITS["axial"].values(), strict=True))
-    words = {"moment of inertia": "mass", "inertia spread": "mass spread", "inertias": "masses"}
+    words = {
+        "moment of inertia": "mass",
+        "inertia spread": "mass spread",
+        "inertias": "masses",
+        "shear modulus": "Young's modulus",
+    }
+    keys = {"inertia": "mass", MODULI["torsional"]: MODULI["axial"]}
     fields: dict[str, Any] = {}
     for name, info in model.model_fields.items():
         if name in TORSIONAL_ONLY:
@@ -222,8 +237,7 @@ def _axial(model: type[InputModel], title: str, **kinds: Any) -> Any:
             for torsional, word in words.items():
                 text = text.replace(torsional, word) if text.startswith(torsional) else text
             axial.description = text.replace("torque per", "force per")
-        key = "mass" if name == "inertia" else name
-        fields[key] = (kinds.get(name, info.annotation), axial)
+        fields[keys.get(name, name)] = (kinds.get(name, info.annotation), axial)
     made = create_model(model.__name__.replace("Torsional", "Axial"), __base__=InputModel, **fields)
     made.section, made.__doc__ = model.section, title
     return made
@@ -283,6 +297,12 @@ def chain_of(section: Section, material: Material) -> Chain:
     nodes = _nodes(section, base)
     names = tuple(nodes)
     errors = InputErrors()
+    modulus = MODULI[section.kind]
+    if getattr(section, modulus) is not None and not any(part.shape for part in section.elements):
+        raise InputError(
+            f"chain.{modulus}: given without a piece of shaft; allowed is it where [[chain.elements]] have a "
+            "shape, because a stiffness that is given needs no modulus."
+        )
     inner: dict[str | None, list[str]] = {}
     rows: list[_Row] = []
     for number, element in _elements(section, names, base):
@@ -293,7 +313,7 @@ def chain_of(section: Section, material: Material) -> Chain:
                 continue
             _check_shape(number, element, element.shape)
             between = [f"{left} - {right} {k}" for k in range(1, element.parts)]
-            pieces = _piece(element, element.shape, material).divided(element.parts)
+            pieces = _piece(section, element, element.shape, material).divided(element.parts)
             loss = in_si(element, f"chain.elements[{number}]", "loss_factor", base)
             rows += _shaft(section, loss, pieces, [left, *between, right])
             # Between neighbors the inner nodes stand in their place of the row, otherwise at its end.
@@ -306,7 +326,7 @@ def chain_of(section: Section, material: Material) -> Chain:
     values = [nodes.get(name, TorsionalNode(name=name)) for name in order]
 
     def place(field: str, name: str) -> int:
-        _check_known(f"chain.{field}", name, names)
+        check_choice(f"chain.{field}", name, names, "these are the nodes")
         return number_of[name]
 
     dashpots: list[Dashpot] = []
@@ -465,7 +485,7 @@ def _ends(element: Element, number: int, nodes: tuple[str, ...]) -> tuple[str, s
             )
         return nodes[number], nodes[number + 1]
     for name in element.nodes:
-        _check_known(f"chain.elements[{number}].nodes", name, nodes)
+        check_choice(f"chain.elements[{number}].nodes", name, nodes, "these are the nodes")
     if element.nodes[0] == element.nodes[1]:
         raise InputError(
             f"chain.elements[{number}].nodes: given {element.nodes[0]!r} twice; allowed are two "
@@ -474,20 +494,8 @@ def _ends(element: Element, number: int, nodes: tuple[str, ...]) -> tuple[str, s
     return element.nodes
 
 
-def _check_known(field: str, name: str, nodes: tuple[str, ...]) -> None:
-    if name not in nodes:
-        raise InputError(
-            f"{field}: given {name!r}; allowed are {', '.join(nodes)}, because these are the nodes."
-        )
-
-
 def _spring(
-    section: Section,
-    number: int,
-    element: Element,
-    left: str,
-    right: str,
-    base: PerUnitBase | None,
+    section: Section, number: int, element: Element, left: str, right: str, base: PerUnitBase | None
 ) -> _Row:
     field = f"chain.elements[{number}].stiffness"
     where = f"chain.elements[{number}]"
@@ -497,7 +505,7 @@ def _spring(
             f"{field}: given neither it nor shape; allowed is one of the two, because both define the "
             "stiffness of the element."
         )
-    for name in (*SHAPE_FIELDS, "parts"):
+    for name in (*SHAPE_FIELDS, "parts", MODULI[section.kind]):
         _link_error(number, element, name, "stiffness")
     stiffness = positive_number(
         field,
@@ -506,10 +514,7 @@ def _spring(
         "a spring without stiffness cuts the chain in two",
     )
     stiffness, loss_factor, damping, law = varied(
-        element.variation,
-        stiffness,
-        in_si(element, where, "loss_factor", base),
-        element.damping,
+        element.variation, stiffness, in_si(element, where, "loss_factor", base), element.damping
     )
     return _Row(left, right, stiffness, damping, loss_factor, element.distributed_inertia, law)
 
@@ -544,7 +549,10 @@ def _link_error(number: int, element: Element, name: str, beside: str) -> None:
         )
 
 
-def _piece(element: Element, shape: str, material: Material) -> ShaftCone:
+def _piece(section: Section, element: Element, shape: str, steel: Material) -> ShaftCone:
+    key = MODULI[section.kind]
+    modulus = getattr(element, key) or getattr(section, key) or getattr(steel, key)
+    material = ShaftMaterial(**{key: modulus}, density=steel.density)
     sizes = {name: getattr(element, name) for name in SHAPES[shape]}
     if shape == "cone":
         return ShaftCone(**sizes, material=material)

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from crankbase.model import InputModel
 from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
 from crankfem.files.chain.chain_file import PLANT, plant_chain, read_shaft_lines
-from crankfem.files.engine.file_kinds import engine_sections, file_kind, torque_table_file
+from crankfem.files.engine.file_kinds import SECTIONS, check_sections, engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
     check_sizes,
@@ -32,6 +32,7 @@ from crankfem.files.reading.section_changes import (
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
+    ShaftLayout,
     free_end_throw_name,
     read_throws,
     throw_names,
@@ -41,25 +42,24 @@ from crankfem.files.sections.engine_sections import (
     Engine,
     Flywheel,
     FreeEnd,
-    NamedThrow,
-    ShaftLayout,
     ThrustBearing,
-    TorqueTable,
     TwoMassInput,
     VibrationSettings,
+    torque_table_file,
 )
 from crankfem.files.sections.excitation_sections import GasMap, Misfire, PropellerForcesSection
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, LoadSection, Piston, Rod
 from crankfem.files.sections.strength_section import StrengthSection
 from crankfem.files.sections.vibration_sections import (
+    ASSUMED_PER_DIAMETER,
+    ASSUMED_RANGE,
     AxialDamperSection,
     Bearings,
     Damping,
-    ShaftLineFiles,
     TorsionalDamperSection,
 )
-from crankfem.files.study_file import StudySection, study_plan
+from crankfem.files.study_file import study_plan
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_line import Driven
 from fem.material import STEEL, Material
@@ -226,51 +226,6 @@ def check_strength(
             )
 
 
-@dataclass(frozen=True)
-class EngineSection:
-    """A section: its model; where it is needed; whether a whole engine needs it."""
-
-    model: type[InputModel]
-    need: str = "optional"
-    required: bool = False
-
-
-MECHANISM, WHOLE_ENGINE = "required for more than a throw", "required for run and vibration"
-
-SECTIONS = {
-    "engine": EngineSection(Engine, MECHANISM, required=True),
-    "throw": EngineSection(CrankThrow, "required", required=True),
-    "throws": EngineSection(
-        NamedThrow, "optional, in place of [throw]; with all fields of [throw] and"
-    ),
-    "shaft": EngineSection(ShaftLayout),
-    "shaft_ends": EngineSection(ShaftEnds),
-    "material": EngineSection(Material, "optional, steel by default"),
-    "rod": EngineSection(Rod, MECHANISM, required=True),
-    "piston": EngineSection(Piston, MECHANISM, required=True),
-    "hinged_rods": EngineSection(HingedRods),
-    "flywheel": EngineSection(Flywheel, WHOLE_ENGINE, required=True),
-    "free_end": EngineSection(FreeEnd),
-    "thrust_bearing": EngineSection(ThrustBearing, WHOLE_ENGINE, required=True),
-    "damping": EngineSection(Damping),
-    "torsional_damper": EngineSection(TorsionalDamperSection),
-    "axial_damper": EngineSection(AxialDamperSection),
-    "driven": EngineSection(Driven),
-    "bearings": EngineSection(Bearings),
-    "shaft_line": EngineSection(ShaftLineFiles),
-    "gas": EngineSection(Gas, "optional; without it reactions are given for 100 kN"),
-    "load": EngineSection(LoadSection),
-    "gas_map": EngineSection(GasMap),
-    "misfire": EngineSection(Misfire),
-    "propeller_forces": EngineSection(PropellerForcesSection),
-    "limits": EngineSection(LimitsInput),
-    "ranges": EngineSection(RangesInput),
-    "strength": EngineSection(StrengthSection),
-    "vibration": EngineSection(VibrationSettings),
-    "torque": EngineSection(TorqueTable),
-    "two_mass_check": EngineSection(TwoMassInput),
-    "study": EngineSection(StudySection),
-}
 # What is taken for a section that is not there.
 DEFAULTS = {"material": STEEL, "shaft_ends": ShaftEnds(), "vibration": VibrationSettings()}
 
@@ -409,6 +364,14 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         """Pin that each cylinder works on, from 0, counted along the shaft."""
         return pins_of(self.engine, self.throw, self.throws, self.hinged_rods)
 
+    @property
+    def main_bearings(self) -> Bearings:
+        """The main bearings; assumed ones, with the range of the assumption, where the file gives none."""
+        assumed, ratio = ASSUMED_PER_DIAMETER * self.throw.main_journal_diameter, ASSUMED_RANGE
+        return self.bearings or Bearings(
+            stiffness=assumed, lowest_stiffness=assumed / ratio, highest_stiffness=assumed * ratio
+        )
+
     def changed(self, **sections: InputModel | Mapping[str, Any] | None) -> "EngineFile":
         """Return the engine with some sections changed, checked like a file; the file itself is unchanged.
 
@@ -474,26 +437,6 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         if (throws[name], material) != (study.throw, study.material):
             study = replace(study, throw=throws[name], material=material)
         return study
-
-
-def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> None:
-    """Refuse unknown and missing sections; [throws.NAME] may replace [throw].
-
-    Parameters
-    ----------
-    needed : collection of str, optional
-        Required sections; those of a whole engine by default.
-    """
-    allowed = {
-        name: kind.required if needed is None else name in needed for name, kind in SECTIONS.items()
-    }
-    named = "throws" in content.sections
-    content.check_sections(allowed | {"throw": allowed["throw"] and not named})
-    if named and "throw" in content.sections:
-        raise InputError(
-            "throws: given together with the section [throw]; allowed is one of the two, because every "
-            "crank is the one throw or a named one."
-        )
 
 
 def load_engine(path: str | Path | TomlFile) -> EngineFile:

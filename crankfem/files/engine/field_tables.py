@@ -12,7 +12,7 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.quantity import DISPLAY_UNITS, format_quantity
 from crankfem.files.chain.chain_file import KINDS as CHAIN_KINDS
-from crankfem.files.engine.engine_file import SECTIONS
+from crankfem.files.engine.file_kinds import SECTIONS
 from fem.material import Material
 
 # Whole numbers below this are written out.

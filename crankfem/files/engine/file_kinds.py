@@ -1,24 +1,85 @@
-"""The kind of a file of quantities, from its sections; the shipped files and the template for new ones."""
+"""The sections of engine files; the kind of a file; the shipped files and the template for new ones."""
 
 import math
 import re
+from collections.abc import Collection
 from dataclasses import dataclass, replace
+from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
 from string import Template
 from typing import Literal
 
 from crankbase.errors import InputError
-from crankbase.input_file import LOOKED_AT, InputFile
+from crankbase.input_file import LOOKED_AT
+from crankbase.model import InputModel
 from crankfem.files.reading.data_files import FOLDERS, InputKind, input_path, shipped_names
 from crankfem.files.reading.toml_file import TomlFile, read_toml
-from crankfem.files.sections.engine_sections import TorqueTable
 
 FileKind = Literal["engine", "mechanism", "throw", "hinge", "chain"]
 # A file with none of these is not meant as a whole engine.
 ENGINE_SECTIONS = {"rod", "piston", "flywheel", "thrust_bearing"}
 # Sections that only hinge files have.
 HINGE_SECTIONS = {"sliding", "hinge", "operation"}
+
+
+@dataclass(frozen=True)
+class EngineSection:
+    """A section: place of its model, loaded on demand; where it is needed; whether an engine needs it."""
+
+    place: str
+    need: str = "optional"
+    required: bool = False
+
+    @property
+    def model(self) -> type[InputModel]:
+        """Its model."""
+        module, name = self.place.split(":")
+        model: type[InputModel] = getattr(import_module(module, "crankfem.files"), name)
+        return model
+
+
+MECHANISM, WHOLE_ENGINE = "required for more than a throw", "required for run and vibration"
+
+SECTIONS = {
+    "engine": EngineSection(".sections.engine_sections:Engine", MECHANISM, required=True),
+    "throw": EngineSection("geometry.throw:CrankThrow", "required", required=True),
+    "throws": EngineSection(
+        ".sections.crank_throws:NamedThrow",
+        "optional, in place of [throw]; with all fields of [throw] and",
+    ),
+    "shaft": EngineSection(".sections.crank_throws:ShaftLayout"),
+    "shaft_ends": EngineSection("geometry.crankshaft:ShaftEnds"),
+    "material": EngineSection("fem.material:Material", "optional, steel by default"),
+    "rod": EngineSection(".sections.mechanism_sections:Rod", MECHANISM, required=True),
+    "piston": EngineSection(".sections.mechanism_sections:Piston", MECHANISM, required=True),
+    "hinged_rods": EngineSection(".sections.mechanism_sections:HingedRods"),
+    "flywheel": EngineSection(".sections.engine_sections:Flywheel", WHOLE_ENGINE, required=True),
+    "free_end": EngineSection(".sections.engine_sections:FreeEnd"),
+    "thrust_bearing": EngineSection(
+        ".sections.engine_sections:ThrustBearing", WHOLE_ENGINE, required=True
+    ),
+    "damping": EngineSection(".sections.vibration_sections:Damping"),
+    "torsional_damper": EngineSection(".sections.vibration_sections:TorsionalDamperSection"),
+    "axial_damper": EngineSection(".sections.vibration_sections:AxialDamperSection"),
+    "driven": EngineSection("dynamics.chains.shaft_line:Driven"),
+    "bearings": EngineSection(".sections.vibration_sections:Bearings"),
+    "shaft_line": EngineSection(".sections.vibration_sections:ShaftLineFiles"),
+    "gas": EngineSection(
+        ".sections.mechanism_sections:Gas", "optional; without it reactions are given for 100 kN"
+    ),
+    "load": EngineSection(".sections.mechanism_sections:LoadSection"),
+    "gas_map": EngineSection(".sections.excitation_sections:GasMap"),
+    "misfire": EngineSection(".sections.excitation_sections:Misfire"),
+    "propeller_forces": EngineSection(".sections.excitation_sections:PropellerForcesSection"),
+    "limits": EngineSection(".sections.limits_sections:LimitsInput"),
+    "ranges": EngineSection(".sections.limits_sections:RangesInput"),
+    "strength": EngineSection(".sections.strength_section:StrengthSection"),
+    "vibration": EngineSection(".sections.engine_sections:VibrationSettings"),
+    "torque": EngineSection(".sections.engine_sections:TorqueTable"),
+    "two_mass_check": EngineSection(".sections.engine_sections:TwoMassInput"),
+    "study": EngineSection(".study_file:StudySection"),
+}
 
 # A section that files of input have, at the beginning of a line.
 SECTION = re.compile(r"^\s*\[(?:engine|throw|throws\.\w+|chain|sliding|hinge)\]", re.MULTILINE)
@@ -57,6 +118,26 @@ def engine_sections(source: str | Path | TomlFile) -> TomlFile:
     return replace(content, records=[])
 
 
+def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> None:
+    """Refuse unknown and missing sections; [throws.NAME] may replace [throw].
+
+    Parameters
+    ----------
+    needed : collection of str, optional
+        Required sections; those of a whole engine by default.
+    """
+    allowed = {
+        name: kind.required if needed is None else name in needed for name, kind in SECTIONS.items()
+    }
+    named = "throws" in content.sections
+    content.check_sections(allowed | {"throw": allowed["throw"] and not named})
+    if named and "throw" in content.sections:
+        raise InputError(
+            "throws: given together with the section [throw]; allowed is one of the two, because every "
+            "crank is the one throw or a named one."
+        )
+
+
 def any_sections(file: str) -> TomlFile | None:
     """Return the sections of any file of input, or of a shipped one; None if it is the text of a chain."""
     name = Path(file).name.removesuffix(".toml")
@@ -75,35 +156,14 @@ def _has_sections(path: Path) -> bool:
         return False
 
 
-def torque_table_file(content: TomlFile) -> InputFile | None:
-    """Return the torque table that a file names, if it names one."""
-    section = content.model("torque", TorqueTable)
-    return None if section is None else content.files.named("torque.table", section.table, "tables")
-
-
 # Orders in which cylinders in line usually fire, by strokes per cycle; the cranks follow from them, for
 # firing is even.
 FIRING_ORDERS: dict[int, dict[int, tuple[int, ...]]] = {
-    4: {
-        1: (1,),
-        2: (1, 2),
-        3: (1, 3, 2),
-        4: (1, 3, 4, 2),
-        5: (1, 2, 4, 5, 3),
-        6: (1, 5, 3, 6, 2, 4),
-        7: (1, 3, 5, 7, 6, 4, 2),
-        8: (1, 6, 2, 5, 8, 3, 7, 4),
-    },
-    2: {
-        1: (1,),
-        2: (1, 2),
-        3: (1, 3, 2),
-        4: (1, 3, 2, 4),
-        5: (1, 4, 3, 2, 5),
-        6: (1, 5, 3, 4, 2, 6),
-        7: (1, 7, 2, 5, 4, 3, 6),
-        8: (1, 8, 3, 4, 7, 2, 5, 6),
-    },
+    strokes: {order.count("-") + 1: tuple(map(int, order.split("-"))) for order in orders.split()}
+    for strokes, orders in (
+        (4, "1 1-2 1-3-2 1-3-4-2 1-2-4-5-3 1-5-3-6-2-4 1-3-5-7-6-4-2 1-6-2-5-8-3-7-4"),
+        (2, "1 1-2 1-3-2 1-3-2-4 1-4-3-2-5 1-5-3-4-2-6 1-7-2-5-4-3-6 1-8-3-4-7-2-5-6"),
+    )
 }
 
 

@@ -11,7 +11,8 @@ from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import InputRecord
-from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
+from crankfem.files.sections.crank_throws import ShaftLayout
+from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, LoadSection, Piston, Rod
 from dynamics.engine.layout import (
     EVEN,
@@ -207,13 +208,10 @@ def _rod(section: Rod | HingedRods) -> ConnectingRod:
     # Without an inertia the rod is as the two masses at its pins.
     inertia = known_inertia(section) or section.mass * distance * (section.length - distance)
     offset = section.center_offset if isinstance(section, Rod) else 0.0
-    try:
-        return ConnectingRod(section.length, section.mass, distance, inertia, offset)
-    except InputError as error:
-        text = str(error).removeprefix("rod ")
-        if section.inertia is None:
-            text = text.replace("inertia: given", "swing_period: given with swing_distance")
-        raise InputError(f"{section.section}.{text}") from None
+    swung = section.inertia is None
+    given = "swing_period: given with swing_distance" if swung else "inertia: given"
+    before = f"{section.section}."
+    return ConnectingRod(section.length, section.mass, distance, inertia, offset, before, given)
 
 
 def _positions(

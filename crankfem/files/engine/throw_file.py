@@ -2,15 +2,16 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crankbase.errors import InputError
-from crankfem.files.engine.engine_file import check_sections
-from crankfem.files.engine.file_kinds import engine_sections
+from crankfem.files.engine.file_kinds import check_sections, engine_sections
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
+    ShaftLayout,
     Throws,
     free_end_throw_name,
     read_throws,
@@ -18,12 +19,12 @@ from crankfem.files.sections.crank_throws import (
     throw_of_name,
     throws_along_shaft,
 )
-from crankfem.files.sections.engine_sections import Engine, ShaftLayout
-from crankfem.files.study_file import study_plan
 from fem.material import STEEL, Material
-from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.throw import CrankThrow
-from regression.plans.plan import StudyPlan
+
+if TYPE_CHECKING:
+    from geometry.crankshaft import Crankshaft
+    from regression.plans.plan import StudyPlan
 
 
 def load_throw(path: str | Path | TomlFile, name: str | None = None) -> tuple[CrankThrow, Material]:
@@ -75,12 +76,18 @@ class ThrowFile:
 
 def load_throw_file(path: str | Path | TomlFile) -> ThrowFile:
     """Read and check a file that describes a throw alone."""
+    from crankfem.files.sections.engine_sections import Engine
+
     read = engine_sections(path)
     with read.all_errors({"engine": Engine}):
         return _read_throw_file(read)
 
 
 def _read_throw_file(read: TomlFile) -> ThrowFile:
+    from crankfem.files.sections.engine_sections import Engine
+    from crankfem.files.study_file import study_plan
+    from geometry.crankshaft import ShaftEnds
+
     content, throws = _throws(read)
     material = content.model("material", Material) or STEEL
     content.model("engine", Engine)
@@ -90,7 +97,7 @@ def _read_throw_file(read: TomlFile) -> ThrowFile:
     return ThrowFile(content.path, throws, throws[first], material, tuple(content.records))
 
 
-def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
+def load_crankshaft(path: str | Path | TomlFile) -> "Crankshaft":
     """Read the whole crankshaft of an engine file: its throws at their angles, and the ends.
 
     The angles are ``throw_angles`` of the section [shaft], or the crank angles of [engine].
@@ -100,6 +107,9 @@ def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
     InputError
         Also if the file has neither.
     """
+    from crankfem.files.sections.engine_sections import Engine
+    from geometry.crankshaft import Crankshaft, ShaftEnds
+
     content, throws = _throws(path)
     layout = content.model("shaft", ShaftLayout)
     if layout is not None and layout.throw_angles is not None:
@@ -127,8 +137,10 @@ def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
     )
 
 
-def load_study(path: str | Path | TomlFile) -> StudyPlan:
+def load_study(path: str | Path | TomlFile) -> "StudyPlan":
     """Read the plan of a study from a file with the sections [throw] and [study]."""
+    from crankfem.files.study_file import study_plan
+
     content, throws = _throws(path, "study")
     first = _first(content, throws)
     plan = study_plan(content, throws, first, content.model("material", Material) or STEEL)

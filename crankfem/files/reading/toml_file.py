@@ -17,6 +17,7 @@ from crankbase.input_file import (
     LONGEST_TEXT,
     MOST_BITS,
     MOST_VALUES,
+    STEP_ENDINGS,
 )
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.quantity import SEPARATED_NUMBER, either, format_quantity, readings
@@ -476,7 +477,7 @@ def read_toml(file: Path | InputFiles) -> TomlFile:
     """Read a file into sections."""
     files = file if isinstance(file, InputFiles) else InputFiles(file)
     path = files.path
-    if path.suffix.lower() in (".step", ".stp"):
+    if path.suffix.lower() in STEP_ENDINGS:
         raise InputError(
             f"{path}: is a STEP file; allowed is a TOML file here, because only `crankfem throw` reads STEP."
         )

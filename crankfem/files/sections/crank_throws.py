@@ -3,16 +3,18 @@
 import math
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field, model_validator
 
+from crankbase.array_checks import refuse_many_turns
+from crankbase.choices import check_choice
 from crankbase.errors import InputError, InputErrors
+from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import format_quantity
 from crankfem.files.reading.toml_file import TomlFile
-from crankfem.files.sections.engine_sections import NamedThrow, ShaftLayout
-from geometry.crankshaft import Crankshaft
 from geometry.throw import CrankThrow
 
 # What the one throw of a plain file is called among throws by name.
@@ -21,6 +23,58 @@ PLAIN = "throw"
 NAME = re.compile(r"[A-Za-z0-9_-]+")
 
 Throws = Mapping[str, CrankThrow]
+
+
+class ShaftLayout(InputModel):
+    """Sequence of throws in a shaft whose throws are unequal, or are not one per cylinder."""
+
+    section: ClassVar[str] = "shaft"
+
+    throw_angles: tuple[float, ...] | None = quantity_field(
+        "angle of each throw's first pin, throw by throw from the free end; by default the crank angles of "
+        "the engine",
+        "rad",
+        default=None,
+    )
+    throws: tuple[str, ...] | None = Field(
+        None,
+        description="name of each crank's throw from the free end, of those in the sections [throws.NAME]",
+    )
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Self:
+        if self.throw_angles is None and self.throws is None:
+            raise InputError(
+                f"{self.section}.throw_angles: missing; allowed are throw_angles, throws or both, because "
+                "these are what the section is for."
+            )
+        refuse_many_turns(f"{self.section}.throw_angles", self.throw_angles or ())
+        return self
+
+
+class NamedThrow(InputModel):
+    """Fields of a named throw in addition to those of [throw]."""
+
+    section: ClassVar[str] = "throws"
+
+    like: str | None = Field(
+        None,
+        description="name of another throw, given in full, whose fields this one shares; fields given here "
+        "replace them",
+    )
+    reversed: bool = Field(
+        False,
+        description="whether it is that other throw turned end for end, with the fields given here",
+    )
+
+    @model_validator(mode="after")
+    def _turned_from_another(self) -> Self:
+        if self.reversed and self.like is None:
+            raise InputError(
+                f"{self.section}.reversed: given without like; allowed are both, because a throw without "
+                "like is described as it is in the shaft."
+            )
+        return self
 
 
 def read_throws(content: TomlFile) -> dict[str, CrankThrow]:
@@ -67,11 +121,7 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
             "cranks."
         )
     for name in names:
-        if name not in throws:
-            raise InputError(
-                f"shaft.throws: given {name!r}; allowed are {', '.join(throws)}, because these throws are "
-                "in the file."
-            )
+        check_choice("shaft.throws", name, throws, "these throws are in the file")
     unused = [name for name in throws if name not in names]
     if unused:
         raise InputError(
@@ -96,12 +146,8 @@ def throw_of_name(throws: Throws, name: object, field: str, default: str) -> Cra
             f"{field}: given {name!r}; allowed only where throws have names, in sections like [throws.a], "
             "because the file has one throw, without a name."
         )
-    if not isinstance(name, str) or name not in throws:
-        raise InputError(
-            f"{field}: given {name!r}; allowed are {', '.join(throws)}, because these throws are in the "
-            "file."
-        )
-    return throws[name]
+    check_choice(field, name, throws, "these throws are in the file")
+    return throws[str(name)]
 
 
 def check_compatible_throws(throws: Throws) -> None:
@@ -137,6 +183,8 @@ def throws_along_shaft(
     """
     along = tuple(throws[name] for name in names)
     if PLAIN not in throws:
+        from geometry.crankshaft import Crankshaft
+
         check_compatible_throws(throws)
         _ = Crankshaft(
             along, crank_angles_deg=np.asarray(angles_deg).tolist()

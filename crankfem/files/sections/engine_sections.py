@@ -10,8 +10,10 @@ from pydantic import Field, field_validator, model_validator
 from crankbase.array_checks import refuse_many_turns
 from crankbase.choices import check_choice
 from crankbase.errors import InputError, quoted
+from crankbase.input_file import InputFile
 from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import PER_MINUTE, format_quantity
+from crankfem.files.reading.toml_file import TomlFile
 from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
 from dynamics.engine.layout import (
     even_firing_order,
@@ -80,12 +82,8 @@ class Engine(InputModel):
     @field_validator("firing_order", mode="before")
     @classmethod
     def _read_order(cls, order: object) -> object:
-        if not isinstance(order, str):
-            return order
-        try:
-            return firing_order_from_text(order)
-        except InputError as error:  # the field's name is put in front once more
-            raise ValueError(str(error).removeprefix("firing_order: ")) from None
+        # The field's name is put in front of an error.
+        return firing_order_from_text(order, "") if isinstance(order, str) else order
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -187,58 +185,6 @@ class Engine(InputModel):
         tops = self._tops(self.turning_sense)
         angles = firing_angles_of_order(self.firing_order, tops, self.strokes)
         return tuple(angle - angles[self.firing_order[0] - 1] for angle in angles)
-
-
-class ShaftLayout(InputModel):
-    """Sequence of throws in a shaft whose throws are unequal, or are not one per cylinder."""
-
-    section: ClassVar[str] = "shaft"
-
-    throw_angles: tuple[float, ...] | None = quantity_field(
-        "angle of each throw's first pin, throw by throw from the free end; by default the crank angles of "
-        "the engine",
-        "rad",
-        default=None,
-    )
-    throws: tuple[str, ...] | None = Field(
-        None,
-        description="name of each crank's throw from the free end, of those in the sections [throws.NAME]",
-    )
-
-    @model_validator(mode="after")
-    def _says_something(self) -> Self:
-        if self.throw_angles is None and self.throws is None:
-            raise InputError(
-                f"{self.section}.throw_angles: missing; allowed are throw_angles, throws or both, because "
-                "these are what the section is for."
-            )
-        refuse_many_turns(f"{self.section}.throw_angles", self.throw_angles or ())
-        return self
-
-
-class NamedThrow(InputModel):
-    """Fields of a named throw in addition to those of [throw]."""
-
-    section: ClassVar[str] = "throws"
-
-    like: str | None = Field(
-        None,
-        description="name of another throw, given in full, whose fields this one shares; fields given here "
-        "replace them",
-    )
-    reversed: bool = Field(
-        False,
-        description="whether it is that other throw turned end for end, with the fields given here",
-    )
-
-    @model_validator(mode="after")
-    def _turned_from_another(self) -> Self:
-        if self.reversed and self.like is None:
-            raise InputError(
-                f"{self.section}.reversed: given without like; allowed are both, because a throw without "
-                "like is described as it is in the shaft."
-            )
-        return self
 
 
 class Flywheel(InputModel):
@@ -366,6 +312,12 @@ class TorqueTable(InputModel):
     section: ClassVar[str] = "torque"
 
     table: str = Field(description="CSV file in the folder of the engine file, or a shipped table")
+
+
+def torque_table_file(content: TomlFile) -> InputFile | None:
+    """Return the torque table that a file names, if it names one."""
+    section = content.model("torque", TorqueTable)
+    return None if section is None else content.files.named("torque.table", section.table, "tables")
 
 
 class TwoMassInput(InputModel):

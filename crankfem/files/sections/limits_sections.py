@@ -67,6 +67,46 @@ class ShaftLimitInput(InputModel):
         )
 
 
+class ElementLimitInput(InputModel):
+    """A coupling or damper of a shaft line, and what its maker permits."""
+
+    section: ClassVar[str] = "limits.elements"
+
+    element: str = Field(
+        description='element or dashpot of the torsional chain, such as "gear - generator"'
+    )
+    torque: float | None = quantity_field(
+        "permissible vibratory torque", "N m", 1e-2, 1e9, default=None
+    )
+    torque_passing: float | None = quantity_field(
+        "the same while passing a barred speed range", "N m", 1e-2, 1e9, default=None
+    )
+    heat: float | None = quantity_field(
+        "permissible heat, for the class document", "W", 1e-3, 1e9, default=None
+    )
+
+    @model_validator(mode="after")
+    def _limits_something(self) -> Self:
+        if self.torque is None and self.heat is None:
+            raise InputError(
+                "limits.elements.torque: given neither it nor heat; allowed is one of them or both, because "
+                "the part is limited by them."
+            )
+        check_passing("limits.elements", "torque", self.torque, self.torque_passing, "N m")
+        return self
+
+
+def check_passing(
+    section: str, name: str, kept: float | None, passing: float | None, unit: str
+) -> None:
+    """Refuse a permitted value for passing a barred range below that for continuous running."""
+    if passing is not None and (kept is None or passing < kept):
+        raise InputError(
+            f"{section}.{name}{PASSING}: given {passing:g} {unit}; allowed is no less than {name}, which "
+            "must be given, because a permitted continuous vibration may also be passed."
+        )
+
+
 class LimitsInput(InputModel):
     """Permitted amplitudes: half of the range from lowest to highest value."""
 
@@ -167,16 +207,20 @@ class LimitsInput(InputModel):
     shafts: tuple[ShaftLimitInput, ...] = part_field(
         "propulsion shafts limited by the unified requirement M68", ShaftLimitInput, many=True
     )
+    elements: tuple[ElementLimitInput, ...] = part_field(
+        "couplings and dampers of a shaft line", ElementLimitInput, many=True
+    )
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        elements = [shaft.element for shaft in self.shafts]
-        for place, element in enumerate(elements):
-            if element in elements[:place]:
-                raise InputError(
-                    f"limits.shafts[{place}].element: given {element!r} a second time; allowed is each "
-                    "element once, because it has one limit."
-                )
+        for table in ("shafts", "elements"):
+            names = [part.element for part in getattr(self, table)]
+            for place, element in enumerate(names):
+                if element in names[:place]:
+                    raise InputError(
+                        f"limits.{table}[{place}].element: given {element!r} a second time; allowed is each "
+                        "element once, because it has one limit."
+                    )
         tensile, yielding = self.tensile_strength, self.yield_strength
         if tensile is not None and yielding is not None and yielding > tensile:
             raise InputError(
@@ -197,14 +241,9 @@ class LimitsInput(InputModel):
                 f"limits.crankshaft_rule: given {self.crankshaft_rule!r} without tensile_strength "
                 "and yield_strength; allowed is the rule with both, because it depends on them."
             )
-        for name in GIVEN:
-            kept, passing = getattr(self, name), getattr(self, name + PASSING, None)
-            if passing is not None and (kept is None or passing < kept):
-                raise InputError(
-                    f"limits.{name + PASSING}: given {passing:g} {GIVEN[name][2]}; allowed is no less than "
-                    f"{name}, which must be given, because a permitted continuous vibration may also be "
-                    "passed."
-                )
+        for name, (_, _, unit) in GIVEN.items():
+            passing = getattr(self, name + PASSING, None)
+            check_passing("limits", name, getattr(self, name), passing, unit)
         return self
 
     def limits(
@@ -216,7 +255,7 @@ class LimitsInput(InputModel):
         firing_interval_deg: float | None = None,
         provenance: Provenance | None = None,
     ) -> dict[str, VibrationLimit]:
-        """Return all limits by the names of their fields; those of shafts by "shaft: ELEMENT".
+        """Return all limits by the names of their fields; others as "shaft: ELEMENT", "torque: ELEMENT".
 
         Parameters
         ----------
@@ -251,6 +290,18 @@ class LimitsInput(InputModel):
             limits["crankshaft_stress"] = replace(by_rule, assumed=assumed)
         for shaft in self.shafts:
             limits[f"shaft: {shaft.element}"] = shaft.limit(rated_speed)
+        for number, part in enumerate(self.elements):
+            if part.torque is not None:
+                source, assumed = sources.get(f"limits.elements[{number}].torque", ("", False))
+                limits[f"torque: {part.element}"] = given_limit(
+                    "torque",
+                    part.torque,
+                    "N m",
+                    applies_to=part.element,
+                    source=source.strip() or ENGINE_FILE,
+                    passing=part.torque_passing,
+                    assumed=assumed,
+                )
         return limits
 
     def _crankshaft_limit(self, rated_speed: float, **engine: Any) -> VibrationLimit:
