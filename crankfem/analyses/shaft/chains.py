@@ -298,7 +298,7 @@ def shaft_surroundings(
         torsional_line=engine_file.shaft_lines.get("torsional"),
         axial_line=engine_file.shaft_lines.get("axial"),
     )
-    fourth = (wording.LINE_WITHOUT_BENDING,) if around.lines(throws + 1) else ()
+    fourth = (wording.LINE_WITHOUT_BENDING,) if around.torsional_line or around.axial_line else ()
     return around, (*first, *second, *third, *fourth)
 
 
