@@ -13,6 +13,7 @@ from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.mechanism_sections import load_points
+from dynamics import wording
 from dynamics.chains.dampers import TorsionalDamper
 from dynamics.chains.engine_chains import (
     EngineChain,
@@ -297,7 +298,8 @@ def shaft_surroundings(
         torsional_line=engine_file.shaft_lines.get("torsional"),
         axial_line=engine_file.shaft_lines.get("axial"),
     )
-    return around, (*first, *second, *third)
+    fourth = (wording.LINE_WITHOUT_BENDING,) if around.torsional_line or around.axial_line else ()
+    return around, (*first, *second, *third, *fourth)
 
 
 def _bearings(engine_file: EngineFile) -> tuple[MainBearings, Remarks]:
