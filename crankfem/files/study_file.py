@@ -274,7 +274,12 @@ def study_plan(
     values = content.sections.get("study")
     if values is None:
         return None
-    if values.get("runs") == WITH_SLOPES:
+    runs = values.get("runs")
+    if isinstance(runs, str):
+        if runs != WITH_SLOPES:
+            raise InputError(
+                f'study.runs: given {runs!r}; allowed is a number of runs, like 40, or "{WITH_SLOPES}".'
+            )
         rest = {name: value for name, value in values.items() if name != "runs"}
         values = {"slopes": True} | rest
     section = StudySection.from_text(values)
@@ -282,15 +287,15 @@ def study_plan(
     factors, rows = _factors(section.factors, throw), None
     if section.file is not None:
         factors, rows = read_design(content.files.named("study.file", section.file), factors, throw)
-    runs = section.runs
-    if runs is None and section.design in SPACE_FILLING:
-        runs = runs_with_slopes(factors)
+    number = section.runs
+    if number is None and section.design in SPACE_FILLING:
+        number = runs_with_slopes(factors)
     return StudyPlan(
         throw=throw,
         factors=factors,
         design=DesignChoice(
             kind=section.design,
-            runs=runs,
+            runs=number,
             resolution=RESOLUTIONS[section.resolution] if section.resolution else None,
             generators=section.generators,
             face=section.face,

@@ -11,6 +11,7 @@ from scipy.stats import qmc
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.study.fit_records import fitted_study
 from crankfem.analyses.study.response_fits import fit_study
 from crankfem.analyses.study.studies import worst_designs
 from plans import SHARP
@@ -260,6 +261,9 @@ def test_wrong_slopes_are_found_and_left_out(change, found):
         assert f"web_thickness {thickness}" in fits.left_out_slopes[0]
     if found == 10:
         assert fits.left_out_slopes == ("all over pin_length",)
+    shown = [str(part) for part in fitted_study(table, {"axial_compliance": fits}).parts()]
+    assert any("; ".join(fits.left_out_slopes) in part for part in shown)
+    assert any(f"Fitted to {30 - found} slopes" in part for part in shown)
 
 
 def test_further_runs_are_chosen_with_fewer_runs_than_coefficients():
