@@ -5,7 +5,7 @@ too slow.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,7 +74,12 @@ class ShaftMesh:
         return np.flatnonzero(inside & near)
 
 
-def mesh_shaft(shaft: Crankshaft, size: float) -> ShaftMesh:
+def mesh_shaft(
+    shaft: Crankshaft,
+    size: float,
+    line: Sequence[tuple[float, float]] = (),
+    around: int = AROUND,
+) -> ShaftMesh:
     """Mesh a whole crankshaft, in this process.
 
     Parameters
@@ -82,13 +87,18 @@ def mesh_shaft(shaft: Crankshaft, size: float) -> ShaftMesh:
     shaft : Crankshaft
     size : float
         Of the elements, smaller ones at curved surfaces [m].
+    line : sequence of pairs of float, optional
+        Diameter and length of the cylinders that follow the last section [m]. No element reaches from one
+        into the next.
+    around : int, optional
+        Elements to a full circle of curved surfaces.
 
     Raises
     ------
     MeshError
         If gmsh fails, or the mesh is not that of the solid.
     """
-    points, elements, _ = _meshed(shaft, size, AROUND, SMALLEST)
+    points, elements, _ = _meshed(shaft, size, around, SMALLEST, line=line)
     return ShaftMesh(points, elements, shaft.starts, shaft.throws[0].main_journal_diameter)
 
 
@@ -112,9 +122,15 @@ def mesh_shaft_quarter(shaft: Crankshaft, size: float, around: int, smallest: fl
 
 
 def _meshed(
-    shaft: Crankshaft, size: float, around: int, smallest: float, *, quarter: bool = False
+    shaft: Crankshaft,
+    size: float,
+    around: int,
+    smallest: float,
+    *,
+    quarter: bool = False,
+    line: Sequence[tuple[float, float]] = (),
 ) -> tuple[Array, NDArray[np.int64], SolidProperties]:
-    """Mesh a shaft or a quarter of it: points (n, 3), elements (m, 10) and the solid."""
+    """Mesh a shaft or a quarter of it: points (n, 3), elements (m, 10) and the solid without its line."""
     with gmsh_session("shaft") as gmsh, gmsh_errors("mesh the shaft"):
         make_shaft(gmsh, shaft)
         if quarter:
@@ -125,6 +141,14 @@ def _meshed(
             gmsh.model.occ.intersect(gmsh.model.getEntities(3), [(3, box)])
             gmsh.model.occ.synchronize()
         solid = solid_properties(gmsh)
+        pieces, place = [], float(shaft.starts[-1])
+        for diameter, length in line:
+            tag = gmsh.model.occ.addCylinder(0, 0, place, 0, 0, length, diameter / 2)
+            pieces.append((3, tag))
+            place += length
+        if pieces:
+            gmsh.model.occ.fragment(gmsh.model.getEntities(3), pieces)
+            gmsh.model.occ.synchronize()
         for option, value in (
             ("MeshSizeMax", size),
             ("MeshSizeMin", smallest * size),
@@ -135,7 +159,8 @@ def _meshed(
         gmsh.model.mesh.setOrder(2)
         points, elements, _ = read_mesh(gmsh, {})
     points, _ = straighten_elements(points, elements)
-    check_volume(points, elements, solid)
+    beyond = sum(np.pi / 4.0 * diameter**2 * length for diameter, length in line)
+    check_volume(points, elements, replace(solid, volume=solid.volume + beyond))
     check_quality(points, elements)
     return points, elements, solid
 
@@ -180,10 +205,41 @@ def solid_modes(
             for axis in axes:
                 row = fit[[axis]]
                 stiffness = stiffness + sparse.triu(spring * (row.T @ row), format="csr")
-    shift = (2.0 * np.pi * SHIFT) ** 2
-    size = mesh.unknowns
+    squares, shapes, _ = lowest_modes(stiffness, mass, count)
+    return frequencies_of(squares), np.array([fit @ shapes for fit in fits])
+
+
+def lowest_modes(
+    stiffness: sparse.csr_array,
+    mass: sparse.csr_array,
+    count: int,
+    loads: Array | None = None,
+    shift: float = SHIFT,
+) -> tuple[Array, Array, Array]:
+    """Find the lowest modes, and the response to loads that grow with exp(s t).
+
+    Parameters
+    ----------
+    stiffness, mass : (u, u) sparse arrays
+        Upper triangles.
+    count : int
+    loads : (u, c) array, optional
+    shift : float, optional
+        s / (2 pi) [Hz], below the elastic modes.
+
+    Returns
+    -------
+    squares : (count,) array
+        Of the angular frequencies, ascending [rad^2/s^2].
+    shapes : (u, count) array
+        Of unit modal mass.
+    grown : (u, c) array
+        (K + s^2 M)^(-1) times the loads.
+    """
+    square = (2.0 * np.pi * shift) ** 2
+    size = stiffness.shape[0]
     whole_mass = (mass + sparse.triu(mass, k=1).T).tocsr()
-    with factorize(sparse.csr_array(stiffness + shift * mass), "auto") as factors:
+    with factorize(sparse.csr_array(stiffness + square * mass), "auto") as factors:
 
         def solve(side: Array) -> Array:
             return np.asarray(factors.solve(np.asarray(side).reshape(-1, 1))[:, 0])
@@ -193,14 +249,14 @@ def solid_modes(
             whole_mass,  # only its size is used, the operator below being given
             count,
             M=whole_mass,
-            sigma=-shift,
+            sigma=-square,
             OPinv=LinearOperator((size, size), matvec=solve, dtype=np.float64),
             v0=solve(whole_mass @ start),
             tol=LANCZOS_TOLERANCE,
         )
+        grown = factors.solve(np.zeros((size, 0)) if loads is None else loads)
     order = np.argsort(squares)
-    motions = np.array([fit @ shapes[:, order] for fit in fits])
-    return frequencies_of(squares[order]), motions
+    return squares[order], shapes[:, order], np.asarray(grown)
 
 
 def frequency_deck(mesh: ShaftMesh, material: Material, count: int) -> str:
@@ -240,10 +296,14 @@ def frequency_deck(mesh: ShaftMesh, material: Material, count: int) -> str:
 
 
 def _mean_motion(mesh: ShaftMesh, section: float) -> sparse.csr_array:
-    """Rows (6, 3 n): the rigid motion about the section's center that fits the nodes near it best."""
-    nodes = mesh.nodes_near(section)
-    arms = mesh.points[nodes] - (0.0, 0.0, section)
-    fit = np.linalg.pinv(rigid_motions(arms).reshape(-1, 6))
+    return mean_motion(mesh.points, mesh.nodes_near(section), (0.0, 0.0, section))
+
+
+def mean_motion(
+    points: Array, nodes: NDArray[np.int64], center: Sequence[float]
+) -> sparse.csr_array:
+    """Rows (6, 3 n): the rigid motion about a center that fits that of some nodes best."""
+    fit = np.linalg.pinv(rigid_motions(points[nodes] - center).reshape(-1, 6))
     columns = (3 * nodes[:, np.newaxis] + np.arange(3)).ravel()
     rows = np.repeat(np.arange(6), columns.size)
-    return sparse.csr_array((fit.ravel(), (rows, np.tile(columns, 6))), shape=(6, mesh.unknowns))
+    return sparse.csr_array((fit.ravel(), (rows, np.tile(columns, 6))), shape=(6, 3 * len(points)))

@@ -8,7 +8,7 @@ import json
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache, cached_property
 from types import NoneType, UnionType
 from typing import (
@@ -20,6 +20,7 @@ from typing import (
     TypeAlias,
     TypeVar,
     Union,
+    cast,
     dataclass_transform,
     get_args,
     get_origin,
@@ -225,6 +226,22 @@ class Result:
     def to_pandas(self) -> "DataFrame":
         """Return a table with one row; units in ``frame.attrs["units"]``."""
         return table_of([self])
+
+
+def made_from(source: object, kind: type[T], **others: Any) -> T:
+    """Return an instance of a data class whose required fields are attributes of another object.
+
+    Parameters
+    ----------
+    **others
+        Fields that are not.
+    """
+    needed = (
+        entry.name
+        for entry in fields(cast("type[Any]", kind))
+        if entry.name not in others and entry.default is MISSING is entry.default_factory
+    )
+    return kind(**{name: getattr(source, name) for name in needed}, **others)
 
 
 def json_text(content: Mapping[str, Any], indent: int | None = None) -> str:

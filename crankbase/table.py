@@ -534,3 +534,14 @@ def table_unit(values: Iterable[float], unit: str, units: OutputUnits = SI) -> T
         name, size = shown.name, shown.size
     before = math.floor(math.log10(largest / size)) + 1 if largest > 0.0 else 1
     return TableUnit(name, size, min(max(DIGITS - before, 0), MOST_DECIMALS))
+
+
+def text_rows(text: str) -> list[list[str]]:
+    r"""Return the cells of a table in a text: a row a line, with bars between its cells.
+
+    Examples
+    --------
+    >>> text_rows("mass | kg | 2\nlength | m | 0.3")
+    [['mass', 'kg', '2'], ['length', 'm', '0.3']]
+    """
+    return [[cell.strip() for cell in row.split("|")] for row in text.strip().splitlines()]

@@ -9,13 +9,7 @@ from typing import Annotated, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.array_checks import (
-    FloatArray,
-    finite_vector,
-    positive_number,
-    radians_of,
-    read_only,
-)
+from crankbase.array_checks import FloatArray, finite_vector, positive_number, radians_of, read_only
 from crankbase.choices import check_choice
 from crankbase.errors import InputError, shortened
 from crankbase.frames import Axes, DataFrame, table

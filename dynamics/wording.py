@@ -337,6 +337,12 @@ WITHOUT_PLANT = (
 )
 
 
+LINE_WITHOUT_BENDING = (
+    "the shaft line is one without bending: how it holds a flywheel flanged to it against tilting is left "
+    "out"
+)
+
+
 def without_propeller(node: str) -> str:
     """State why the whole crankshaft is not judged: a propeller's forces act on another node."""
     return (

@@ -55,12 +55,7 @@ class AngleNumbers(Result):
 
 
 @result(
-    "in_line",
-    "opposite",
-    "ratio",
-    "influence_in_line [m/N]",
-    "influence_opposite [m/N]",
-    eq=True,
+    "in_line", "opposite", "ratio", "influence_in_line [m/N]", "influence_opposite [m/N]", eq=True
 )
 class AngleLaw(AngleNumbers):
     """Axial compliance and influence coefficient of a throw over the angle to its neighbors.

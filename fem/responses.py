@@ -9,22 +9,25 @@ these numbers; `regression.response_kinds` calculates all reactions from them.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.table import text_rows
 from fem.analysis import Mesher, Problem, solve_to_accuracy
 from fem.angle_law import effective_angle_law
 from fem.correction import error_bars
 from fem.fillet_stress import fillet_stresses
 from fem.material import STEEL, Material
+from fem.sensitivities import DimensionChange, dimension_changes
 from fem.solver import Stopwatch
 from fem.superelement import RX, RY, Superelement, checked_superelement, combine_classes
 from fem.supports import Neighbors, Support, all_end_motions, support_throw
 from fem.symmetry import SHARED, degree_of, radial_directions, symmetry_classes
+from geometry.boundary_motion import STEP
 from geometry.mass import mass_properties
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
@@ -115,86 +118,42 @@ class ResponseKind:
     meaning: str
 
 
+# Name | symbol | unit | meaning.
+_RESPONSES = """
+axial_compliance_pinned | e_n | m/N | axial compliance, ends pinned
+axial_compliance_guided | e_g | m/N | axial compliance, ends guided
+axial_compliance_opposite | e_180 | m/N | axial compliance between opposite neighbors, 180 deg
+axial_compliance_in_line | e_0 | m/N | axial compliance between neighbors in line, 0 deg
+tilt_stiffness_ratio | rho | | tilt stiffness across the crank plane divided by that in it
+torsional_compliance_pinned | e_t | rad/(N m) | torsional compliance, ends pinned
+torsional_compliance_guided | e_tg | rad/(N m) | torsional compliance, ends guided
+influence_coefficient_pinned | c | m/N | lengthening per unit radial force on the pin, ends pinned
+influence_coefficient_guided | c_g | m/N | lengthening per unit radial force on the pin, ends guided
+influence_coefficient_opposite | c_180 | m/N | influence coefficient between opposite neighbors, 180 deg
+influence_coefficient_in_line | c_0 | m/N | influence coefficient between neighbors in line, 0 deg
+axial_reaction_pinned | P/Z | | axial reaction per unit radial force on the pin, length kept, ends pinned
+axial_reaction_guided | P_g/Z | | axial reaction per unit radial force on the pin, length kept, ends guided
+radial_end_moment_left_guided | m_Zl | | end moment (-x) per radial force and length, left end, ends guided
+radial_end_moment_right_guided | m_Zr | | end moment (+x) per radial force and length, right end, ends guided
+axial_end_moment_left_guided | m_Nl | | end moment (-x) per axial force and length, left end, ends guided
+axial_end_moment_right_guided | m_Nr | | end moment (+x) per axial force and length, right end, ends guided
+tangential_end_moment_opposed_guided | m_To | | half difference of end moments (y) per tangential force and \
+length, guided
+tangential_end_moment_alike_guided | m_Ta | | half sum of end moments (y) per tangential force and length, \
+guided
+radial_end_moment_in_line | m_Z0 | | end moment (-x) per radial force and length, left end, neighbors in line
+axial_end_moment_in_line | m_N0 | | end moment (-x) per axial force and length, left end, neighbors in line
+tangential_end_moment_in_line | m_T0 | | half difference of end moments (y), as m_To, neighbors in line
+tangential_end_moment_opposite | m_T180 | | half sum of end moments (y), as m_Ta, neighbors opposite, 180 deg
+cross_tilt_stiffness_ratio | rho_x | | as rho, both ends tilting alike in the crank plane, against each \
+other across
+mass | m | kg | mass
+fillet_stress_factor | k_s | | largest stress concentration factor at the fillets, under bending in the \
+crank plane and under torque
+"""
+
 RESPONSES: Mapping[str, ResponseKind] = MappingProxyType(
-    {
-        "axial_compliance_pinned": ResponseKind("e_n", "m/N", "axial compliance, ends pinned"),
-        "axial_compliance_guided": ResponseKind("e_g", "m/N", "axial compliance, ends guided"),
-        "axial_compliance_opposite": ResponseKind(
-            "e_180", "m/N", "axial compliance between opposite neighbors, 180 deg"
-        ),
-        "axial_compliance_in_line": ResponseKind(
-            "e_0", "m/N", "axial compliance between neighbors in line, 0 deg"
-        ),
-        "tilt_stiffness_ratio": ResponseKind(
-            "rho", "", "tilt stiffness across the crank plane divided by that in it"
-        ),
-        "torsional_compliance_pinned": ResponseKind(
-            "e_t", "rad/(N m)", "torsional compliance, ends pinned"
-        ),
-        "torsional_compliance_guided": ResponseKind(
-            "e_tg", "rad/(N m)", "torsional compliance, ends guided"
-        ),
-        "influence_coefficient_pinned": ResponseKind(
-            "c", "m/N", "lengthening per unit radial force on the pin, ends pinned"
-        ),
-        "influence_coefficient_guided": ResponseKind(
-            "c_g", "m/N", "lengthening per unit radial force on the pin, ends guided"
-        ),
-        "influence_coefficient_opposite": ResponseKind(
-            "c_180", "m/N", "influence coefficient between opposite neighbors, 180 deg"
-        ),
-        "influence_coefficient_in_line": ResponseKind(
-            "c_0", "m/N", "influence coefficient between neighbors in line, 0 deg"
-        ),
-        "axial_reaction_pinned": ResponseKind(
-            "P/Z", "", "axial reaction per unit radial force on the pin, length kept, ends pinned"
-        ),
-        "axial_reaction_guided": ResponseKind(
-            "P_g/Z", "", "axial reaction per unit radial force on the pin, length kept, ends guided"
-        ),
-        "radial_end_moment_left_guided": ResponseKind(
-            "m_Zl", "", "end moment (-x) per radial force and length, left end, ends guided"
-        ),
-        "radial_end_moment_right_guided": ResponseKind(
-            "m_Zr", "", "end moment (+x) per radial force and length, right end, ends guided"
-        ),
-        "axial_end_moment_left_guided": ResponseKind(
-            "m_Nl", "", "end moment (-x) per axial force and length, left end, ends guided"
-        ),
-        "axial_end_moment_right_guided": ResponseKind(
-            "m_Nr", "", "end moment (+x) per axial force and length, right end, ends guided"
-        ),
-        "tangential_end_moment_opposed_guided": ResponseKind(
-            "m_To", "", "half difference of end moments (y) per tangential force and length, guided"
-        ),
-        "tangential_end_moment_alike_guided": ResponseKind(
-            "m_Ta", "", "half sum of end moments (y) per tangential force and length, guided"
-        ),
-        "radial_end_moment_in_line": ResponseKind(
-            "m_Z0", "", "end moment (-x) per radial force and length, left end, neighbors in line"
-        ),
-        "axial_end_moment_in_line": ResponseKind(
-            "m_N0", "", "end moment (-x) per axial force and length, left end, neighbors in line"
-        ),
-        "tangential_end_moment_in_line": ResponseKind(
-            "m_T0", "", "half difference of end moments (y), as m_To, neighbors in line"
-        ),
-        "tangential_end_moment_opposite": ResponseKind(
-            "m_T180", "", "half sum of end moments (y), as m_Ta, neighbors opposite, 180 deg"
-        ),
-        "cross_tilt_stiffness_ratio": ResponseKind(
-            "rho_x",
-            "",
-            "as rho, both ends tilting alike in the crank plane, against each other across",
-        ),
-        "mass": ResponseKind("m", "kg", "mass"),
-        "fillet_stress_factor": ResponseKind(
-            "k_s",
-            "",
-            "largest stress concentration factor at the fillets, under bending in the crank plane and "
-            "under torque",
-        ),
-    }
+    {name: ResponseKind(*cells) for name, *cells in text_rows(_RESPONSES)}
 )
 
 
@@ -210,11 +169,18 @@ class ThrowResponses:
         Estimated relative error of each.
     unknowns : int
         Of the meshed part.
+    slopes : dict
+        Response to its d ln(response) / d ln(dimension) by the dimension's path, where wanted and known.
+    slope_errors : dict
+        Estimated error of the slopes of each response: the share of it that is correction for
+        discretization, which is not differentiated.
     """
 
     values: dict[str, float]
     errors: dict[str, float]
     unknowns: int
+    slopes: dict[str, dict[str, float]] = field(default_factory=dict)
+    slope_errors: dict[str, float] = field(default_factory=dict)
 
 
 def evaluate_throw(
@@ -223,6 +189,7 @@ def evaluate_throw(
     accuracy: float = 0.01,
     stresses: bool = False,
     mesher: Mesher = mesh_isolated,
+    slopes: Collection[str] = (),
 ) -> ThrowResponses:
     """Compute all responses of a throw.
 
@@ -236,6 +203,8 @@ def evaluate_throw(
         long as everything else.
     mesher : callable
         As for `fem.analysis.analyze_throw`.
+    slopes : collection of str
+        Paths of dimensions over which slopes are wanted (`fem.sensitivities`); the fillets' stress has none.
 
     Raises
     ------
@@ -259,9 +228,8 @@ def evaluate_throw(
         for (name, value), bar in zip(values.items(), bars.tolist(), strict=True)
     }
     for support in SUPPORTS:
-        answers[f"axial_reaction_{support}"] = _ratio(
-            answers[f"influence_coefficient_{support}"], answers[f"axial_compliance_{support}"]
-        )
+        influence, axial = (answers[name] for name in _reaction_of(support))
+        answers[f"axial_reaction_{support}"] = _ratio(influence, axial)
     # A ratio of differences is known less well than what it is made of.
     for name, other in RATIOS.items():
         if name in answers:
@@ -272,11 +240,49 @@ def evaluate_throw(
     if stresses:
         answers["fillet_stress_factor"] = _largest_factor(throw, material, mesher)
     order = [name for name in RESPONSES if name in answers]
+    shares: dict[str, dict[str, float]] = {}
+    corrections = {name: abs(1.0 - plain[name] / value) for name, value in values.items() if value}
+    if slopes:
+        changes, _ = dimension_changes(
+            throw,
+            level.mesh,
+            material,
+            classes,
+            joined=True,
+            paths=slopes,
+            stiffness=level.stiffness,
+        )
+        by_path = {path: _shares(change, plain, part) for path, change in changes.items()}
+        shares = {
+            name: {path: found[name] for path, found in by_path.items() if name in found}
+            for name in order
+        }
+        for support in SUPPORTS:
+            parts = [corrections[name] for name in _reaction_of(support)]
+            corrections[f"axial_reaction_{support}"] = math.hypot(*parts)
+        corrections["mass"] = answers["mass"][1]
     return ThrowResponses(
         {name: answers[name][0] for name in order},
         {name: abs(answers[name][1]) for name in order},
         level.mesh.unknowns,
+        {name: found for name, found in shares.items() if found},
+        {name: corrections[name] for name, found in shares.items() if found},
     )
+
+
+def _shares(change: DimensionChange, plain: Mapping[str, float], part: str) -> dict[str, float]:
+    """Return d ln(response) / d ln(dimension) of all responses that are not zero, by their values."""
+    larger = _plain_answers(change.ends[1], change.throws[1].length, part)
+    shares = {name: (larger[name] / value - 1.0) / STEP for name, value in plain.items() if value}
+    for support in SUPPORTS:
+        influence, axial = (shares[name] for name in _reaction_of(support))
+        shares[f"axial_reaction_{support}"] = influence - axial
+    return {name: float(share) for name, share in shares.items()} | {"mass": change.volume}
+
+
+def _reaction_of(support: Support) -> tuple[str, str]:
+    """Name the responses of which the axial reaction is the quotient."""
+    return f"influence_coefficient_{support}", f"axial_compliance_{support}"
 
 
 def _plain_answers(throw: Superelement, length: float, part: str) -> dict[str, float]:

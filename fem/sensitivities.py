@@ -14,7 +14,7 @@ Slopes are those of the discretized answer, whatever small elements do to it; th
 discretization is not differentiated, and its share is the slopes' error.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -127,12 +127,15 @@ class DimensionChange:
 
     Attributes
     ----------
+    throws : two CrankThrow
+        With the dimension smaller and larger by the share `STEP`.
     ends : two Superelement
-        Of the throw with the dimension smaller and larger by the share `STEP`, to first order.
+        Theirs, to first order.
     volume : float
         Change of the volume, as a share for a share.
     """
 
+    throws: tuple[CrankThrow, CrankThrow]
     ends: tuple[Superelement, Superelement]
     volume: float
 
@@ -170,21 +173,30 @@ def dimension_changes(
     classes: Sequence[CondensedClass],
     *,
     joined: bool,
+    paths: Collection[str] | None = None,
+    stiffness: sparse.csr_array | None = None,
 ) -> tuple[dict[str, DimensionChange], dict[str, str]]:
-    """Find the change of a throw with each of its dimensions, and why others have none.
+    """Find the change of a throw with its dimensions, and why some have none.
 
     Errors as of `check_sloped`.
 
     Parameters
     ----------
     joined : bool
-        Whether also with the bending sections of throws that meet, which takes several times as long.
+        Whether also with the bending sections of throws that meet, which takes longer.
+    paths : collection of str, optional
+        Of the dimensions; all by default.
+    stiffness : sparse array, optional
+        Upper triangle of the mesh's, if it is at hand.
     """
     solved = check_sloped(throw, classes[0].end_sections)
     parts = [part if joined else part.up_to(RIGID) for part in classes]
     plain = [part.discrete or part for part in parts]
-    stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
-    motion = boundary_motion(solved, mesh)
+    if stiffness is None:
+        stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
+    motion = boundary_motion(solved, mesh, paths)
+    if not motion.speeds:
+        return {}, motion.left_out
     velocities = node_velocities(mesh, motion, classes[0].solver)
     moving = list(velocities.values())
     loads = load_slopes(mesh, moving)
@@ -208,7 +220,7 @@ def dimension_changes(
                 (-STEP * sizes[path], STEP * sizes[path]), motion.beside[path], strict=True
             )
         )
-        changes[path] = DimensionChange((low, high), sizes[path] * volume)
+        changes[path] = DimensionChange(motion.beside[path], (low, high), sizes[path] * volume)
     return changes, motion.left_out
 
 

@@ -6,7 +6,7 @@ along the normal by -(ds/dp) / |grad s|; along the surface it may move as it lik
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +24,8 @@ Level = Callable[[Array], Array]
 
 # Why a dimension has no slope, mostly.
 ZERO = "it is zero: the throw has another shape with it"
+# Parts that are meshed, the larger ones first.
+PARTS = ("full", "half", "quarter")
 # A facet lies on a level whose distance from its corners is below this share of the throw's length.
 ON_LEVEL = 1e-6
 # Of a dimension, and of the throw's length, for central differences of smooth functions.
@@ -75,8 +77,10 @@ def with_length(throw: CrankThrow, path: str, value: float) -> CrankThrow:
     return CrankThrow(**changed_record(throw.model_dump(), {path: value}))
 
 
-def boundary_motion(throw: CrankThrow, mesh: ThrowMesh) -> BoundaryMotion:
-    """Find the motion of a mesh's surface under each dimension of its throw.
+def boundary_motion(
+    throw: CrankThrow, mesh: ThrowMesh, paths: Collection[str] | None = None
+) -> BoundaryMotion:
+    """Find the motion of a mesh's surface under dimensions of its throw: all, or those at some paths.
 
     Rounded exits of oil holes are left free.
 
@@ -105,6 +109,8 @@ def boundary_motion(throw: CrankThrow, mesh: ThrowMesh) -> BoundaryMotion:
     normals = _normals(list(levels.values()), numbers, mesh.points[nodes], mesh.length * STEP)
     speeds, beside, left_out = {}, {}, {}
     for path, value in lengths_of(throw).items():
+        if paths is not None and path not in paths:
+            continue
         if value == 0.0:
             left_out[path] = ZERO
             continue
@@ -114,6 +120,9 @@ def boundary_motion(throw: CrankThrow, mesh: ThrowMesh) -> BoundaryMotion:
             )
         except InputError as error:
             left_out[path] = f"next to it no throw can be built ({error})"
+            continue
+        if any(PARTS.index(end.symmetry) < PARTS.index(mesh.part) for end in (low, high)):
+            left_out[path] = f"next to it the {mesh.part} that is meshed does not make up the throw"
             continue
         ends = [bounding_levels(end.parts, mesh.part) for end in (low, high)]
         if any(list(end) != list(levels) for end in ends):

@@ -36,6 +36,8 @@ class Outcome:
         Machine and process that computed it.
     attempts : int
         Number of attempts in the run that recorded it.
+    slopes, slope_errors : mapping
+        As of `fem.responses.ThrowResponses`, if the inputs ask for any.
     """
 
     key: str
@@ -48,6 +50,8 @@ class Outcome:
     unknowns: int | None = None
     worker: str = ""
     attempts: int = 1
+    slopes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    slope_errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def status(self) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from crankbase.model import field_extra
 from crankbase.quantity import compact, format_quantity
 from crankfem.analyses.engine_mechanism import MechanismFile, by_gas, mechanism_of
-from crankfem.analyses.shaft.chains import bearing_stiffness, flywheel_overhang
+from crankfem.analyses.shaft.chains import flywheel_overhang
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.reading.toml_file import InputRecord
@@ -184,11 +184,11 @@ def _shown_of_cycle(name: str, value: float) -> str:
 
 def _of_shaft(engine: EngineFile, given: set[str]) -> Iterable[InputRecord]:
     """Surroundings of the crankshaft."""
-    held = bearing_stiffness(engine)
-    if held.assumed:
+    held = engine.main_bearings
+    if engine.bearings is None:
         yield _assumed(
             "bearings.stiffness",
-            f"{compact(held.nominal)} N/m ({compact(held.lowest)} to {compact(held.highest)})",
+            f"{compact(held.stiffness)} N/m ({compact(held.lowest)} to {compact(held.highest)})",
             "1e10 N/m per m of journal diameter, an order of magnitude",
         )
         yield _assumed("bearings.damping", "0 N s/m", "oil films are left out")

@@ -13,6 +13,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankbase.quantity import format_quantity
+from crankbase.results import made_from
 from crankbase.summaries import summarized
 from crankfem.files.engine.engine_file import EngineFile, check_load, load_engine
 from crankfem.files.engine.file_kinds import SECTIONS, check_sections, engine_sections, file_kind
@@ -300,26 +301,20 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
         power = EnginePower(rated, *indicated, engine.rated_power)
     sense = engine.turning_sense
     attached = [part.inertia for part in (file.flywheel, file.free_end) if part is not None]
-    return MechanismFile(
-        files=file.files,
+    return made_from(
+        file,
+        MechanismFile,
         name=engine.name,
         layout=layout,
         pressure=pressure,
         power=power,
         rated_speed=rated,
         throw=file.crank_throws[0],
-        crank_throws=file.crank_throws,
-        material=file.material,
         throw_angles_deg=tuple(sense * angle for angle in file.throw_angles_deg),
-        throws=file.throws,
         turning_sense=sense,
-        gas=gas,
-        load=file.load,
         attached_inertia=sum(attached),
         remarks=_remarks(file),
         warnings=_warnings(file, power, layout, pressure),
-        records=file.records,
-        sources=file.sources,
     )
 
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 
 from crankbase.model import field_extra
-from crankbase.results import Quantity, Result, Speed, result
+from crankbase.results import Quantity, Result, Speed, made_from, result
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_mechanism import MechanismFile, load_any, mechanism_of
 from crankfem.analyses.record import Record, attributes
@@ -214,24 +214,14 @@ def _throw_record(throw: CrankThrow | None, material: Material) -> Record:
 
 def throw_shape(throw: CrankThrow) -> Shape:
     """Return what follows from the dimensions."""
-    return Shape(
-        throw.length,
-        throw.overlap,
-        throw.volume,
-        throw.remarks,
-        len(throw.parts.pins),
-        throw.symmetry,
-    )
+    return made_from(throw, Shape, pins=len(throw.parts.pins), solved_part=throw.symmetry)
 
 
 def _dimensions(throw: CrankThrow) -> list[Dimension]:
     """The dimensions as understood, if given."""
     return [
         Dimension(
-            name,
-            field_extra(info, "symbol") or "",
-            info.description or "",
-            getattr(throw, name),
+            name, field_extra(info, "symbol") or "", info.description or "", getattr(throw, name)
         )
         for name, info in type(throw).model_fields.items()
         if field_extra(info, "unit") == "m"
@@ -411,18 +401,13 @@ def _arrangement(engine: Engine) -> Arrangement:
         return tuple(round(float(angle), 6) for angle in np.degrees(list(angles)))
 
     firing = degrees(engine.firing_angles)
-    return Arrangement(
-        cylinders=engine.cylinders,
-        strokes=engine.strokes,
-        bore=engine.bore,
-        stroke=engine.stroke,
+    return made_from(
+        engine,
+        Arrangement,
         firing_order=tuple(engine.firing_order),
         firing_angles_deg=tuple(firing[number - 1] for number in engine.firing_order),
         firing_intervals_deg=tuple(engine.firing_intervals_deg),
         crank_angles_deg=degrees(engine.crank_angles),
         bank_angles_deg=None if engine.bank_angles is None else degrees(engine.bank_angles),
-        rated_speed=engine.rated_speed,
-        lowest_speed=engine.lowest_speed,
-        highest_speed=engine.highest_speed,
         mean_piston_speed=engine.mean_piston_speed(engine.rated_speed),
     )

@@ -141,10 +141,7 @@ class RunResults(Result):
 
 
 def unbalanced_share(
-    ends: Sequence[EndReaction],
-    places: ArrayLike,
-    force: ArrayLike,
-    at: ArrayLike,
+    ends: Sequence[EndReaction], places: ArrayLike, force: ArrayLike, at: ArrayLike
 ) -> float:
     """Return the unbalanced part of the reactions to a force, relative to its size.
 

@@ -356,10 +356,7 @@ def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) ->
         return [round(math.degrees(angle), 9) for angle in radians]
     if order is None:
         return []
-    try:
-        numbers = firing_order_from_text(order)
-    except InputError as error:
-        raise InputError(f"--firing-order:{str(error).removeprefix('firing_order:')}") from None
+    numbers = firing_order_from_text(order, "--firing-order: ")
     count = len(numbers)
     if count > MOST_CYLINDERS or sorted(numbers) != list(range(1, count + 1)):
         raise InputError(

@@ -15,7 +15,15 @@ from crankfem.files.sections.crank_throws import Throws, throw_of_name
 from fem.material import Material
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.throw import CrankThrow
-from regression.plans.designs import LARGEST_DESIGN, ROMAN, TAKERS, DesignChoice, DesignKind
+from regression.plans.designs import (
+    LARGEST_DESIGN,
+    ROMAN,
+    SPACE_FILLING,
+    TAKERS,
+    DesignChoice,
+    DesignKind,
+    runs_with_slopes,
+)
 from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
 from regression.plans.plan import StudyPlan
 
@@ -144,12 +152,21 @@ class StudySection(InputModel):
 
     section: ClassVar[str] = "study"
     choices = frozenset(
-        {"held_out", "seed", "accuracy", "stresses", "constraints", "factors", "relations"}
+        {
+            "held_out",
+            "seed",
+            "accuracy",
+            "stresses",
+            "slopes",
+            "constraints",
+            "factors",
+            "relations",
+        }
     )
 
     design: DesignKind = Field("full factorial", description="which designs are run and fitted")
     runs: int | None = quantity_field(
-        "number of runs of a Latin hypercube or a Sobol sequence",
+        'number of runs of a Latin hypercube or a Sobol sequence; or "with slopes", in any design',
         "",
         minimum=1,
         maximum=LARGEST_DESIGN,
@@ -188,6 +205,10 @@ class StudySection(InputModel):
         StudyPlan.stresses,
         description="whether to compute the largest stress concentration factor at the fillets too",
     )
+    slopes: StrictBool = Field(
+        StudyPlan.slopes,
+        description="whether the runs have slopes of their responses, which are fitted as well",
+    )
     constraints: tuple[Any, ...] = Field(
         default_factory=tuple,
         description='comparisons that every design fulfills, like "web_thickness >= 0.25 * pin_diameter"',
@@ -218,7 +239,8 @@ class StudySection(InputModel):
                     f"with {' and '.join(kinds)} only."
                 )
         for option in ("runs", "file"):
-            if getattr(self, option) is None and self.design in TAKERS[option]:
+            counted = option == "runs" and self.slopes  # by `runs_with_slopes`
+            if getattr(self, option) is None and self.design in TAKERS[option] and not counted:
                 raise InputError(
                     f"study.{option}: missing; the design {self.design!r} needs the "
                     f"{type(self).model_fields[option].description}."
@@ -231,6 +253,8 @@ class StudySection(InputModel):
         return self
 
 
+# In place of a number of runs.
+WITH_SLOPES = "with slopes"
 RANGE_KEYS = ("from", "to", "levels", "spacing")
 RESOLUTIONS = {roman: number for number, roman in ROMAN.items()}
 
@@ -250,17 +274,23 @@ def study_plan(
     values = content.sections.get("study")
     if values is None:
         return None
+    if values.get("runs") == WITH_SLOPES:
+        rest = {name: value for name, value in values.items() if name != "runs"}
+        values = {"slopes": True} | rest
     section = StudySection.from_text(values)
     throw = throw_of_name(throws, section.throw, "study.throw", default)
     factors, rows = _factors(section.factors, throw), None
     if section.file is not None:
         factors, rows = read_design(content.files.named("study.file", section.file), factors, throw)
+    runs = section.runs
+    if runs is None and section.design in SPACE_FILLING:
+        runs = runs_with_slopes(factors)
     return StudyPlan(
         throw=throw,
         factors=factors,
         design=DesignChoice(
             kind=section.design,
-            runs=section.runs,
+            runs=runs,
             resolution=RESOLUTIONS[section.resolution] if section.resolution else None,
             generators=section.generators,
             face=section.face,
@@ -273,6 +303,7 @@ def study_plan(
         material=material,
         accuracy=section.accuracy,
         stresses=section.stresses,
+        slopes=section.slopes,
     )
 
 

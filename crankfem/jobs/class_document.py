@@ -5,13 +5,7 @@ from itertools import chain
 from pathlib import Path
 
 from crankbase.errors import InputError
-from crankbase.outputs import (
-    check_output,
-    files_listed,
-    protected,
-    recording_run_files,
-    write_text,
-)
+from crankbase.outputs import check_output, files_listed, protected, recording_run_files, write_text
 from crankbase.table import Table
 from crankfem.analyses.engine_mechanism import engine_inputs
 from crankfem.analyses.file_check import refuse_what_cannot_run

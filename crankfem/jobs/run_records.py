@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 from crankbase.errors import InputError
+from crankbase.results import made_from
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
@@ -149,12 +150,9 @@ def _radial_force(inputs: RunInputs) -> float:
 def _engine_facts(engine_file: EngineFile) -> EngineFacts:
     engine = engine_file.engine
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
-    return EngineFacts(
-        name=engine.name,
-        cylinders=engine.cylinders,
-        strokes=engine.strokes,
-        bore=engine.bore,
-        stroke=engine.stroke,
+    return made_from(
+        engine,
+        EngineFacts,
         file=engine_file.path.name,
         v_engine=engine.bank_angles is not None,
         reciprocating=engine_file.vibration.reciprocating,
@@ -162,9 +160,6 @@ def _engine_facts(engine_file: EngineFile) -> EngineFacts:
         firing_order=tuple(engine.firing_order),
         firing_intervals_deg=tuple(engine.firing_intervals_deg),
         mean_piston_speed=engine.mean_piston_speed(engine.rated_speed),
-        rated_speed=engine.rated_speed,
-        lowest_speed=engine.lowest_speed,
-        highest_speed=engine.highest_speed,
         major_orders=tuple(major_orders(orders, engine.firing_angles).tolist()),
         highest_order=engine_file.vibration.highest_order,
         radial_force_from_gas=engine_file.gas is not None,

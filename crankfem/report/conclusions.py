@@ -209,7 +209,7 @@ def _assumed(results: "RunResults", assessment: Assessment) -> str:
 
 
 def _axial_judged(assessment: Assessment) -> bool:
-    return any(limit.name.startswith("axial") for limit in assessment.judged_limits)
+    return any(limit.kind == "axial" for limit in assessment.judged_limits)
 
 
 def _axial_amplitude(results: "RunResults") -> str:

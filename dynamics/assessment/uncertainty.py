@@ -8,13 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import FloatArray, positive_vector
-from crankbase.choices import (
-    check_choice,
-    is_number,
-    is_whole_within,
-    whole_number,
-    whole_within,
-)
+from crankbase.choices import check_choice, is_number, is_whole_within, whole_number, whole_within
 from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes

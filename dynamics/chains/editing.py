@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 from crankbase.array_checks import FloatArray, nonnegative_number
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.varying import StiffnessLaw, Varying
@@ -31,11 +32,7 @@ def find_node(chain: Chain, node: str | int, field: str = "node") -> int:
     """Return the number of a node, given by its name or its number from 0."""
     if not isinstance(node, str):
         return node_index(field, node, len(chain.names))
-    if node not in chain.names:
-        raise InputError(
-            f"{field}: given {node!r}; allowed are {', '.join(chain.names)}, because these are the "
-            "nodes of the chain."
-        )
+    check_choice(field, node, chain.names, "these are the nodes of the chain")
     return chain.names.index(node)
 
 

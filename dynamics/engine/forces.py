@@ -37,12 +37,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
 from crankbase.quantity import format_number
 from crankbase.summaries import summarized
-from dynamics.cycle import (
-    check_even_cycle,
-    cycle_degrees,
-    even_angles,
-    has_closing_sample,
-)
+from dynamics.cycle import check_even_cycle, cycle_degrees, even_angles, has_closing_sample
 from dynamics.engine import RodModelName
 from dynamics.engine.layout import (
     EngineCylinder,

@@ -65,8 +65,13 @@ def _order_fault(order: list[int], cylinders: int) -> str | None:
     return f"it omits cylinder {missing[0]}" if missing else None
 
 
-def firing_order_from_text(text: str) -> tuple[int, ...]:
+def firing_order_from_text(text: str, before: str = "firing_order: ") -> tuple[int, ...]:
     """Return the cylinders of a firing order written in the usual way.
+
+    Parameters
+    ----------
+    before : str, optional
+        What the message of the `InputError` begins with where the text is no order.
 
     Examples
     --------
@@ -76,7 +81,7 @@ def firing_order_from_text(text: str) -> tuple[int, ...]:
     parts = re.split(r"\s*[-,]\s*|\s+", text.strip())
     if not all(re.fullmatch("[0-9]{1,3}", part) for part in parts):
         raise InputError(
-            f"firing_order: given {text!r}; allowed are cylinder numbers with dashes between them, like "
+            f"{before}given {text!r}; allowed are cylinder numbers with dashes between them, like "
             '"1-5-3-6-2-4", or a list of them.'
         )
     return tuple(int(part) for part in parts)

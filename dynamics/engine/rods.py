@@ -1,7 +1,7 @@
 """Connecting rods: the motion of crank, rod and piston, and four models of the rod's mass."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import InitVar, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,8 @@ class ConnectingRod:
     center_offset : float, optional
         l_d: distance of the center of mass across the rod, positive to the side to which the
         crankpin moves as it passes the top [m].
+    before, of_inertia : str, optional
+        What messages begin with, and what they say before a wrong inertia.
 
     Raises
     ------
@@ -54,8 +56,10 @@ class ConnectingRod:
     center_distance: float
     inertia: float
     center_offset: float = 0.0
+    before: InitVar[str] = "rod "
+    of_inertia: InitVar[str] = "inertia: given"
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, before: str, of_inertia: str) -> None:
         positive_number("rod length", self.length, "m", "it is a length")
         positive_number("rod mass", self.mass, "kg", "it is a mass")
         positive_number("rod inertia", self.inertia, "kg m^2", "mass apart from its center has it")
@@ -63,19 +67,19 @@ class ConnectingRod:
         finite_array("rod center_offset", self.center_offset)
         if not 0.0 < self.center_distance < self.length:
             raise InputError(
-                f"rod center_distance: given {self.center_distance:g} m; allowed is above 0 and below "
+                f"{before}center_distance: given {self.center_distance:g} m; allowed is above 0 and below "
                 f"the rod's length of {self.length:g} m, because the center of mass lies between the pins."
             )
         side = REACH * self.length
         if not abs(self.center_offset) < side:
             raise InputError(
-                f"rod center_offset: given {self.center_offset:g} m; allowed is less than {side:g} m "
+                f"{before}center_offset: given {self.center_offset:g} m; allowed is less than {side:g} m "
                 "either way, because the center of mass lies within the rod."
             )
         largest = self.largest_inertia
         if self.inertia > largest:
             raise InputError(
-                f"rod inertia: given {self.inertia:g} kg m^2; allowed is {largest:g} kg m^2 or less, "
+                f"{before}{of_inertia} {self.inertia:g} kg m^2; allowed is {largest:g} kg m^2 or less, "
                 f"because no mass of {self.mass:g} kg within half a length round the pins has more."
             )
 

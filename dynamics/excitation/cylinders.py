@@ -19,13 +19,7 @@ from crankbase.array_checks import (
     turning_speeds,
 )
 from crankbase.choices import check_choice, whole_number, whole_within
-from crankbase.diagrams import (
-    curve_diagram,
-    draw_diagram,
-    legend_inside,
-    new_axes,
-    write_title,
-)
+from crankbase.diagrams import curve_diagram, draw_diagram, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.quantity import RPM

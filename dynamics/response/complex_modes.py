@@ -6,13 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 
-from crankbase.array_checks import (
-    ComplexArray,
-    FloatArray,
-    check_shape,
-    check_sizes,
-    finite_vector,
-)
+from crankbase.array_checks import ComplexArray, FloatArray, check_shape, check_sizes, finite_vector
 from crankbase.frames import table
 from crankbase.results import result
 from dynamics.chains.chain import Chain

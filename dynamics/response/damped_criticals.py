@@ -244,11 +244,7 @@ def damped_criticals(
             "the peaks."
         )
     return criticals_of(
-        response,
-        _quantities(response, elements, node),
-        speed_range,
-        modes=modes,
-        first=first,
+        response, _quantities(response, elements, node), speed_range, modes=modes, first=first
     )
 
 
@@ -564,9 +560,7 @@ class _Vibration:
         chosen = maxima.chosen(np.array(main))
         twice = np.tile(chosen.orders, 2), np.tile(chosen.places, 2)
         speeds = _golden_section(
-            lambda some: self._amplitudes(*twice, some),
-            chosen.low,
-            chosen.high,
+            lambda some: self._amplitudes(*twice, some), chosen.low, chosen.high
         )
         there = self.made(chosen.orders, chosen.places, speeds)
         near = maxima.speeds.copy()

@@ -17,7 +17,7 @@ from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.quantity import compact
 from crankbase.results import result
-from dynamics.chains.chain import Chain
+from dynamics.chains.chain import DAMPING_UNIT, Chain
 from dynamics.chains.chain_modes import elastic_modes
 from dynamics.chains.varying import VaryingSpring
 from dynamics.indices import node_index, values_at_nodes
@@ -248,7 +248,6 @@ def _orthonormal(mass: FloatArray, rigid: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.solve(root, rigid.T).T)
 
 
-UNIT = "N m s/rad (torsional) or N s/m (axial)"
 # So many places with one damping are named; of more their number is told.
 NAMED = 2
 PASSIVE = "it is that of a passive element"
@@ -315,6 +314,7 @@ def damped(
     undamped: bool = False,
     add: bool = False,
     source: str = "given",
+    unit: str = DAMPING_UNIT,
 ) -> DampedChain:
     """Give a chain damping of any kinds; its own damping is kept.
 
@@ -339,8 +339,8 @@ def damped(
         Leave the chain undamped on purpose.
     add : bool, optional
         Whether damping of nodes and elements that have some of the kind is added to it.
-    source : str, optional
-        Source of the values, for the record.
+    source, unit : str, optional
+        Source of the values, and unit of viscous damping, for the record.
 
     Raises
     ------
@@ -370,7 +370,7 @@ def damped(
             f"undamped: given True together with {what}; allowed is one of both, because what is "
             "damped is not undamped."
         )
-    notes = [f"damping of the chain itself: {_own_damping(chain)}"] if of_chain else []
+    notes = [f"damping of the chain itself: {_own_damping(chain, unit)}"] if of_chain else []
     if chain.varying:
         at = [(chain.names if s.to_ground else chain.elements)[s.place] for s in chain.varying]
         notes.append(
@@ -379,13 +379,13 @@ def damped(
         )
     between = of_elements("relative", relative, chain)
     at_nodes = values_at_nodes(
-        "absolute", absolute, chain.inertia.size, UNIT, "damping takes energy away"
+        "absolute", absolute, chain.inertia.size, unit, "damping takes energy away"
     )
     losses = of_elements("loss_factor", loss_factor, chain, unit="")
     inverse = _inverse_magnifiers(element_magnifier, chain)
     by_place = {
-        "absolute": f"absolute damping at nodes, up to {_largest(at_nodes):g} {UNIT}",
-        "relative": f"relative damping of elements, up to {_largest(between):g} {UNIT}",
+        "absolute": f"absolute damping at nodes, up to {_largest(at_nodes):g} {unit}",
+        "relative": f"relative damping of elements, up to {_largest(between):g} {unit}",
         "loss_factor": f"loss factor of elements, up to {_largest(losses):g}",
     }
     notes += [f"{text}: {source}" for name, text in by_place.items() if name in named]
@@ -439,7 +439,7 @@ def damped(
     return DampedChain(whole, system, tuple(notes))
 
 
-def _own_damping(chain: Chain) -> str:
+def _own_damping(chain: Chain, viscous: str) -> str:
     """State the damping in a chain's description: each value and its location."""
     joints = [
         f"{chain.names[dashpot.left]} - {chain.names[dashpot.right]}" for dashpot in chain.dashpots
@@ -447,9 +447,15 @@ def _own_damping(chain: Chain) -> str:
     texts: dict[str, list[str]] = {}
     for before, unit, values, places, what in (
         ("loss factor ", " of", chain.loss_factor, chain.elements, "elements"),
-        ("", f" {UNIT} of", chain.damping, chain.elements, "elements"),
-        ("", f" {UNIT} between", [dashpot.damping for dashpot in chain.dashpots], joints, "pairs"),
-        ("", f" {UNIT} to ground at", chain.ground_damping, chain.names, "nodes"),
+        ("", f" {viscous} of", chain.damping, chain.elements, "elements"),
+        (
+            "",
+            f" {viscous} between",
+            [dashpot.damping for dashpot in chain.dashpots],
+            joints,
+            "pairs",
+        ),
+        ("", f" {viscous} to ground at", chain.ground_damping, chain.names, "nodes"),
     ):
         groups: dict[str, list[str]] = {}
         for value, place in zip(values, places, strict=True):
@@ -466,7 +472,7 @@ def of_elements(
     values: ArrayLike | Mapping[int, float] | None,
     chain: Chain,
     *,
-    unit: str = UNIT,
+    unit: str = DAMPING_UNIT,
     missing: float = 0.0,
 ) -> FloatArray:
     """Return one value for each element (e,): from all, from single ones, or from one for all."""

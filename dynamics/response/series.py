@@ -17,13 +17,7 @@ from crankbase.array_checks import (
     regular_array,
 )
 from crankbase.choices import whole_number, whole_within
-from crankbase.diagrams import (
-    Diagram,
-    draw_diagram,
-    legend_below,
-    new_axes,
-    write_title,
-)
+from crankbase.diagrams import Diagram, draw_diagram, legend_below, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.results import result

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.choices import check_choice
 from crankbase.diagrams import GRAY, new_axes, write_title
 from crankbase.errors import InputError
 from geometry.parts import Cylinder, Point, Sector, Slope, ThrowParts, WebPlate
@@ -55,10 +56,7 @@ def plot_throw(
     InputError
         If the view is neither.
     """
-    if not isinstance(view, str) or view not in LABELED:
-        raise InputError(
-            f"view: given {view!r}; allowed are {', '.join(LABELED)}, because a drawing has these two."
-        )
+    check_choice("view", view, LABELED, "a drawing has these two")
     draw = draw_side if view == "side" else draw_end
     axes = new_axes(axes, width=WIDTH, height=HEIGHT)
     _draw_to_fit(axes, lambda sheet: draw(sheet, parts, dimensions), parts.length, not dimensions)
@@ -296,11 +294,7 @@ def outline_svg(parts: ThrowParts, view: OutlineView = "side", label: str = "") 
     InputError
         If the view is neither.
     """
-    if view not in DRAWINGS:
-        raise InputError(
-            f"view: given {view!r}; allowed are {', '.join(DRAWINGS)}, because a throw is drawn from "
-            "these two."
-        )
+    check_choice("view", view, DRAWINGS, "a throw is drawn from these two")
     draw, name = DRAWINGS[view]
     drawn = _SvgView(POINT * parts.length)
     draw(drawn, parts, False)

@@ -18,6 +18,7 @@ from crankbase.frames import table
 from crankbase.results import Internal, result
 from regression.fits.equation_text import term_effects
 from regression.fits.forms import (
+    FORMS,
     FittedForm,
     Form,
     Term,
@@ -29,6 +30,15 @@ from regression.fits.forms import (
     is_indicator,
     polynomial_terms,
     term_name,
+)
+from regression.fits.run_slopes import (
+    LACK_OF_FIT,
+    RunSlopes,
+    doubtful_slopes,
+    joint_rows,
+    joint_target,
+    left_out_values,
+    rows_by_run,
 )
 from regression.fits.selection import (
     FitErrors,
@@ -213,8 +223,9 @@ def fit_form(
     heldout_scale: ArrayLike = 1.0,
     logged: Sequence[bool] | None = None,
     drop_terms: bool = False,
+    slopes: RunSlopes | None = None,
 ) -> Fit:
-    """Fit one form to a response by ordinary least squares.
+    """Fit one form to a response, and to its slopes, by least squares.
 
     Parameters
     ----------
@@ -234,6 +245,8 @@ def fit_form(
         all factors. Only columns that are positive at the runs, and never 0/1 columns.
     drop_terms : bool
         Whether to remove terms without which PRESS does not grow (`regression.fits.selection`).
+    slopes : RunSlopes, optional
+        At the runs.
 
     Returns
     -------
@@ -244,8 +257,8 @@ def fit_form(
     Raises
     ------
     InputError
-        If there are fewer runs than coefficients, the runs do not determine a coefficient, a response is 0,
-        or a form in logarithms has one that is not positive.
+        If there are fewer runs and slopes than coefficients, the runs do not determine a coefficient, a
+        response is 0, or a form in logarithms has one that is not positive.
     """
     kind = form_named(form)
     names = tuple(factors)
@@ -253,27 +266,39 @@ def fit_form(
     _check_responses("y", values, kind)
     log_factors = _log_factors(kind, names, points, logged)
     center, half_range = _coding(names, points, log_factors)
-    coded = code(points, center, half_range, log_factors)
-    terms, undetermined = determined_terms(kind, names, points, coded)
-    if len(values) < len(terms):
-        raise InputError(
-            f"runs: given {len(values)}; at least {len(terms)} are needed, because the {form} form "
-            f"of {len(names)} factors has {len(terms)} coefficients."
-        )
-    matrix = design_matrix(terms, coded)
+    coding = center, half_range, log_factors
     sizes = np.asarray(scale, dtype=np.float64)
     target = np.log(values / sizes) if kind.logarithmic else values / sizes
+    target = joint_target(target, kind.logarithmic, slopes)
+    terms, undetermined = determined_terms(
+        kind,
+        names,
+        points,
+        lambda terms: joint_rows(terms, points, coding, slopes),
+        () if slopes is None else slopes.columns,
+    )
+    if len(target) < len(terms):
+        also = "" if slopes is None else f" and {len(target) - len(values)} slopes"
+        raise InputError(
+            f"runs: given {len(values)}{also}; at least {len(terms)} are needed, because the {form} form "
+            f"of {len(names)} factors has {len(terms)} coefficients."
+        )
+    matrix = joint_rows(terms, points, coding, slopes)
     dropped: tuple[Term, ...] = ()
     # Solved in full first: that says which term the runs do not determine.
     solution = least_squares(matrix, target, _names(terms, names, log_factors))
-    small = len(values) ** 2 * len(terms) <= LARGEST_SELECTION
-    left_out = left_out_predictions(matrix, target, terms) if drop_terms and small else None
+    groups = rows_by_run(len(values), slopes)
+    small = len(target) ** 2 * len(terms) <= LARGEST_SELECTION
+    left_out = left_out_predictions(matrix, target, terms, groups) if drop_terms and small else None
     if drop_terms:
         kept, gone = backward(matrix, target, terms)
         dropped, terms = tuple(terms[i] for i in gone), tuple(terms[i] for i in kept)
-        solution = least_squares(matrix[:, kept], target, _names(terms, names, log_factors))
-    if not (drop_terms and small):
+        matrix = matrix[:, kept]
+        solution = least_squares(matrix, target, _names(terms, names, log_factors))
+    if not (drop_terms and small) and slopes is None:
         left_out = solution.leave_one_out
+    elif not (drop_terms and small):
+        left_out = left_out_values(matrix, solution.residuals, target, groups)
     fitted = FittedForm(
         form,
         names,
@@ -305,7 +330,7 @@ def fit_form(
         fitted=fitted,
         statistics=solution,
         r_squared=r_squared,
-        adjusted_r_squared=adjusted(r_squared, len(values), len(terms)),
+        adjusted_r_squared=adjusted(r_squared, len(target), len(terms)),
         q_squared=q_squared,
         largest_error=float(np.max(errors)),
         mean_error=float(np.mean(errors)),
@@ -357,6 +382,32 @@ def _coding(
     return tuple(center.tolist()), tuple(half_range.tolist())
 
 
+def contradicting_slopes(
+    factors: Sequence[str],
+    x: ArrayLike,
+    y: ArrayLike,
+    slopes: RunSlopes,
+    logged: Sequence[bool],
+    precision: float,
+) -> list[tuple[int, int]]:
+    """Find the slopes that contradict the values and the others, by the form that fits best of all.
+
+    Parameters as of `fit_form`, and `precision`, the estimated relative error of the response. Returns run
+    and factor of each; none if the runs determine no such form.
+    """
+    points, values = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+    form = FORMS["log-cubic" if np.all(values > 0.0) else "quadratic"]
+    try:
+        fit = fit_form(form.name, factors, points, values, logged=logged, slopes=slopes).fitted
+    except InputError:
+        return []
+    matrix = joint_rows(fit.terms, points, (fit.center, fit.half_range, fit.log_factors), slopes)
+    size = 1.0 if form.logarithmic else float(np.sqrt(np.mean(values**2)))
+    target = np.log(values) if form.logarithmic else values
+    joint = joint_target(target, form.logarithmic, slopes)
+    return doubtful_slopes(matrix, joint, slopes.known, size * max(precision, LACK_OF_FIT))
+
+
 # Ratios l that are tried: above, only the equation's own terms count; below, residuals are round-off.
 RATIOS = 10.0 ** np.arange(-6.0, 3.1, 0.5)
 # Equations of many columns are taken without the terms of one degree more: solving would take minutes.
@@ -368,8 +419,8 @@ class JudgedEquation:
     """An equation, with its columns at runs and at points where its error is estimated.
 
     `runs` (n, k) are the columns at the runs to which it was fitted, `target` (n,) the values fitted
-    there (the response over its scale, or its logarithm), `places` (m, k) the columns at the points,
-    and `sizes` (m,) what makes an error of the polynomial relative.
+    there (the response over its scale, or its logarithm), `slopes` those fitted with them, `places` (m, k)
+    the columns at the points, and `sizes` (m,) what makes an error of the polynomial relative.
     """
 
     fit: Fit
@@ -377,6 +428,7 @@ class JudgedEquation:
     target: Array
     places: Array
     sizes: Array
+    slopes: RunSlopes | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -414,8 +466,12 @@ def expected_errors(equation: JudgedEquation) -> ExpectedErrors:
         coded = code(x, form.center, form.half_range, form.log_factors)
         return design_matrix(present, coded), design_matrix(lacking, coded)
 
-    known, further = columns(equation.runs)
-    ratio, variance = _likeliest(known, further, equation.target)
+    coding = form.center, form.half_range, form.log_factors
+    known, further = (
+        joint_rows(terms, equation.runs, coding, equation.slopes) for terms in (present, lacking)
+    )
+    target = joint_target(equation.target, form.logarithmic, equation.slopes)
+    ratio, variance = _likeliest(known, further, target)
     matrix = np.hstack([known, further])
     normal = matrix.T @ matrix
     normal[np.diag_indices_from(normal)] += ratio * (np.arange(len(normal)) >= len(present))

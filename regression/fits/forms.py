@@ -604,11 +604,21 @@ def is_indicator(name: str) -> bool:
 
 
 def determined_terms(
-    form: Form, factors: tuple[str, ...], points: Array, coded: Array
+    form: Form,
+    factors: tuple[str, ...],
+    points: Array,
+    rows: Callable[[Sequence[Term]], Array],
+    sloped: Collection[int] = (),
 ) -> tuple[tuple[Term, ...], tuple[Term, ...]]:
-    """Split the form's terms into those that the runs may determine, and the others."""
+    """Split the form's terms into those that the runs may determine, and the others.
+
+    `rows` gives the rows of least squares; the columns `sloped` have slopes, so that a level counts twice.
+    """
     indicators = [number for number, name in enumerate(factors) if is_indicator(name)]
-    levels = [_level_count(points[:, number]) for number in range(len(factors))]
+    levels = [
+        _level_count(points[:, number]) * (2 if number in sloped else 1)
+        for number in range(len(factors))
+    ]
     candidates = [
         term
         for term in form_terms(form, len(factors), indicators)
@@ -620,8 +630,9 @@ def determined_terms(
         for term in candidates
         if all(levels[number] >= needed for number, needed in levels_needed(term).items())
     ]
-    if form.degree > 2 and len(kept) <= len(points):
-        kept = _independent(kept, coded)
+    matrix = rows(kept)
+    if (form.degree > 2 or sloped) and len(kept) <= len(matrix):
+        kept = _independent(kept, matrix)
     return tuple(kept), tuple(term for term in candidates if term not in kept)
 
 
@@ -636,10 +647,9 @@ def _same_category(term: Term, factors: tuple[str, ...]) -> bool:
     return len(set(categories)) < len(categories)
 
 
-def _independent(terms: Sequence[Term], coded: Array) -> list[Term]:
+def _independent(terms: Sequence[Term], columns: Array) -> list[Term]:
     """Leave out the terms that follow from earlier ones at the runs, and those that contain them."""
-    columns = design_matrix(terms, coded)
-    directions = np.empty((len(coded), 0))
+    directions = np.empty((len(columns), 0))
     kept: list[Term] = []
     left_out: set[Term] = set()
     for place, term in enumerate(terms):

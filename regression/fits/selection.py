@@ -35,7 +35,7 @@ COVERAGE, CONFIDENCE = 0.95, 0.90
 
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
-    """The solution of an overdetermined linear system (n, p), whose first column is the constant 1.
+    """The solution of an overdetermined linear system (n, p), whose first column is that of the constant.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class LeastSquares:
     covariance_factor : (p, p) ndarray
         Inverse of ``matrix.T @ matrix``.
     total_squares, residual_squares : float
-        Sums of squares about the mean, and about the fit.
+        Sums of squares about the constant alone, and about the fit.
     variance_inflation : (p - 1,) ndarray
         Of the columns after the constant: 1 / (1 - R2 of the column by the others).
     condition_number : float
@@ -163,7 +163,8 @@ class LeastSquares:
 def least_squares(matrix: Array, y: Array, column_names: Sequence[str]) -> LeastSquares:
     """Solve ``matrix @ coefficients = y`` by ordinary least squares (orthogonal factorization).
 
-    The first of the matrix's (n, p) columns is 1 throughout; the names are for messages.
+    The first of the matrix's (n, p) columns is that of the constant, 1 for values and 0 for slopes; the
+    names are for messages.
 
     Raises
     ------
@@ -187,16 +188,20 @@ def least_squares(matrix: Array, y: Array, column_names: Sequence[str]) -> Least
     covariance_factor = inverse @ inverse.T
     fitted = matrix @ coefficients
     singular = np.linalg.svd(triangular, compute_uv=False)
-    centered = matrix[:, 1:] - np.mean(matrix[:, 1:], axis=0)
+    # About the constant alone, which is the mean if there are no slopes.
+    constant = matrix[:, :1]
+    columns_and_y = np.column_stack([matrix[:, 1:], y])
+    shares = np.sum(constant * columns_and_y, axis=0) / np.sum(constant)
+    centered = columns_and_y - constant * shares
     return LeastSquares(
         coefficients=coefficients,
         fitted=fitted,
         residuals=y - fitted,
         leverage=np.sum(orthogonal**2, axis=1),
         covariance_factor=covariance_factor,
-        total_squares=float(np.sum((y - np.mean(y)) ** 2)),
+        total_squares=float(np.sum(centered[:, -1] ** 2)),
         residual_squares=float(np.sum((y - fitted) ** 2)),
-        variance_inflation=np.sum(centered**2, axis=0) * np.diag(covariance_factor)[1:],
+        variance_inflation=np.sum(centered[:, :-1] ** 2, axis=0) * np.diag(covariance_factor)[1:],
         condition_number=float(singular[0] / singular[-1]),
     )
 
@@ -265,12 +270,25 @@ def backward(matrix: Array, y: Array, terms: Sequence[Term]) -> tuple[list[int],
     return [place for place in range(len(terms)) if place not in dropped], dropped
 
 
-def left_out_predictions(matrix: Array, y: Array, terms: Sequence[Term]) -> Array | None:
+def left_out_predictions(
+    matrix: Array, y: Array, terms: Sequence[Term], groups: NDArray[np.intp] | None = None
+) -> Array | None:
     """Predict every run (n,) by the fit to all others, whose terms are selected without it, as by `backward`.
 
-    None if some run alone determines a coefficient of the form before the selection.
+    None if some run alone determines a coefficient of the form before the selection. A run may have several
+    rows, its group (n, r), the first of which is predicted; by default it is a row.
     """
     runs = len(y)
+    if groups is not None and groups.shape[1] > 1:
+        staying = np.ones((len(groups), runs, 1))
+        staying[np.arange(len(groups))[:, None], groups] = 0.0
+        others = matrix * staying
+        if np.linalg.matrix_rank(others).min() < len(terms):
+            return None
+        inverses = np.asarray(np.linalg.pinv(others), dtype=np.float64)
+        inverses = _drop(inverses, matrix, y, terms, groups)
+        first: Array = np.einsum("ip,ipn,n->i", matrix[groups[:, 0]], inverses, y, optimize=True)
+        return first
     whole = np.asarray(np.linalg.pinv(matrix), dtype=np.float64)
     leverage = np.sum(matrix * whole.T, axis=1)
     if runs <= len(terms) or float(np.max(leverage)) >= FULL_LEVERAGE:

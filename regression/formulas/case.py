@@ -10,6 +10,7 @@ from crankbase.errors import InputError, quoted
 from crankbase.frames import table
 from crankbase.quantity import format_quantity
 from crankbase.results import InItsUnit, Result, result
+from crankbase.table import text_rows
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 
@@ -354,46 +355,22 @@ class FormulaConstant:
     reason: str
 
 
+# Name | formula | default | meaning | reason of the default.
+_CONSTANTS = """
+C | Guglielmotti-Macchiotta | 1 | correction for the angle between neighboring cranks | no values are \
+published; 1 is for opposite neighbors, gamma = 180 deg, where the formula's terms are those of a frame
+k_3 | Dorey | 1 | factor of the crankpin's term for built and semi-built shafts | no values are published; \
+with 1 the formula is the exact frame at 180 deg
+k_or | Skorchev | 1 | factor for the angle between neighboring cranks | no values are published; 1 is for \
+opposite neighbors, gamma = 180 deg
+k_n | Stoyanov | 1 | factor of the webs' term for the overlap of main journal and crankpin | no values are \
+published; with 1 the term is the exact web without overlap
+k_gorbunov | Gorbunov | 0.8 | number in the angle factor k_phi = 0.8 (1 - cos gamma) of the web's term | as \
+printed; 0.5 would match the limit of a slender frame at 180 deg
+"""
 FORMULA_CONSTANTS: Mapping[str, FormulaConstant] = {
-    constant.name: constant
-    for constant in (
-        FormulaConstant(
-            "C",
-            "Guglielmotti-Macchiotta",
-            1.0,
-            "correction for the angle between neighboring cranks",
-            "no values are published; 1 is for opposite neighbors, gamma = 180 deg, where "
-            "the formula's terms are those of a frame",
-        ),
-        FormulaConstant(
-            "k_3",
-            "Dorey",
-            1.0,
-            "factor of the crankpin's term for built and semi-built shafts",
-            "no values are published; with 1 the formula is the exact frame at 180 deg",
-        ),
-        FormulaConstant(
-            "k_or",
-            "Skorchev",
-            1.0,
-            "factor for the angle between neighboring cranks",
-            "no values are published; 1 is for opposite neighbors, gamma = 180 deg",
-        ),
-        FormulaConstant(
-            "k_n",
-            "Stoyanov",
-            1.0,
-            "factor of the webs' term for the overlap of main journal and crankpin",
-            "no values are published; with 1 the term is the exact web without overlap",
-        ),
-        FormulaConstant(
-            "k_gorbunov",
-            "Gorbunov",
-            0.8,
-            "number in the angle factor k_phi = 0.8 (1 - cos gamma) of the web's term",
-            "as printed; 0.5 would match the limit of a slender frame at 180 deg",
-        ),
-    )
+    name: FormulaConstant(name, formula, float(default), *words)
+    for name, formula, default, *words in text_rows(_CONSTANTS)
 }
 DEFAULT_CONSTANTS: Mapping[str, float] = {
     name: constant.default for name, constant in FORMULA_CONSTANTS.items()

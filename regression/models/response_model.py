@@ -3,7 +3,6 @@
 import math
 import sys
 from collections.abc import Mapping
-from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 import numpy as np
@@ -11,6 +10,7 @@ from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel
+from crankbase.results import made_from
 from regression.fits.forms import FittedForm, code
 from regression.throw_values import format_value
 
@@ -213,7 +213,7 @@ class ResponseModel(InputModel):
     @property
     def fitted(self) -> FittedForm:
         """The equation as a function of its columns."""
-        return FittedForm(**{part.name: getattr(self, part.name) for part in fields(FittedForm)})
+        return made_from(self, FittedForm)
 
     @classmethod
     def from_fit(

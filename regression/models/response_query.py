@@ -568,10 +568,7 @@ class ResponseQuery:
         return frozenset(self.needed)
 
     def _piece(
-        self,
-        known: Mapping[str, Given],
-        library: Any,
-        findings: list[Finding],
+        self, known: Mapping[str, Given], library: Any, findings: list[Finding]
     ) -> tuple[Any, Any]:
         """Evaluate one piece by numpy, or one point by math; `findings` gets the values outside."""
         for ratio in self.ratios:

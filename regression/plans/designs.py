@@ -498,6 +498,23 @@ def space_filling_statement(kind: str, runs: int, seed: int) -> tuple[str, tuple
     return f"Sobol sequence (scrambled, seed {seed}), {runs} runs", remarks
 
 
+# Values and slopes in designs with slopes, for each coefficient of a cubic equation.
+ENOUGH = 1.5
+
+
+def runs_with_slopes(factors: Sequence[Factor]) -> int:
+    """Return the number of runs whose values and slopes are `ENOUGH` for a cubic equation.
+
+    Examples
+    --------
+    >>> [runs_with_slopes([Factor(f"x{n}", "m", 1.0, 2.0) for n in range(k)]) for k in (2, 3, 5, 7)]
+    [5, 8, 14, 23]
+    """
+    numbers = sum(not factor.labels for factor in factors)
+    columns = sum(max(1, len(factor.labels) - 1) for factor in factors)
+    return math.ceil(ENOUGH * math.comb(columns + 3, 3) / (1 + numbers))
+
+
 def check_ranges(factors: Sequence[Factor], kind: str) -> None:
     """Refuse levels between the ends for a design that has values of its own (`InputError`)."""
     for factor in factors:

@@ -49,6 +49,9 @@ from regression.plans.relations import (
 )
 from regression.records import HELD_OUT, RUN, content_key
 
+# Of a factor's range, for central differences of what follows from it.
+SHIFT = 1e-5
+
 
 @dataclass(frozen=True)
 class Variant:
@@ -143,6 +146,32 @@ class Variants:
         for constraint in self.constraints:
             kept &= constraint_excess(constraint, known, self.units) <= EQUAL_WITHIN
         return kept
+
+    def fields_at(self, values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        """Return all numbers of the throws of factor values (n, k), whether they can be built or not."""
+        count = len(values)
+        known = {
+            path: np.full(count, float(base))
+            for path in self.units
+            if isinstance(base := field_value(self.record, path), int | float)
+        } | {
+            factor.name: column
+            for factor, column in zip(self.factors, values.T, strict=True)
+            if not factor.labels
+        }
+        for path, expression in self.relations.items():
+            result = evaluate_expression(expression, known, self.units, self.units[path])
+            known[path] = np.array(np.broadcast_to(result, (count,)))
+        return known
+
+    def fields_beside(
+        self, values: NDArray[np.float64], place: int
+    ) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]], float]:
+        """Return `fields_at` with one factor smaller and larger, and half of the difference [SI]."""
+        factor = self.factors[place]
+        step = SHIFT * (factor.highest - factor.lowest)
+        shift = step * np.eye(len(self.factors))[place]
+        return self.fields_at(values - shift), self.fields_at(values + shift), step
 
     def _quantities(self, values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         columns = {
@@ -260,6 +289,8 @@ class StudyPlan:
         Relative accuracy of each design's axial compliance, 0.001 to 0.1.
     stresses : bool
         Whether the fillet stresses are computed as well.
+    slopes : bool
+        Whether the slopes of the responses at the runs are computed, and fitted, as well.
 
     Raises
     ------
@@ -277,6 +308,7 @@ class StudyPlan:
     material: Material = STEEL
     accuracy: float = 0.01
     stresses: bool = False
+    slopes: bool = False
 
     def __post_init__(self) -> None:
         if all(factor.labels for factor in self.factors):
@@ -296,6 +328,13 @@ class StudyPlan:
     def variants(self) -> Variants:
         """Return the function that makes throws of factor values."""
         return Variants.of(self.throw, self.factors, self.relations, self.constraints)
+
+    @cached_property
+    def moved(self) -> tuple[str, ...]:
+        """Fields of the throw that follow from factors that are numbers."""
+        fields = throw_fields(self.throw)
+        numbers = [factor.name for factor in self.factors if not factor.labels]
+        return tuple(sorted({*self.relations, *(name for name in numbers if name in fields)}))
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -318,6 +357,8 @@ class StudyPlan:
             "held_out": self.held_out,
             "seed": self.seed,
             **self.settings,
+            # Without slopes as before there were any, so that studies keep their keys.
+            **({"slopes": True} if self.slopes else {}),
             "model_version": MODEL_VERSION,
         }
 
@@ -343,6 +384,7 @@ class StudyPlan:
             relations=record["relations"],
             constraints=tuple(record["constraints"]),
             material=Material(**record["material"]),
+            slopes=record.get("slopes", False),
             **{name: record[name] for name in ("held_out", "seed", "accuracy", "stresses")},
         )
 
@@ -427,6 +469,7 @@ def plan_designs(plan: StudyPlan) -> PlannedStudy:
                 f"{len(excluded)} of {len(design.runs)} designs are excluded, so the others no longer "
                 "have the balance that the design's name promises.",
             )
+    statement += ", with slopes" if plan.slopes else ""
     held, held_excluded, _ = _draw_feasible_designs(
         plan, variants, HELD_OUT, "latin hypercube", plan.held_out, HELD_OUT_STREAM
     )
@@ -480,6 +523,8 @@ def planned_design(
 ) -> PlannedDesign:
     """Make a design of a study from factor values [SI] and the throw with these, as JSON content."""
     inputs = {"throw": throw, **plan.settings}
+    if plan.slopes and role == RUN:
+        inputs["slopes"] = list(plan.moved)
     return PlannedDesign(
         role, values, inputs, content_key(inputs | {"model_version": MODEL_VERSION})
     )

@@ -24,7 +24,16 @@ from regression.plans.relations import evaluate_expression
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome
 from regression.response_kinds import is_positive_response
 from regression.runs.store import ResultStore, damaged_rows_warning
-from regression.runs.study_table import DONE, StudyRow, StudyTable, throw_dimensions, throw_outlines
+from regression.runs.study_table import (
+    DONE,
+    PER,
+    StudyRow,
+    StudyTable,
+    slope_name,
+    slope_unit,
+    throw_dimensions,
+    throw_outlines,
+)
 from regression.throw_values import field_unit, format_value, same_dimension
 
 # Columns that say something of a row as a whole.
@@ -105,7 +114,7 @@ def _column(header: str, where: str, plan: StudyPlan) -> ImportedColumn:
         raise InputError(f"{where}: allowed is a name with its unit, like web_width [mm].")
     name, unit = matched[1], matched[2]
     header = header.strip()
-    if name in IGNORED:
+    if name in IGNORED or name.partition(PER)[0] in RESPONSES.keys() - {name}:
         return ImportedColumn(header, "ignored", name, _text)
     if name in ABOUT:
         return ImportedColumn(header, "about", name, _text)
@@ -239,6 +248,18 @@ def columns(table: StudyTable) -> tuple[Column, ...]:
             Column(name + ending, unit(name) or "", [entry.get(name) for entry in entries])
             for name in names
         ]
+    sloped = dict.fromkeys(
+        (name, over) for row in rows for name in row.slopes for over in row.slopes[name]
+    )
+    by_name = {factor.name: factor for factor in table.plan.factors}
+    listed += [
+        Column(
+            slope_name(name, over),
+            slope_unit(name, by_name[over]),
+            [row.slopes.get(name, {}).get(over) for row in rows],
+        )
+        for name, over in sloped
+    ]
     listed += [
         Column("seconds", "s", [None if row.source else row.seconds for row in rows]),
         Column("unknowns", "", [row.unknowns for row in rows]),

@@ -14,6 +14,7 @@ import sqlite3
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -97,6 +98,16 @@ TABLES = (
     )
     """,
 )
+
+# Made with the first slopes that are recorded: stores without any lack it.
+SLOPES_TABLE = """
+    CREATE TABLE IF NOT EXISTS slopes (
+        design TEXT PRIMARY KEY,       -- key in designs
+        shares TEXT NOT NULL,          -- JSON: d ln(response) / d ln(dimension), by response and dimension
+        errors TEXT NOT NULL,          -- JSON: estimated error of the shares of each response
+        checksum TEXT                  -- of all of the above
+    )
+    """
 
 
 def results_view() -> str:
@@ -336,6 +347,8 @@ def _on_network(path: Path) -> bool:
     return False
 
 
+# Among the inputs of designs whose slopes are computed.
+WITH_SLOPES = "slopes"
 CHECKSUM = "checksum"
 # The checksum is of all other columns, in their order in the table.
 UNCHECKED = (CHECKSUM, "finished_at", "imported_at")
@@ -374,6 +387,18 @@ def design_values(outcome: Outcome, model_version: int | None) -> dict[str, obje
             "model_version": model_version,
             "worker": outcome.worker,
             "attempts": outcome.attempts,
+        }
+    )
+
+
+def slope_values(outcome: Outcome) -> dict[str, object]:
+    """Return the recorded slopes of a design; otherwise as `design_values`."""
+    shares = {name: dict(over) for name, over in outcome.slopes.items()}
+    return _with_checksum(
+        {
+            "design": outcome.key,
+            "shares": json.dumps(shares, allow_nan=False),
+            "errors": _json(outcome.slope_errors),
         }
     )
 
@@ -637,6 +662,10 @@ class ResultStore:
                 "WHERE designs.status <> 'done' OR excluded.status = 'done'",
                 row,
             )
+            if outcome.status == "done" and WITH_SLOPES in outcome.inputs:
+                slopes = slope_values(outcome)
+                connection.execute(SLOPES_TABLE)
+                connection.execute(_insertion("slopes", "design", slopes), slopes)
             self.damaged.pop(outcome.key, None)
 
     def outcomes(self, keys: Iterable[str]) -> dict[str, Outcome]:
@@ -649,7 +678,28 @@ class ResultStore:
         """Read a design's row; None if there is none, or a damaged one."""
         query = "SELECT * FROM designs WHERE key = ?"
         row = self._connection.execute(query, (key,)).fetchone()
-        return None if row is None else self._read_or_skip(key, read_design, dict(row))
+        return None if row is None else self._read_or_skip(key, self._whole_design, dict(row))
+
+    def _whole_design(self, row: Mapping[str, Any]) -> Outcome:
+        """Make an outcome of a design's row and that of its slopes; as `read_design`."""
+        outcome = read_design(row)
+        if outcome.responses is None or WITH_SLOPES not in outcome.inputs:
+            return outcome
+        found = None
+        if _columns(self._connection, "slopes"):
+            query = "SELECT * FROM slopes WHERE design = ?"
+            found = self._connection.execute(query, (outcome.key,)).fetchone()
+        if found is None:
+            raise DamagedRowError("its slopes are missing")
+        shares = _content(found["shares"], "slopes", dict)
+        for name, over in shares.items():
+            if not isinstance(over, dict):
+                raise DamagedRowError(f"its slopes of {name} cannot be read")
+            _check_numbers(over, f"slopes of {name}")
+        errors = _numbers(found["errors"], "errors of slopes")
+        if found[CHECKSUM] != checksum([found[name] for name in ("design", "shares", "errors")]):
+            raise DamagedRowError("the checksum of its slopes does not fit them")
+        return replace(outcome, slopes=shares, slope_errors=errors)
 
     def _read_or_skip(
         self, place: str, read: Callable[..., Row], row: Mapping[str, Any]
@@ -669,7 +719,7 @@ class ResultStore:
                 "JOIN study_designs s ON s.design = d.key GROUP BY d.key ORDER BY first"
             )
             for row in map(dict, rows):
-                outcome = self._read_or_skip(row["key"], read_design, row)
+                outcome = self._read_or_skip(row["key"], self._whole_design, row)
                 if outcome is not None and outcome.responses is not None:
                     yield row["role"], outcome, row["model_version"]
 
@@ -677,7 +727,7 @@ class ResultStore:
         """List the sound rows of all designs, whether a study has them or not."""
         with self._reading():
             for row in map(dict, self._connection.execute("SELECT * FROM designs")):
-                outcome = self._read_or_skip(str(row["key"]), read_design, row)
+                outcome = self._read_or_skip(str(row["key"]), self._whole_design, row)
                 if outcome is not None:
                     yield outcome
 

@@ -1,7 +1,7 @@
 """The results of a study as arrays: its own designs, and imported results."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -42,12 +42,18 @@ class StudyRow(ExtraRow):
         Why there is no result.
     source : str
         Origin of an imported row; empty for the study's own.
+    slopes : mapping
+        Response to its slopes over the factors, d(response) / d(factor) [SI] by factor, where known.
+    slope_errors : mapping
+        Response to the estimated error of its slopes, as shares d ln(response) / d ln(dimension).
     """
 
     status: str
     seconds: float = 0.0
     unknowns: int | None = None
     reason: str = ""
+    slopes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    slope_errors: Mapping[str, float] = field(default_factory=dict)
 
 
 @result("values", "responses")
@@ -99,6 +105,11 @@ class StudyTable(DesignTable):
         All imported rows, the measured ones too.
     damaged : dict of str to str
         Skipped rows of the store, by design key or position, and their faults.
+    slopes : dict
+        Response to its slopes (n, k) over the factors [SI], NaN where there is none; of responses that have
+        any.
+    slope_errors : dict
+        Response to the estimated errors (n,) of its slopes as shares d ln(response) / d ln(dimension).
     rows : tuple of StudyRow
         Everything above row by row, in order.
     """
@@ -114,6 +125,8 @@ class StudyTable(DesignTable):
     extra: Internal[tuple[ExtraRow, ...]] = ()
     rows: Internal[tuple[StudyRow, ...]] = ()
     damaged: Internal[Mapping[str, str]] = field(default_factory=dict)
+    slopes: Internal[Mapping[str, Array]] = field(default_factory=dict)
+    slope_errors: Internal[Mapping[str, Array]] = field(default_factory=dict)
 
     def plot(
         self, axes: "Axes | None" = None, *, response: str | None = None, factor: str | None = None
@@ -157,7 +170,8 @@ class StudyTable(DesignTable):
         -------
         pandas.DataFrame
             ``held_out``, the factors (choices as their labels), the responses, their estimated
-            relative errors as "NAME error", and ``seconds``; units are in ``frame.attrs["units"]``.
+            relative errors as "NAME error", slopes as "NAME per FACTOR" (missing where there is none),
+            and ``seconds``; units are in ``frame.attrs["units"]``.
 
         Raises
         ------
@@ -170,6 +184,12 @@ class StudyTable(DesignTable):
         units = self.response_units
         columns |= {name: (values, units[name]) for name, values in self.responses.items()}
         columns |= {f"{name} error": (values, "1") for name, values in self.errors.items()}
+        for place, factor in enumerate(self.plan.factors):
+            columns |= {
+                slope_name(name, factor.name): (slopes[:, place], slope_unit(name, factor))
+                for name, slopes in self.slopes.items()
+                if not factor.labels
+            }
         return table(columns | {"seconds": (self.seconds, "s")})
 
 
@@ -188,6 +208,20 @@ def _cells(factor: Factor, values: Array) -> tuple[Any, str]:
     if factor.labels:
         return [factor.setting(value) for value in values.tolist()], ""
     return values, factor.unit or "1"
+
+
+PER = " per "
+
+
+def slope_name(response: str, factor: str) -> str:
+    """Name the column of a response's slopes over a factor."""
+    return f"{response}{PER}{factor}"
+
+
+def slope_unit(response: str, factor: Factor) -> str:
+    """Return the SI unit of a response's slope over a factor."""
+    unit = RESPONSES[response].unit or "1"
+    return f"{unit} per {factor.unit}" if factor.unit else unit
 
 
 def throw_dimensions(throw: Mapping[str, Any]) -> dict[str, float]:
@@ -225,6 +259,8 @@ def study_table(
     damaged = dict(damaged or {})
     extra = tuple(extra)
     computed_rows = [_own_row(design, outcomes.get(design.key), damaged) for design in designs]
+    if plan.slopes:
+        computed_rows = _with_slopes(plan, designs, computed_rows, outcomes)
     taken = [row.values for row in computed_rows if row.status == DONE]
     imported = []
     for row in extra:
@@ -235,6 +271,7 @@ def study_table(
         imported.append(StudyRow(status=DONE, **vars(row)))
     rows = (*computed_rows, *imported)
     good = [row for row in rows if row.status == DONE and row.role != MEASURED]
+    sloped = dict.fromkeys(name for row in good for name in row.slopes)
     return StudyTable(
         plan=plan,
         values=np.array([row.values for row in good], dtype=float).reshape(
@@ -257,6 +294,18 @@ def study_table(
         extra=extra,
         rows=rows,
         damaged=damaged,
+        slopes={
+            name: np.array(
+                [
+                    [row.slopes.get(name, {}).get(over, np.nan) for over in plan.names]
+                    for row in good
+                ]
+            )
+            for name in sloped
+        },
+        slope_errors={
+            name: np.array([row.slope_errors.get(name, np.nan) for row in good]) for name in sloped
+        },
     )
 
 
@@ -281,6 +330,36 @@ def _own_row(
         reason=reason,
         source="",
     )
+
+
+def _with_slopes(
+    plan: StudyPlan,
+    designs: Sequence[PlannedDesign],
+    rows: Sequence[StudyRow],
+    outcomes: Mapping[str, Outcome],
+) -> list[StudyRow]:
+    """Add the slopes over the factors: each is the sum over the dimensions that the factor changes."""
+    variants, values = plan.variants(), np.array([design.values for design in designs])
+    known = [outcomes.get(design.key) for design in designs]
+    slopes: list[dict[str, dict[str, float]]] = [{} for _ in designs]
+    for place, factor in enumerate(plan.factors):
+        if factor.labels:
+            continue
+        low, high, step = variants.fields_beside(values, place)
+        changes = {path: (high[path] - low[path]) / (2.0 * step) for path in plan.moved}
+        sizes = {path: 0.5 * (high[path] + low[path]) for path in plan.moved}
+        for row, outcome in enumerate(known):
+            moved = [path for path in plan.moved if changes[path][row]]
+            for name, shares in (outcome.slopes if outcome else {}).items():
+                if all(path in shares for path in moved):
+                    terms = (shares[path] * changes[path][row] / sizes[path][row] for path in moved)
+                    slopes[row].setdefault(name, {})[factor.name] = rows[row].responses[
+                        name
+                    ] * float(sum(terms))
+    return [
+        replace(row, slopes=found, slope_errors=outcome.slope_errors if outcome else {})
+        for row, found, outcome in zip(rows, slopes, known, strict=True)
+    ]
 
 
 def _equal(first: tuple[float, ...] | None, other: tuple[float, ...] | None) -> bool:

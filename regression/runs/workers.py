@@ -183,6 +183,8 @@ class WorkQueue:
             errors=answer.get("errors") or {},
             unknowns=answer.get("unknowns"),
             worker=worker,
+            slopes=answer.get("slopes") or {},
+            slope_errors=answer.get("slope_errors") or {},
         )
 
     def lost(self, key: str, reason: str, seconds: float, worker: str) -> Outcome | None:
@@ -272,13 +274,14 @@ PARDISO_MACHINE = (-2, -9, -10, -11)
 
 
 def evaluate_design(inputs: dict[str, Any]) -> ThrowResponses:
-    """Compute the responses of a design: fields of throw and material [SI], accuracy, stresses."""
+    """Compute the responses of a design: fields of throw and material [SI], accuracy, stresses, slopes."""
     return evaluate_throw(
         CrankThrow(**inputs["throw"]),
         Material(**inputs["material"]),
         inputs["accuracy"],
         inputs["stresses"],
         mesher=mesh_here,  # this process is expendable: gmsh needs none of its own
+        slopes=inputs.get("slopes", ()),
     )
 
 
@@ -318,6 +321,11 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
             "responses": _numbers_only(evaluated.values),
             "errors": _numbers_only(evaluated.errors, "the error of "),
             "unknowns": evaluated.unknowns,
+            "slopes": {
+                name: _numbers_only(shares, f"the slope of {name} over ")
+                for name, shares in evaluated.slopes.items()
+            },
+            "slope_errors": _numbers_only(evaluated.slope_errors, "the error of the slopes of "),
         }
     except Exception as error:  # the design fails, with its reason; the worker goes on
         kind = "lost" if _of_the_machine(error) else "reason"

@@ -459,7 +459,7 @@ def test_axial_vibration_without_a_limit_is_told_with_its_size(results):
         forced["free_end"]["synthesis"] = curve
         said = f"Axial vibration ({told}) is not judged"
         assert any(said in one for one in conclusions(typed(results)))
-    results["vibration"]["assessment"]["limits"][0]["name"] = "axial amplitude"
+    results["vibration"]["assessment"]["limits"][0] |= {"name": "axial amplitude", "unit": "m"}
     assert not any("not judged" in one for one in conclusions(typed(results)))
 
 

@@ -432,7 +432,7 @@ def test_parts_of_the_shipped_engines_are_within_their_usual_ranges(shipped, fie
         scale = EngineScale(file, power and power.indicated)
         value = getattr(scale.part(section), name, None)
         if value:
-            ratios.append(value / (compared(scale) if callable(compared) else compared))
+            ratios.append(value / scale.value(compared))
     if usual.basis == usual_sizes.SHIPPED:
         assert (usual.low, usual.high) == close(outwards(min(ratios), max(ratios)))
     elif ratios:

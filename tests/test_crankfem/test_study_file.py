@@ -123,6 +123,26 @@ pin_fillet_radius = "0.07 * pin_diameter"
     assert throw["pin_fillet_radius"] == 0.0126
 
 
+LENGTHS = ("web_width", "pin_length", "main_journal_length")
+
+
+def test_runs_with_slopes(read):
+    factorial = read(study('runs = "with slopes"'))
+    assert factorial.slopes
+    assert factorial.design.runs is None
+    assert not read(study("")).slopes
+    ranges = "\n".join(f"{name} = {{ from = '120 mm', to = '158 mm' }}" for name in LENGTHS)
+    numbers = {
+        text: read(study(text, ranges)).design.runs
+        for text in (
+            'design = "latin hypercube"\nruns = "with slopes"',
+            'design = "sobol"\nslopes = true',
+            'design = "sobol"\nslopes = true\nruns = 12',
+        )
+    }
+    assert list(numbers.values()) == [8, 8, 12]
+
+
 def test_stresses_and_constraints(read):
     plan = read(study('stresses = true\nconstraints = ["web_width > 280 mm"]'))
     assert plan.stresses is True

@@ -11,9 +11,10 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
+from crankfem.analyses.vibration.chain_answers import nominal_section_modulus
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
-from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
+from crankfem.analyses.vibration.forced import forced_vibrations
 from crankfem.analyses.vibration.misfiring import _ranges
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration

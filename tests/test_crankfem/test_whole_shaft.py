@@ -519,6 +519,15 @@ def test_every_section_of_a_file_has_its_place(tmp_path):
     assert not any("main bearings are assumed" in remark for remark in remarks)
 
 
+def test_a_line_that_does_not_bend_is_told(tmp_path):
+    line = ALL[ALL.index("[shaft_line]") : ALL.index("[propeller_forces]")]
+    *_, without = around(tmp_path=tmp_path)
+    engine, found, remarks = around(f"{line}[gas]\n", tmp_path=tmp_path)
+    assert found.torsional_line is engine.shaft_lines["torsional"]
+    (told,) = set(remarks) - set(without)
+    assert "without bending" in told
+
+
 def test_overhangs_of_a_shaft_with_both_ends():
     engine, found, remarks = around(name="8chn13-14")
     assert found.flywheel.overhang == close(0.022)

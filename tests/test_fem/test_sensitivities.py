@@ -10,6 +10,7 @@ from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.material import STEEL
+from fem.responses import evaluate_throw
 from fem.sensitivities import class_slopes, load_slopes, node_velocities
 from fem.solver import assemble_stiffness
 from fem.superelement import combine_classes
@@ -206,3 +207,34 @@ def test_slopes_as_table_and_picture(throw):
     assert frame.loc["web_width", "share"] == slopes["web_width"]
     axes = slopes.plot()
     assert len(axes.patches) == len(slopes.shares)
+
+
+def test_responses_of_a_study_have_the_slopes_of_an_analysis(featured):
+    """Of the same mesh and solutions, alone and between neighbors."""
+    paths = ("web_width", "counterweight.thickness", "pin_bore_offset", "no_dimension")
+    found = evaluate_throw(featured, accuracy=0.1, slopes=paths)
+    analysis = analyze_throw(featured, accuracy=0.1)
+    for name, support in (("pinned", "pinned"), ("in_line", cf.Neighbors(0.0, 0.0))):
+        expected = analysis.sensitivities("axial_compliance", support)
+        slopes = found.slopes[f"axial_compliance_{name}"]
+        assert slopes.keys() == {*paths[:3]}
+        for path, share in slopes.items():
+            assert share == close(expected[path], rel=1e-4, abs=1e-6)
+    expected = analysis.sensitivities()
+    assert found.slope_errors["axial_compliance_pinned"] == close(expected.error, rel=1e-2)
+    force, axial = (
+        found.slopes[f"{name}_guided"]["web_width"]
+        for name in ("influence_coefficient", "axial_compliance")
+    )
+    assert found.slopes["axial_reaction_guided"]["web_width"] == close(force - axial, rel=1e-9)
+    assert evaluate_throw(featured, accuracy=0.1).slopes == {}
+
+
+def test_a_web_of_a_symmetric_throw_has_no_slope_of_its_own(throw):
+    """The other web would move with that of the part that is meshed."""
+    symmetric = with_length(throw, "left_web.width", throw.web_width)
+    mesh = mesh_throw(symmetric, 2.0)
+    motion = boundary_motion(symmetric, mesh)
+    assert mesh.part == "quarter"
+    assert {"web_width", "left_web.width"} <= motion.left_out.keys()
+    assert "pin_length" in motion.speeds

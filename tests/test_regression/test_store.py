@@ -1,6 +1,7 @@
 import json
 import math
 import sqlite3
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -280,3 +281,60 @@ def test_an_empty_file_becomes_a_store(tmp_path):
     with ResultStore(tmp_path / "runs.sqlite") as store:
         store.record(DONE)
         assert store.studies() == {}
+
+
+SLOPED = replace(
+    DONE,
+    inputs={"throw": {"web_width": 0.3}, "slopes": ["web_width"]},
+    slopes={"axial_compliance_pinned": {"web_width": -0.2}},
+    slope_errors={"axial_compliance_pinned": 0.015},
+)
+
+
+def test_slopes_come_back_with_their_design(tmp_path):
+    path = tmp_path / "runs.sqlite"
+    with ResultStore(path) as store:
+        store.record(DONE)
+    with closing(sqlite3.connect(path)) as made:  # as of releases that had no slopes
+        assert not made.execute("SELECT 1 FROM sqlite_master WHERE name = 'slopes'").fetchall()
+    with ResultStore(path) as store:
+        store.record(SLOPED)
+        assert store.outcomes([DONE.key]) == {DONE.key: SLOPED}
+        assert list(store.every_outcome()) == [SLOPED]
+    with ResultStore(path, readonly=True) as store:
+        assert store.outcomes([DONE.key]) == {DONE.key: SLOPED}
+
+
+@pytest.mark.parametrize(
+    ("statement", "why"),
+    [
+        ("DELETE FROM slopes", "its slopes are missing"),
+        ("DROP TABLE slopes", "its slopes are missing"),
+        (
+            "UPDATE slopes SET shares = replace(shares, '-0.2', '-0.3')",
+            "the checksum of its slopes",
+        ),
+        (
+            "UPDATE slopes SET shares = replace(shares, '-0.2', '\"x\"')",
+            "web_width among its slopes",
+        ),
+        ("UPDATE slopes SET shares = '[]'", "its slopes cannot be read"),
+        (
+            "UPDATE slopes SET shares = replace(shares, '{\"web_width\": -0.2}', '1')",
+            "its slopes of axial",
+        ),
+    ],
+)
+def test_a_design_whose_slopes_are_damaged_is_computed_again(tmp_path, statement, why):
+    path = tmp_path / "runs.sqlite"
+    with ResultStore(path) as store:
+        store.record(SLOPED)
+    with closing(sqlite3.connect(path)) as broken:
+        broken.execute(statement)
+        broken.commit()
+    with ResultStore(path) as store:
+        assert store.outcomes([DONE.key]) == {}
+        assert store.damaged[DONE.key].startswith(why)
+        store.record(SLOPED)
+        assert store.outcomes([DONE.key]) == {DONE.key: SLOPED}
+        assert not store.damaged

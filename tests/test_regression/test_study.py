@@ -9,6 +9,7 @@ import uuid
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from comparing import close
@@ -16,6 +17,7 @@ from crankbase import memory
 from crankbase.errors import InputError, NotEnoughMemoryError
 from fem.material import STEEL
 from fem.responses import evaluate_throw
+from geometry.throw import CrankThrow
 from plans import FILLETED, plan_of_levels
 from puppets import marked, puppet
 from regression.plans import plan as plan_module
@@ -24,6 +26,7 @@ from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, StudyPlan, plan_designs
 from regression.runs import study as study_module
 from regression.runs import workers as workers_module
+from regression.runs.exchange import export_table
 from regression.runs.store import ResultStore
 from regression.runs.study import import_results, read_study, run_plan
 
@@ -86,6 +89,59 @@ def test_results_are_those_of_the_throw_alone(small_run):
     for name, value in expected.values.items():
         assert table.responses[name][1] == close(value, rel=1e-9)
         assert table.errors[name][1] == close(expected.errors[name], rel=1e-6, abs=1e-12)
+
+
+SLOPED = StudyPlan(
+    SHARP,
+    (Factor("web_width", "m", 0.28, 0.30), Factor("ratio", "", 1.0, 1.2)),
+    DesignChoice("latin hypercube", runs=3),
+    {"pin_length": "ratio * 130 mm", "main_journal_length": "0.40 m - pin_length"},
+    held_out=1,
+    accuracy=0.1,
+    slopes=True,
+)
+
+
+@pytest.mark.slow
+def test_a_study_with_slopes_continues_and_shows_them(tmp_path):
+    store, name = tmp_path / "runs.sqlite", "axial_compliance_in_line"
+
+    def interrupt(done, *_):
+        if done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_plan(SLOPED, store, 1, interrupt)
+    table = run_plan(SLOPED, store, 1)
+    assert table.computed == 2
+    read = read_study(store)
+    assert np.array_equal(read.slopes[name], table.slopes[name], equal_nan=True)
+    # All responses have slopes over both factors at the runs.
+    assert table.slopes.keys() == table.responses.keys()
+    assert np.isfinite(table.slopes[name][:3]).all()
+    assert np.isnan(table.slopes[name][3]).all()
+    # By the chain rule from those of the throw alone, over its three dimensions.
+    moved = ("web_width", "pin_length", "main_journal_length")
+    throw = CrankThrow(**SLOPED.planned.designs[0].inputs["throw"])
+    shares = evaluate_throw(throw, accuracy=0.1, slopes=moved).slopes[name]
+    terms = (
+        shares["pin_length"] / throw.pin_length
+        - shares["main_journal_length"] / throw.main_journal_length
+    )
+    over_ratio = table.responses[name][0] * 0.130 * terms
+    assert table.slopes[name][0, 1] == close(over_ratio, rel=1e-5)
+    frame = table.to_pandas()
+    assert frame.attrs["units"][f"{name} per web_width"] == "m/N per m"
+    assert frame[f"{name} per ratio"].iloc[0] == table.slopes[name][0, 1]
+    exported = tmp_path / "runs.csv"
+    export_table(table, exported)
+    header = exported.read_text(encoding="utf-8").splitlines()[0]
+    assert f"{name} per web_width [m/N per m]" in header
+    assert import_results(SLOPED, tmp_path / "other.sqlite", exported, alone=True).rows == 4
+    assert import_results(SLOPED, tmp_path / "third.sqlite", store).designs == 4
+    third = run_plan(SLOPED, tmp_path / "third.sqlite", 1)
+    assert third.computed == 0
+    assert np.array_equal(third.slopes[name], table.slopes[name], equal_nan=True)
 
 
 @pytest.mark.slow

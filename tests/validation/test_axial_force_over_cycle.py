@@ -15,11 +15,11 @@ from scipy.linalg import eigh
 
 from comparing import close
 from crankfem.analyses.engine_mechanism import mechanism_of
-from crankfem.analyses.shaft.chains import bearing_stiffness, magnifier_of
+from crankfem.analyses.shaft.chains import magnifier_of
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.vibration.axial_cycle import axial_cycle
+from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics, forces_over_speeds
-from crankfem.analyses.vibration.forced import EngineChains
 from crankfem.analyses.vibration.modes import axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import load_engine
 from fem.analysis import analyze_throw
@@ -64,7 +64,7 @@ def test_against_a_shaft_assembled_by_hand(case, figure):
     for place, throw in enumerate(throws):
         matrix[6 * place : 6 * place + 12, 6 * place : 6 * place + 12] += throw.stiffness
     for across in (UX, UY):
-        matrix[range(across, size, 6), range(across, size, 6)] += bearing_stiffness(engine).nominal
+        matrix[range(across, size, 6), range(across, size, 6)] += engine.main_bearings.stiffness
     tangential, radial = harmonics.at(
         engine.engine.rated_speed, shaft_angle_deg=found.shaft_angles_deg
     )

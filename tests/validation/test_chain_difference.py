@@ -16,7 +16,7 @@ from scipy.linalg import eigh
 
 import crankfem as cf
 from comparing import close
-from crankfem.analyses.shaft.chains import bearing_stiffness, shaft_surroundings
+from crankfem.analyses.shaft.chains import shaft_surroundings
 from crankfem.analyses.shaft.whole_shaft import shaft_throws, whole_shaft
 from crankfem.analyses.vibration.bearing_sweep import (
     bearing_sweep,
@@ -56,7 +56,7 @@ def case(request):
     engine = cf.load_engine(request.param)
     analysis = cf.analyze_throw(engine.throw, engine.material, accuracy=0.1)
     whole = whole_shaft(engine, analysis, superelement=analysis.dynamic_superelement(HIGHEST))
-    held = held_chains(engine, analysis, None, bearing_stiffness(engine).nominal)
+    held = held_chains(engine, analysis, None, engine.main_bearings.stiffness)
     rigid = held_chains(engine, analysis, None, math.inf)
     chain = held.chain("torsional")
     mode = first_of_crankshaft(chain)
@@ -106,7 +106,7 @@ def own_frequency(case):
         turning.append(mean)
         # A little of the throw's own mass, so that no motion is without any.
         mass[np.ix_(own, own)] += 1e-6 * turn @ element.mass @ turn.T
-    bearing = bearing_stiffness(engine).nominal
+    bearing = engine.main_bearings.stiffness
     for section in range(len(angles) + 1):
         for across in (0, 1):
             stiffness[6 * section + across, 6 * section + across] += bearing
@@ -211,9 +211,9 @@ def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):
     engine, analysis = case.engine, case.analysis
     each = chains_over_bearings(engine, analysis)
     found = bearing_sweep(engine, each, case.whole)
-    held = bearing_stiffness(engine)
+    held = engine.main_bearings
     assert (found.stiffness[0], found.stiffness[3], found.stiffness[-1]) == close(
-        (held.lowest, held.nominal, held.highest)
+        (held.lowest, held.stiffness, held.highest)
     )
     assert (found.used, found.statuses, found.flips) == ({}, (), False)
     for place in (0, 3, 6):
@@ -227,7 +227,7 @@ def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):
     ).crankshaft.shaft
     figure(
         "stiffness of the whole crankshaft in other bearings",
-        in_bearings(case.whole.crankshaft.shaft, held.lowest - held.nominal).stiffness,
+        in_bearings(case.whole.crankshaft.shaft, held.lowest - held.stiffness).stiffness,
         softer.stiffness,
         1e-12,
         scale=np.abs(softer.stiffness).max(),
@@ -238,7 +238,7 @@ def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):
         for branch in branches:
             assert np.all(np.diff(branch[np.isfinite(branch)]) > 0.0)
         for place, held_one in enumerate(each):
-            named, added = held_one.chain(kind), float(found.stiffness[place]) - held.nominal
+            named, added = held_one.chain(kind), float(found.stiffness[place]) - held.stiffness
             shaft = in_bearings(case.whole.crankshaft.shaft, added)
             wanted = named.first_mode(named.chain.modes())
             (match,) = match_modes(shaft, crankshaft_modes(shaft), named, [wanted])

@@ -11,12 +11,7 @@ import numpy as np
 from crankbase.results import Flat, Quantity, Result, result
 from crankbase.table import SI, Cell, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
-from dynamics.balance import (
-    BALANCED,
-    Balance,
-    Hodograph,
-    balance,
-)
+from dynamics.balance import BALANCED, Balance, Hodograph, balance
 from dynamics.engine.layout import EngineCylinder
 from geometry.parts import counterweight_moment
 

@@ -13,11 +13,7 @@ from crankbase.results import Flat, Internal, Number, Quantity, Result, Speed, r
 from crankbase.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_mechanism import MechanismFile
-from crankfem.analyses.mechanism.engine_balance import (
-    EngineBalance,
-    engine_balance,
-    per_area_table,
-)
+from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance, per_area_table
 from crankfem.analyses.mechanism.hinged_rods import (
     PistonAccelerations,
     hinged_rod_table,

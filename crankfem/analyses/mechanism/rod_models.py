@@ -80,11 +80,7 @@ class ModelDifference(Result):
     def force_changes(self) -> dict[str, FloatArray]:
         """T and Z of the crankpin and N of the piston above it: second model less first, (m,) [N]."""
         crankpin = self.second.in_crank_frame - self.first.in_crank_frame
-        return {
-            "tangential": crankpin.imag,
-            "radial": -crankpin.real,
-            "side": self.side_change,
-        }
+        return {"tangential": crankpin.imag, "radial": -crankpin.real, "side": self.side_change}
 
     @property
     def crankpin(self) -> Part[str]:
@@ -182,12 +178,7 @@ class ModelDifference(Result):
         )
         same, of_mean, mean, maximum = (
             f"{100.0 * share:+.2f} %"
-            for share in (
-                self.largest_of_same_angle,
-                self.largest_of_mean,
-                self.mean,
-                self.maximum,
-            )
+            for share in (self.largest_of_same_angle, self.largest_of_mean, self.mean, self.maximum)
         )
         at, mean_at = (
             units.of("deg").with_name(math.radians(angle))

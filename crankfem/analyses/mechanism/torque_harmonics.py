@@ -211,10 +211,7 @@ class TableHarmonics(Result):
 
 
 def table_harmonics(
-    name: str,
-    table: TorqueTable,
-    highest: float | None,
-    firing_angles_deg: Sequence[float],
+    name: str, table: TorqueTable, highest: float | None, firing_angles_deg: Sequence[float]
 ) -> tuple[TableHarmonics, Harmonics]:
     """Split the torque of a table, and add up cylinders that fire at the angles, if there are any.
 

@@ -1,6 +1,6 @@
 """The axial and the torsional chain of an engine file, with all bodies attached to them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -8,12 +8,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
 from crankbase.quantity import UNITS, VIBRATING, compact, format_quantity, significant, unit_symbol
-from crankbase.summaries import summarized
 from crankfem.analyses.engine_mechanism import layout_of
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.mechanism_sections import load_points
+from dynamics import wording
 from dynamics.chains.dampers import TorsionalDamper
 from dynamics.chains.engine_chains import (
     EngineChain,
@@ -24,78 +24,11 @@ from dynamics.chains.engine_chains import (
 )
 from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.crankshaft.surroundings import AxialSupport, EndBody, MainBearings, ShaftSurroundings
-from dynamics.response.linear_system import (
-    DEFAULT_MAGNIFIER,
-    MAGNIFIER_SOURCE,
-    UNIT,
-    DampedChain,
-    damped,
-)
+from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE, DampedChain, damped
 from geometry.mass import cylinder_mass_properties
 
-# Lateral stiffness of a main bearing (oil film, cap and wall) per journal diameter, where the file gives
-# none. An assumption of the order of magnitude, no measurement: it makes 0.5e9 N/m of a journal of 50 mm
-# and 2e9 N/m of one of 200 mm; hence a range of ten times less to ten times more.
-ASSUMED_PER_DIAMETER = 1e10  # N/m per m
-ASSUMED_RANGE = 10.0
-# Steps of the range on either side of the nominal value: seven values in all.
-STEPS = 3
 # Points of the mean torque of the load over the speed, linear between.
 TORQUES_OVER_SPEED = 241
-
-
-@summarized("nominal [N/m]", "lowest [N/m]", "highest [N/m]", "assumed")
-@dataclass(frozen=True)
-class BearingStiffness:
-    """Lateral stiffness of each main bearing with its housing, and its possible range.
-
-    The journals' compliances in the chains and the whole crankshaft depend on the same value.
-
-    Attributes
-    ----------
-    nominal, lowest, highest : float
-        [N/m]; equal to the nominal value if the file gives a stiffness without a range.
-    assumed : bool
-        Whether the file gives none.
-    """
-
-    nominal: float
-    lowest: float
-    highest: float
-    assumed: bool
-
-    @property
-    def sweep(self) -> NDArray[np.float64]:
-        """Seven values over the range, with equal ratios on either side of the nominal one in the middle.
-
-        A single value if there is no range.
-        """
-        if self.lowest == self.highest:
-            return np.array([self.nominal])
-        below = np.geomspace(self.lowest, self.nominal, STEPS + 1)
-        above = np.geomspace(self.nominal, self.highest, STEPS + 1)
-        return np.concatenate((below, above[1:]))
-
-    def describe(self) -> str:
-        """Return the stiffness and its range in a clause."""
-        text = f"lateral stiffness of {compact(self.nominal)} N/m each"
-        if self.lowest < self.highest:
-            text += f" (range {compact(self.lowest)} to {compact(self.highest)})"
-        return text
-
-
-def bearing_stiffness(engine_file: EngineFile) -> BearingStiffness:
-    """Return the lateral stiffness of an engine's main bearings, given or assumed."""
-    bearings = engine_file.bearings
-    if bearings is None:
-        assumed = ASSUMED_PER_DIAMETER * engine_file.throw.main_journal_diameter
-        return BearingStiffness(assumed, assumed / ASSUMED_RANGE, assumed * ASSUMED_RANGE, True)
-    return BearingStiffness(
-        bearings.stiffness,
-        bearings.lowest_stiffness or bearings.stiffness,
-        bearings.highest_stiffness or bearings.stiffness,
-        False,
-    )
 
 
 Array = NDArray[np.float64]
@@ -274,10 +207,9 @@ def magnifier_damping(engine_file: EngineFile, chain: EngineChain) -> tuple[Arra
 def damped_engine_chain(engine_file: EngineFile, chain: EngineChain) -> DampedChain:
     """Return the chain with the damping of engine and shaft; dampers and couplings add theirs."""
     added, magnifier = magnifier_damping(engine_file, chain)
-    system = damped(chain.chain, modal_damping=added)
-    record = system.record if added is None else (*system.record[:-1], magnifier)
     unit = "N s/m" if chain.kind == "axial" else "N m s/rad"
-    return replace(system, record=tuple(sentence.replace(UNIT, unit) for sentence in record))
+    system = damped(chain.chain, modal_damping=added, unit=unit)
+    return system if added is None else replace(system, record=(*system.record[:-1], magnifier))
 
 
 class Motion(NamedTuple):
@@ -342,7 +274,7 @@ def shaft_surroundings(
     remarks : tuple of str
         Assumptions.
     """
-    throws, per_throw = len(engine_file.throw_angles_deg), len(engine_file.throw.parts.pins)
+    per_throw = len(engine_file.throw.parts.pins)
     each = crank_analyses(engine_file, analysis)
     solids = np.array([own.masses.inertia_about_shaft for own in each])
     rods = engine_throw_inertias(engine_file, solids) - solids
@@ -352,7 +284,7 @@ def shaft_surroundings(
     supports = [AxialSupport(thrust.section_index, thrust.stiffness)]
     if damper is not None:
         supports.append(AxialSupport(0, damper.stiffness, damper.damping))
-    held, first = (bearings, ()) if bearings is not None else _bearings(engine_file, throws)
+    held, first = (bearings, ()) if bearings is not None else _bearings(engine_file)
     flywheel, second = _flywheel(engine_file)
     free_end, third = _free_end(engine_file)
     around = ShaftSurroundings(
@@ -366,20 +298,19 @@ def shaft_surroundings(
         torsional_line=engine_file.shaft_lines.get("torsional"),
         axial_line=engine_file.shaft_lines.get("axial"),
     )
-    return around, (*first, *second, *third)
+    fourth = (wording.LINE_WITHOUT_BENDING,) if around.torsional_line or around.axial_line else ()
+    return around, (*first, *second, *third, *fourth)
 
 
-def _bearings(engine_file: EngineFile, throws: int) -> tuple[MainBearings, Remarks]:
-    held, bearings = bearing_stiffness(engine_file), engine_file.bearings
-    damping, variation = (0.0, None) if bearings is None else (bearings.damping, bearings.variation)
-    return MainBearings([held.nominal] * (throws + 1), [damping] * (throws + 1), variation), (
-        (
-            f"main bearings are assumed to have a {held.describe()}, 1e10 N/m per m of journal diameter, "
-            "and no damping; give the section [bearings]",
-        )
-        if held.assumed
-        else ()
+def _bearings(engine_file: EngineFile) -> tuple[MainBearings, Remarks]:
+    held = engine_file.main_bearings
+    assumed = (
+        f"main bearings are assumed to have a lateral stiffness of {compact(held.stiffness)} N/m each (range "
+        f"{compact(held.lowest)} to {compact(held.highest)}), 1e10 N/m per m of journal diameter, and no "
+        "damping; give the section [bearings]"
     )
+    around = MainBearings(held.stiffness, held.damping, held.variation)
+    return around, () if engine_file.bearings else (assumed,)
 
 
 def flywheel_overhang(engine_file: EngineFile) -> tuple[float, bool]:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
-from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, crank_analyses
 from crankfem.analyses.throw.law_record import LAW, LawAnswer, law_answers
 from crankfem.files.chain.chain_file import PLANT, plant_chain
@@ -253,13 +252,12 @@ def compliances_in_shaft(
     Parameters
     ----------
     stiffness : float, optional
-        Lateral, of each main bearing [N/m], ``math.inf`` for rigid ones; that of `bearing_stiffness` by
-        default.
+        Lateral, of each main bearing [N/m], ``math.inf`` for rigid ones; by default that of the engine.
     """
     throws = [
         crank_analysis.superelement for crank_analysis in crank_analyses(engine_file, analysis)
     ]
-    held = bearing_stiffness(engine_file).nominal if stiffness is None else stiffness
+    held = engine_file.main_bearings.stiffness if stiffness is None else stiffness
     return shaft_compliances(
         throws, crank_angles_deg=engine_file.throw_angles_deg, bearing_stiffness=held
     )

@@ -17,14 +17,13 @@ from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Quantity, Result, result
 from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
-from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
+from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
     engine_harmonics,
     failing_harmonics,
     pressures_of_cylinders,
 )
-from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.misfiring import Cylinders, Series, Superposition, misfiring_cases
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
@@ -389,7 +388,7 @@ def shaft_under_forces(vibration: EngineVibration) -> ShaftUnderForces:
     return ShaftUnderForces(
         tuple(analysis.superelement for analysis in each),
         np.asarray(np.radians(file.throw_angles_deg)),
-        bearing_stiffness(file).nominal,
+        file.main_bearings.stiffness,
     )
 
 

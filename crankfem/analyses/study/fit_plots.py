@@ -57,11 +57,7 @@ PALE_BLUE = "#b9cfe4"
 
 
 def factor_diagram(
-    table: StudyTable,
-    response: ResponseFits,
-    place: int,
-    unit: str = "",
-    texts: Sequence[str] = (),
+    table: StudyTable, response: ResponseFits, place: int, unit: str = "", texts: Sequence[str] = ()
 ) -> Diagram:
     """Describe the chosen equation, and others for comparison, over one factor.
 

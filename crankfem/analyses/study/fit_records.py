@@ -2,13 +2,13 @@
 
 import datetime
 from collections.abc import Mapping
-from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.results import made_from
 from crankfem.analyses.provenance import program_version
 from crankfem.analyses.study.nominal_throw import sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits
@@ -131,12 +131,7 @@ def fitted_study(
     return FittedStudy(
         key=plan.key,
         design=plan.design.kind,
-        factors={
-            factor.name: FactorRange(
-                **{part.name: getattr(factor, part.name) for part in fields(FactorRange)}
-            )
-            for factor in plan.factors
-        },
+        factors={factor.name: made_from(factor, FactorRange) for factor in plan.factors},
         relations=plan.relations,
         constraints=plan.constraints,
         runs=int(np.sum(~table.held_out)),

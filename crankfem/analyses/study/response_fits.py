@@ -1,6 +1,6 @@
 """All forms fitted to one response of a study, and their values at designs and between them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -15,7 +15,7 @@ from crankbase.frames import table as frame
 from crankbase.results import Internal, Number, Quantity, Result, result
 from fem.responses import RESPONSES
 from regression.fits.equation_text import equation_text, term_effects
-from regression.fits.fits import Fit, fit_form
+from regression.fits.fits import Fit, contradicting_slopes, fit_form
 from regression.fits.forms import (
     FORMS,
     Encoding,
@@ -24,10 +24,9 @@ from regression.fits.forms import (
     group_encoding,
     group_named,
 )
+from regression.fits.run_slopes import RunSlopes
 from regression.fits.selection import choose
-from regression.plans.factors import field_value
 from regression.plans.plan import PlannedStudy, StudyPlan
-from regression.plans.relations import evaluate_expression
 from regression.plots import draw_effects
 from regression.records import MEASURED, RUN
 from regression.response_kinds import response_scale
@@ -39,6 +38,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+# Of a slope's row of least squares, at least; that of a value has 1.
+LEAST_WEIGHT = 0.1
 # What a table of the forms says of each.
 ERRORS = ("r_squared", "q_squared", "largest_error", "largest_heldout_error", "mean_heldout_error")
 
@@ -65,6 +66,10 @@ class FittedResponse(Result):
     fe_scatter : float
         Standard deviation of that estimate over the designs: an error common to all designs is invisible
         to every form, a varying one looks like scatter.
+    slopes : int
+        Number of slopes fitted besides the values.
+    left_out_slopes : tuple of str
+        Slopes left out, because they contradict the values and the other slopes.
     """
 
     column: str
@@ -76,6 +81,8 @@ class FittedResponse(Result):
     twins: Mapping[str, str]
     fe_error: Annotated[float | None, Quantity("1")]
     fe_scatter: Number
+    slopes: Annotated[int, Quantity("1")]
+    left_out_slopes: tuple[str, ...]
 
 
 @result(
@@ -104,6 +111,8 @@ class ResponseFits(FittedResponse):
         the same for all responses.
     reasons : mapping
         Forms that could not be fitted, to the reason.
+    doubted_slopes : tuple
+        Run and factor, by their places, of the slopes left out.
     """
 
     response: Internal[str]
@@ -111,6 +120,7 @@ class ResponseFits(FittedResponse):
     chosen: Internal[Fit]
     encodings: Internal[Mapping[str, Encoding]]
     reasons: Internal[Mapping[str, str]]
+    doubted_slopes: Internal[tuple[tuple[int, int], ...]] = ()
     unfitted: Internal[Mapping[str, str]] = field(default_factory=dict)
 
     def form_text(self, fit: Fit) -> str:
@@ -273,19 +283,7 @@ def dimensions_at(plan: StudyPlan, values: Array, names: list[str]) -> dict[str,
     """Return dimensions of the throws of factor values (n, k), whether they can be built or not."""
     if not names:
         return {}
-    variants = plan.variants()
-    known = {
-        path: np.full(len(values), float(base))
-        for path in variants.units
-        if isinstance(base := field_value(variants.record, path), int | float)
-    } | {
-        factor.name: values[:, place]
-        for place, factor in enumerate(plan.factors)
-        if not factor.labels
-    }
-    for path, expression in variants.relations.items():
-        evaluated = evaluate_expression(expression, known, variants.units, variants.units[path])
-        known[path] = np.array(np.broadcast_to(evaluated, (len(values),)))
+    known = plan.variants().fields_at(values)
     return {name: known[name] for name in names}
 
 
@@ -408,6 +406,10 @@ def _fit_response(
 ) -> ResponseFits:
     kind = RESPONSES[column]
     name, support = response_name(column)
+    doubted = _doubted(table, column, encodings["factors"])
+    slopes = {
+        basis: run_slopes(table, column, encoding, doubted) for basis, encoding in encodings.items()
+    }
     fits: list[Fit] = []
     skipped: dict[str, str] = {}
     twins: dict[str, str] = {}
@@ -416,7 +418,7 @@ def _fit_response(
             skipped[form.name] = missing[form.basis]
             continue
         try:
-            fit = _fit(table, column, form, encodings[form.basis])
+            fit = _fit(table, column, form, encodings[form.basis], slopes[form.basis])
         except InputError as error:
             skipped[form.name] = str(error)
             continue
@@ -446,14 +448,89 @@ def _fit_response(
         reason=choice.reason,
         skipped=sentences,
         reasons=skipped,
+        doubted_slopes=tuple(doubted),
         twins=twins,
         fe_error=max(errors, default=None),
         fe_scatter=scatter,
+        slopes=0 if slopes["factors"] is None else len(slopes["factors"].known),
+        left_out_slopes=_named_slopes(table, doubted),
         encodings=dict(encodings),
     )
 
 
-def _fit(table: StudyTable, column: str, form: Form, encoding: Encoding) -> Fit:
+def _doubted(table: StudyTable, column: str, encoding: Encoding) -> list[tuple[int, int]]:
+    """Find the runs and factors of slopes that contradict the rest."""
+    slopes, runs = run_slopes(table, column, encoding), ~table.held_out
+    if slopes is None:
+        return []
+    x = encoding.columns(table.plan.factors, table.values[runs], {})
+    precision = float(np.mean(table.errors[column][runs])) if column in table.errors else 0.0
+    y = table.responses[column][runs]
+    return contradicting_slopes(encoding.names, x, y, slopes, encoding.logged, precision)
+
+
+def _named_slopes(table: StudyTable, doubted: Sequence[tuple[int, int]]) -> tuple[str, ...]:
+    """Name slopes by factor and run, or by the factor alone if they are all over it."""
+    factors, values = table.plan.factors, table.values[~table.held_out]
+    texts = []
+    for place, factor in enumerate(factors):
+        runs = [run for run, over in doubted if over == place]
+        if len(runs) == len(values):
+            texts.append(f"all over {factor.name}")
+            continue
+        for run in runs:
+            settings = (
+                f"{one.name} {one.format_value(value)}"
+                for one, value in zip(factors, values[run].tolist(), strict=True)
+            )
+            texts.append(f"over {factor.name} at {', '.join(settings)}")
+    return tuple(texts)
+
+
+def run_slopes(
+    table: StudyTable, column: str, encoding: Encoding, left_out: Sequence[tuple[int, int]] = ()
+) -> RunSlopes | None:
+    """Return a response's slopes at the runs, for equations in some columns; None if there are none.
+
+    `left_out` has run and factor of those not to be used.
+    """
+    plan, factors, runs = table.plan, table.plan.factors, ~table.held_out
+    if column not in table.slopes or not np.isfinite(table.slopes[column][runs]).any():
+        return None
+    values, y = table.values[runs], table.responses[column][runs]
+    known = table.slopes[column][runs] / y[:, None]
+    errors = np.zeros_like(known)
+    turned = np.zeros((*known.shape, len(encoding.names)))
+    variants = plan.variants()
+    for place, factor in enumerate(factors):
+        if factor.labels:
+            continue
+        low, high, step = variants.fields_beside(values, place)
+        half = 0.5 * (factor.highest - factor.lowest)
+        shift = step * np.eye(len(factors))[place]
+        columns = [
+            encoding.columns(factors, values + sign * shift, fields)
+            for sign, fields in ((-1.0, low), (1.0, high))
+        ]
+        turned[:, place] = (columns[1] - columns[0]) * (half / (2.0 * step))
+        scales = [fit_scale(plan, column, encoding.basis, fields) for fields in (low, high)]
+        known[:, place] -= np.log(scales[1] / scales[0]) / (2.0 * step)
+        known[:, place] *= half
+        errors[:, place] = (
+            table.slope_errors[column][runs] * half / np.maximum(np.abs(values[:, place]), half)
+        )
+    precise = table.errors[column][runs] if column in table.errors else errors.min(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        weights = np.clip(precise[:, None] / errors, LEAST_WEIGHT, 1.0)
+    known[tuple(np.array(left_out, dtype=int).reshape(-1, 2).T)] = np.nan
+    if not np.isfinite(known).any():
+        return None
+    return RunSlopes(known, np.where(errors > 0.0, weights, 1.0), turned)
+
+
+def _fit(
+    table: StudyTable, column: str, form: Form, encoding: Encoding, slopes: RunSlopes | None
+) -> Fit:
     y, held = table.responses[column], table.held_out
     x = encoding.columns(table.plan.factors, table.values, table.dimensions)
     scale = np.broadcast_to(fit_scale(table.plan, column, form.basis, table.dimensions), y.shape)
@@ -468,6 +545,7 @@ def _fit(table: StudyTable, column: str, form: Form, encoding: Encoding) -> Fit:
         heldout_scale=scale[held],
         logged=encoding.logged,
         drop_terms=True,
+        slopes=slopes,
     )
 
 

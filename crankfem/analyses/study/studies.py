@@ -29,6 +29,7 @@ from crankfem.analyses.study.response_fits import (
     fit_scale,
     fit_study,
     needed_dimensions,
+    run_slopes,
 )
 from crankfem.files.engine.throw_file import load_study
 from crankfem.files.reading.toml_file import TomlFile
@@ -162,6 +163,9 @@ def _judged(table: StudyTable, response: ResponseFits, places: Array) -> JudgedE
         target=np.log(values / scale) if fit.fitted.logarithmic else values / scale,
         places=x,
         sizes=sizes,
+        slopes=run_slopes(
+            table, response.column, response.encodings[fit.basis], response.doubted_slopes
+        ),
     )
 
 

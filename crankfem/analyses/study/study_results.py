@@ -6,7 +6,7 @@ from typing import Annotated, Self
 import numpy as np
 
 from crankbase.quantity import format_quantity
-from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, result
+from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, made_from, result
 from crankbase.table import Column, Table
 from crankfem.analyses.study.response_fits import FittedResponse, ResponseFits
 from regression.fits.equation_text import term_symbols
@@ -94,7 +94,9 @@ class FittedEquation(Result):
             for term in form.natural_coefficients()
         ]
         by_term = [f"({unit})/({term})" if term else unit for term in terms]
-        return cls(
+        return made_from(
+            statistics,
+            cls,
             errors=fit,
             equation=response.equation(fit),
             coefficients=fit.coefficients,
@@ -113,10 +115,6 @@ class FittedEquation(Result):
                     strict=True,
                 )
             ),
-            f_value=statistics.f_value,
-            aic=statistics.aic,
-            bic=statistics.bic,
-            condition_number=statistics.condition_number,
             largest_variance_inflation=max(inflation.values(), default=None),
             largest_leverage=float(np.max(statistics.leverage)),
             warnings=tuple(warnings_of(fit)),
@@ -199,11 +197,10 @@ class ResponseForms(Result):
             (Column("R2", decimals=5), lambda f: f.r_squared),
             (Column("Q2", decimals=5), lambda f: f.q_squared),
             (Column("at the runs"), lambda f: _both(f.largest_error, f.mean_error)),
-            (
-                Column("held out"),
-                lambda f: _both(f.largest_heldout_error, f.mean_heldout_error),
-            ),
+            (Column("held out"), lambda f: _both(f.largest_heldout_error, f.mean_heldout_error)),
         )
+        if self.fitted.slopes:
+            yield f"Fitted to {self.fitted.slopes} slopes besides the values at the runs."
         yield f"Chosen by its errors: {self.fitted.reason}"
         yield (
             "The form was chosen by this error, so it is slightly optimistic for other designs."
@@ -372,6 +369,15 @@ class FittedStudy(Result):
             (Column("95 %"), lambda name: _percent(every[name].band_error)),
             (Column("FE"), lambda name: _percent(self.fits[name].fitted.fe_error)),
         )
+        doubted: dict[tuple[str, ...], list[str]] = {}
+        for name, response in self.fits.items():
+            doubted.setdefault(response.fitted.left_out_slopes, []).append(name)
+        for slopes, names in doubted.items():
+            if slopes:
+                yield (
+                    f"Slopes left out, because they contradict the values and the other slopes, of "
+                    f"{', '.join(names)}: {'; '.join(slopes)}."
+                )
         errors = [fit.largest_heldout_error for fit in moments.values()]
         known = [error for error in errors if error is not None]
         if known:

@@ -10,6 +10,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
+from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     engine_harmonics,
@@ -22,7 +23,6 @@ from crankfem.analyses.vibration.engine_limits import (
     engine_limits,
     limited_quantities,
 )
-from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.misfiring import (
     Cylinders,
     Reached,

@@ -2,15 +2,15 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError, MeshError, SolveError
-from crankbase.results import Number, Quantity, Result, result
+from crankbase.results import Number, Quantity, Result, made_from, result
 from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.stress_picture import RENDER, picture_arrays, picture_name
@@ -24,9 +24,7 @@ from fem.fillet_peaks import (
     LAYERS,
     RULE_LOADS,
     FilletMeshing,
-    FilletPeak,
     FilletStresses,
-    OilHolePeak,
     ReadingQuality,
 )
 from fem.material import Material
@@ -314,7 +312,9 @@ class StressResults(Result):
 def stress_results(stresses: FilletStresses) -> StressResults:
     """Return the numbers of stresses at a throw's fillets and oil holes."""
     loaded, mesh = stresses.loaded, stresses.loaded.mesh
-    return StressResults(
+    return made_from(
+        stresses,
+        StressResults,
         dimensions=dimensions_of(stresses.throw),
         material=loaded.material,
         support="pinned",
@@ -326,12 +326,13 @@ def stress_results(stresses: FilletStresses) -> StressResults:
                 unit=load.unit,
                 stress_unit=f"Pa/({load.unit})" if " " in load.unit else f"Pa/{load.unit}",
                 fillets=tuple(
-                    FilletStress(**_values(peak), radius=peak.fillet.radius)
+                    made_from(peak, FilletStress, radius=peak.fillet.radius)
                     for peak in stresses.under(load)
                 ),
                 oil_holes=tuple(
-                    OilHoleStress(
-                        **_values(peak),
+                    made_from(
+                        peak,
+                        OilHoleStress,
                         diameter=2.0 * peak.outlet.drilling.radius,
                         exit_radius=peak.outlet.drilling.exit_radius,
                     )
@@ -340,24 +341,13 @@ def stress_results(stresses: FilletStresses) -> StressResults:
             )
             for load in loaded.loads
         ),
-        sharp_corners=stresses.sharp_corners,
-        error_estimate=stresses.error_estimate,
-        accuracy=stresses.accuracy,
-        accuracy_met=stresses.accuracy_met,
         elements_across_fillets=stresses.fineness,
-        mesh=stresses.mesh,
-        meshings=stresses.meshings,
-        rule_met=stresses.rule_met,
         unknowns=mesh.unknowns,
         solved_part=mesh.part,
         mended_elements=mesh.mended_elements,
         meshing_attempts=mesh.attempts,
         solver=loaded.solver,
     )
-
-
-def _values(peak: FilletPeak | OilHolePeak) -> dict[str, Any]:
-    return {entry.name: getattr(peak, entry.name) for entry in fields(StressPeak)}
 
 
 def _up(value: float, decimals: int) -> str:

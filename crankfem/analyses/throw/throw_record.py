@@ -12,7 +12,7 @@ from crankbase.choices import check_choice
 from crankbase.diagrams import COLORS, figure, legend_below, write_title
 from crankbase.errors import InputError
 from crankbase.quantity import percent
-from crankbase.results import Number, Quantity, Result, result
+from crankbase.results import Number, Quantity, Result, made_from, result
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.throw.law_record import LawResults
 from fem.analysis import ThrowAnalysis, axial_correction
@@ -297,19 +297,11 @@ class ThrowResults(Result):
     def slope_words(self) -> str:
         """State how well the slopes are known, and which dimensions have none."""
         slope = (self.slopes or ())[0]
-        zero = [path for path, why in slope.left_out.items() if why == ZERO]
-        others = [f"{path}: {why}" for path, why in slope.left_out.items() if why != ZERO]
-        missing = [f"no slope where a dimension is zero ({', '.join(zero)})"] if zero else []
-        return (
-            "; ".join(
-                [
-                    f"Slopes of the mesh's answer, without its correction of {percent(slope.error)} %",
-                    *missing,
-                    *others,
-                ]
-            )
-            + "."
-        )
+        words = [f"Slopes of the mesh's answer, without its correction of {percent(slope.error)} %"]
+        if zero := [path for path, reason in slope.left_out.items() if reason == ZERO]:
+            words.append(f"no slope where a dimension is zero ({', '.join(zero)})")
+        words += [f"{path}: {why}" for path, why in slope.left_out.items() if path not in zero]
+        return f"{'; '.join(words)}."
 
     def time_table(self) -> Table:
         """Return the time of each step."""
@@ -452,9 +444,10 @@ def throw_results(
     x, y, z = (0.0, -radial_force, 0.0) if pin_force is None else pin_force
     further = [(right, up, along) for right, up, along in further_pin_forces]
     mesh, masses, sections = analysis.mesh, analysis.masses, analysis.sections
-    return ThrowResults(
+    return made_from(
+        analysis,
+        ThrowResults,
         dimensions=dimensions_of(analysis.throw),
-        material=analysis.material,
         supports={
             name: _on_support(analysis, support, [(x, y, z), *further])
             for name, support in named_supports(gamma_deg, left_gamma_deg).items()
@@ -464,20 +457,12 @@ def throw_results(
         mass=masses.mass,
         center_of_mass=masses.center,
         inertia=masses.inertia,
-        stiffness=analysis.stiffness,
-        stiffness_error=analysis.stiffness_error,
         stiffness_units={
             "row": (("N",) * 3 + ("N m",) * 3) * 2,
             "per_column": (("m",) * 3 + ("rad",) * 3) * 2,
         },
         inertia_about_shaft=masses.inertia_about_shaft,
         unbalance=unbalance(masses, analysis.throw.length / 2.0),
-        error_estimate=analysis.error_estimate,
-        accuracy=analysis.accuracy,
-        accuracy_met=analysis.accuracy_met,
-        solver=analysis.solver,
-        seconds=analysis.seconds,
-        corrected=analysis.corrected,
         sections=sections,
         section_error=None if sections == "rigid" else analysis.section_error,
         axial_correction=axial_correction(analysis.superelement, analysis.discrete.superelement),
@@ -497,10 +482,9 @@ def _on_support(
     rigid = plain or analysis.sections == "rigid"
     ends = [analysis.reactions(force, support, pin) for pin, force in enumerate(forces)]
     lengthening = zip(answer.stretches, forces, strict=False)  # pins without a force are left out
-    return ThrowOnSupport(
-        axial=answer.axial,
-        torsional=answer.torsional,
-        influence=answer.influence,
+    return made_from(
+        answer,
+        ThrowOnSupport,
         errors=analysis.error_bars(support),
         section_errors=None if rigid else analysis.section_errors(support),
         axial_force_per_radial=answer.influence / answer.axial,

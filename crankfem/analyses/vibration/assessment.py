@@ -12,13 +12,24 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.frames import table_of
 from crankbase.quantity import RPM
-from crankbase.results import Flat, Hertz, Internal, Part, Quantity, Result, Speed, result
+from crankbase.results import (
+    Flat,
+    Hertz,
+    Internal,
+    Part,
+    Quantity,
+    Result,
+    Speed,
+    made_from,
+    result,
+)
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.assumptions import is_assumed
 from crankfem.analyses.shaft.chains import MOTION, damped_engine_chain, magnifier_of
 from crankfem.analyses.shaft.sources import source_spread
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_chain
+from crankfem.analyses.vibration.chain_answers import cause_at
 from crankfem.analyses.vibration.engine_limits import (
     Findings,
     engine_limits,
@@ -31,7 +42,7 @@ from crankfem.analyses.vibration.engine_limits import (
     strengths,
     unmodeled_plant,
 )
-from crankfem.analyses.vibration.forced import ForcedVibration, cause_at, limit_curves
+from crankfem.analyses.vibration.forced import ForcedVibration, limit_curves
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.files.chain.chain_file import PLANT
 from crankfem.files.engine.engine_file import EngineFile
@@ -60,6 +71,7 @@ from dynamics.assessment.verdict import (
     status_by,
 )
 from dynamics.chains.chain import Chain
+from dynamics.chains.engine_chains import Kind
 from dynamics.critical import engine_orders
 from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import within
@@ -398,6 +410,11 @@ class JudgedLimit(Result):
     remark: str
     judged_to: Speed
 
+    @property
+    def kind(self) -> Kind:
+        """Of the vibration: in units of length and force the axial one alone is judged."""
+        return "axial" if self.unit in (MOTION["axial"].si, MOTION["axial"].load) else "torsional"
+
 
 @result("status", "checks", "barred")
 class OtherVerdict(Result):
@@ -476,14 +493,7 @@ class Assessment(Result):
         """The limits, as far as they are judged."""
         judged_to = {check.limit.name: check.judged[1] for check in self.verdict.checks}
         return tuple(
-            JudgedLimit(
-                limit.name,
-                limit.unit,
-                limit.source,
-                limit.assumed,
-                limit.remark,
-                judged_to[limit.name],
-            )
+            made_from(limit, JudgedLimit, judged_to=judged_to[limit.name])
             for limit in self.limits.values()
         )
 

@@ -8,8 +8,9 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
+from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import forces_over_speeds
-from crankfem.analyses.vibration.forced import EngineChains, ForcedVibration
+from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics import wording
 from dynamics.crankshaft.coupled_response import CoupledResponse

@@ -11,10 +11,10 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.frames import table
 from crankbase.results import Internal, Part, Quantity, Result, result
-from crankfem.analyses.shaft.chains import BearingStiffness, bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.shaft.whole_shaft import WholeShaft, not_comparable
+from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import calculated_range
 from crankfem.analyses.vibration.engine_limits import (
     assessment_end_speeds,
@@ -23,14 +23,10 @@ from crankfem.analyses.vibration.engine_limits import (
     judges_axial,
     limit_findings,
 )
-from crankfem.analyses.vibration.forced import (
-    EngineChains,
-    ForcedVibration,
-    resonances_of,
-    vibrations_at,
-)
+from crankfem.analyses.vibration.forced import ForcedVibration, resonances_of, vibrations_at
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.sections.vibration_sections import Bearings
 from dynamics import wording
 from dynamics.assessment.verdict import Status, Trial, Verdict
 from dynamics.chains.chain import Chain
@@ -86,6 +82,8 @@ class BearingSweep(Result):
 
     Attributes
     ----------
+    assumed : bool
+        Whether the stiffness is assumed.
     stiffness : (k,) array
         Lateral, of each main bearing, ascending over the range [N/m].
     chains, shaft : dict of str to (k,) array
@@ -105,7 +103,8 @@ class BearingSweep(Result):
         Limits of which most is used above the running range, at one stiffness or more.
     """
 
-    bearings: Internal[BearingStiffness]
+    bearings: Internal[Bearings]
+    assumed: bool
     stiffness: Annotated[FloatArray, Quantity("N/m")]
     chains: Frequencies
     shaft: Frequencies
@@ -113,11 +112,6 @@ class BearingSweep(Result):
     statuses: tuple[Status, ...]
     further: Frequencies = field(default_factory=dict)
     beyond: Internal[tuple[str, ...]] = ()
-
-    @cached_property
-    def assumed(self) -> Part[bool]:
-        """Whether the stiffness is assumed."""
-        return self.bearings.assumed
 
     @property
     def flips(self) -> Part[bool]:
@@ -127,11 +121,11 @@ class BearingSweep(Result):
     @property
     def trials(self) -> tuple[Trial, ...]:
         """The verdict at each stiffness, if it is assumed; empty if the file gives it."""
-        if not self.bearings.assumed:
+        if not self.assumed:
             return ()
         name = ("bearings.stiffness", "lateral stiffness of the main bearings")
         return tuple(
-            Trial(*name, value, "N/m", status, taken=value == self.bearings.nominal)
+            Trial(*name, value, "N/m", status, taken=value == self.bearings.stiffness)
             for value, status in zip(self.stiffness.tolist(), self.statuses, strict=False)
         )
 
@@ -145,7 +139,7 @@ class BearingSweep(Result):
             )
             for kind in KINDS[::-1]
         ]
-        first = wording.over_bearings(held.lowest, held.highest, held.assumed, frequencies)
+        first = wording.over_bearings(held.lowest, held.highest, self.assumed, frequencies)
         if not self.used:
             return (first,)
         limits = wording.limits_over_bearings(self.used, self.beyond, self.statuses, self.stiffness)
@@ -188,7 +182,7 @@ def chains_over_bearings(
 
     `nominal` are those of the nominal stiffness, if known.
     """
-    values = bearing_stiffness(engine_file).sweep
+    values = engine_file.main_bearings.sweep
     if len(values) == 1:
         return ()
     return tuple(
@@ -216,12 +210,12 @@ def bearing_sweep(
     verdict : Verdict, optional
         At the nominal stiffness; without it nothing is assessed.
     """
-    held = bearing_stiffness(engine_file)
+    held = engine_file.main_bearings
     nominal = len(each) // 2
     shafts = (
         []
         if whole is None or not_comparable(engine_file)
-        else [in_bearings(whole.crankshaft.shaft, own.stiffness - held.nominal) for own in each]
+        else [in_bearings(whole.crankshaft.shaft, own.stiffness - held.stiffness) for own in each]
     )
     modes = [crankshaft_modes(shaft) for shaft in shafts]
     chains = {kind: np.array([_first(own.chain(kind)) for own in each]) for kind in KINDS}
@@ -246,6 +240,7 @@ def bearing_sweep(
     }
     return BearingSweep(
         bearings=held,
+        assumed=engine_file.bearings is None,
         stiffness=np.array([own.stiffness for own in each]),
         chains=chains,
         shaft=matched,

@@ -35,12 +35,7 @@ from dynamics.assessment.response_curves import curves_of
 from dynamics.assessment.verdict import Verdict, judge
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import Kind
-from dynamics.response.loads import (
-    ElementLoads,
-    alternating_stress,
-    dashpot_names,
-    section_modulus,
-)
+from dynamics.response.loads import ElementLoads, alternating_stress, dashpot_names, section_modulus
 from dynamics.response.series import OrderSeries
 
 RULE_PICKED = (

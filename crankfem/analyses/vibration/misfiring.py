@@ -13,6 +13,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Row, table_of
 from crankbase.results import Flat, InItsUnit, Internal, Part, Quantity, Result, Speed, result
 from crankfem.analyses.engine_mechanism import MechanismFile
+from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains, cause_at
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     failing_harmonics,
@@ -24,7 +25,6 @@ from crankfem.analyses.vibration.engine_limits import (
     compared_series,
     limited_quantities,
 )
-from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains, cause_at
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics import wording
 from dynamics.assessment.limits import VibrationLimit

@@ -30,12 +30,7 @@ from crankfem.analyses.vibration.engine_limits import assessment_end_speeds
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FREE_END, EngineChain
-from dynamics.critical import (
-    critical_speeds,
-    engine_orders,
-    major_orders,
-    vector_sums,
-)
+from dynamics.critical import critical_speeds, engine_orders, major_orders, vector_sums
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from fem.superelement import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel

@@ -11,8 +11,6 @@ from crankbase.array_checks import finite_array, finite_vector
 from crankbase.diagrams import draw_diagram, figure
 from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title
-from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.analyses.vibration.run_up import RunUp
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.plots.campbell import Meeting, draw_campbell
 from dynamics.plots.curves import draw_named_curves, draw_speed
@@ -154,20 +152,6 @@ def plot_transient(
         top.tick_params(labelbottom=False)
         draw_speed(bottom, run.time, run.shaft_speed)
         add_title((top, bottom), title)
-
-
-def picture_run_up(path: Path, run: EngineVibration, run_up: RunUp) -> None:
-    """Draw the torque in the spring with the largest one, and its amplitude at constant speeds."""
-    forced = run.forced_torsional
-    assert forced is not None
-    elastic = forced.loads.elastic
-    plot_transient(
-        path,
-        run_up.motion,
-        run_up.worst,
-        steady=(elastic.speeds, elastic.synthesis.amplitude[:, run_up.worst]),
-        title=f"{run.engine_file.engine.name}, run-up in {run_up.duration:g} s",
-    )
 
 
 def plot_transient_over_speed(

@@ -14,7 +14,6 @@ from crankbase.results import Internal, Part, Quantity, Result, result
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_mechanism import MechanismFile, layout_of, mechanism_of
 from crankfem.analyses.record import AssumedInput, assumed_values
-from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.sources import compliances_in_shaft, usable_model
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
 from crankfem.analyses.shaft.whole_shaft import (
@@ -36,13 +35,14 @@ from crankfem.analyses.vibration.bearing_sweep import (
     held_chains,
     with_answers,
 )
+from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
     EngineLoad,
     engine_harmonics,
     engine_load,
     refuse_vibration,
 )
-from crankfem.analyses.vibration.forced import EngineChains, ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Kind, Vibration, axial_vibration, torsional_vibration
 from crankfem.analyses.vibration.whole_verdict import (
@@ -336,7 +336,7 @@ def engine_vibration(
     shaft = compliances_in_shaft(read, analyses)
     axial = axial_vibration(read, analyses, shaft, model)
     torsional = torsional_vibration(read, analyses, shaft, model)
-    nominal = HeldChains(bearing_stiffness(read).nominal, shaft, axial, torsional)
+    nominal = HeldChains(read.main_bearings.stiffness, shaft, axial, torsional)
     held = chains_over_bearings(read, analyses, model, nominal)
     lengthened = twisted = assessment = whole = comparison = misfiring = axial_force = None
     note = ""

@@ -1,6 +1,7 @@
 """An engine's torsional vibration while its speed rises through all resonances."""
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -192,4 +193,20 @@ def run_up(
         envelope=envelope,
         largest=np.max(envelope.torque, axis=0),
         steady=np.max(forced.loads.elastic.synthesis.amplitude[passed], axis=0),
+    )
+
+
+def picture_run_up(path: Path, run: EngineVibration, run_up: RunUp) -> None:
+    """Draw the torque in the spring with the largest one, and its amplitude at constant speeds."""
+    from crankfem.analyses.vibration.plots import plot_transient
+
+    forced = run.forced_torsional
+    assert forced is not None
+    elastic = forced.loads.elastic
+    plot_transient(
+        path,
+        run_up.motion,
+        run_up.worst,
+        steady=(elastic.speeds, elastic.synthesis.amplitude[:, run_up.worst]),
+        title=f"{run.engine_file.engine.name}, run-up in {run_up.duration:g} s",
     )

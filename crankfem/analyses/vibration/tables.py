@@ -282,18 +282,12 @@ def limit_table(
         *([limit] if name is None else []),
         (Column("where", words=True), "place"),
         (Column("at", "1/min", decimals=1), lambda check: check.at_running.speed),
-        (
-            Column("reached"),
-            lambda check: _written(check.at_running.value, check, units, digits),
-        ),
+        (Column("reached"), lambda check: _written(check.at_running.value, check, units, digits)),
         (
             Column("permitted"),
             lambda check: _written(check.at_running.permitted, check, units, digits),
         ),
-        (
-            Column("used", "%", 3),
-            lambda check: check.at_running.used,
-        ),
+        (Column("used", "%", 3), lambda check: check.at_running.used),
         # What was judged above the running range stands beside it.
         *(above_running if any(check.above is not None for check in checks) else ()),
         mark=lambda check: "" if check.passed else "over",
@@ -374,10 +368,7 @@ def whole_critical_table(whole: WholeVibration, kind: str) -> Table:
         (Column("amplitude", "um" if kind == "axial" else "kN m", 3), "value"),
         (Column("mode", missing="none"), lambda peak: peak.mode or None),
         (Column("damping", "%", decimals=2, missing="-"), "damping_ratio"),
-        (
-            Column("range", words=True),
-            lambda peak: "running" if peak.in_running_range else "above",
-        ),
+        (Column("range", words=True), lambda peak: "running" if peak.in_running_range else "above"),
         note=f"{left} smaller {'one is' if left == 1 else 'ones are'} left out."
         if left
         else "None is left out.",

@@ -16,9 +16,7 @@ Completion = Callable[[str], list[str]]
 
 
 def files(
-    *endings: str,
-    shipped: Iterable[InputKind] = (),
-    further: Callable[[], tuple[str, ...]] = tuple,
+    *endings: str, shipped: Iterable[InputKind] = (), further: Callable[[], tuple[str, ...]] = tuple
 ) -> Completion:
     """Return the completion of files with these endings, folders on the way, and shipped files of kinds.
 

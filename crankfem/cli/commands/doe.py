@@ -33,18 +33,14 @@ StudyArgument = Annotated[
 StoreArgument = Annotated[
     Path,
     typer.Argument(
-        metavar="RUNS.sqlite",
-        help="Store of a study.",
-        autocompletion=completion.files(".sqlite"),
+        metavar="RUNS.sqlite", help="Store of a study.", autocompletion=completion.files(".sqlite")
     ),
 ]
 StoreOption = Annotated[Path, typer.Option(help="SQLite file of results.")]
 STORE = Path("runs.sqlite")
 StudyOption = Annotated[
     str | None,
-    typer.Option(
-        help="First characters of the study's key, or its file, if there are several.",
-    ),
+    typer.Option(help="First characters of the study's key, or its file, if there are several."),
 ]
 
 
@@ -184,8 +180,7 @@ def designs(
     study: StudyArgument,
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder to write to.")],
     mesh: Annotated[
-        str,
-        typer.Option(metavar="KIND", help="Mesh (inp, msh, vtu, ...) or solid (step) of each."),
+        str, typer.Option(metavar="KIND", help="Mesh (inp, msh, vtu, ...) or solid (step) of each.")
     ] = "step",
     store: StoreOption = STORE,
     *,
@@ -217,8 +212,7 @@ def import_(
     file: Annotated[
         Path,
         typer.Argument(
-            metavar="FILE",
-            help="CSV table of earlier or measured results, or another store.",
+            metavar="FILE", help="CSV table of earlier or measured results, or another store."
         ),
     ],
     store: StoreOption = STORE,

@@ -336,10 +336,10 @@ def _optimum_record(best: "Optimum") -> dict[str, Any]:
     from crankfem.analyses.record import attributes
     from regression.throw_values import field_unit
 
+    whole = ("minimized", "value", "unit", "factors", "dimensions", "at_ends", "throw", "remarks")
     of_unit = dict.fromkeys(("value", "lower", "upper", "bound", "worst"), ".unit")
     return {
-        **attributes(best, "minimized", "value", "unit", "factors", "dimensions"),
-        "at_ends": list(best.at_ends),
+        **attributes(best, *whole, "evaluations"),
         "limits": [
             attributes(check.limit, "name", "sign", "bound", "unit")
             | attributes(check, "value", "worst", "active")
@@ -349,9 +349,6 @@ def _optimum_record(best: "Optimum") -> dict[str, Any]:
             name: attributes(answer, "value", "lower", "upper", "unit", "inside")
             for name, answer in best.lookups.items()
         },
-        "throw": best.throw,
-        "remarks": list(best.remarks),
-        "evaluations": best.evaluations,
         "units": of_unit
         | {"evaluations": "1"}
         | {
@@ -368,8 +365,8 @@ def _print_optimum(model: "ComplianceModel", best: "Optimum", units: "OutputUnit
     from crankfem.cli.arguments import dimensions_text
 
     print_line(f"Smallest {best.minimized}: {units.quantity(best.value, best.unit, 4)}")
-    for text in dimensions_text(model, best.factors):
-        end = " (end of its range)" if text.partition(" ")[0] in best.at_ends else ""
+    for name, text in zip(best.factors, dimensions_text(model, best.factors), strict=True):
+        end = " (end of its range)" if name in best.at_ends else ""
         print_line(units.text(f"  {text}{end}"))
     if best.limits:
         names = ("limit", "bound", "by the equation", "worst in its band", "kept")

@@ -52,11 +52,7 @@ def mechanism(
     from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_inputs
     from crankfem.analyses.mechanism.mechanism_results import force_columns, mechanism_details
     from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-    from crankfem.analyses.mechanism.plots import (
-        ENGINE_FILES,
-        plot_engine,
-        plot_model_difference,
-    )
+    from crankfem.analyses.mechanism.plots import ENGINE_FILES, plot_engine, plot_model_difference
     from crankfem.analyses.titles import at_speed
     from crankfem.cli.arguments import parse_speed
     from crankfem.cli.console import write_columns

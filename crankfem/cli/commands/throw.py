@@ -70,8 +70,7 @@ def throw(
         int, typer.Option(help="Also compute this many natural modes of the free throw.")
     ] = 0,
     slopes: Annotated[
-        bool,
-        typer.Option("--slopes", help="Also print how results change with each dimension."),
+        bool, typer.Option("--slopes", help="Also print how results change with each dimension.")
     ] = False,
     profile: Annotated[
         bool, typer.Option("--profile", help="Print the time of each step.")

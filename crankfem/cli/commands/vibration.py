@@ -93,7 +93,7 @@ def vibration(
     from crankfem.report.conclusions import verdict_line
 
     if run_up is not None:
-        from crankfem.analyses.vibration.run_up import parse_duration
+        from crankfem.analyses.vibration.run_up import parse_duration, picture_run_up
         from crankfem.analyses.vibration.run_up import run_up as turned_up
 
     duration = None if run_up is None else parse_duration(run_up)
@@ -110,7 +110,6 @@ def vibration(
     )
     drawn = None
     if pictures is not None:
-        from crankfem.analyses.vibration.plots import picture_run_up
         from crankfem.report.interactive.vibration import VIBRATION
 
         known = read.gas is not None or read.gas_map is not None

@@ -19,11 +19,7 @@ from crankfem.analyses.throw.formula_records import (
     Ratio,
     formula_spreads,
 )
-from crankfem.analyses.throw.throw_record import (
-    NOT_CORRECTED,
-    ReactionResults,
-    ThrowResults,
-)
+from crankfem.analyses.throw.throw_record import NOT_CORRECTED, ReactionResults, ThrowResults
 from crankfem.cli import console
 from crankfem.cli.arguments import angle_text
 from crankfem.cli.console import print_line, print_notes, print_table

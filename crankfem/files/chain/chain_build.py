@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal, cast
 from pydantic import Field, create_model
 
 from crankbase.array_checks import positive_number
+from crankbase.choices import check_choice
 from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, field_extra, part_field, quantity_field
 from crankfem.files.chain.maker_values import PerUnitBase, at_own_speeds, in_si
@@ -325,7 +326,7 @@ def chain_of(section: Section, material: Material) -> Chain:
     values = [nodes.get(name, TorsionalNode(name=name)) for name in order]
 
     def place(field: str, name: str) -> int:
-        _check_known(f"chain.{field}", name, names)
+        check_choice(f"chain.{field}", name, names, "these are the nodes")
         return number_of[name]
 
     dashpots: list[Dashpot] = []
@@ -484,7 +485,7 @@ def _ends(element: Element, number: int, nodes: tuple[str, ...]) -> tuple[str, s
             )
         return nodes[number], nodes[number + 1]
     for name in element.nodes:
-        _check_known(f"chain.elements[{number}].nodes", name, nodes)
+        check_choice(f"chain.elements[{number}].nodes", name, nodes, "these are the nodes")
     if element.nodes[0] == element.nodes[1]:
         raise InputError(
             f"chain.elements[{number}].nodes: given {element.nodes[0]!r} twice; allowed are two "
@@ -493,20 +494,8 @@ def _ends(element: Element, number: int, nodes: tuple[str, ...]) -> tuple[str, s
     return element.nodes
 
 
-def _check_known(field: str, name: str, nodes: tuple[str, ...]) -> None:
-    if name not in nodes:
-        raise InputError(
-            f"{field}: given {name!r}; allowed are {', '.join(nodes)}, because these are the nodes."
-        )
-
-
 def _spring(
-    section: Section,
-    number: int,
-    element: Element,
-    left: str,
-    right: str,
-    base: PerUnitBase | None,
+    section: Section, number: int, element: Element, left: str, right: str, base: PerUnitBase | None
 ) -> _Row:
     field = f"chain.elements[{number}].stiffness"
     where = f"chain.elements[{number}]"
@@ -525,10 +514,7 @@ def _spring(
         "a spring without stiffness cuts the chain in two",
     )
     stiffness, loss_factor, damping, law = varied(
-        element.variation,
-        stiffness,
-        in_si(element, where, "loss_factor", base),
-        element.damping,
+        element.variation, stiffness, in_si(element, where, "loss_factor", base), element.damping
     )
     return _Row(left, right, stiffness, damping, loss_factor, element.distributed_inertia, law)
 

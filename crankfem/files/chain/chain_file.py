@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from crankbase.choices import check_choice
 from crankbase.errors import InputError, InputErrors
 from crankbase.input_file import LARGEST_TEXT_FILE, InputFile
 from crankbase.quantity import parse_quantity
@@ -225,10 +226,7 @@ def _place(link: _Link, name: str | None, numbers: dict[str, int]) -> int:
             f"{link.line}: given a link without a node {'above' if link.left is None else 'below'} it; "
             "allowed is one between two nodes, or with their names after from and to, because it joins two."
         )
-    if name not in numbers:
-        raise InputError(
-            f"{link.line}: given {name!r}; allowed are {', '.join(numbers)}, because these are the nodes."
-        )
+    check_choice(link.line, name, numbers, "these are the nodes")
     return numbers[name]
 
 

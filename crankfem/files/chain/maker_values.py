@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.model import InputModel, quantity_field
 from dynamics.chains.chain import Chain
@@ -100,11 +101,7 @@ def at_own_speeds(chain: Chain, reference: str, section: Any) -> dict[str, Any]:
 
     Energy is the same at both: what turns r times as fast has 1/r^2 of the referred value.
     """
-    if reference not in chain.names:
-        raise InputError(
-            f"chain.referred_to: given {reference!r}; allowed are {', '.join(chain.names)}, because these "
-            "are the nodes."
-        )
+    check_choice("chain.referred_to", reference, chain.names, "these are the nodes")
     own = section.dashpots or any(e.shape or e.variation for e in section.elements)
     if own or any(node.variation for node in section.nodes):
         raise InputError(

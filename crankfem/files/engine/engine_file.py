@@ -52,6 +52,8 @@ from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, LoadSection, Piston, Rod
 from crankfem.files.sections.strength_section import StrengthSection
 from crankfem.files.sections.vibration_sections import (
+    ASSUMED_PER_DIAMETER,
+    ASSUMED_RANGE,
     AxialDamperSection,
     Bearings,
     Damping,
@@ -361,6 +363,14 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
     def pins(self) -> tuple[int, ...]:
         """Pin that each cylinder works on, from 0, counted along the shaft."""
         return pins_of(self.engine, self.throw, self.throws, self.hinged_rods)
+
+    @property
+    def main_bearings(self) -> Bearings:
+        """The main bearings; assumed ones, with the range of the assumption, where the file gives none."""
+        assumed, ratio = ASSUMED_PER_DIAMETER * self.throw.main_journal_diameter, ASSUMED_RANGE
+        return self.bearings or Bearings(
+            stiffness=assumed, lowest_stiffness=assumed / ratio, highest_stiffness=assumed * ratio
+        )
 
     def changed(self, **sections: InputModel | Mapping[str, Any] | None) -> "EngineFile":
         """Return the engine with some sections changed, checked like a file; the file itself is unchanged.

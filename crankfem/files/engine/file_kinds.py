@@ -159,26 +159,11 @@ def _has_sections(path: Path) -> bool:
 # Orders in which cylinders in line usually fire, by strokes per cycle; the cranks follow from them, for
 # firing is even.
 FIRING_ORDERS: dict[int, dict[int, tuple[int, ...]]] = {
-    4: {
-        1: (1,),
-        2: (1, 2),
-        3: (1, 3, 2),
-        4: (1, 3, 4, 2),
-        5: (1, 2, 4, 5, 3),
-        6: (1, 5, 3, 6, 2, 4),
-        7: (1, 3, 5, 7, 6, 4, 2),
-        8: (1, 6, 2, 5, 8, 3, 7, 4),
-    },
-    2: {
-        1: (1,),
-        2: (1, 2),
-        3: (1, 3, 2),
-        4: (1, 3, 2, 4),
-        5: (1, 4, 3, 2, 5),
-        6: (1, 5, 3, 4, 2, 6),
-        7: (1, 7, 2, 5, 4, 3, 6),
-        8: (1, 8, 3, 4, 7, 2, 5, 6),
-    },
+    strokes: {order.count("-") + 1: tuple(map(int, order.split("-"))) for order in orders.split()}
+    for strokes, orders in (
+        (4, "1 1-2 1-3-2 1-3-4-2 1-2-4-5-3 1-5-3-6-2-4 1-3-5-7-6-4-2 1-6-2-5-8-3-7-4"),
+        (2, "1 1-2 1-3-2 1-3-2-4 1-4-3-2-5 1-5-3-4-2-6 1-7-2-5-4-3-6 1-8-3-4-7-2-5-6"),
+    )
 }
 
 

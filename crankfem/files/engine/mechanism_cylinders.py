@@ -208,13 +208,10 @@ def _rod(section: Rod | HingedRods) -> ConnectingRod:
     # Without an inertia the rod is as the two masses at its pins.
     inertia = known_inertia(section) or section.mass * distance * (section.length - distance)
     offset = section.center_offset if isinstance(section, Rod) else 0.0
-    try:
-        return ConnectingRod(section.length, section.mass, distance, inertia, offset)
-    except InputError as error:
-        text = str(error).removeprefix("rod ")
-        if section.inertia is None:
-            text = text.replace("inertia: given", "swing_period: given with swing_distance")
-        raise InputError(f"{section.section}.{text}") from None
+    swung = section.inertia is None
+    given = "swing_period: given with swing_distance" if swung else "inertia: given"
+    before = f"{section.section}."
+    return ConnectingRod(section.length, section.mass, distance, inertia, offset, before, given)
 
 
 def _positions(

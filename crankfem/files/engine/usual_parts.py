@@ -9,9 +9,10 @@ from typing import Any
 
 from crankbase.model import field_extra
 from crankbase.quantity import format_quantity
+from crankbase.table import text_rows
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import MechanismSections, inertia_of_masses
-from crankfem.files.engine.usual_sizes import PRACTICE, UsualRange
+from crankfem.files.engine.usual_sizes import PRACTICE, SHIPPED, UsualRange
 from fem.material import STEEL
 from regression.plans.plan import StudyPlan
 
@@ -32,6 +33,13 @@ class EngineScale:
     def part(self, section: str) -> Any:
         """Return a section of the file; None where it has none."""
         return getattr(self.file, "two_mass" if section == "two_mass_check" else section, None)
+
+    def value(self, path: str) -> Any:
+        """Return what `COMPARED`, an attribute or a field calls so; of a field None where there is none."""
+        if path in COMPARED:
+            return COMPARED[path](self)
+        section, _, name = path.partition(".")
+        return getattr(self.part(section), name, None) if name else getattr(self, path)
 
     @property
     def journal(self) -> float:
@@ -64,15 +72,10 @@ class EngineScale:
         parts = []
         for throw in self.file.crank_throws:
             radius, density = throw.crank_radius, self.file.material.density
+            diameter, length = throw.main_journal_diameter, throw.main_journal_length
             pin = 0.25 * math.pi * throw.pin_diameter**2 * throw.pin_length * density
-            journal = (
-                0.25
-                * math.pi
-                * throw.main_journal_diameter**2
-                * throw.main_journal_length
-                * density
-            )
-            long = radius + 0.5 * (throw.main_journal_diameter + throw.pin_diameter)
+            journal = 0.25 * math.pi * diameter**2 * length * density
+            long = radius + 0.5 * (diameter + throw.pin_diameter)
             webs = 2.0 * throw.web_thickness * throw.web_width * long * density
             plate = (long**2 + throw.web_width**2) / 12.0 + 0.25 * radius**2
             parts.append((pin + journal + webs, pin * radius**2 + webs * plate))
@@ -106,228 +109,110 @@ class EngineScale:
 
 
 Practice = partial(UsualRange, basis=PRACTICE)
-POISSON = Practice(0.83, 1.2, "is {} that of steel", margin=1.1)
-MAGNIFIES = "is {} the static amplitude"
-# Field to what its value is compared with, and the usual ratio. Where the shipped engines have the part, the
-# range is theirs; the margins leave room for engines unlike them.
-PARTS: Mapping[str, tuple[Callable[[EngineScale], float] | float, UsualRange]] = {
-    "material.poisson_ratio": (STEEL.poisson_ratio, POISSON),
-    "rod.rotating_mass": (
-        lambda scale: scale.file.rod.mass,
-        UsualRange(0.61, 0.7, "is {} the rod's mass", margin=1.35),
+# What a value may be compared with beside an attribute of the scale or a field.
+COMPARED: Mapping[str, Callable[[EngineScale], float]] = {
+    "1": lambda _: 1.0,
+    "1 deg": lambda _: math.radians(1.0),
+    "steel": lambda _: STEEL.poisson_ratio,
+    "two masses": lambda scale: inertia_of_masses(scale.file.rod),
+    "pin": lambda scale: scale.file.crank_throws[0].pin_diameter,
+    "end": lambda scale: scale.part("free_end").inertia / scale.journal**2,
+    "ring w": lambda scale: scale.part("torsional_damper").ring_inertia * scale.frequency,
+    "ring w^2": lambda scale: scale.part("torsional_damper").ring_inertia * scale.frequency**2,
+    "root": lambda scale: math.sqrt(scale.part("thrust_bearing").stiffness * scale.crank_mass),
+    "engine": lambda scale: scale.crank_inertia + scale.part("flywheel").inertia,
+    "coupling": lambda scale: (
+        scale.part("driven").coupling_stiffness / scale.file.engine.rated_speed
     ),
-    "rod.inertia": (
-        lambda scale: inertia_of_masses(scale.file.rod),
-        Practice(0.7, 1.2, "is {} that of two masses at its pins"),
+    "crank w": lambda scale: scale.crank_inertia * scale.frequency / scale.file.engine.cylinders,
+    "E d": lambda scale: scale.file.material.youngs_modulus * scale.journal,
+    "bearing": lambda scale: scale.part("bearings").stiffness / scale.file.engine.rated_speed,
+    "G / 1e3": lambda scale: scale.file.material.shear_modulus / 1e3,
+    "stroke / 1e3": lambda scale: scale.file.engine.stroke / 1e3,
+    "piston": lambda scale: (
+        1e6 * scale.swept / scale.file.engine.stroke / scale.file.engine.cylinders
     ),
-    "piston.pin_offset": (
-        lambda scale: scale.file.engine.bore,
-        Practice(0.0, 0.1, "is {} the bore"),
-    ),
-    "hinged_rods.pin_radius": (
-        lambda scale: scale.file.crank_throws[0].pin_diameter,
-        Practice(0.7, 1.3, "is {} the pin's diameter"),
-    ),
-    "hinged_rods.length": (
-        lambda scale: scale.file.rod.length,
-        Practice(0.6, 1.0, "is {} that of the main rod", margin=1.5),
-    ),
-    "hinged_rods.mass": (
-        lambda scale: scale.file.rod.mass,
-        Practice(0.3, 1.0, "is {} that of the main rod"),
-    ),
-    "hinged_rods.rotating_mass": (
-        lambda scale: scale.part("hinged_rods").mass,
-        Practice(0.4, 0.7, "is {} the hinged rod's mass", margin=1.35),
-    ),
-    "shaft_ends.free_end_diameter": (
-        lambda scale: scale.journal,
-        UsualRange(0.7, 0.8, "is {} the main journal's diameter", margin=1.5),
-    ),
-    "shaft_ends.free_end_length": (
-        lambda scale: scale.journal,
-        UsualRange(0.8, 1.2, "is {} the main journal's diameter", margin=5.0),
-    ),
-    "shaft_ends.flange_diameter": (
-        lambda scale: scale.journal,
-        UsualRange(1.5, 2.0, "is {} the main journal's diameter", margin=1.5),
-    ),
-    "shaft_ends.flange_thickness": (
-        lambda scale: scale.journal,
-        UsualRange(0.19, 0.26, "is {} the main journal's diameter", margin=3.0),
-    ),
-    "flywheel.diametral_inertia": (
-        lambda scale: scale.part("flywheel").inertia,
-        Practice(0.5, 1.0, "is {} its inertia about the shaft", margin=1.5),
-    ),
-    "flywheel.overhang": (
-        lambda scale: scale.journal,
-        Practice(0.0, 1.0, "is {} the main journal's diameter"),
-    ),
-    "free_end.inertia": (
-        lambda scale: scale.crank_inertia,
-        UsualRange(0.0078, 0.12, "is {} that of cranks and rods", margin=4.0),
-    ),
-    "free_end.mass": (
-        lambda scale: scale.part("free_end").inertia / scale.journal**2,
-        Practice(
-            0.5, 10.0, "is {} its inertia over the main journal's diameter squared", margin=4.0
-        ),
-    ),
-    "free_end.diametral_inertia": (
-        lambda scale: scale.part("free_end").inertia,
-        Practice(0.5, 1.0, "is {} its inertia about the shaft", margin=1.5),
-    ),
-    "torsional_damper.ring_inertia": (
-        lambda scale: scale.crank_inertia,
-        Practice(0.1, 0.4, "is {} that of cranks and rods", margin=4.0),
-    ),
-    "torsional_damper.damping": (
-        lambda scale: scale.part("torsional_damper").ring_inertia * scale.frequency,
-        Practice(
-            0.4, 1.2, "is {} the ring's inertia times the shaft's first frequency", margin=5.0
-        ),
-    ),
-    "torsional_damper.stiffness": (
-        lambda scale: scale.part("torsional_damper").ring_inertia * scale.frequency**2,
-        Practice(
-            0.2,
-            1.0,
-            "is {} the ring's inertia times the shaft's first frequency squared",
-            margin=5.0,
-        ),
-    ),
-    "torsional_damper.loss_factor": (
-        1.0,
-        Practice(0.05, 0.4, "is {}", "of the stiffness", margin=3.0),
-    ),
-    "axial_damper.damping": (
-        lambda scale: math.sqrt(scale.part("thrust_bearing").stiffness * scale.crank_mass),
-        Practice(0.1, 0.5, "is {} the root of thrust stiffness times the throws' mass", margin=5.0),
-    ),
-    "axial_damper.stiffness": (
-        lambda scale: scale.part("thrust_bearing").stiffness,
-        Practice(0.01, 1.0, "is {} that of the thrust bearing", margin=3.0),
-    ),
-    "driven.inertia": (
-        lambda scale: scale.crank_inertia + scale.part("flywheel").inertia,
-        Practice(0.3, 3.0, "is {} that of engine and flywheel", margin=5.0),
-    ),
-    "driven.coupling_stiffness": (
-        lambda scale: scale.torque,
-        Practice(2.5, 1000.0, "is {} the rated torque for each radian"),
-    ),
-    "driven.coupling_loss_factor": (
-        1.0,
-        Practice(0.005, 0.25, "is {}", "of the stiffness", margin=3.0),
-    ),
-    "driven.coupling_damping": (
-        lambda scale: scale.part("driven").coupling_stiffness / scale.file.engine.rated_speed,
-        Practice(0.001, 0.5, "is {} the coupling's stiffness over the rated speed", margin=3.0),
-    ),
-    "damping.torsional_magnifier": (1.0, Practice(12.0, 60.0, MAGNIFIES, margin=2.5)),
-    "damping.axial_magnifier": (1.0, Practice(12.0, 60.0, MAGNIFIES, margin=2.5)),
-    "damping.bending_magnifier": (1.0, Practice(12.0, 60.0, MAGNIFIES, margin=2.5)),
-    "damping.loss_factor": (1.0, Practice(0.005, 0.05, "is {}", "of the stiffness", margin=3.0)),
-    "damping.cylinder_damping": (
-        lambda scale: scale.crank_inertia * scale.frequency / scale.file.engine.cylinders,
-        Practice(
-            0.005, 0.05, "is {} a crank's inertia times the shaft's first frequency", margin=5.0
-        ),
-    ),
-    "bearings.stiffness": (
-        lambda scale: scale.file.material.youngs_modulus * scale.journal,
-        Practice(0.01, 0.2, "is {} E times the main journal's diameter", margin=5.0),
-    ),
-    "bearings.lowest_stiffness": (
-        lambda scale: scale.part("bearings").stiffness,
-        Practice(0.1, 1.0, "is {} the bearings' stiffness", margin=3.0),
-    ),
-    "bearings.highest_stiffness": (
-        lambda scale: scale.part("bearings").stiffness,
-        Practice(1.0, 10.0, "is {} the bearings' stiffness", margin=3.0),
-    ),
-    "bearings.damping": (
-        lambda scale: scale.part("bearings").stiffness / scale.file.engine.rated_speed,
-        Practice(0.001, 1.0, "is {} the bearings' stiffness over the rated speed", margin=5.0),
-    ),
-    "limits.crankshaft_stress": (
-        lambda scale: scale.file.material.shear_modulus / 1e3,
-        Practice(0.2, 0.9, "is {} of the shear modulus", "MPa per GPa", margin=2.5),
-    ),
-    "limits.crankshaft_stress_passing": (
-        lambda scale: scale.part("limits").crankshaft_stress,
-        Practice(1.0, 3.0, "is {} crankshaft_stress"),
-    ),
-    "limits.coupling_torque": (
-        lambda scale: scale.torque,
-        Practice(0.2, 1.0, "is {} the rated torque", margin=5.0),
-    ),
-    "limits.coupling_torque_passing": (
-        lambda scale: scale.part("limits").coupling_torque,
-        Practice(1.0, 4.0, "is {} coupling_torque"),
-    ),
-    "limits.damper_torque": (
-        lambda scale: scale.torque,
-        Practice(0.1, 1.0, "is {} the rated torque", margin=5.0),
-    ),
-    "limits.coupling_heat": (
-        lambda scale: scale.rated,
-        Practice(2e-4, 3e-3, "is {} the rated power", margin=5.0),
-    ),
-    "limits.damper_heat": (
-        lambda scale: scale.rated,
-        Practice(1e-3, 1e-2, "is {} the rated power", margin=5.0),
-    ),
-    "limits.generator_angle": (
-        math.radians(1.0),
-        Practice(2.0, 5.0, "is {} of electrical angle", "deg", margin=4.0),
-    ),
-    "limits.torsional_amplitude": (
-        math.radians(1.0),
-        Practice(0.1, 1.5, "is {} of twist", "deg", margin=5.0),
-    ),
-    "limits.axial_amplitude": (
-        lambda scale: scale.file.engine.stroke / 1e3,
-        Practice(0.2, 2.0, "is {} of stroke", "mm per m", margin=5.0),
-    ),
-    "limits.axial_force": (
-        lambda scale: 1e6 * scale.swept / scale.file.engine.stroke / scale.file.engine.cylinders,
-        Practice(0.1, 2.0, "is {} on the piston", "MPa", margin=5.0),
-    ),
-    "two_mass_check.shaft_diameter": (
-        lambda scale: scale.journal,
-        Practice(0.7, 1.3, "is {} the main journal's diameter", margin=1.5),
-    ),
-    "two_mass_check.shaft_length": (
-        lambda scale: sum(throw.length for throw in scale.file.crank_throws),
-        Practice(0.4, 1.5, "is {} the length of all throws", margin=3.0),
-    ),
-    "two_mass_check.shear_modulus": (
-        lambda scale: scale.file.material.shear_modulus,
-        Practice(0.95, 1.05, "is {} that of the material", margin=1.5),
-    ),
-    "two_mass_check.engine_inertia": (
-        lambda scale: scale.crank_inertia,
-        Practice(0.5, 1.5, "is {} that of cranks and rods", margin=3.0),
-    ),
-    "two_mass_check.flywheel_inertia": (
-        lambda scale: scale.part("flywheel").inertia,
-        Practice(0.8, 1.25, "is {} the flywheel's", margin=3.0),
-    ),
+    "shaft": lambda scale: sum(throw.length for throw in scale.file.crank_throws),
 }
+# Field; lowest and highest usual ratio, and margin; what it is the ratio to, as
+# `EngineScale.value` finds it; how it is written; its unit if it is no factor. Where the shipped engines have
+# the part, the range is theirs; the margins leave room for engines unlike them.
+USUAL = """
+material.poisson_ratio | 0.83 1.2 1.1 | steel | that of steel
+rod.rotating_mass | 0.61 0.7 1.35 | rod.mass | the rod's mass | | shipped
+rod.inertia | 0.7 1.2 2 | two masses | that of two masses at its pins
+piston.pin_offset | 0 0.1 2 | engine.bore | the bore
+hinged_rods.pin_radius | 0.7 1.3 2 | pin | the pin's diameter
+hinged_rods.length | 0.6 1 1.5 | rod.length | that of the main rod
+hinged_rods.mass | 0.3 1 2 | rod.mass | that of the main rod
+hinged_rods.rotating_mass | 0.4 0.7 1.35 | hinged_rods.mass | the hinged rod's mass
+shaft_ends.free_end_diameter | 0.7 0.8 1.5 | journal | the main journal's diameter | | shipped
+shaft_ends.free_end_length | 0.8 1.2 5 | journal | the main journal's diameter | | shipped
+shaft_ends.flange_diameter | 1.5 2 1.5 | journal | the main journal's diameter | | shipped
+shaft_ends.flange_thickness | 0.19 0.26 3 | journal | the main journal's diameter | | shipped
+flywheel.diametral_inertia | 0.5 1 1.5 | flywheel.inertia | its inertia about the shaft
+flywheel.overhang | 0 1 2 | journal | the main journal's diameter
+free_end.inertia | 0.0078 0.12 4 | crank_inertia | that of cranks and rods | | shipped
+free_end.mass | 0.5 10 4 | end | its inertia over the main journal's diameter squared
+free_end.diametral_inertia | 0.5 1 1.5 | free_end.inertia | its inertia about the shaft
+torsional_damper.ring_inertia | 0.1 0.4 4 | crank_inertia | that of cranks and rods
+torsional_damper.damping | 0.4 1.2 5 | ring w | the ring's inertia times the shaft's first frequency
+torsional_damper.stiffness | 0.2 1 5 | ring w^2 | the ring's inertia times the shaft's first frequency squared
+torsional_damper.loss_factor | 0.05 0.4 3 | 1 | | of the stiffness
+axial_damper.damping | 0.1 0.5 5 | root | the root of thrust stiffness times the throws' mass
+axial_damper.stiffness | 0.01 1 3 | thrust_bearing.stiffness | that of the thrust bearing
+driven.inertia | 0.3 3 5 | engine | that of engine and flywheel
+driven.coupling_stiffness | 2.5 1000 2 | torque | the rated torque for each radian
+driven.coupling_loss_factor | 0.005 0.25 3 | 1 | | of the stiffness
+driven.coupling_damping | 0.001 0.5 3 | coupling | the coupling's stiffness over the rated speed
+damping.torsional_magnifier | 12 60 2.5 | 1 | the static amplitude
+damping.axial_magnifier | 12 60 2.5 | 1 | the static amplitude
+damping.bending_magnifier | 12 60 2.5 | 1 | the static amplitude
+damping.loss_factor | 0.005 0.05 3 | 1 | | of the stiffness
+damping.cylinder_damping | 0.005 0.05 5 | crank w | a crank's inertia times the shaft's first frequency
+bearings.stiffness | 0.01 0.2 5 | E d | E times the main journal's diameter
+bearings.lowest_stiffness | 0.1 1 3 | bearings.stiffness | the bearings' stiffness
+bearings.highest_stiffness | 1 10 3 | bearings.stiffness | the bearings' stiffness
+bearings.damping | 0.001 1 5 | bearing | the bearings' stiffness over the rated speed
+limits.crankshaft_stress | 0.2 0.9 2.5 | G / 1e3 | of the shear modulus | MPa per GPa
+limits.crankshaft_stress_passing | 1 3 2 | limits.crankshaft_stress | crankshaft_stress
+limits.coupling_torque | 0.2 1 5 | torque | the rated torque
+limits.coupling_torque_passing | 1 4 2 | limits.coupling_torque | coupling_torque
+limits.damper_torque | 0.1 1 5 | torque | the rated torque
+limits.coupling_heat | 0.0002 0.003 5 | rated | the rated power
+limits.damper_heat | 0.001 0.01 5 | rated | the rated power
+limits.generator_angle | 2 5 4 | 1 deg | of electrical angle | deg
+limits.torsional_amplitude | 0.1 1.5 5 | 1 deg | of twist | deg
+limits.axial_amplitude | 0.2 2 5 | stroke / 1e3 | of stroke | mm per m
+limits.axial_force | 0.1 2 5 | piston | on the piston | MPa
+two_mass_check.shaft_diameter | 0.7 1.3 1.5 | journal | the main journal's diameter
+two_mass_check.shaft_length | 0.4 1.5 3 | shaft | the length of all throws
+two_mass_check.shear_modulus | 0.95 1.05 1.5 | material.shear_modulus | that of the material
+two_mass_check.engine_inertia | 0.5 1.5 3 | crank_inertia | that of cranks and rods
+two_mass_check.flywheel_inertia | 0.8 1.25 3 | flywheel.inertia | the flywheel's
+"""
+
+
+def _usual(numbers: str, words: str, unit: str = "", basis: str = "") -> UsualRange:
+    low, high, margin = map(float, numbers.split())
+    meaning, basis = f"is {{}} {words}".rstrip(), SHIPPED if basis else PRACTICE
+    return UsualRange(low, high, meaning, unit or "times", basis, margin)
+
+
+PARTS = {
+    field: (beside, _usual(numbers, *cells)) for field, numbers, beside, *cells in text_rows(USUAL)
+}
+POISSON = PARTS["material.poisson_ratio"][1]
 
 
 def part_warnings(scale: EngineScale) -> Iterator[str]:
     """Name the values of parts, limits and throw angles that are far outside of practice."""
     for field, (compared, usual) in PARTS.items():
-        section, name = field.split(".")
-        part = scale.part(section)
-        value = getattr(part, name, None)
+        value = scale.value(field)
         if value:  # zero is what most of these are without the part
-            unit = field_extra(type(part).model_fields[name], "unit")
-            beside = compared(scale) if callable(compared) else compared
-            yield from usual.warning_of(field, value, unit, abs(value) / beside)
+            section, name = field.split(".")
+            unit = field_extra(type(scale.part(section)).model_fields[name], "unit")
+            yield from usual.warning_of(field, value, unit, abs(value) / scale.value(compared))
     shaft, engine = scale.file.shaft, scale.file.engine
     yield from near_angles("shaft.throw_angles", None if shaft is None else shaft.throw_angles)
     yield from near_angles("engine.bank_angles", engine.bank_angles)
@@ -343,10 +228,7 @@ FLYWHEEL_AGAIN = (0.5, 2.0)
 def first_nodes(file: EngineFile) -> Iterator[tuple[str, bool]]:
     """Say what a line's first node adds to the flywheel, and whether that is perhaps counted twice."""
     wheel = file.flywheel
-    for kind, size, unit in (
-        ("torsional", wheel.inertia, "kg m^2"),
-        ("axial", wheel.mass, "kg"),
-    ):
+    for kind, size, unit in (("torsional", wheel.inertia, "kg m^2"), ("axial", wheel.mass, "kg")):
         if (line := file.shaft_lines.get(kind)) is None:
             continue
         added = float(line.inertia[0])

@@ -178,9 +178,7 @@ def _out_of_proportion(
 
 
 def engine_warnings(
-    file: EngineFile | MechanismSections,
-    power: EnginePower | None,
-    thrust: ThrustBearing | None,
+    file: EngineFile | MechanismSections, power: EnginePower | None, thrust: ThrustBearing | None
 ) -> Iterator[str]:
     """Name the sizes of an engine that are far outside of practice, its throws included.
 

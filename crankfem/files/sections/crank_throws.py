@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from crankbase.array_checks import refuse_many_turns
+from crankbase.choices import check_choice
 from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import format_quantity
@@ -120,11 +121,7 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
             "cranks."
         )
     for name in names:
-        if name not in throws:
-            raise InputError(
-                f"shaft.throws: given {name!r}; allowed are {', '.join(throws)}, because these throws are "
-                "in the file."
-            )
+        check_choice("shaft.throws", name, throws, "these throws are in the file")
     unused = [name for name in throws if name not in names]
     if unused:
         raise InputError(
@@ -149,12 +146,8 @@ def throw_of_name(throws: Throws, name: object, field: str, default: str) -> Cra
             f"{field}: given {name!r}; allowed only where throws have names, in sections like [throws.a], "
             "because the file has one throw, without a name."
         )
-    if not isinstance(name, str) or name not in throws:
-        raise InputError(
-            f"{field}: given {name!r}; allowed are {', '.join(throws)}, because these throws are in the "
-            "file."
-        )
-    return throws[name]
+    check_choice(field, name, throws, "these throws are in the file")
+    return throws[str(name)]
 
 
 def check_compatible_throws(throws: Throws) -> None:

@@ -82,12 +82,8 @@ class Engine(InputModel):
     @field_validator("firing_order", mode="before")
     @classmethod
     def _read_order(cls, order: object) -> object:
-        if not isinstance(order, str):
-            return order
-        try:
-            return firing_order_from_text(order)
-        except InputError as error:  # the field's name is put in front once more
-            raise ValueError(str(error).removeprefix("firing_order: ")) from None
+        # The field's name is put in front of an error.
+        return firing_order_from_text(order, "") if isinstance(order, str) else order
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

@@ -2,8 +2,10 @@
 
 from typing import Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
+from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_of, part_field, quantity_field, range_text
 from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
@@ -57,6 +59,15 @@ class Damping(InputModel):
         return bool(self.cylinder_damping or self.loss_factor)
 
 
+# Lateral stiffness of a main bearing (oil film, cap and wall) per journal diameter, where the file gives
+# none. An assumption of the order of magnitude, no measurement: it makes 0.5e9 N/m of a journal of 50 mm
+# and 2e9 N/m of one of 200 mm; hence a range of ten times less to ten times more.
+ASSUMED_PER_DIAMETER = 1e10  # N/m per m
+ASSUMED_RANGE = 10.0
+# Steps of the range on either side of the nominal value: seven values in all.
+STEPS = 3
+
+
 class Bearings(InputModel):
     """Main bearings with their housing, equal along the shaft and in all directions."""
 
@@ -71,6 +82,28 @@ class Bearings(InputModel):
     )
     damping: float = quantity_field("lateral damping", "N s/m", 0.0, 1e10, default=0.0)
     variation: Variation | None = part_field("how stiffness and damping vary", Variation)
+
+    @property
+    def lowest(self) -> float:
+        """Lower end of the range [N/m]; the stiffness itself without one."""
+        return self.lowest_stiffness or self.stiffness
+
+    @property
+    def highest(self) -> float:
+        """Upper end of the range [N/m]; the stiffness itself without one."""
+        return self.highest_stiffness or self.stiffness
+
+    @property
+    def sweep(self) -> FloatArray:
+        """Seven values over the range, with equal ratios on either side of the nominal one in the middle.
+
+        A single value if there is no range.
+        """
+        if self.lowest == self.highest:
+            return np.array([self.stiffness])
+        below = np.geomspace(self.lowest, self.stiffness, STEPS + 1)
+        above = np.geomspace(self.stiffness, self.highest, STEPS + 1)
+        return np.concatenate((below, above[1:]))
 
     @model_validator(mode="after")
     def _range_holds_the_stiffness(self) -> Self:

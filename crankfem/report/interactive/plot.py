@@ -6,13 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from crankbase.diagrams import (
-    Diagram,
-    draw_diagram,
-    figure,
-    legend_below,
-    make_folder,
-)
+from crankbase.diagrams import Diagram, draw_diagram, figure, legend_below, make_folder
 from crankbase.errors import InputError
 from crankbase.outputs import check_output, write_text
 from crankfem.analyses.titles import add_title
