@@ -205,7 +205,7 @@ def test_the_verdict_has_its_color_and_headline(results, status, said, shown):
     # Only the crankshaft's stress has a limit: what is fine is so without axial vibration.
     left = "; axial vibration is not judged" if status == "fine" else ""
     assert (found["status"], found["headline"]) == (shown, said + left)
-    results["vibration"]["assessment"]["limits"][0]["name"] = "axial amplitude"
+    results["vibration"]["assessment"]["limits"][0] |= {"name": "axial amplitude", "unit": "m"}
     assert summary(typed(results))["headline"] == said
 
 
