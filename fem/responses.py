@@ -251,6 +251,7 @@ def evaluate_throw(
             joined=True,
             paths=slopes,
             stiffness=level.stiffness,
+            pins=level.pins,
         )
         by_path = {path: _shares(change, plain, part) for path, change in changes.items()}
         shares = {

@@ -175,6 +175,7 @@ def dimension_changes(
     joined: bool,
     paths: Collection[str] | None = None,
     stiffness: sparse.csr_array | None = None,
+    pins: Sequence[NodalLoads] | None = None,
 ) -> tuple[dict[str, DimensionChange], dict[str, str]]:
     """Find the change of a throw with its dimensions, and why some have none.
 
@@ -188,6 +189,8 @@ def dimension_changes(
         Of the dimensions; all by default.
     stiffness : sparse array, optional
         Upper triangle of the mesh's, if it is at hand.
+    pins : sequence of NodalLoads, optional
+        Unit loads on the mesh's pins, if they are at hand.
     """
     solved = check_sloped(throw, classes[0].end_sections)
     parts = [part if joined else part.up_to(RIGID) for part in classes]
@@ -199,7 +202,7 @@ def dimension_changes(
         return {}, motion.left_out
     velocities = node_velocities(mesh, motion, classes[0].solver)
     moving = list(velocities.values())
-    loads = load_slopes(mesh, moving)
+    loads = load_slopes(mesh, moving, pins)
     by_class = [class_slopes(mesh, material, stiffness, part, moving, loads) for part in plain]
     volumes = volume_slopes(mesh, moving)
     sizes, changes = lengths_of(solved), {}
@@ -284,9 +287,11 @@ def node_velocities(mesh: ThrowMesh, motion: BoundaryMotion, solver: str) -> dic
     return dict(zip(motion.speeds, np.moveaxis(velocities, 2, 0), strict=True))
 
 
-def load_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[list[NodalLoads]]:
-    """Derivatives of the unit loads on the pins, by velocity of the nodes."""
-    before, slopes = unit_pin_loads(mesh), []
+def load_slopes(
+    mesh: ThrowMesh, velocities: Sequence[Array], pins: Sequence[NodalLoads] | None = None
+) -> list[list[NodalLoads]]:
+    """Derivatives of the unit loads on the pins, by velocity of the nodes; `pins` if they are at hand."""
+    before, slopes = pins or unit_pin_loads(mesh), []
     # The end of the meshed part, which the throw's length follows.
     last, images = int(mesh.points[:, 2].argmax()), 2.0 if mesh.part == "quarter" else 1.0
     for velocity in velocities:

@@ -258,22 +258,13 @@ class SectionMotions:
 
     def turn(self, angle: float) -> Array:
         """Matrix (b, b) of amplitudes beyond the rigid motions as the section turns by an angle [rad]."""
-        if not self.bending:
-            return np.zeros((0, 0))
-        places, weights = self._ring()
-        cosine, sine = np.cos(angle), np.sin(angle)
-        turned = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-        before = self.fields(places @ turned[:2, :2])[:, :, RIGID_COUNT:]
-        bending = self.fields(places)[:, :, RIGID_COUNT:]
-        return np.asarray(
-            np.einsum("q,qak,ab,qbl->kl", weights, bending, turned, before, optimize=True)
-        )
+        return _turn(self, angle) if self.bending else np.zeros((0, 0))
 
     def amplitudes_of(self, other: "SectionMotions") -> Array:
         """Amplitudes (n, n) of these motions in unit motions of the same degree over another ring."""
         if self == other:
             return np.eye(self.count)
-        places, _ = self._ring()
+        places, _ = self.ring()
         here = self.fields(places).reshape(-1, self.count)
         there = other.fields(places).reshape(-1, other.count)
         return np.asarray(np.linalg.lstsq(here, there, rcond=None)[0])
@@ -295,7 +286,8 @@ class SectionMotions:
             )
         return replace(self, degree=degree)
 
-    def _ring(self) -> tuple[Array, Array]:
+    def ring(self) -> tuple[Array, Array]:
+        """Points (q, 2) over the section [m] and their weights (q,), for integrals."""
         places, weights = _ring(self.bore / self.radius)
         return places * self.radius, weights
 
@@ -358,6 +350,19 @@ def _monomials(terms: NDArray[np.int64], places: Array) -> Array:
     monomials = np.zeros((len(places), 3, len(terms)))
     monomials[:, axes, np.arange(len(terms))] = places[:, :1] ** first * places[:, 1:] ** second
     return monomials
+
+
+@lru_cache(maxsize=KEPT * KEPT)
+def _turn(motions: SectionMotions, angle: float) -> Array:
+    """Return `SectionMotions.turn` of motions that bend, at the few angles that a study asks for."""
+    places, weights = motions.ring()
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turned = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    before = motions.fields(places @ turned[:2, :2])[:, :, RIGID_COUNT:]
+    bending = motions.fields(places)[:, :, RIGID_COUNT:]
+    matrix = np.einsum("q,qak,ab,qbl->kl", weights, bending, turned, before, optimize=True)
+    matrix.flags.writeable = False
+    return np.asarray(matrix)
 
 
 @lru_cache(maxsize=KEPT)
