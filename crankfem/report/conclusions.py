@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crankbase.quantity import RPM, UNBOUNDED, format_usage, quantities_apart, significant
-from crankfem.analyses.run_results import Check, RunResults
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.run import EngineVibration
@@ -26,6 +25,7 @@ from dynamics.indices import within
 from dynamics.wording import VERDICTS, limit_at
 
 if TYPE_CHECKING:
+    from crankfem.analyses.run_results import Check, RunResults
     from crankfem.analyses.strength.engine_strength import EngineStrength
 
 RESONANT = ("at resonance", "near resonance")
@@ -98,7 +98,7 @@ def verdict_line(vibration: EngineVibration, strength: "EngineStrength | None" =
     return f"Verdict: {headline(vibration, strength)}{of}: {worst.limit.name} {used}."
 
 
-def conclusions(results: RunResults) -> list[str]:
+def conclusions(results: "RunResults") -> list[str]:
     """Return what follows from the results of a run, in at most eight statements.
 
     Every number of a statement is one of the results, or follows from them as the statement says.
@@ -183,7 +183,7 @@ def _ranges(assessment: Assessment) -> list[str]:
     return [f"{range_sentence(span)}." for span in (*verdict.barred, *verdict.started_through)]
 
 
-def _assumed(results: RunResults, assessment: Assessment) -> str:
+def _assumed(results: "RunResults", assessment: Assessment) -> str:
     """State what decides by assumption, which limits are assumed, what is not judged, and the load."""
     vibration, inputs = results.vibration, results.inputs
     decision = assessment.decision.sentence
@@ -212,7 +212,7 @@ def _axial_judged(assessment: Assessment) -> bool:
     return any(limit.kind == "axial" for limit in assessment.judged_limits)
 
 
-def _axial_amplitude(results: RunResults) -> str:
+def _axial_amplitude(results: "RunResults") -> str:
     """Tell the largest axial amplitude of the free end at running speeds, where it was calculated."""
     forced = results.vibration.forced("axial")
     if forced is None:
@@ -236,7 +236,7 @@ def _misfiring(vibration: EngineVibration) -> str:
     return with_three_digits(sentence(text)) if text else ""
 
 
-def failed_checks(checks: Sequence[Check]) -> str:
+def failed_checks(checks: Sequence["Check"]) -> str:
     """Name the self-checks that fail, and whether the calculation itself holds; nothing if all hold."""
     judged = [check for check in checks if check.met is not None]
     failed = [check for check in judged if not check.met]
@@ -303,7 +303,7 @@ def _other_models(vibration: EngineVibration, assessment: Assessment) -> str:
     )  # the range of the bearings stands in both
 
 
-def _advice(results: RunResults, worst: LimitCheck) -> str:
+def _advice(results: "RunResults", worst: LimitCheck) -> str:
     """Return whether more damping can help at the worst place, where a limit is exceeded.
 
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
@@ -333,7 +333,7 @@ def _advice(results: RunResults, worst: LimitCheck) -> str:
     )
 
 
-def _undamped(modes: Sequence[tuple[str, int]], results: RunResults) -> str:
+def _undamped(modes: Sequence[tuple[str, int]], results: "RunResults") -> str:
     """Remark that there is no torsional damper, where a torsional mode is at resonance."""
     fields = [record.field.partition(".")[0] for record in results.inputs]
     if "torsional_damper" in fields or "shaft_line" in fields:
@@ -343,7 +343,7 @@ def _undamped(modes: Sequence[tuple[str, int]], results: RunResults) -> str:
     )
 
 
-def _warned(results: RunResults) -> list[str]:
+def _warned(results: "RunResults") -> list[str]:
     """Name the input that looks wrong."""
     warnings = results.input_warnings
     fields = dict.fromkeys(warning.partition(":")[0] for warning in warnings)
@@ -353,7 +353,7 @@ def _warned(results: RunResults) -> list[str]:
     return [f"Check the input: {noun} about {', '.join(fields)} (report: Inputs and assumptions)."]
 
 
-def _without_forces(results: RunResults) -> list[str]:
+def _without_forces(results: "RunResults") -> list[str]:
     engine, vibration = results.engine, results.vibration
     count = len(vibration.axial.criticals) + len(vibration.torsional.criticals)
     inputs = results.inputs

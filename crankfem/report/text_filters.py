@@ -4,6 +4,7 @@ import datetime
 import math
 import re
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from markupsafe import Markup, escape
 
@@ -21,9 +22,11 @@ from crankbase.quantity import (
 )
 from crankbase.table import Table
 from crankfem.analyses.mechanism.mechanism_results import BearingLoad
-from crankfem.analyses.run_results import Check
 from crankfem.analyses.shaft.chains import MOTION
 from dynamics.assessment.barred_ranges import BarredRange
+
+if TYPE_CHECKING:
+    from crankfem.analyses.run_results import Check
 
 # What the sources of compliances are called in results.json, and in words.
 SOURCE_WORDS = {
@@ -114,12 +117,12 @@ def duration(seconds: float) -> str:
     return f"{whole // 3600} h {whole % 3600 // 60} min"
 
 
-def check_value_text(check: Check) -> str:
+def check_value_text(check: "Check") -> str:
     """Write the value of a self-check."""
     return _figure(check.figure, check.shown_unit)
 
 
-def check_limit_text(check: Check) -> str:
+def check_limit_text(check: "Check") -> str:
     """Write the limit of a self-check."""
     if check.allowed is None:
         return "not bounded" if check.met is None else "by its criteria"

@@ -8,7 +8,6 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from crankbase.array_checks import FloatArray, positive_number
 from crankbase.errors import InputError
@@ -141,6 +140,8 @@ def match_modes(
     Arguments are those of `mode_likeness`. The products of share and likeness are largest in all; no mode of
     the shaft stands for two.
     """
+    from scipy.optimize import linear_sum_assignment  # here: loading it takes long
+
     share = modes.shares[CLASSES.index(chain.kind)]
     likeness = mode_likeness(shaft, modes, chain, wanted)
     scores = share * likeness
@@ -218,6 +219,8 @@ def followed_modes(masses: FloatArray, shapes: Sequence[FloatArray]) -> NDArray[
         Row by row the mode of each shaft that follows mode 0, 1 ... of the first one: each once, with
         the largest sum of squared products of shapes, weighted by the masses.
     """
+    from scipy.optimize import linear_sum_assignment  # here: loading it takes long
+
     rows = [np.arange(shapes[0].shape[1])]
     for before, after in pairwise(shapes):
         alike = (before.T @ masses @ after) ** 2
