@@ -423,8 +423,9 @@ DISTRIBUTIONS = ("uniform", "cosine")
 
 # Direction of a radial force on the first pin, towards the shaft.
 RADIAL = np.array([0.0, -1.0, 0.0])
-# Integrates the shape functions times linear loads on flat facets exactly.
-QUADRATURE_ORDER = 5
+# Integrates the shape functions times linear loads on flat facets exactly. scikit-fem so loads here, while
+# a mesh is made elsewhere.
+FACET_RULE = quadrature(2, 5)
 
 
 @dataclass(frozen=True)
@@ -652,7 +653,7 @@ def _surface(
     mesh: ThrowMesh, corners: NDArray[np.int64], images: tuple[MirrorImage, ...]
 ) -> LoadedSurface:
     triangles = six_node_triangles(mesh, corners)
-    where, weights = quadrature(2, QUADRATURE_ORDER)
+    where, weights = FACET_RULE
     values, slopes = triangle_shapes_at(where)
     tangents = np.einsum("aiq,taj->tqij", slopes, mesh.points[triangles])
     areas = np.cross(tangents[:, :, 0], tangents[:, :, 1]) * weights[:, None]

@@ -1,6 +1,7 @@
 """The 10-node tetrahedron: shape functions, tabulated once for all who integrate over elements, and facets.
 
-Functions and quadrature are scikit-fem's, written out: it takes longer to load than a mesh to make.
+The functions are scikit-fem's, written out; its rules of quadrature are loaded when they are needed, while a
+mesh is made, because it takes longer to load than a mesh to make.
 """
 
 import numpy as np
@@ -18,35 +19,6 @@ TRIANGLE_EDGES = ((0, 1), (1, 2), (0, 2))
 # Comput. Methods Appl. Mech. Eng. 55, 1986).
 CUBIC_POINTS = np.column_stack([np.full(3, 1 / 4), np.full(3, 1 / 6), 1 / 6 + np.eye(3) / 3])
 CUBIC_WEIGHTS = np.array([-2 / 15, 3 / 40, 3 / 40, 3 / 40, 3 / 40])
-# Rules of triangles (D. A. Dunavant, Int. J. Numer. Meth. Eng. 21, 1985) and tetrahedra (Keast), by dimension
-# and order: their numbers, and which of these each point has as its coordinates and its weight.
-RULES: dict[tuple[int, int], tuple[tuple[float, ...], str]] = {
-    (2, 2): ((1 / 6, 2 / 3), "010 001 000"),
-    (2, 5): (
-        (0.333333333333333, 0.470142064105115, 0.101286507323457, 0.05971587178977, 0.797426985353087,
-         0.101286507323456, 0.1125, 0.066197076394253, 0.0629695902724135),
-        "0123415 0341512 6787878",
-    ),
-    (3, 2): ((0.5854101966249685, 0.1381966011250105, 1 / 24), "0111 1110 1101 2222"),
-    (3, 4): (
-        (0.25, 0.7857142857142857, 0.0714285714285714, 0.1005964238332008, 0.3994035761667992,
-         -0.01315555555555555, 0.007622222222222217, 0.02488888888888888),
-        "01222344433 02221434343 02212443334 56666777777",
-    ),
-    (3, 5): (
-        (0.0, 0.5, 0.6984197043243866, 0.1005267652252045, 0.0568813795204234, 0.3143728734931922,
-         0.003174603174603167, 0.014764970790496783, 0.022139791114265117),
-        "01110023334555 10101033325554 11000133235545 66666677778888",
-    ),
-    (3, 8): (
-        (0.25, 0.765360423009044, 0.0782131923303186, 0.6344703500082868, 0.1218432166639044,
-         0.0023825066607383, 0.3325391644464206, 0.0, 0.5, 0.2, 0.1, 0.6, 0.0182642234661088,
-         0.010599941524414166, -0.06251774011432995, 0.004891425263073534, 0.0009700176366843,
-         0.02755731922398508),
-        "01222344456667888779aabaaa9ba9b 0222144436665878787a9aaba9baba9 0221244346656887778aa9aabba99ba "
-        "cddddeeeeffffgggggghhhhhhhhhhhh",
-    ),
-}  # fmt: skip
 # Corners of each facet, counterclockwise from outside.
 FACETS = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 MOST_NODES = 2_000_000  # more than any mesh within the budget has; the cube of it fits into 64 bits
@@ -86,10 +58,12 @@ def shapes_for_quadrature(order: int) -> tuple[Array, Array, Array]:
 
 
 def quadrature(dimension: int, order: int) -> tuple[Array, Array]:
-    """Points (d, q) and weights (q,) of a rule, one of `RULES`, on the triangle or tetrahedron."""
-    numbers, places = RULES[dimension, order]
-    *where, weights = [[numbers[int(place, 36)] for place in row] for row in places.split()]
-    return np.array(where), np.array(weights)
+    """Points (d, q) and weights (q,) of scikit-fem's rule of an order, on the triangle or tetrahedron."""
+    from skfem import MeshTet1, MeshTri1
+    from skfem.quadrature import get_quadrature
+
+    where, weights = get_quadrature({2: MeshTri1, 3: MeshTet1}[dimension].elem.refdom, order)
+    return np.asarray(where), np.asarray(weights)
 
 
 def triangle_shapes_at(where: Array) -> tuple[Array, Array]:

@@ -17,6 +17,7 @@ from crankfem.files.reading.data_files import data_folder
 
 # Packages whose versions a result may depend on.
 PACKAGES = (
+    "scikit-fem",
     "gmsh",
     "meshio",
     "numpy",

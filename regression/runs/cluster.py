@@ -124,7 +124,7 @@ GRACE = 60.0
 # Seconds without any worker before it is said, and between two reminders.
 QUIET, REMIND = 5.0, 60.0
 # What decides the last digits of a result beside crankfem itself.
-LIBRARIES = ("gmsh", "numpy", "scipy", "pypardiso", "mkl")
+LIBRARIES = ("gmsh", "numpy", "scipy", "scikit-fem", "pypardiso", "mkl")
 
 Note = Callable[[str], None]
 

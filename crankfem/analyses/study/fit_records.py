@@ -78,7 +78,7 @@ def compliance_model(
             "accuracy": plan.accuracy,
             "model_version": MODEL_VERSION,
             "crankfem": program_version(),
-            "gmsh": package_version("gmsh"),
+            **{name: package_version(name) for name in ("gmsh", "scikit-fem")},
             "date": datetime.date.today().isoformat(),
             "design": plan.design.kind,
             "end_sections": f"rigid; between neighbors polynomials of degree {SHARED}",
