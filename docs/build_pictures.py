@@ -6,6 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 
 import crankfem as cf
 from crankfem.analyses.engine_mechanism import load_mechanism
@@ -24,6 +25,7 @@ PICTURES = (
     "hodograph_8chn26-26.svg",
     "rod_models_13_14.svg",
     "rod_models_13_14_short.svg",
+    "study_slopes.svg",
 )
 
 
@@ -74,6 +76,43 @@ def draw_papers_figures() -> None:
         (HERE / "axial_force_6chn25-34.svg").write_bytes(force.read_bytes())
 
 
+def draw_study_slopes() -> None:
+    """Draw the table of docs/regression.md: error of e_n over time, with and without slopes."""
+    page = (HERE / "regression.md").read_text(encoding="utf-8")
+    _, _, *rows = re.findall(r"^\|.*runs \| CPU s.*(?:\n\|.*)+", page, re.M)[0].splitlines()
+    figure, both = plt.subplots(1, 2, figsize=(8.4, 3.4), sharey=True, layout="constrained")
+    colors: dict[str, str] = {}
+    for half, (axes, title) in enumerate(zip(both, ("three factors", "five factors"), strict=True)):
+        curves: dict[str, list[tuple[float, float]]] = {}
+        design = ""
+        for row in rows:
+            name, _, times, errors = (
+                cell.strip(" *") for cell in row.split("|")[1 + 4 * half :][:4]
+            )
+            design = name or design
+            for label, *point in zip(
+                *(cell.split(";") for cell in (design, times, errors)), strict=True
+            ):
+                if times:
+                    seconds, error = (float(text.split("(")[0]) for text in point)
+                    curves.setdefault(label.strip(), []).append((seconds, error))
+        for label, points in curves.items():
+            slopes = "with slopes" in label
+            drawn = label if label != "with slopes" else "Latin hypercube with slopes"
+            color = colors.setdefault(drawn, f"C{len(colors)}")
+            axes.semilogy(
+                *zip(*points, strict=True), "s-" if slopes else "o:", color=color, label=drawn
+            )
+        axes.axhline(1.4, color="0.5", linewidth=0.8)
+        axes.set(xlabel="processor time of the runs [s]", title=title, xlim=(0.0, None))
+        axes.set_yticks([0.1, 0.2, 0.5, 1.0, 2.0, 5.0])
+    both[0].set_ylabel("largest held-out error of $e_n$ [%]")
+    both[0].yaxis.set_major_formatter("{x:g}")
+    both[0].yaxis.set_minor_formatter("")
+    figure.legend(*both[0].get_legend_handles_labels(), loc="outside right", fontsize="small")
+    figure.savefig(HERE / "study_slopes.svg")
+
+
 def shorten(path: Path) -> None:
     """Write numbers of an SVG file with two decimals of a point, each curve and each text in one line."""
     text = path.read_text(encoding="utf-8")
@@ -96,6 +135,7 @@ def main() -> None:
     draw_hodographs()
     draw_accelerations(HERE / "accelerations_8chn26-26.svg")
     draw_papers_figures()
+    draw_study_slopes()
     for name in PICTURES:
         shorten(HERE / name)
 
