@@ -20,11 +20,8 @@ import tempfile
 import threading
 import time
 import weakref
-from collections.abc import Iterator, Mapping, Sequence
-from importlib.machinery import ModuleSpec, PathFinder
-from importlib.util import LazyLoader
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 from uuid import uuid4
 
@@ -37,30 +34,8 @@ LOOK = 0.5
 # So many new objects are made before Python looks for circles of references among them: with its own number
 # it does so all through the loading of libraries, which makes a twentieth of a run.
 GARBAGE_THRESHOLD = 100_000
-# Parts of numpy that scipy names, as it does all of them, and nothing here uses.
-UNUSED = ("numpy.f2py", "numpy.testing")
 # A folder in which a dying process still writes is removed by one of so many tries, so many seconds apart.
 TRIES, PAUSE = 20, 0.05
-
-
-class OnFirstUse:
-    """Finder of modules that are loaded when something of them is used first."""
-
-    @staticmethod
-    def find_spec(
-        name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
-        """Find one of `UNUSED`, and leave all others to other finders."""
-        spec = PathFinder.find_spec(name, path, target) if name in UNUSED else None
-        if spec is not None and spec.loader is not None:
-            spec.loader = LazyLoader(spec.loader)
-        return spec
-
-
-def load_quickly() -> None:
-    """Load modules in less time in this process, which must be one of ours."""
-    gc.set_threshold(GARBAGE_THRESHOLD)
-    sys.meta_path.insert(0, OnFirstUse)
 
 
 def start_child(
@@ -203,7 +178,7 @@ def _main() -> None:
     if task == REMOVE:
         _remove_at_the_end(*arguments_left)
         return
-    load_quickly()
+    gc.set_threshold(GARBAGE_THRESHOLD)
     pipe, module, *arguments = arguments_left
     _end_with_owner(int(pipe))
     sys.argv = [module, *arguments]

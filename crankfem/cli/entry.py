@@ -1,11 +1,12 @@
 """The start of the command line: an interrupt is reported in a sentence, even during imports."""
 
+import gc
 import os
 import re
 import sys
 from io import TextIOWrapper
 
-from crankbase.processes import load_quickly
+from crankbase.processes import GARBAGE_THRESHOLD
 from crankfem.cli.interrupts import exit_on_interrupts, interrupted_sentence
 from crankfem.jobs.exit_codes import EXIT_INTERRUPTED
 
@@ -22,7 +23,7 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Its search for plugins, of which none is ours, reads what every installed package says of itself.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    load_quickly()
+    gc.set_threshold(GARBAGE_THRESHOLD)
     # Commands load most modules when they begin, so this holds for them too, but where something is open
     # that must be closed (`crankfem.cli.interrupts.interrupts_raise`); and until Python itself has ended.
     exit_on_interrupts()
