@@ -130,9 +130,9 @@ def law_results(
 
 # What bands of the law cover; tests/validation/test_law.py counts the throws.
 LAW_BANDS = (
-    "Bands cover the error of the law and of its finite elements: 95 of 100 random throws within the law's "
-    "range are in theirs, the others near it. They are for rigid end sections: real ones bend a little, "
-    "which makes a throw softer."
+    "Bands cover the error of the law and of its finite elements: of 100 random throws within the law's "
+    "range 95 lie inside theirs, the others close to it. Bands hold for rigid end sections; real ones bend "
+    "a little, which makes a throw softer."
 )
 
 

@@ -344,7 +344,7 @@ VIBRATION: Plots[EngineVibration] = Plots(
         plot_of_curves(
             "torsional_stress",
             "Nominal torsional stress by order over the speed",
-            "Nominal torsional stress by order in the element closest to its limit, with the limit.",
+            "Nominal torsional stress by order in the element that uses most of its limit, with the limit.",
             _stress,
             _stress_title,
             needs="forced",
