@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 # A motion whose eigenvalue has an imaginary part below this share of its size creeps back without
 # vibrating: a damping ratio of 0.995 and more.
 LEAST_OSCILLATION = 0.1
+# Eigenvalues of a rigid body are below this share of the largest one: zero but for round-off.
+ROUND_OFF = 1e-7
 MODAL_DAMPING, SYSTEM_DAMPING = "modal damping", "damping of the system"
 
 
@@ -201,7 +203,9 @@ def complex_modes(
         chain, system = chain_and_system(chain_or_system)
     terms = damped_modes(system)
     eigenvalues, _, outputs = _with_undamped(terms)
-    vibrating = np.flatnonzero(eigenvalues.imag > LEAST_OSCILLATION * np.abs(eigenvalues))
+    sizes = np.abs(eigenvalues)
+    least = np.maximum(LEAST_OSCILLATION * sizes, ROUND_OFF * np.max(sizes, initial=0.0))
+    vibrating = np.flatnonzero(eigenvalues.imag > least)
     vibrating = vibrating[np.argsort(eigenvalues[vibrating].imag)]
     upper, motion = eigenvalues[vibrating], outputs[vibrating]
     undamped, locked = system.elastic_frequencies, _locked_frequencies(chain, system)

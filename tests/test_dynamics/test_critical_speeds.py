@@ -1,6 +1,7 @@
 """Critical speeds, their peaks and causes."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from dynamics.critical import critical_speeds, vector_sums
 from dynamics.response.complex_modes import complex_modes
 from dynamics.response.damped_criticals import LEAST_PEAK, NEARLY, damped_criticals
 from dynamics.response.forced import forced_response
+from dynamics.response.harmonic import damped_modes
 from dynamics.response.linear_system import chain_system, damped
 from dynamics.response.loads import alternating_stress, element_loads
 from dynamics.response.order_excitation import OrderExcitation
@@ -265,6 +267,30 @@ def test_where_a_resonance_ends(ratio, magnifier, state):
     assert part.state == state
     size = 1.0 / abs(1.0 - ratio**2 + 1j * ratio / magnifier)
     assert part.magnifier == close(size, rel=1e-6)
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-13, -1e-9, 1e-13j, -1e-13j, 1e-6 + 1e-5j])
+def test_far_below_all_modes_of_a_free_chain_nothing_is_amplified(monkeypatch, rounding):
+    """The rigid body's eigenvalue is round-off, of any size and direction, and no mode."""
+
+    def rounded(system):
+        terms = damped_modes(system)
+        least = np.argmin(np.abs(terms.eigenvalues))
+        eigenvalues = terms.eigenvalues.copy()
+        eigenvalues[least] = rounding
+        return replace(terms, eigenvalues=eigenvalues)
+
+    monkeypatch.setattr("dynamics.response.complex_modes.damped_modes", rounded)
+    draw = np.random.default_rng(5)
+    chain = damped(Chain(draw.uniform(1.0, 30.0, 8), draw.uniform(1e7, 3e7, 7)), magnifier=40.0)
+    speed = 0.01 * float(chain.chain.modes().angular_frequencies[1])
+    forces = 100.0 * np.exp(1j * draw.uniform(0.0, 2.0 * np.pi, (6, 1, 8)))
+    response = forced_response(chain, OrderExcitation(0.5 * np.arange(1, 7), [speed], forces))
+    assert complex_modes(response).numbers.tolist() == [1, 2, 3, 4, 5, 6, 7]
+    loads = element_loads(response).elastic
+    for element in range(7):
+        parts = peak_cause(response, loads, element, 0).parts
+        assert {part.state for part in parts} == {"forced"}
 
 
 def test_of_orders_at_one_resonance_the_largest_comes_first():
