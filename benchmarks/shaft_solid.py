@@ -254,7 +254,8 @@ def lowest_modes(
             v0=solve(whole_mass @ start),
             tol=LANCZOS_TOLERANCE,
         )
-        grown = factors.solve(np.zeros((size, 0)) if loads is None else loads)
+        # A side without columns is no system to Pardiso.
+        grown = np.zeros((size, 0)) if loads is None else factors.solve(loads)
     order = np.argsort(squares)
     return squares[order], shapes[:, order], np.asarray(grown)
 
