@@ -481,12 +481,10 @@ def _frequencies(chain: Chain, spreads: Sequence[Spread], factors: FloatArray) -
 
     As `elastic_modes`: singular values of C L'^(-1), with K = C' C and M = L L'.
     """
-    expand = chain.expansion()
-    if expand.shape[1] < chain.inertia.size - len(chain.gears):
-        # Gears without inertia stand elsewhere with each set of springs.
+    if chain.has_massless_gears:  # they stand elsewhere with each set of springs
         scaled = (scaled_chain(chain, spreads, row) for row in factors)
         return np.array([variant.modes().frequencies for variant in scaled])
-    scales = scale_factors(chain, spreads, factors)
+    scales, expand = scale_factors(chain, spreads, factors), chain.expansion()
     elongations = chain.elongations() @ expand
     springs = np.concatenate(
         (

@@ -313,11 +313,10 @@ class Chain:
         parts, _ = speed_ratios(self.connections, self.gears, count)
         check_connected(parts, self.dashpots)
         if not np.all(inertias):
-            self._check_moving()
+            self._check_moving(parts)
 
-    def _check_moving(self) -> None:
+    def _check_moving(self, parts: NDArray[np.int64]) -> None:
         """Refuse nodes without inertia of their own, of their elements or of gears that no springs lead."""
-        parts, _ = speed_ratios(self.connections, self.gears, self.inertia.size)
         groups, _, massless = self._gear_groups()
         bare = massless[groups]
         ends = np.array(self.connections, dtype=np.intp).reshape(-1, 2)
@@ -339,7 +338,9 @@ class Chain:
     def _gear_groups(self) -> tuple[NDArray[np.int64], FloatArray, NDArray[np.bool_]]:
         """Return the group of each node, its motion per motion of the group, and which have no inertia."""
         groups, ratios = speed_ratios((), self.gears, self.inertia.size)
-        loaded = np.diag(self.mass_matrix()) > 0.0
+        loaded = self.inertia > 0.0
+        if not np.all(loaded):
+            loaded = np.diag(self.mass_matrix()) > 0.0
         return groups, ratios, ~np.isin(np.arange(groups.max() + 1), groups[loaded])
 
     @property
@@ -364,6 +365,11 @@ class Chain:
         bridged = np.array([frozenset(pair) in beside for pair in self.connections], dtype=bool)
         between = (self.damping > 0.0) | (self.loss_factor > 0.0) | bridged
         return np.concatenate((between, (self.ground > 0.0) & (self.ground_damping > 0.0)))
+
+    @property
+    def has_massless_gears(self) -> bool:
+        """Whether gears without inertia stand where springs lead them."""
+        return bool(np.any(self._gear_groups()[2]))
 
     @property
     def leading_nodes(self) -> NDArray[np.int64]:

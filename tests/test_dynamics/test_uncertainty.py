@@ -88,6 +88,19 @@ def test_samples_at_once_are_the_chains_one_by_one_and_free_modes_stay_exactly_z
     assert not np.any(samples.values[:, 0])
 
 
+@pytest.mark.parametrize("gears", [[Gear(1, 2, -0.5)], [Gear(1, 2, -0.5), Gear(2, 1, -2.0)]])
+def test_gears_without_inertia_stand_elsewhere_in_each_sample(gears):
+    # The second gear of a pair says the same again.
+    chain = Chain(
+        [4.0, 0.0, 0.0, 9.0], [2e3, 3e3], connections=[(0, 1), (2, 3)], gears=gears, ground={3: 1e3}
+    )
+    spreads = [Spread.within("compliance", 0.3, (0,)), Spread.within("inertia", 0.2)]
+    samples = frequency_samples(chain, spreads, 10, 3)
+    for factors, frequencies in zip(samples.factors, samples.values, strict=True):
+        expected = scaled_chain(chain, spreads, factors).modes().frequencies
+        assert frequencies == close(expected, rel=1e-9)
+
+
 def test_every_share_of_a_range_is_drawn_once_and_the_same_seed_draws_the_same():
     spread = Spread("stiffness", 0.5, 2.0)
     factors = sampled_factors([spread], samples=40, seed=5)

@@ -164,7 +164,7 @@ TWO = [(0, 1, 2, 3), (1, 2, 3, 4)]
 def test_volumes_of_curved_tetrahedra_are_those_of_a_quadrature_that_is_more_than_exact():
     draw = np.random.default_rng(2)
     points, elements = draw.random((20, 3)), np.array([draw.permutation(20)[:10] for _ in "abc"])
-    exact = element_quadrature(points, elements, 8)[1].reshape(3, -1).sum(axis=1)
+    exact = element_quadrature(points, elements, 6)[1].reshape(3, -1).sum(axis=1)
     assert element_volumes(points, elements) == close(exact, abs=1e-15)
 
 
