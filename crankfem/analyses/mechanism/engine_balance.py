@@ -103,6 +103,7 @@ class EngineBalance(Result):
                 ]
                 for row in self.balance.rows
             ],
+            main=True,
         )
 
     def mass_tables(self) -> tuple[Table, Table]:
