@@ -292,7 +292,7 @@ class RunProgress:
             console=errors,
             disable=quiet,
             # Its lines would take the room of the results.
-            transient=True,
+            transient=errors.is_terminal,
         )
         self._task: TaskID | None = None
         # Designs finished now and before this run, and all of them.

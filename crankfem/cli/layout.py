@@ -4,9 +4,10 @@ import re
 import textwrap
 from collections.abc import Sequence
 
-from crankbase.summaries import TIED
 from crankbase.table import SI, Column, OutputUnits, Table
 
+# Stands for a space at which no line ends.
+TIED = "\u00a0"
 # A line and its style.
 Line = tuple[str, str]
 HEAD = "bold"

@@ -115,7 +115,7 @@ def doe(
         print_json(made)
         return
     next_ = f"crankfem fit {store} --model model.json"
-    out.print(
+    out.show(
         (*made.parts(), *comparison_parts(made.compared)),
         *made.answer(),
         f"All runs are in {store}. Save the equations: {next_}",
@@ -182,7 +182,7 @@ def plan(study: StudyArgument, *, out: Output) -> None:
         print_json(planned)
         return
     *parts, answer = planned.parts()
-    out.print(parts, answer)
+    out.show(parts, answer)
 
 
 @with_output(files=True)

@@ -73,4 +73,4 @@ def fit(
     parts = [*fitted.parts(shown, form), *unfitted, *comparison_parts(fitted.compared)]
     diagrams = [f"Diagrams: {', '.join(map(str, written))}"] if written else []
     saved = [f"Model: {model}", f"Use it: {fitted.lookup_line(str(model))}"]
-    out.print([*parts, *diagrams], *fitted.answer(shown, form), *saved)
+    out.show([*parts, *diagrams], *fitted.answer(shown, form), *saved)

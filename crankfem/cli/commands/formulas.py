@@ -136,7 +136,7 @@ def _one_throw(engine: str, asked: _Request) -> None:
     else:
         units = asked.out.units
         parts = throw_tables.one_throw_parts(values, gamma, constants, units)
-        asked.out.print(parts, *throw_tables.formulas_answer(values, units))
+        asked.out.show(parts, *throw_tables.formulas_answer(values, units))
 
 
 def _some_engines(files: Sequence[str], asked: _Request) -> None:
@@ -152,7 +152,7 @@ def _some_engines(files: Sequence[str], asked: _Request) -> None:
     if asked.out.json:
         _print_engines(rows, asked)
     else:
-        asked.out.print(
+        asked.out.show(
             throw_tables.engines_parts(
                 rows, asked.gamma, asked.variant, asked.constants, asked.out.units
             )
@@ -189,7 +189,7 @@ def _all_engines(asked: _Request) -> None:
     if asked.out.json:
         _print_engines(spreads, asked)
     else:
-        asked.out.print(
+        asked.out.show(
             throw_tables.spread_parts(
                 spreads, asked.gamma, asked.variant, asked.constants, asked.out.units
             )
@@ -204,7 +204,7 @@ def _published(out: Output) -> None:
     if not out.json:
         from crankfem.cli.tables import throw_tables
 
-        out.print(throw_tables.published_parts(values))
+        out.show(throw_tables.published_parts(values))
         return
     print_json({"unit": "m/N", "values": values, "finite_elements_doubt": FINITE_ELEMENTS_DOUBT})
 

@@ -85,4 +85,4 @@ def hinge(
     files = [f"Over a revolution: {csv}"] if csv is not None else []
     files += [f"Pictures: {pictures} ({len(made)} files)"] if made else []
     *parts, answer = run.tables(out.units)
-    out.print(parts, *files, answer)
+    out.show(parts, *files, answer)

@@ -53,7 +53,7 @@ def check(
         print_json(record)
         return
     written = [] if picture is None else [f"{picture} written."]
-    out.print(check_parts(record, out.units), *written, check_answer(record))
+    out.show(check_parts(record, out.units), *written, check_answer(record))
 
 
 CYLINDERS, STROKES = 6, 4

@@ -116,7 +116,7 @@ def lookup(
     for name, reason in refused.items():
         parts.append(Main(out.units.text(f"{_title(name)}: left out; {reason}")))
     shown, *remarks = _answer_parts(answers, out.units)
-    out.print(parts, *remarks, shown)
+    out.show(parts, *remarks, shown)
 
 
 def _without_angle_law(model: "ComplianceModel", gamma_deg: float) -> set[str]:
@@ -309,7 +309,7 @@ def optimum(
         return
     value = out.units.quantity(best.value, best.unit, 4)
     parts = _optimum_parts(loaded, best, out.units)
-    out.print(parts, f"Smallest {best.minimized}: {value}")
+    out.show(parts, f"Smallest {best.minimized}: {value}")
 
 
 def _frequency_limits(

@@ -81,7 +81,7 @@ def mechanism(
         return
     files = [f"Forces: {csv}"] if csv is not None else []
     files += [f"Pictures: {pictures} ({len(made)} files)"] if made else []
-    out.print(details.parts(out.units), *files, details.results.answer(out.units))
+    out.show(details.parts(out.units), *files, details.results.answer(out.units))
 
 
 def _rod_models(names: list[str] | None) -> list[RodModelName]:
@@ -188,7 +188,7 @@ def harmonics(
         return
     *parts, answer = spectra.parts(out.units)
     files = ((csv, "Table"), (sums, "Sums"), (pictures, "Pictures"))
-    out.print(parts, *(f"{kind}: {path}" for path, kind in files if path is not None), answer)
+    out.show(parts, *(f"{kind}: {path}" for path, kind in files if path is not None), answer)
 
 
 def _names_engine(source: str) -> bool:
@@ -351,4 +351,4 @@ def two_mass(
         print_json(run)
     else:
         *parts, answer = run.parts(out.units)
-        out.print(parts, answer)
+        out.show(parts, answer)

@@ -136,7 +136,7 @@ class Output:
     force: bool
     full: bool
 
-    def print(self, parts: Iterable[Table | str], *answers: Table | str) -> None:
+    def show(self, parts: Iterable[Table | str], *answers: Table | str) -> None:
         """Print tables and paragraphs, then the answers."""
         console.print_parts(parts, self.units, answers, full=self.full)
 

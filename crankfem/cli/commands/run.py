@@ -70,7 +70,7 @@ def run(
     else:
         verdict = verdict_line(made.results.vibration, made.results.strength)
         parts = _parts(made.results, out.units)
-        out.print(parts, f"Report: {made.report}", out.units.text(verdict))
+        out.show(parts, f"Report: {made.report}", out.units.text(verdict))
     if strict:
         exit_unless_acceptable(made.results.vibration)
 
@@ -181,6 +181,6 @@ def class_(
         console.print_path(str(made.page))
     else:
         first, *further = map(Main, findings)
-        out.print(further, f"Document: {made.page}", first)
+        out.show(further, f"Document: {made.page}", first)
     if strict:
         exit_unless_acceptable(made.run)

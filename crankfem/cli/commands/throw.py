@@ -172,7 +172,7 @@ def throw(
         return
     files = [] if made is None else [f"Picture: {made}"]
     table = results.loaded_table(out.units)
-    out.print(results.parts(out.units, profile=profile), *files, table)
+    out.show(results.parts(out.units, profile=profile), *files, table)
 
 
 @with_output(files=True, units=True)
@@ -224,7 +224,7 @@ def stress(
     if out.json:
         print_json(results)
     else:
-        out.print(chain(results.tables(out.units), results.sentences()), results.factor_table())
+        out.show(chain(results.tables(out.units), results.sentences()), results.factor_table())
 
 
 @with_output(files=True)

@@ -76,7 +76,7 @@ def vibration(
             print_json(chain)
         else:
             *parts, answer = chain.parts()
-            out.print(parts, answer)
+            out.show(parts, answer)
         return
     from crankbase.outputs import protect
     from crankbase.results import units as result_units
@@ -155,6 +155,6 @@ def vibration(
             for kind, folder, made in files
             if made is not None
         ]
-        out.print(parts, *told, out.units.text(verdict_line(run)))
+        out.show(parts, *told, out.units.text(verdict_line(run)))
     if strict:
         exit_unless_acceptable(run)
