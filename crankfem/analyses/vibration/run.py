@@ -65,6 +65,8 @@ from regression.models.compliance_model import ComplianceModel
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from crankfem.analyses.vibration.input_slopes import VibrationSlopes
+
 Shown = Literal["campbell", "modes", "amplitude", "stress", "load", "power", "limits", "shaft"]
 SHOWN: tuple[Shown, ...] = get_args(Shown)
 # Limits of an engine file by what they are drawn into.
@@ -250,6 +252,16 @@ class EngineVibration(Result):
             limits=assessment.limit_curve(limit, forced.response.speeds),
             barred=() if show == "power" else assessment.verdict.ranges_to_bar,
         )
+
+    def slopes(self) -> "VibrationSlopes":
+        """How frequencies and the worst limit's use change with the engine's dimensions and elements.
+
+        In per cent for one per cent of each; errors as of
+        `crankfem.analyses.vibration.input_slopes.vibration_slopes`.
+        """
+        from crankfem.analyses.vibration.input_slopes import vibration_slopes
+
+        return vibration_slopes(self)
 
     def to_pandas(self) -> Any:
         """Return a table of the elastic natural frequencies of both chains.
