@@ -60,18 +60,9 @@ def test_bare_number_in_a_file(dimensions):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        (
-            {"pin_length": 0.020, "fillet_radius": 0.010},
-            "2.2 mm to 9 mm.*crankpin of 20 mm is too sho",
-        ),
-        (
-            {"main_journal_length": 0.020},
-            "0, or 2.2 mm to 9 mm.*main journal of 20 mm is too short",
-        ),
-        (
-            {"web_width": 0.230},
-            "given 12 mm; allowed is 0, or 2.2 mm to 5 mm.*web of 230 mm is too na",
-        ),
+        ({"pin_length": 0.020, "fillet_radius": 0.010}, "2.2 mm to 9 mm.*crankpin of 20 mm is too"),
+        ({"main_journal_length": 0.020}, "0, or 2.2 mm to 9 mm.*main journal of 20 mm is too"),
+        ({"web_width": 0.230}, "given 12 mm; allowed is 0, or 2.2 mm to 5 mm.*web of 230 mm is"),
         ({"web_width": 0.221}, r"allowed is only 0 \(sharp corners\)"),
         ({"fillet_radius": 0.001}, "given 1 mm; allowed is 0, or 2.2 mm to 40 mm"),
     ],

@@ -706,9 +706,7 @@ def test_wrong_options_are_refused_before_anything_is_drawn(monkeypatch):
     for make, wrong in WRONG.values():
         for option, values in wrong.items():
             for value in values:
-                with pytest.raises(
-                    InputError, match=r"^[^;]*: given .*; allowed .*, because .*\.$"
-                ):
+                with pytest.raises(InputError, match=r"^[^;]*: given .*; allowed .*, because"):
                     make().plot(**{option: value})
 
 
