@@ -106,13 +106,13 @@ class VibrationSlopes(Result):
 
     def parts(self) -> Iterator[Table | str]:
         """Write the slopes as a table."""
-        at = "" if self.limit is None else f"; limit: {self.limit}, {self.place}"
+        at = "" if self.limit is None else f"; worst limit: {self.limit}, {self.place}"
         yield Table.of_records(
-            f"Change in per cent for one per cent of an input: first frequencies, use of the worst limit{at}",
+            f"Change in per cent for one per cent of an input{at}",
             self.rows,
             (Column("input", words=True), lambda row: row.field),
-            (Column("torsional frequency", decimals=3), lambda row: row.torsional),
-            (Column("axial frequency", decimals=3), lambda row: row.axial),
+            (Column("first torsional frequency", decimals=3), lambda row: row.torsional),
+            (Column("first axial frequency", decimals=3), lambda row: row.axial),
             (Column("limit's use", decimals=3), lambda row: row.limit),
         )
 
