@@ -4,7 +4,7 @@ Chains are made again with one input a little smaller and larger. The throws are
 by the slopes of their finite elements' solutions (`fem.sensitivities`).
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -28,18 +28,18 @@ from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import limit_findings
+from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.crank_throws import PLAIN
 from dynamics.assessment.limits import usage
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.excitation.cylinders import CylinderHarmonics
+from fem.analysis import ThrowAnalysis
 from fem.superelement import ShaftCompliances, shaft_compliances
 from geometry.boundary_motion import STEP
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from crankfem.analyses.vibration.run import EngineVibration
 
 Array = NDArray[np.float64]
 
@@ -158,7 +158,9 @@ class _Shaft:
 class _Model:
     """The answers of an engine whose inputs are changed."""
 
-    run: "EngineVibration"
+    analyses: Mapping[str, ThrowAnalysis]
+    axial: SourceResult
+    torsional: SourceResult
     check: LimitCheck | None
 
     def answers(self, shaft: _Shaft) -> Array:
@@ -172,7 +174,7 @@ class _Model:
         pulled, cranks = (
             replace(chosen, compliances=compliances, chain=chain, modes=chain.chain.modes())
             for chosen, compliances, chain in zip(
-                (self.run.axial.chosen, self.run.torsional.chosen),
+                (self.axial, self.torsional),
                 (shaft.axial, shaft.torsional),
                 chains,
                 strict=True,
@@ -189,37 +191,45 @@ class _Model:
         return np.array([cranks.first_frequency, pulled.first_frequency, used], dtype=float)
 
 
-def vibration_slopes(run: "EngineVibration") -> VibrationSlopes:
+def vibration_slopes(
+    engine_file: EngineFile,
+    analyses: Mapping[str, ThrowAnalysis],
+    shaft: ShaftCompliances,
+    axial: SourceResult,
+    torsional: SourceResult,
+    check: LimitCheck | None,
+) -> VibrationSlopes:
     """Find how the vibration of an engine changes with its dimensions, inertias, stiffnesses and dampings.
 
     Each number of the throws, of the elements' sections and of the moving parts is varied by itself. The
     throws' relative changes are those of finite elements, whatever the source of their compliances.
 
-    Raises
-    ------
-    InputError
-        If a throw is no parametric one.
+    Parameters
+    ----------
+    analyses : mapping
+        Of the throws by name.
+    axial, torsional : SourceResult
+        The chains with the chosen compliances.
+    check : LimitCheck or None
+        The limit whose use is meant; None if nothing is forced.
     """
-    file = run.engine_file
-    check = None if run.assessment is None else run.assessment.verdict.worst
-    forced = run.forced_by_kind is not None
-    cranks = crank_analyses(file, run.analyses)
-    shaft = _Shaft(
-        file,
-        run.axial.chosen.compliances,
-        run.torsional.chosen.compliances,
+    cranks = crank_analyses(engine_file, analyses)
+    parts = _Shaft(
+        engine_file,
+        axial.compliances,
+        torsional.compliances,
         np.array([crank.mass for crank in cranks]),
         np.array([crank.masses.inertia_about_shaft for crank in cranks]),
-        run.shaft,
-        engine_harmonics(file, mechanism_of(file)) if forced else None,
+        shaft,
+        None if check is None else engine_harmonics(engine_file, mechanism_of(engine_file)),
     )
-    model = _Model(run, check)
+    model = _Model(analyses, axial, torsional, check)
     left_out: dict[str, str] = {}
     slopes = {
         field: (high - low) / (0.5 * (high + low)) / (2.0 * step)
         for field, step, low, high in (
-            *_over_sections(shaft, model, left_out),
-            *_over_throws(shaft, model, left_out),
+            *_over_sections(parts, model, left_out),
+            *_over_throws(parts, model, left_out),
         )
     }
     rows = [
@@ -246,7 +256,7 @@ def _over_sections(shaft: _Shaft, model: _Model, left_out: dict[str, str]) -> Si
         moved = _of_file(shaft, file.changed(**{section: {name: value}}), section)
         if section != "bearings":
             return moved
-        held = compliances_in_shaft(moved.engine_file, model.run.analyses)
+        held = compliances_in_shaft(moved.engine_file, model.analyses)
         return _in_shaft(moved, shaft.compliances, held)
 
     for section in (*ELEMENTS, *MOVING_PARTS):
@@ -268,8 +278,8 @@ def _over_sections(shaft: _Shaft, model: _Model, left_out: dict[str, str]) -> Si
 
 def _over_throws(shaft: _Shaft, model: _Model, left_out: dict[str, str]) -> Sides:
     """The answers on both sides of each dimension of the throws, with the share of it."""
-    file, run = shaft.engine_file, model.run
-    for name, analysis in run.analyses.items():
+    file = shaft.engine_file
+    for name, analysis in model.analyses.items():
         section = "throw" if name == PLAIN else f"throws.{name}"
         try:
             changes, without = analysis.changes_in_shaft
@@ -282,7 +292,7 @@ def _over_throws(shaft: _Shaft, model: _Model, left_out: dict[str, str]) -> Side
             held = [
                 shaft_compliances(
                     [
-                        end if crank == name else run.analyses[crank].discrete.superelement
+                        end if crank == name else model.analyses[crank].discrete.superelement
                         for crank in file.throw_names
                     ],
                     crank_angles_deg=file.throw_angles_deg,

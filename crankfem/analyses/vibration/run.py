@@ -43,6 +43,7 @@ from crankfem.analyses.vibration.engine_excitation import (
     refuse_vibration,
 )
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.input_slopes import VibrationSlopes, vibration_slopes
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Kind, Vibration, axial_vibration, torsional_vibration
 from crankfem.analyses.vibration.whole_verdict import (
@@ -64,8 +65,6 @@ from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from crankfem.analyses.vibration.input_slopes import VibrationSlopes
 
 Shown = Literal["campbell", "modes", "amplitude", "stress", "load", "power", "limits", "shaft"]
 SHOWN: tuple[Shown, ...] = get_args(Shown)
@@ -253,15 +252,19 @@ class EngineVibration(Result):
             barred=() if show == "power" else assessment.verdict.ranges_to_bar,
         )
 
-    def slopes(self) -> "VibrationSlopes":
+    def slopes(self) -> VibrationSlopes:
         """How frequencies and the worst limit's use change with the engine's dimensions and elements.
 
-        In per cent for one per cent of each; errors as of
-        `crankfem.analyses.vibration.input_slopes.vibration_slopes`.
+        In per cent for one per cent of each. A throw without slopes is named in `left_out`.
         """
-        from crankfem.analyses.vibration.input_slopes import vibration_slopes
-
-        return vibration_slopes(self)
+        return vibration_slopes(
+            self.engine_file,
+            self.analyses,
+            self.shaft,
+            self.axial.chosen,
+            self.torsional.chosen,
+            None if self.assessment is None else self.assessment.verdict.worst,
+        )
 
     def to_pandas(self) -> Any:
         """Return a table of the elastic natural frequencies of both chains.
