@@ -85,11 +85,15 @@ def test_the_first_screen_has_main_parts_within_its_lines_and_the_answer_last(mo
         assert lines[-1] == "Verdict: fine."
         assert all(str(warning) in lines for warning in warnings)
         assert "Finding 0." in lines and "a remark" not in lines
-        numbers = [int(row[0]) for line in lines if len(row := line.split()) == 2 and row[0].isdigit()]
+        numbers = [
+            int(row[0]) for line in lines if len(row := line.split()) == 2 and row[0].isdigit()
+        ]
         assert numbers == sorted(numbers)
         assert {8, 17, 26} <= {*numbers}
         whole = printed(monkeypatch, capsys, width, parts, ["Verdict: fine."], full=True)
-        assert {*lines} - {*whole} == {line for line in lines if "--full" in line or "Finding" in line}
+        assert {*lines} - {*whole} == {
+            line for line in lines if "--full" in line or "Finding" in line
+        }
 
 
 def test_places_have_short_names_with_a_legend(monkeypatch, capsys):

@@ -116,7 +116,15 @@ def test_values_with_bands(run, path):
     lines = out.splitlines()
     lower, upper = 1.3 / 1.005 * 0.99, 1.3 / 0.995 * 1.01
     rows = [line.split() for line in lines[-len(SIZES) :]]
-    assert ["axial", "compliance", "pinned", "1.3e-9", f"{lower:.4g}e-9", f"{upper:.4g}e-9", "m/N"] in rows
+    assert [
+        "axial",
+        "compliance",
+        "pinned",
+        "1.3e-9",
+        f"{lower:.4g}e-9",
+        f"{upper:.4g}e-9",
+        "m/N",
+    ] in rows
     assert (
         "Bands: error not exceeded by 95 % of throws at designs not used in the fit (0.5 %) and the "
         "finite elements' own estimate (1 %); --json lists them by response."
