@@ -31,10 +31,10 @@ WIDTHS = pytest.mark.parametrize("width", [80, 60])
 
 
 @st.composite
-def tables(draw, main=st.just(False)):
+def tables(draw):
     columns = draw(st.lists(COLUMNS, min_size=1, max_size=8))
     rows = draw(st.lists(st.tuples(*(CELLS for _ in columns)).map(list), max_size=12))
-    return Table(draw(st.lists(WORDS).map(" ".join)), columns, rows, main=draw(main))
+    return Table(draw(st.lists(WORDS).map(" ".join)), columns, rows)
 
 
 def fits(lines, width):
@@ -84,7 +84,8 @@ def test_the_first_screen_has_main_parts_within_its_lines_and_the_answer_last(mo
         assert 30 <= len(lines) <= console.LINES
         assert lines[-1] == "Verdict: fine."
         assert all(str(warning) in lines for warning in warnings)
-        assert "Finding 0." in lines and "a remark" not in lines
+        assert "Finding 0." in lines
+        assert "a remark" not in lines
         numbers = [
             int(row[0]) for line in lines if len(row := line.split()) == 2 and row[0].isdigit()
         ]
@@ -112,7 +113,7 @@ QUICK = [
     ("plan", "6chn25-34"),
     ("formulas", "--published"),
     ("harmonics", "yamz5340_torque_one_throw.csv", "--firing-order", "1-3-4-2"),
-    *(("lookup", "law", "--throw", engine, "--pin-force", "100 kN") for engine in ENGINES),
+    *(("lookup", "law", "--throw", engine) for engine in (ENGINES[0], "12chn18-20")),
     *((command, engine) for engine in ENGINES for command in ("check", "mechanism", "harmonics")),
 ]
 LONG = [
@@ -122,11 +123,11 @@ LONG = [
 ANSWERS = {
     "hinge": "The hinge leaves",
     "two-mass": "resonates at",
-    "vibration": "Verdict: |nodes at",
+    "vibration": "Verdict: |strain energy",
     "plan": "held-out designs",
-    "formulas": "by finite elements|Published axial",
+    "formulas": "by finite elements|ChN 13/14",
     "harmonics": "ajor",
-    "lookup": "torsional compliance",
+    "lookup": "torsional",
     "check": "valid engine file",
     "mechanism": "indicated power",
     "throw": "guided",
@@ -143,7 +144,7 @@ def check_screens(call, monkeypatch, width, line):
     assert answer.code == 0
     assert fits(lines, width)
     assert len(lines) + len(answer.err.splitlines()) <= console.LINES + (width < 80) * 10
-    assert re.search(ANSWERS[line[0]], "\n".join(lines[-10:] if len(lines) > 13 else lines))
+    assert re.search(ANSWERS[line[0]], " ".join(" ".join(lines[-10:]).split()))
     whole = call(*line, "--quiet", "--full").out.splitlines()
     assert fits(whole, width)
 
