@@ -47,7 +47,7 @@ from regression.plans.relations import (
     read_expression,
     used_names,
 )
-from regression.records import HELD_OUT, RUN, content_key
+from regression.records import HELD_OUT, RUN, SLOPES, content_key
 
 # Of a factor's range, for central differences of what follows from it.
 SHIFT = 1e-5
@@ -524,7 +524,7 @@ def planned_design(
     """Make a design of a study from factor values [SI] and the throw with these, as JSON content."""
     inputs = {"throw": throw, **plan.settings}
     if plan.slopes and role == RUN:
-        inputs["slopes"] = list(plan.moved)
+        inputs[SLOPES] = list(plan.moved)
     return PlannedDesign(
         role, values, inputs, content_key(inputs | {"model_version": MODEL_VERSION})
     )
