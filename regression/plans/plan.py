@@ -164,14 +164,14 @@ class Variants:
             known[path] = np.array(np.broadcast_to(result, (count,)))
         return known
 
-    def fields_beside(
+    def beside(
         self, values: NDArray[np.float64], place: int
-    ) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]], float]:
-        """Return `fields_at` with one factor smaller and larger, and half of the difference [SI]."""
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+        """Return the values with one factor smaller and larger, and half of the difference [SI]."""
         factor = self.factors[place]
         step = SHIFT * (factor.highest - factor.lowest)
         shift = step * np.eye(len(self.factors))[place]
-        return self.fields_at(values - shift), self.fields_at(values + shift), step
+        return values - shift, values + shift, step
 
     def _quantities(self, values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         columns = {
