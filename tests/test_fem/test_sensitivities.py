@@ -63,6 +63,7 @@ def slopes_of(mesh, throw, condensed):
     return velocities, dict(zip(velocities, zip(*slopes, strict=True), strict=True))
 
 
+@pytest.mark.slow
 def test_slopes_are_those_of_the_moved_mesh(mesh, throw, condensed):
     """Without another mesh nothing scatters; one-sided steps of 1e-7 differentiate loads on the pins."""
     velocities, slopes = slopes_of(mesh, throw, condensed)
@@ -209,6 +210,7 @@ def test_slopes_as_table_and_picture(throw):
     assert len(axes.patches) == len(slopes.shares)
 
 
+@pytest.mark.slow
 def test_responses_of_a_study_have_the_slopes_of_an_analysis(featured):
     """Of the same mesh and solutions, alone and between neighbors."""
     paths = ("web_width", "counterweight.thickness", "pin_bore_offset", "no_dimension")
