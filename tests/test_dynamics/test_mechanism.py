@@ -465,9 +465,6 @@ GOOD = {"length": 0.265, "mass": 5.0, "center_distance": 0.097, "inertia": 0.07}
     ("change", "words"),
     [
         ({"mass": -5.0}, "rod mass: given -5 kg; .*because it is a mass"),
-        ({"mass": 0.0}, "rod mass: given 0 kg"),
-        ({"length": -0.265}, "rod length: given -0.265 m"),
-        ({"inertia": 0.0}, "rod inertia: given 0 kg m\\^2"),
         ({"inertia": -0.1}, "rod inertia: given -0.1 kg m\\^2"),
         ({"inertia": 5.0}, "rod inertia: given 5 kg m\\^2; allowed is 0.*or less, because no mass"),
         ({"center_distance": 0.0}, "rod center_distance: given 0 m; .*between the pins"),
