@@ -235,6 +235,7 @@ def test_bad_layouts_are_refused_with_the_reason(parts, order, more, words):
         (lambda: SlavePin("1", 0.06, angle_deg=math.degrees(0.7)), "slave pin main_cylinder:"),
         (lambda: SlavePin(1, 0.0, angle_deg=math.degrees(0.7)), "slave pin radius: given 0 m"),
         (lambda: RotatingMass(-0.1, angle_deg=0.0), "static_moment: given -0.1 kg m; .*mass"),
+        (lambda: RotatingMass(0.1, angle_deg=math.nan), "angle_deg: given nan"),
     ],
 )
 def test_impossible_parts_are_refused(make, words):

@@ -313,6 +313,7 @@ def test_steady_engine_has_the_speed_of_its_energy():
         ({"samples": 10.5}, "samples: given 10.5; allowed are whole numbers of 2 or more"),
         ({"load": lambda w, _: math.nan if w < 9.99 else 1.0}, "load: given a moment of nan N m"),
         ({"load": constant(None)}, "load: given a moment of None"),
+        ({"friction": constant(math.inf)}, "friction: given a moment of inf N m at 10 rad/s"),
         ({"gas": constant(math.nan)}, "gas: given a moment of nan"),
         ({"gas": constant(1e300)}, "gas: given a moment of .* numbers of up to 1e.60, because"),
         ({"gas": BrokenPressure()}, "gas: given a moment of nan"),
