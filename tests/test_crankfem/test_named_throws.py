@@ -476,17 +476,9 @@ def test_help_says_which_sections_throws_are(call):
 
 # The types whose compliance the paper of 2021 lists, in its order.
 TYPES_OF_THE_PAPER = (
-    "8chn26-26",
-    "6chn25-34",
-    "6chn18-22",
-    "12chn18-20",
-    "cat-3116",
-    "12dn23-30",
-    "6chn105-130",
-    "6chn15-18",
-    "8chn14-14",
-    "8chn13-14",
-)
+    "8chn26-26", "6chn25-34", "6chn18-22", "12chn18-20", "cat-3116", "12dn23-30", "6chn105-130",
+    "6chn15-18", "8chn14-14", "8chn13-14",
+)  # fmt: skip
 OLDER = ("6chn25-34", "yamz-5340")
 SECTIONS = {n: read_toml(input_path(n)).sections for n in shipped_names("engine")}
 SHIPPED_FULL = tuple(n for n, sections in SECTIONS.items() if "flywheel" in sections)

@@ -29,16 +29,10 @@ from geometry.throw import CrankThrow
 
 ROOT = Path(__file__).parents[2]
 OPTIONS = (
-    "General.Terminal",
-    "General.NumThreads",
-    "Geometry.OCCUnionUnify",
-    "Mesh.MeshSizeExtendFromBoundary",
-    "Mesh.MeshSizeFromCurvature",
-    "Mesh.MeshSizeFromPoints",
-    "Mesh.MeshSizeFactor",
-    "Mesh.ElementOrder",
-    "Mesh.Algorithm3D",
-)
+    "General.Terminal", "General.NumThreads", "Geometry.OCCUnionUnify",
+    "Mesh.MeshSizeExtendFromBoundary", "Mesh.MeshSizeFromCurvature", "Mesh.MeshSizeFromPoints",
+    "Mesh.MeshSizeFactor", "Mesh.ElementOrder", "Mesh.Algorithm3D",
+)  # fmt: skip
 
 
 @pytest.fixture
