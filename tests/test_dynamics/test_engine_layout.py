@@ -122,25 +122,14 @@ def test_angles_count_as_in_line_within_round_off_of_degrees(make):
 
 def test_a_layout_keeps_what_was_checked():
     """Lists given are copied into tuples: what is appended later stays out, and it can be hashed."""
-    cylinders, order, rotating = in_line(0, 180), [1, 2], [RotatingMass(0.1, angle_deg=0.0)]
-    angles = [0.0, math.pi]
-    engine = EngineLayout(
-        0.07,
-        cylinders,
-        order,
-        firing_angles_deg=np.degrees(angles),
-        rotating=rotating,
-        shaft_inertia=1.0,
-    )
-    same = EngineLayout(
-        0.07,
-        tuple(cylinders),
-        (1, 2),
-        4,
-        firing_angles_deg=np.degrees(tuple(angles)),
-        rotating=tuple(rotating),
-        shaft_inertia=1.0,
-    )
+    cylinders, order, angles = in_line(0, 180), [1, 2], [0.0, 180.0]
+    rotating = [RotatingMass(0.1, angle_deg=0.0)]
+
+    def made(kind):
+        options = {"firing_angles_deg": kind(angles), "rotating": kind(rotating)}
+        return EngineLayout(0.07, kind(cylinders), kind(order), shaft_inertia=1.0, **options)
+
+    engine, same = made(lambda values: values), made(tuple)
     for values in (cylinders, order, rotating, angles):
         values.append(values[0])
     assert engine == same

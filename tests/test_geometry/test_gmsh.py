@@ -136,14 +136,6 @@ def test_missing_system_library_is_reported():
             load_gmsh()
 
 
-def test_missing_package_is_reported():
-    with (
-        mock.patch.dict(sys.modules, {"gmsh": None}),
-        pytest.raises(MissingLibraryError, match="pip install gmsh"),
-    ):
-        load_gmsh()
-
-
 def test_meshing_without_the_package_names_it_too(dimensions):
     with (
         mock.patch.dict(sys.modules, {"gmsh": None}),
