@@ -42,6 +42,7 @@ ENGINES = [
     "6chn18-22-set",
     "6chn25-34",
     "6s50mc-c",
+    "7l32-40-set",
     "8chn13-14",
     "cat-3116",
     "vw-tdi",

@@ -574,3 +574,10 @@ THROW = crank_throw(0.170, 0.220, 0.180, 0.135, 0.139, 0.285, 0.068)
 def test_numbers_too_large_for_a_float_are_refused_everywhere(call, number):
     with pytest.raises(InputError):
         call(number)
+
+
+def test_an_engine_draws_its_crankshaft():
+    engine = load_engine("6chn25-34")
+    assert engine.crankshaft.end_cylinders == load_crankshaft("6chn25-34").end_cylinders
+    numbers = {text.get_text() for text in engine.plot().texts}
+    assert numbers >= {"1", "6"}

@@ -192,7 +192,12 @@ class EngineVibration(Result):
         """The torsional chain with the compliances of the chosen source."""
         return self.torsional.chosen.chain.chain
 
-    def forced(self, kind: str) -> ForcedVibration | None:
+    @property
+    def forced(self) -> ForcedVibration | None:
+        """Forced vibration in torsion, `forced_torsional`."""
+        return self.forced_torsional
+
+    def forced_of(self, kind: str) -> ForcedVibration | None:
         """Forced vibration of one kind; None if the gas pressure is unknown."""
         return (self.forced_by_kind or {}).get(kind)
 
@@ -226,7 +231,7 @@ class EngineVibration(Result):
         """
         check_choice("kind", kind, ("axial", "torsional"), "these are calculated")
         check_choice("show", show, SHOWN, "these are diagrams of vibration")
-        vibration, forced = self.modes(kind), self.forced(kind)
+        vibration, forced = self.modes(kind), self.forced_of(kind)
         if show == "modes":
             return vibration.plot(axes)
         if show == "campbell":
