@@ -515,3 +515,10 @@ def test_numbers_too_large_for_a_float_are_refused_everywhere(number):
     ):
         with pytest.raises(InputError):
             call()
+
+
+def test_an_engine_draws_its_crankshaft():
+    engine = load_engine("6chn25-34")
+    assert engine.crankshaft.end_cylinders == load_crankshaft("6chn25-34").end_cylinders
+    numbers = {text.get_text() for text in engine.plot().texts}
+    assert numbers >= {"1", "6"}

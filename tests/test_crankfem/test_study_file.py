@@ -8,12 +8,14 @@ from typing import get_args
 
 import pytest
 
+import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankfem.analyses.study.planned_designs import PlannedDesigns
 from crankfem.analyses.study.studies import run_study, study_key
 from crankfem.cli import console
+from crankfem.files.engine.throw_file import load_study
 from crankfem.files.reading.toml_file import read_toml
 from crankfem.files.study_file import StudySection, read_design, study_plan
 from fem.material import STEEL
@@ -359,3 +361,44 @@ def test_tables_that_are_too_large(tmp_path, table, message):
     path.write_text(table, encoding="utf-8")
     with pytest.raises(InputError, match=message):
         read_design(InputFile(path), (), THROW)
+
+
+def test_a_study_in_a_dict_is_that_of_a_file(tmp_path):
+    text = """
+    [throw]
+    crank_radius = "170 mm"
+    main_journal_diameter = { value = "220 mm", source = "drawing" }
+    pin_diameter = "180 mm"
+    main_journal_length = "120 mm"
+    pin_length = "139 mm"
+    web_width = "285 mm"
+    web_thickness = "68 mm"
+    [study]
+    held_out = 3
+    [study.factors]
+    web_width = ["270 mm", "300 mm", "330 mm"]
+    """
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    given = tomllib.loads(text)
+    assert load_study(given).key == load_study(tmp_path / "study.toml").key
+    assert given == tomllib.loads(text)
+    given["study"]["factors"] = {"web_widht": ["270 mm", "300 mm"]}
+    with pytest.raises(
+        InputError, match="web_widht: unknown throw dimension; did you mean web_width"
+    ):
+        load_study(given)
+
+
+@pytest.mark.slow
+def test_a_plan_is_run(tmp_path):
+    plan = cf.studies.StudyPlan(
+        cf.load_throw("6chn25-34")[0],
+        (cf.studies.Factor("web_width", "m", 0.27, 0.33),),
+        cf.studies.DesignChoice("latin hypercube", runs=3),
+        held_out=2,
+        accuracy=0.1,
+    )
+    study = cf.run_study(plan, tmp_path / "runs.sqlite", workers=1)
+    assert study.table.plan is plan
+    assert len(study.table.values) == 5
+    assert len(str(study.table).splitlines()) <= 3

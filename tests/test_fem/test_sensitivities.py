@@ -137,8 +137,16 @@ def test_volumes_change_as_the_parts_say(featured):
         size = lengths_of(featured)[path]
         low, high = (with_length(featured, path, size * factor).volume for factor in (0.999, 1.001))
         assert share == close(np.log(high / low) / 0.002, abs=2e-3)
-    lengths = [share for path, share in shares.items() if path != "counterweight.angle"]
-    assert sum(lengths) == close(3.0, abs=2e-3)
+    spun = analysis.sensitivities("inertia").shares
+    for by_length, power in ((shares, 3.0), (spun, 5.0)):
+        lengths = [share for path, share in by_length.items() if path != "counterweight.angle"]
+        assert sum(lengths) == close(power, abs=2e-3)
+    low, high = (
+        analyze_throw(with_length(featured, "web_width", 0.18 * factor), accuracy=0.1)
+        for factor in (0.99, 1.01)
+    )
+    grown = high.masses.inertia_about_shaft / low.masses.inertia_about_shaft
+    assert spun["web_width"] == close(np.log(grown) / np.log(1.01 / 0.99), abs=2e-3)
 
 
 @pytest.mark.slow
