@@ -150,7 +150,8 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
     strongest = {BASE_STRENGTH, *CRANKSHAFT_STRENGTHS.values()}
     if is_assumed(engine_file, f"limits.{TENSILE}") and engine_file.strength is None:
         made = Trial(f"limits.{TENSILE}", "tensile strength", tensile, "Pa", status, taken=True)
-        ways.append(_with_changes(made, strongest, lambda value: judged(tensile_strength=value)))
+        possible = {value for value in strongest if value >= yielding}
+        ways.append(_with_changes(made, possible, lambda value: judged(tensile_strength=value)))
     if is_assumed(engine_file, f"limits.{YIELD}"):
         made = Trial(f"limits.{YIELD}", "yield strength", yielding, "Pa", status, taken=True)
         highest = max(BASE_YIELD, HIGHEST_YIELD * tensile)

@@ -580,7 +580,7 @@ def critical_lines(run: EngineVibration, kind: str) -> list[CriticalLine]:
     leaves without a peak count at running speeds alone, and modes that no order brings to a peak have no
     margin.
     """
-    forced = run.forced(kind)
+    forced = run.forced_of(kind)
     calculated = () if forced is None else forced.resonances
     met = {(critical.mode, critical.order): critical for critical in run.modes(kind).criticals}
     lines = [

@@ -62,13 +62,16 @@ from crankfem.files.sections.vibration_sections import (
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_line import Driven
 from fem.material import STEEL, Material
-from geometry.crankshaft import ShaftEnds
+from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 if TYPE_CHECKING:
     from regression.plans.plan import StudyPlan
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> None:
@@ -372,6 +375,17 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         return self.bearings or Bearings(
             stiffness=assumed, lowest_stiffness=assumed / ratio, highest_stiffness=assumed * ratio
         )
+
+    @property
+    def crankshaft(self) -> Crankshaft:
+        """The whole crankshaft: the throws at their angles, and the ends."""
+        return Crankshaft(
+            self.crank_throws, crank_angles_deg=self.throw_angles_deg, ends=self.shaft_ends
+        )
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the crankshaft from the side; see `Crankshaft.plot`."""
+        return self.crankshaft.plot(axes)
 
     def changed(self, **sections: InputModel | Mapping[str, Any] | None) -> "EngineFile":
         """Return the engine with some sections changed, checked like a file; the file itself is unchanged.
