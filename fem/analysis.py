@@ -611,6 +611,27 @@ class ThrowAnalysis(SolvedSuperelement):
         return Sensitivities(chosen, str(support), shares, left_out, error)
 
     def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        view: Literal["side", "left end"] = "side",
+        dimensions: bool = True,
+    ) -> "Axes":
+        """Draw the throw to scale; see `CrankThrow.plot`.
+
+        Raises
+        ------
+        InputError
+            If the view is neither, or the throw is a CAD part, which has no dimensions to draw it from.
+        """
+        if not isinstance(self.throw, CrankThrow):
+            raise InputError(
+                "plot: given the analysis of a CAD part; allowed is that of a throw of dimensions, because "
+                "it is drawn from them."
+            )
+        return self.throw.plot(axes, view=view, dimensions=dimensions)
+
+    def plot_over_angle(
         self, axes: "Axes | None" = None, *, quantity: Compliance = "axial_compliance"
     ) -> "Axes":
         """Draw a compliance over the angle to equal neighbors, with the pinned and the guided throw.

@@ -61,10 +61,11 @@ from dynamics.excitation.chain_excitation import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
 from fem.analysis import ThrowAnalysis
 from fem.superelement import ShaftCompliances
-from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from regression.models.compliance_model import ComplianceModel
 
 Shown = Literal["campbell", "modes", "amplitude", "stress", "load", "power", "limits", "shaft"]
 SHOWN: tuple[Shown, ...] = get_args(Shown)
@@ -193,7 +194,12 @@ class EngineVibration(Result):
         """The torsional chain with the compliances of the chosen source."""
         return self.torsional.chosen.chain.chain
 
-    def forced(self, kind: str) -> ForcedVibration | None:
+    @property
+    def forced(self) -> ForcedVibration | None:
+        """Forced vibration in torsion, `forced_torsional`."""
+        return self.forced_torsional
+
+    def forced_of(self, kind: str) -> ForcedVibration | None:
         """Forced vibration of one kind; None if the gas pressure is unknown."""
         return (self.forced_by_kind or {}).get(kind)
 
@@ -227,7 +233,7 @@ class EngineVibration(Result):
         """
         check_choice("kind", kind, ("axial", "torsional"), "these are calculated")
         check_choice("show", show, SHOWN, "these are diagrams of vibration")
-        vibration, forced = self.modes(kind), self.forced(kind)
+        vibration, forced = self.modes(kind), self.forced_of(kind)
         if show == "modes":
             return vibration.plot(axes)
         if show == "campbell":
@@ -303,7 +309,7 @@ def engine_vibration(
     *,
     analysis: Analyses | None = None,
     mechanism: MechanismFile | None = None,
-    model: ComplianceModel | None = None,
+    model: "ComplianceModel | None" = None,
     coupled: bool = False,
     step: Callable[[str], None] | None = None,
 ) -> EngineVibration:
