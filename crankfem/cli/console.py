@@ -68,9 +68,7 @@ class Terminal(Console):
         lines = wrapped(text, self.width)
         self.printed += len(lines)
         one = not (self.is_terminal or "COLUMNS" in os.environ)
-        self.print(
-            " ".join(text.split()) if one else "\n".join(lines), soft_wrap=True, highlight=False
-        )
+        self.print(text if one else "\n".join(lines), soft_wrap=True, highlight=False)
 
 
 # Brackets and colons in units and names are text, neither markup nor pictures.
