@@ -125,9 +125,9 @@ def print_parts(
 ) -> None:
     """Print tables and paragraphs, and below them the answers.
 
-    Unless `full`, only the main parts are printed, as far as one screen has room, with the first sentence of
-    each paragraph; the later a part, the sooner it is left out, but no warnings as long as anything else can
-    be, and no answers.
+    Unless `full`, only the main parts are printed, as far as one screen has room: first, paragraphs are cut
+    to their first sentences, then rows of tables are left out, then parts, the last ones first, but warnings
+    only where nothing else is left, and answers never.
     """
     shown = [*parts, *answers] if full else _first_screen(list(parts), list(answers), units)
     blocks = [_lines(part, units) for part in shown]
@@ -158,7 +158,7 @@ def _first_screen(
     main: list[Table | str] = []
     for part in parts:
         if isinstance(part, Main):
-            main.append(part.lead)
+            main.append(part)
         elif not isinstance(part, str) and part.main:
             main.append(part.combined(units))
     room = LINES - output.printed - errors.printed
@@ -172,6 +172,10 @@ def _first_screen(
         excess = _height(shown, units) - room
         if not main or excess <= 0:
             return shown
+        leads = [part.lead if isinstance(part, Main) else part for part in main]
+        if leads != main:
+            main = leads
+            continue
         longest = max(main, key=_rows)
         if not isinstance(longest, str) and _rows(longest) > FEWEST_ROWS:
             kept = max(FEWEST_ROWS, _rows(longest) - 1 - excess // 4)
