@@ -21,7 +21,7 @@ FREE_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 DIGITS = 12
 
 
-@summarized("name", "low", "high", "unit", keeps_text=True)
+@summarized("name", "lowest", "highest", "unit", keeps_text=True)
 @dataclass(frozen=True)
 class Factor:
     """A factor of a study.
