@@ -126,7 +126,7 @@ def shorten(path: Path) -> None:
 def main() -> None:
     """Write the drawing of a throw, a whole crankshaft, loads, hodographs, and figures of papers."""
     throw, _ = cf.load_throw(ENGINE)
-    write_drawing(throw, HERE / "drawing.svg", "8ChN 26/26")
+    write_drawing(throw, HERE / "drawing.svg", "8ChN 26/26", lettered=True)
     cf.pictures.picture_shaft(cf.load_crankshaft("8chn13-14"), HERE / "crankshaft.png")
     draw_rod_models(HERE / "rod_models_13_14.svg", "8chn13-14")
     with TemporaryDirectory() as folder:

@@ -37,7 +37,7 @@ COMMANDS: dict[str, dict[Callable[..., Any], tuple[str, ...]]] = {
     "Files": {
         new: (
             "new mine.toml",
-            "new mine.toml --cylinders 8",
+            "new mine.toml --cylinders 12 --v-angle even --drawing throw.svg",
             "new mine.toml --from vw-tdi",
             "new --list",
         ),

@@ -1,4 +1,4 @@
-"""Show the reference how models of input are called: with the fields that they declare."""
+"""Show the reference how models of input and results are called: with the fields that they declare."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -9,12 +9,13 @@ BASE = "InputModel"
 
 
 class InputModels(griffe.Extension):
-    """Gives such classes the constructor that pydantic gives them when the program runs."""
+    """Gives such classes the constructor that they get when the program runs."""
 
     def on_package(self, *, pkg: griffe.Module, **_: Any) -> None:
         """Add constructors, once a package is read whole, so that bases in other modules are known."""
         for cls in list(_classes(pkg)):
-            if any(str(base) == BASE for one in (cls, *_bases(cls)) for base in one.bases):
+            model = any(str(base) == BASE for one in (cls, *_bases(cls)) for base in one.bases)
+            if model or any(str(one.value).startswith("result(") for one in cls.decorators):
                 this = griffe.Parameter("self", kind=griffe.ParameterKind.positional_or_keyword)
                 made = griffe.Function(
                     "__init__", parameters=griffe.Parameters(this, *_fields(cls))
@@ -50,7 +51,9 @@ def _fields(cls: griffe.Class) -> list[griffe.Parameter]:
         for one in (*_bases(cls), cls)
         for name, member in one.members.items()
         if isinstance(member, griffe.Attribute)
-        and "class-attribute" in member.labels
+        and member.labels & {"class-attribute", "instance-attribute"}
+        and "ClassVar" not in str(member.annotation)
+        and "property" not in member.labels
         and name not in {"section", "model_config"}
         and not name.startswith("_")
         and member.annotation is not None

@@ -194,13 +194,19 @@ class View:
     ----------
     point : float
         What one point on paper stands for [m].
+    lettered : bool, optional
+        Whether dimensions have the names of their fields in place of their values.
     """
 
-    def __init__(self, axes: "Axes", point: float) -> None:
-        self.axes, self.point = axes, point
+    def __init__(self, axes: "Axes", point: float, lettered: bool = False) -> None:
+        self.axes, self.point, self.lettered = axes, point, lettered
         self.low, self.high = np.full(2, np.inf), np.full(2, -np.inf)
         self._taken: list[Box] = []
         self._angles: list[tuple[str, list[Place]]] = []
+
+    def label(self, size: str, field: str) -> str:
+        """Return the text of a dimension: its size, or the name of its field."""
+        return field if self.lettered else size
 
     def stroke(self, points: ArrayLike, style: Style = OUTLINE, closed: bool = False) -> None:
         """Draw a line through points, above the surfaces unless the style says otherwise."""

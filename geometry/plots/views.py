@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from geometry.parts import Cylinder, Drilling, DrillingExit, Line, Sector, ThrowParts, WebPlate
+from geometry.parts import Arc, Cylinder, Drilling, DrillingExit, Line, Sector, ThrowParts, WebPlate
 from geometry.plots.dimension_lines import (
     BEYOND,
     CENTER,
@@ -89,13 +89,13 @@ def dimension_oil_holes(view: View, parts: ThrowParts) -> None:
         place = hole.middle + np.array([0.0, 0.0, outlet.surface(np.zeros(1), np.zeros(1))[0]]) @ (
             hole.frame
         )
-        text = f"⌀ {millimeters(2.0 * hole.radius)}, {_signed(outlet.angle_deg)}"
+        size = f"⌀ {millimeters(2.0 * hole.radius)}, {_signed(outlet.angle_deg)}"
         if hole.tilt:
-            text += f", tilt {_signed(math.degrees(hole.tilt * outlet.side))}"
+            size += f", tilt {_signed(math.degrees(hole.tilt * outlet.side))}"
         if hole.exit_radius:
-            text += f", $r$ {millimeters(hole.exit_radius)}"
+            size += f", $r$ {millimeters(hole.exit_radius)}"
         tip = axes_point(place)
-        view.leader(tip, (-10.0 if hole.number % 2 else 10.0, 14.0), text)
+        view.leader(tip, (-10.0 if hole.number % 2 else 10.0, 14.0), view.label(size, "oil_holes"))
 
 
 def axes_point(place: Array) -> tuple[float, float]:
@@ -237,11 +237,15 @@ def _dimension_fillets(view: View, parts: ThrowParts) -> None:
     if journal.end_fillet > 0.0:
         name = "$r$" if one_radius else symbol("r", "km")
         tip = _on_fillet(journal, False, 1.0)
-        view.leader(tip, (-9.0, 16.0), f"{name} {millimeters(journal.end_fillet)}")
+        text = f"{name} {millimeters(journal.end_fillet)}"
+        field = "fillet_radius" if one_radius else "main_journal_fillet_radius"
+        view.leader(tip, (-9.0, 16.0), view.label(text, field))
     for pin, _ in distinct_values(pins, _pin_fillet):
         if _pin_fillet(pin) > 0.0:
             name = "$r$" if one_radius else symbol("r", "shm")
-            _dimension_pin_fillet(view, parts, pin, f"{name} {millimeters(_pin_fillet(pin))}")
+            text = f"{name} {millimeters(_pin_fillet(pin))}"
+            field = "fillet_radius" if one_radius else "pin_fillet_radius"
+            _dimension_pin_fillet(view, parts, pin, view.label(text, field))
 
 
 def _pin_fillet(pin: Cylinder) -> float:
@@ -293,7 +297,10 @@ def _dimension_lengths(view: View, parts: ThrowParts, webs: Sequence[WebPlate]) 
             v = web.outline.tip if slope.towards > 0.0 else web.outline.foot
             start, end = faces_at(web, v)
             y = float(place(web, 0.0, v)[0, 1])
-            text = millimeters(end - start)
+            upper = slope.towards > 0.0
+            text = view.label(
+                millimeters(end - start), f"web_{'tip' if upper else 'foot'}_thickness"
+            )
             if slope.towards * web.direction[1] > 0.0:
                 tips.append(Linear((start, y), (end, y), text))
             else:
@@ -303,20 +310,27 @@ def _dimension_lengths(view: View, parts: ThrowParts, webs: Sequence[WebPlate]) 
     view.stack(feet, 0, -1)
     for side in (1, -1):
         view.stack(
-            [dimension for web in webs for dimension in _weight_thickness(web, side)], 0, side
+            [dimension for web in webs for dimension in _weight_thickness(view, web, side)], 0, side
         )
 
     chain = []
-    for cylinder in parts.cylinders:
+    cylinders = parts.cylinders
+    if view.lettered:  # names are longer than values, and one of each is sufficient
+        cylinders, webs = cylinders[1:], webs[:1]
+    for cylinder in cylinders:
         text = symbol("L", "shm") if cylinder.is_pin else symbol("L", "km") + "/2"
         length = millimeters(cylinder.end - cylinder.start)
-        chain.append((cylinder.start, cylinder.end, f"{text} {length}"))
-    chain += [(web.start, web.end, f"$h$ {millimeters(web.end - web.start)}") for web in webs]
+        field = "pin_length" if cylinder.is_pin else "main_journal_length / 2"
+        chain.append((cylinder.start, cylinder.end, view.label(f"{text} {length}", field)))
+    for web in webs:
+        text = view.label(f"$h$ {millimeters(web.end - web.start)}", "web_thickness")
+        chain.append((web.start, web.end, text))
     view.stack([linear(*dimension) for dimension in sorted(chain)], 0, -1)
-    view.stack([linear(0.0, parts.length, millimeters(parts.length))], 0, -1)
+    whole = view.label(millimeters(parts.length), "cylinder pitch (follows)")
+    view.stack([linear(0.0, parts.length, whole)], 0, -1)
 
 
-def _weight_thickness(web: WebPlate, side: int) -> list[Linear]:
+def _weight_thickness(view: View, web: WebPlate, side: int) -> list[Linear]:
     """Thickness of a counterweight above (side 1) or below (-1), where it is not the web's."""
     sector = web.sector
     pointing = 1 if web.direction[1] < 0.0 else -1
@@ -324,7 +338,7 @@ def _weight_thickness(web: WebPlate, side: int) -> list[Linear]:
         return []
     y = weight_outline(web, sector)[:, 1]
     edge = float(y.max() if side > 0 else y.min())
-    text = millimeters(sector.end - sector.start)
+    text = view.label(millimeters(sector.end - sector.start), "counterweight.thickness")
     return [Linear((sector.start, edge), (sector.end, edge), text)]
 
 
@@ -335,18 +349,20 @@ WEIGHT_LANE = 20.0  # from the arc of one counterweight's angle to the next [poi
 def dimension_end(view: View, parts: ThrowParts) -> None:
     """Dimension radii, diameters, widths, corners and angles."""
     webs = [web for web in parts.webs if web.end > web.start]
-    callouts = _circle_callouts(parts)
+    callouts = _circle_callouts(view, parts)
     reach = max(float(np.hypot(*silhouette(web).T).max()) for web in webs)
     callouts += _dimension_weights(view, webs)
     _dimension_pins(view, parts, reach)
     heights, more = _end_distances(view, parts)
     callouts += more
-    widths, more = _widths(webs)
+    widths, more = _widths(view, webs)
     callouts += more
-    cornered = [web for web in webs if corner_texts(web)]
+    # The radii of round ends are the distances to the ends, which have their names already.
+    cornered = [web for web in webs if corner_texts(web) and not (view.lettered and _round(web))]
     for web, who in distinct_values(cornered, lambda w: list(corner_texts(w))):
         for text, (u, v) in corner_texts(web).items():
-            callouts.append(_callout(at_smaller_x(web, u, v), text + who))
+            field = "web_corner_chamfer" if "×" in text else "web_corner_radius"
+            callouts.append(_callout(at_smaller_x(web, u, v), view.label(text, field) + who))
     for side, dimensions in widths.items():
         view.stack(dimensions, 0, side)
     for dimensions in heights:
@@ -355,18 +371,26 @@ def dimension_end(view: View, parts: ThrowParts) -> None:
     view.write_angles()
 
 
+def _round(web: WebPlate) -> bool:
+    """Whether all arcs of a web's outline are about its middle line."""
+    arcs = [piece for piece in web.outline.pieces if isinstance(piece, Arc)]
+    return bool(arcs) and all(arc.center[0] == 0.0 for arc in arcs)
+
+
 def _end_distances(view: View, parts: ThrowParts) -> tuple[list[list[Linear]], list[Callout]]:
     """Crank radius, and the end webs' reach beyond both axes: left of the view in two lanes."""
     pin, gap = parts.pins[0], BEYOND * view.point
     start = -parts.cylinders[0].collar - gap
-    text = f"$R$ {millimeters(pin.axis[1])}"
+    text = view.label(f"$R$ {millimeters(pin.axis[1])}", "crank_radius")
     lanes: list[list[Linear]] = [[Linear((start, 0.0), (-pin.collar - gap, pin.axis[1]), text)], []]
     callouts = []
     ends = (parts.webs[0], parts.webs[-1])
     for web, who in distinct_values(
         ends, lambda w: [millimeters(end) for end in distances_to_ends(w)]
     ):
-        foot, tip = (millimeters(end) for end in distances_to_ends(web))
+        foot, tip = map(
+            view.label, map(millimeters, distances_to_ends(web)), ("web_journal_end", "web_pin_end")
+        )
         if web.direction[0] != 0.0:
             end = place(web, 0.0, web.outline.tip)[0]
             callouts.append(_callout((end[0], end[1]), f"ends {foot}, {tip}{who}"))
@@ -379,13 +403,13 @@ def _end_distances(view: View, parts: ThrowParts) -> tuple[list[list[Linear]], l
     return lanes, callouts
 
 
-def _widths(webs: Sequence[WebPlate]) -> tuple[dict[int, list[Linear]], list[Callout]]:
+def _widths(view: View, webs: Sequence[WebPlate]) -> tuple[dict[int, list[Linear]], list[Callout]]:
     """Widths of the webs: above (1) and below (-1) the view if they stand upright, or beside it."""
     across: dict[int, list[Linear]] = {1: [], -1: []}
     callouts = []
     for web, who in distinct_values(webs, lambda w: millimeters(w.outline.width)):
         half = 0.5 * web.outline.width
-        text = f"$B$ {millimeters(web.outline.width)}{who}"
+        text = view.label(f"$B$ {millimeters(web.outline.width)}", "web_width") + who
         if web.direction[0] == 0.0:
             y = float(place(web, 0.0, highest_full_width(web))[0, 1])
             side = 1 if web.direction[1] > 0.0 else -1
@@ -400,7 +424,7 @@ def _callout(point: Point, text: str) -> Callout:
     return Callout((-x, y), 0.0, text, y)
 
 
-def _circle_callouts(parts: ThrowParts) -> list[Callout]:
+def _circle_callouts(view: View, parts: ThrowParts) -> list[Callout]:
     """Diameters of journals, pins and bores."""
     callouts = []
 
@@ -408,19 +432,20 @@ def _circle_callouts(parts: ThrowParts) -> list[Callout]:
         callouts.append(Callout((-center[0], center[1]), radius, text, center[1] + height))
 
     journal = parts.cylinders[0]
-    for cylinders, index in (([journal], "km"), (parts.pins, "shm")):
+    for cylinders, index, part in (
+        ([journal], "km", "main_journal"),
+        (parts.pins, "shm", "pin"),
+    ):
         for cylinder, who in distinct_values(cylinders, lambda c: millimeters(c.radius)):
-            text = f"{symbol('D', index)} ⌀{millimeters(2.0 * cylinder.radius)}{who}"
+            text = f"{symbol('D', index)} ⌀{millimeters(2.0 * cylinder.radius)}"
+            text = view.label(text, f"{part}_diameter") + who
             add(cylinder.axis, cylinder.radius, 0.6 * cylinder.radius, text)
         bored = [c for c in cylinders if c.bore_radius > 0.0]
         for cylinder, who in distinct_values(bored, _bore_texts):
             text, offset = _bore_texts(cylinder)
-            add(
-                cylinder.bore_axis,
-                cylinder.bore_radius,
-                0.0,
-                f"{symbol('d', index)} {text}{who}{offset}",
-            )
+            text = view.label(f"{symbol('d', index)} {text}", f"{part}_bore") + who
+            text += view.label(offset, f"\n{part}_bore_offset") if offset else ""
+            add(cylinder.bore_axis, cylinder.bore_radius, 0.0, text)
     return callouts
 
 
@@ -445,15 +470,16 @@ def _weights(webs: Sequence[WebPlate], value: Callable[[Sector], float]) -> list
 def _dimension_weights(view: View, webs: Sequence[WebPlate]) -> list[Callout]:
     """Draw the angles of counterweights; return the callouts of their radii."""
     callouts: list[Callout] = []
-    radii: tuple[tuple[str, float, Callable[[Sector], float]], ...] = (
-        (symbol("r", "cw"), 0.7, lambda sector: sector.outer_radius),
-        ("inner $r$", 0.3, lambda sector: sector.inner_radius),
+    radii: tuple[tuple[str, str, float, Callable[[Sector], float]], ...] = (
+        (symbol("r", "cw"), "outer", 0.7, lambda sector: sector.outer_radius),
+        ("inner $r$", "inner", 0.3, lambda sector: sector.inner_radius),
     )
-    for text, share, value in radii:
+    for name, edge, share, value in radii:
         for web, sector, who in _weights(webs, value):
             radius, angle = value(sector), share * sector.half_angle
             point = at_smaller_x(web, radius * math.sin(angle), -radius * math.cos(angle))
-            callouts.append(_callout(point, f"{text} {millimeters(radius)}{who}"))
+            text = view.label(f"{name} {millimeters(radius)}", f"counterweight.{edge}_radius")
+            callouts.append(_callout(point, text + who))
 
     points = np.vstack([mirror(silhouette(web)) for web in webs])
     distances = np.hypot(*points.T)
@@ -467,7 +493,7 @@ def _dimension_weights(view: View, webs: Sequence[WebPlate]) -> list[Callout]:
             ray = np.array([math.cos(angle), math.sin(angle)])
             start = sector.outer_radius + 2.0 * view.point
             view.stroke([start * ray, (radius + 2.5 * view.point) * ray], DIMENSION)
-        text = f"{degrees(2.0 * half)}{who}"
+        text = view.label(degrees(2.0 * half), "counterweight.angle") + who
         view.angle((0.0, 0.0), radius, middle - half, middle + half, text)
     return callouts
 
@@ -489,7 +515,8 @@ def _dimension_pins(view: View, parts: ThrowParts, reach: float) -> None:
         if math.isclose(abs(angle), math.pi):
             text += ", 180°"
         elif abs(angle) > 1e-9:
-            view.angle((0.0, 0.0), radius, 0.5 * math.pi, 0.5 * math.pi - angle, degrees(angle))
+            turned = view.label(degrees(angle), "further_pins.angle")
+            view.angle((0.0, 0.0), radius, 0.5 * math.pi, 0.5 * math.pi - angle, turned)
             radius += 18.0 * view.point
         names.append((math.atan2(y, -x), text))
     for angle, text in names:

@@ -6,7 +6,7 @@ import pytest
 
 from comparing import close
 from crankfem import STEEL, CrankThrow, analyze_throw
-from crankfem.files.engine.file_kinds import engine_template
+from crankfem.files.engine.new_file import engine_template
 from serving import Served
 
 pytest.importorskip("fastapi", reason="the service needs crankfem[serve]")

@@ -17,7 +17,6 @@ from crankbase.choices import (
     whole_within,
 )
 from crankbase.errors import LONGEST_MESSAGE, InputError, quoted
-from fem.material import STEEL
 from geometry.throw import CrankThrow
 
 
@@ -58,36 +57,20 @@ def test_bare_number_in_a_file(dimensions):
     assert '"170 mm"' in message
 
 
-def test_fillet_too_large_for_a_short_pin(dimensions):
-    message = sentence(
-        lambda: CrankThrow(**{**dimensions, "pin_length": 0.020, "fillet_radius": 0.010})
-    )
-    assert message.startswith("throw.fillet_radius: given 10 mm; allowed is 0, or 2.2 mm to 9 mm")
-    assert "crankpin of 20 mm is too short" in message
-
-
-def test_fillet_too_large_for_a_short_main_journal(dimensions):
-    message = sentence(
-        lambda: CrankThrow(**{**dimensions, "main_journal_length": 0.020, "fillet_radius": 0.010})
-    )
-    assert message.startswith("throw.fillet_radius: given 10 mm; allowed is 0, or 2.2 mm to 9 mm")
-    assert "main journal of 20 mm is too short" in message
-
-
-def test_fillet_too_large_for_a_narrow_web(dimensions):
-    message = sentence(lambda: CrankThrow(**{**dimensions, "web_width": 0.230}))
-    assert message.startswith("throw.fillet_radius: given 12 mm; allowed is 0, or 2.2 mm to 5 mm")
-    assert "web of 230 mm is too narrow" in message
-
-
-def test_no_room_for_any_fillet(dimensions):
-    message = sentence(lambda: CrankThrow(**{**dimensions, "web_width": 0.221}))
-    assert "allowed is only 0 (sharp corners)" in message
-
-
-def test_fillet_too_small_to_mesh(dimensions):
-    message = sentence(lambda: CrankThrow(**{**dimensions, "fillet_radius": 0.001}))
-    assert message.startswith("throw.fillet_radius: given 1 mm; allowed is 0, or 2.2 mm to 40 mm")
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"pin_length": 0.020, "fillet_radius": 0.010}, "2.2 mm to 9 mm.*crankpin of 20 mm is too"),
+        ({"main_journal_length": 0.020}, "0, or 2.2 mm to 9 mm.*main journal of 20 mm is too"),
+        ({"web_width": 0.230}, "given 12 mm; allowed is 0, or 2.2 mm to 5 mm.*web of 230 mm is"),
+        ({"web_width": 0.221}, r"allowed is only 0 \(sharp corners\)"),
+        ({"fillet_radius": 0.001}, "given 1 mm; allowed is 0, or 2.2 mm to 40 mm"),
+    ],
+)
+def test_fillets_that_do_not_fit(dimensions, changes, words):
+    message = sentence(lambda: CrankThrow(**dimensions | changes))
+    assert message.startswith("throw.fillet_radius: given ")
+    assert re.search(words, message)
 
 
 @pytest.mark.parametrize("name", ["pin_diameter", "main_journal_diameter"])
@@ -190,15 +173,6 @@ def test_a_changed_record_keeps_what_was_given_alone(dimensions):
     assert CrankThrow(**dimensions).changed(pin_length=0.150).model_fields_set == set(dimensions)
 
 
-@pytest.mark.parametrize(
-    "number", [10**400, -(10**400), 10**5000], ids=["large", "negative", "endless"]
-)
-def test_integers_too_large_for_a_float_are_refused(number):
-    with pytest.raises(InputError, match=r"^material\.youngs_modulus: given ") as caught:
-        STEEL.changed(youngs_modulus=number)
-    assert len(str(caught.value)) < 300
-
-
 NONE = [True, False, np.True_, "3", None, [3], 3j, np.complex128(3.0)]
 
 
@@ -251,7 +225,7 @@ def test_a_close_name_is_asked_for():
     )
 
 
-LONG = 10**6
+LONG = 10**5
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,9 @@
 """What `crankfem check` says of files of every kind, of wrong and of new ones."""
 
+import itertools
 import json
-import math
 import re
+import tomllib
 from collections import Counter
 from contextlib import suppress
 from pathlib import Path
@@ -15,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import load_mechanism
+from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.file_check import check_file
 from crankfem.analyses.shaft.chains import shaft_surroundings
 from crankfem.analyses.strength.cycle_loads import supported_throws
@@ -34,7 +35,8 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.file_kinds import FIRING_ORDERS, SECTIONS, engine_template
+from crankfem.files.engine.file_kinds import SECTIONS
+from crankfem.files.engine.new_file import IN_LINE, engine_template, even_v_angle_deg
 from crankfem.files.engine.throw_file import load_throw_file
 from crankfem.files.engine.usual_sizes import SHARP
 from crankfem.files.hinge_file import load_hinge
@@ -691,7 +693,7 @@ def test_the_template_explains_every_section():
         assert f"\n[{section}]" in TEMPLATE or f"\n#: [{section}]" in TEMPLATE, section
     assert "[shaft_line]" in TEMPLATE
     assert "[throws.a]" in TEMPLATE
-    assert "--from 8chn13-14" in TEMPLATE
+    assert "--from 8chn26-26" in TEMPLATE
 
 
 @pytest.mark.parametrize("example", [one for one in EXAMPLES if one != "[study]"])
@@ -708,16 +710,101 @@ def test_a_study_stands_in_comments(call, tmp_path):
     assert "doe" in call("check", "mine.toml", "--json").json()["commands"]
 
 
-@pytest.mark.parametrize("strokes", FIRING_ORDERS)
-def test_cylinders_fire_evenly(tmp_path, strokes):
-    for cylinders in FIRING_ORDERS[strokes]:
-        path = tmp_path / f"{cylinders}.toml"
-        path.write_text(engine_template(path.name, cylinders, strokes), encoding="utf-8")
-        angles = sorted(load_engine(path).engine.firing_angles)
-        cycle = math.pi * strokes
-        expected = [place * cycle / cylinders for place in range(cylinders)]
-        # Angles of seven cylinders stand in the file with ten digits.
-        assert angles == close(expected, abs=1e-8)
+IN_LINE_OR_V = [
+    (count, strokes, v_angle)
+    for strokes in IN_LINE
+    for v_angle in (None, "even", "50 deg")
+    for count in range(1, 21)
+    if v_angle is None or count % 2 == 0
+]
+
+
+@pytest.mark.parametrize(("cylinders", "strokes", "v_angle"), IN_LINE_OR_V)
+def test_new_files_are_read_without_warnings(tmp_path, cylinders, strokes, v_angle):
+    path = tmp_path / "new.toml"
+    path.write_text(engine_template(path.name, cylinders, strokes, v_angle), encoding="utf-8")
+    read = load_engine(path)
+    assert mechanism_of(read).warnings == ()
+    steps = read.engine.firing_intervals_deg
+    assert len(steps) == cylinders
+    even = v_angle is None or (v_angle == "even" and (cylinders, strokes) != (2, 4))
+    assert (max(steps) - min(steps) < 1e-5) == even
+    assert ("Fires every" in path.read_text(encoding="utf-8")) == even
+    throws = cylinders if v_angle is None else cylinders // 2
+    assert read.thrust_bearing.main_bearing == throws + 1 == len(read.throw_angles_deg) + 1
+    assert read.vibration.highest_order >= 2 * cylinders / strokes
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("cylinders", "strokes", "v_angle"), [(9, 4, None), (10, 2, "even")])
+def test_new_files_have_a_verdict(call, tmp_path, cylinders, strokes, v_angle):
+    path = tmp_path / "new.toml"
+    path.write_text(engine_template(path.name, cylinders, strokes, v_angle), encoding="utf-8")
+    assert call("vibration", path, "--json").json()["assessment"]["status"]
+
+
+@pytest.mark.parametrize("strokes", IN_LINE)
+@pytest.mark.parametrize("count", range(2, 21, 2))
+def test_an_even_v_angle_is_the_nearest_to_sixty(strokes, count):
+    def is_even(angle):
+        try:
+            return "Fires every" in engine_template("a", count, strokes, f"{angle!r} deg")
+        except InputError:  # both banks together
+            return False
+
+    interval = 180.0 * strokes / count
+    angles = [k * interval for k in range(1, count + 1) if 45.0 <= k * interval <= 180.0]
+    even = sorted(filter(is_even, angles), key=lambda angle: abs(angle - 60.0))
+    assert even_v_angle_deg(count, strokes) == (even[0] if even else 90.0)
+
+
+def rank_of(order, strokes):
+    """What the rule of `engine_template` for more than eight cylinders in line makes least, in turn."""
+    count = len(order)
+    places = np.argsort(order)
+    cranks = np.exp(-1j * np.pi * strokes * places / count)
+    first, second = (abs(np.arange(count) @ cranks**k) for k in (1, 2))
+    apart = np.abs(np.diff(order, append=order[:1]))
+    bending = np.abs(np.cumsum(np.cumsum(cranks))[:-1]).max()
+    least = first + 0.25 * second + 0.05 * np.count_nonzero(apart == 1)
+    return (round(least, 6), -apart.min(), round(bending, 6))
+
+
+@pytest.mark.parametrize("strokes", IN_LINE)
+def test_no_exchange_of_cylinders_betters_a_firing_order(strokes):
+    for count in range(9, 21):
+        order = list(IN_LINE[strokes][count])
+        assert order[0] == 1
+        mirrored = strokes == 4 and count % 2 == 0
+        half = count // 2
+        if mirrored:
+            assert [count + 1 - number for number in order[:half]] == order[half:]
+        free = range(1, half) if mirrored else range(1, count)
+        exchanges = [[pair] for pair in itertools.combinations(free, 2)]
+        if mirrored:
+            exchanges = [[(p, q), (p + half, q + half)] for ((p, q),) in exchanges]
+            exchanges += [[(p, p + half)] for p in free]
+        best = rank_of(order, strokes)
+        for exchange in exchanges:
+            other = list(order)
+            for p, q in exchange:
+                other[p], other[q] = other[q], other[p]
+            assert rank_of(other, strokes) >= best, (order, other)
+
+
+def test_a_new_file_comes_with_its_lettered_drawing(call, tmp_path):
+    assert call("new", "mine.toml", "--drawing", "mine.svg").code == 0
+    drawn = (tmp_path / "mine.svg").read_text(encoding="utf-8")
+    dimensions = set(tomllib.loads(TEMPLATE)["throw"])
+    optional = {
+        "pin_bore",
+        "main_journal_bore",
+        "counterweight.outer_radius",
+        "counterweight.angle",
+    }
+    assert all(f"<!-- {name}" in drawn for name in dimensions | optional)
+    assert call("new", "v.toml", "--from", "8chn26-26", "--drawing", "v.svg").code == 0
+    assert "<!-- web_tip_thickness" in (tmp_path / "v.svg").read_text(encoding="utf-8")
 
 
 def test_hinges_and_chains_are_copied(call, tmp_path):
@@ -749,7 +836,24 @@ def test_the_list_of_what_is_shipped(call, tmp_path):
     [
         ((), "new: given no file"),
         (("a.toml", "--list"), "--list: given with a file"),
-        (("a.toml", "--cylinders", "9"), "--cylinders: given 9; allowed is 1 to 8"),
+        (("a.toml", "--cylinders", "21"), "--cylinders: given 21; allowed are 1 to 20"),
+        (
+            ("a.toml", "--cylinders", "9", "--v-angle", "even"),
+            "allowed are even numbers of 1 to 20",
+        ),
+        (
+            ("a.toml", "--v-angle", "30 deg"),
+            '--v-angle: given 30 deg; allowed is "45 deg" to "180 deg"',
+        ),
+        (
+            ("a.toml", "--cylinders", "16", "--v-angle", "90 deg"),
+            "--v-angle: given 90 deg, at which cylinders of both banks fire together",
+        ),
+        (("a.toml", "--drawing", "a.txt"), "a.txt: given the ending '.txt'"),
+        (
+            ("a.toml", "--from", "mwm-six", "--drawing", "a.svg"),
+            "--drawing: given with a chain file",
+        ),
         (("a.toml", "--strokes", "3"), "--strokes: given 3; allowed are 2 and 4"),
         (("a.toml", "--from", "vw-tdi", "--cylinders", "4"), "--cylinders: given 4 with --from"),
         (("a.toml", "--from", "nobody"), "--from: given 'nobody'; allowed are 12chn18-20"),

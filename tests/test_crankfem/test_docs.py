@@ -90,6 +90,5 @@ def test_commands_and_names_in_the_readme_exist():
     named = set(re.findall(r"crankfem (?=[a-z])(\w+)(?= +[\w.\-/]+\.(?:toml|json|sqlite))", text))
     assert named
     assert named <= commands
-    assert f"[{'docs/method.md'}]" in text
     for target in re.findall(r"\]\(((?!http)[^)#]+)\)", text):
         assert (README_ROOT / target).exists() or target.endswith(".png"), target

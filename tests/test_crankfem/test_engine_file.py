@@ -65,13 +65,6 @@ def test_what_the_file_leaves_out_takes_defaults(tmp_path, six_cylinders, edit):
     assert engine.vibration.axial_source == "fe"
 
 
-@pytest.mark.parametrize("spelling", ["170 mm", "170mm", " 170 mm ", "0.17 m", "17 cm", "1.7e2 mm"])
-def test_spellings_of_one_length(tmp_path, six_cylinders, edit, spelling):
-    text = edit(six_cylinders, {"throw.crank_radius": f'"{spelling}"'})
-    (tmp_path / "spelled.toml").write_text(text, encoding="utf-8")
-    assert load_engine(tmp_path / "spelled.toml").throw.crank_radius == close(0.170)
-
-
 def test_a_file_with_a_byte_order_mark_is_read(tmp_path, six_cylinders):
     (tmp_path / "mark.toml").write_bytes(b"\xef\xbb\xbf" + six_cylinders.encode())
     assert load_engine(tmp_path / "mark.toml").engine.cylinders == 6
@@ -118,7 +111,6 @@ def test_the_crankshaft_of_an_engine_and_of_a_throw_file(tmp_path):
 # What is changed in the shipped file, and what the refusal must say.
 REFUSED = [
     ({"throw.pin_length": "139"}, ["given 139", "bare number", '"139 mm"', "0.3 mm to 2000 mm"]),
-    ({"throw.pin_length": '"139"'}, ["'139'", '"139 mm"', "0.3 mm to 2000 mm"]),
     (
         {"rod.mass": '{ value = 56, assumed = "usual" }'},
         ["given 56", "bare number", '"56 kg"', "1e-06 kg to 20000 kg"],
@@ -128,29 +120,8 @@ REFUSED = [
         ["engine.crank_angles[0]", "given 0", "bare number", '"0 deg"'],
     ),
     ({"throw.pin_length": '"139 kg"'}, ["'139 kg'", "no length", "0.3 mm to 2000 mm"]),
-    ({"throw.pin_length": '"139 foo"'}, ["'139 foo'", "mm"]),
-    ({"throw.fillet_radius": '"1,2 mm"'}, ["'1,2 mm'", "mm"]),
-    ({"throw.pin_length": '"1 39 mm"'}, ["'1 39 mm'", "mm"]),
-    ({"throw.fillet_radius": '"cm"'}, ["'cm'", "mm"]),
-    ({"throw.pin_length": '"nan mm"'}, ["'nan mm'"]),
-    ({"throw.pin_length": '"1e999 mm"'}, ["'1e999 mm'"]),
-    ({"throw.pin_length": "true"}, ["True", "unit"]),
-    (
-        {"throw.main_journal_length": '"60 mm"', "throw.fillet_radius": '"30 mm"'},
-        ["30 mm", "2.2 mm to 27 mm", "main journal of 60 mm is too short"],
-    ),
-    (
-        {"throw.pin_length": '"50 mm"', "throw.fillet_radius": '"25 mm"'},
-        ["25 mm", "2.2 mm to 22.5 mm", "crankpin of 50 mm is too short"],
-    ),
     ({"throw.fillet_radius": '"33 mm"'}, ["33 mm", "32.5 mm", "web of 285 mm is too narrow"]),
-    ({"throw.fillet_radius": '"0.5 mm"'}, ["0.5 mm", "2.2 mm to 32.5 mm", "sharp corner"]),
-    ({"throw.pin_diameter": '"300 mm"'}, ["300 mm", "285 mm", "outside the web"]),
-    ({"throw.main_journal_diameter": '"290 mm"'}, ["290 mm", "285 mm", "outside the web"]),
-    ({"throw.web_thickness": '"-68 mm"'}, ["-68 mm", "0.2 mm to 1500 mm", "web thickness"]),
-    ({"throw.web_thickness": '"0 mm"'}, ["0 mm", "2 mm"]),
     ({"throw.web_width": '"285 m"'}, ["285 m", "did you mean 285 mm?", "4000 mm"]),
-    ({"throw.web_thickness": '"3 mm"'}, ["3 mm", "8.8 mm"]),
     ({"throw.pin_length": None}, ["missing", "crankpin length", "0.3 mm to 2000 mm"]),
     ({"throw.pin_lenght": '"139 mm"'}, ["unknown field", "did you mean pin_length?"]),
     ({"[rod]": None}, ["missing"]),
@@ -542,35 +513,19 @@ THROW = crank_throw(0.170, 0.220, 0.180, 0.135, 0.139, 0.285, 0.068)
 
 
 @pytest.mark.parametrize("number", [10**400, -(10**400), 10**5000], ids=["large", "low", "endless"])
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda number: Neighbors(number, 0.0),
-        lambda number: free_modes(None, STEEL, highest_frequency=number),
-        lambda number: axial_law(THROW, youngs_modulus=number),
-        lambda number: axial_formula("Anderson", THROW, gamma_deg=number),
-        lambda number: THROW.changed(crank_radius=number),
-        lambda number: positive_number("field", number, "s", "time runs"),
-        lambda number: whole_number("field", number, 1, "they are counted"),
-        lambda number: values_at_nodes("field", {0: number}, 3, "kg", "it is a mass"),
-        lambda number: finite_array("field", [1.0, number]),
-        lambda number: checked_inertia(number, 0.0),
-        lambda number: Factor("web_width", "m", 0.1, number),
-    ],
-    ids=[
-        "support",
-        "modes",
-        "formula",
-        "angle",
-        "throw",
-        "positive",
-        "whole",
-        "nodes",
-        "array",
-        "inertia",
-        "factor",
-    ],
-)
-def test_numbers_too_large_for_a_float_are_refused_everywhere(call, number):
-    with pytest.raises(InputError):
-        call(number)
+def test_numbers_too_large_for_a_float_are_refused_everywhere(number):
+    for call in (
+        lambda: Neighbors(number, 0.0),
+        lambda: free_modes(None, STEEL, highest_frequency=number),
+        lambda: axial_law(THROW, youngs_modulus=number),
+        lambda: axial_formula("Anderson", THROW, gamma_deg=number),
+        lambda: THROW.changed(crank_radius=number),
+        lambda: positive_number("field", number, "s", "time runs"),
+        lambda: whole_number("field", number, 1, "they are counted"),
+        lambda: values_at_nodes("field", {0: number}, 3, "kg", "it is a mass"),
+        lambda: finite_array("field", [1.0, number]),
+        lambda: checked_inertia(number, 0.0),
+        lambda: Factor("web_width", "m", 0.1, number),
+    ):
+        with pytest.raises(InputError):
+            call()

@@ -37,17 +37,21 @@ from regression.law.throw_law import torsional_law
 
 @pytest.fixture(scope="module")
 def shipped():
-    """All shipped engine files, read."""
-    return [load_any(name) for name in shipped_names("engine")]
+    """All shipped engine files with a mechanism, read, and the mechanism of each."""
+    files = [load_any(name) for name in shipped_names("engine")]
+    return [
+        (file, mechanism_of(file) if isinstance(file, EngineFile) else file)
+        for file in files
+        if not isinstance(file, ThrowFile)
+    ]
 
 
 def test_no_shipped_engine_is_warned_of(shipped):
-    for file in shipped:
-        if isinstance(file, ThrowFile):
-            assert not list(throw_warnings(file.throws)), file.path
-            continue
-        mechanism = mechanism_of(file) if isinstance(file, EngineFile) else file
+    for file, mechanism in shipped:
         assert mechanism.warnings == (), file.path
+    for name in shipped_names("engine"):
+        if isinstance(file := load_any(name), ThrowFile):
+            assert not list(throw_warnings(file.throws)), name
 
 
 def outwards(low, high):
@@ -62,11 +66,7 @@ def test_usual_ranges_are_those_of_the_shipped_engines(shipped):
     def add(name, value):
         values.setdefault(name, []).append(value)
 
-    for file in shipped:
-        if isinstance(file, ThrowFile):
-            continue
-        whole = isinstance(file, EngineFile)
-        mechanism = mechanism_of(file) if whole else file
+    for file, mechanism in shipped:
         cylinder, throw = mechanism.layout.cylinders[0], mechanism.throw
         bore, stroke = cylinder.bore, 2.0 * throw.crank_radius
         swept = 1e3 * 0.25 * math.pi * bore**2 * stroke
@@ -79,7 +79,7 @@ def test_usual_ranges_are_those_of_the_shipped_engines(shipped):
         add("PISTON_SPEED", 2.0 * stroke * mechanism.rated_speed / (2.0 * math.pi))
         if mechanism.power is not None:
             add("INDICATED", mechanism.power.mean_indicated_pressure / 1e6)
-        if whole:
+        if isinstance(file, EngineFile):
             add("HIGHEST_PISTON_SPEED", 2.0 * stroke * file.engine.highest_speed / (2.0 * math.pi))
             add("FLYWHEEL", math.sqrt(file.flywheel.inertia / file.flywheel.mass) / bore)
             stiffness = file.thrust_bearing.stiffness / throw.main_journal_diameter
@@ -419,25 +419,25 @@ def test_a_part_that_cannot_be_meant_is_warned_of(tmp_path, edit, field, value, 
     assert any(one.startswith(f"{field}: given") and said in one for one in warnings), warnings
 
 
-@pytest.mark.parametrize("field", sorted(usual_parts.PARTS))
-def test_parts_of_the_shipped_engines_are_within_their_usual_ranges(shipped, field):
+def test_parts_of_the_shipped_engines_are_within_their_usual_ranges(shipped):
     """Ranges called those of the shipped engines are theirs; none of theirs is outside of any."""
-    compared, usual = usual_parts.PARTS[field]
-    section, name = field.split(".")
-    ratios = []
-    for file in shipped:
-        if not isinstance(file, EngineFile):
-            continue
-        power = mechanism_of(file).power
-        scale = EngineScale(file, power and power.indicated)
-        value = getattr(scale.part(section), name, None)
-        if value:
-            ratios.append(value / scale.value(compared))
-    if usual.basis == usual_sizes.SHIPPED:
-        assert (usual.low, usual.high) == close(outwards(min(ratios), max(ratios)))
-    elif ratios:
-        assert usual.low / usual.margin < min(ratios)
-        assert max(ratios) < usual.high * usual.margin
+    scales = [
+        EngineScale(file, mechanism.power and mechanism.power.indicated)
+        for file, mechanism in shipped
+        if isinstance(file, EngineFile)
+    ]
+    for field, (compared, usual) in usual_parts.PARTS.items():
+        section, name = field.split(".")
+        ratios = [
+            value / scale.value(compared)
+            for scale in scales
+            if (value := getattr(scale.part(section), name, None))
+        ]
+        if usual.basis == usual_sizes.SHIPPED:
+            assert (usual.low, usual.high) == close(outwards(min(ratios), max(ratios))), field
+        elif ratios:
+            assert usual.low / usual.margin < min(ratios), field
+            assert max(ratios) < usual.high * usual.margin, field
 
 
 def test_counterweights_pass_under_piston_and_beside_rod(tmp_path, edit):

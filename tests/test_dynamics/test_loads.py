@@ -171,11 +171,7 @@ def test_angles_that_are_not_one_cycle_are_refused(angles, words):
         ([0.3, 0.0], (), "ascending"),
         ([0.1, 0.3], (), "cylinder 1: position: given 0.06 m; allowed is 0.1 to 0.3 m"),
         ([0.0, 0.2], (), "cylinder 2: position: given 0.24 m"),
-        (
-            BEARINGS,
-            (RotatingMass(0.1, angle_deg=0.0, position=0.4),),
-            "rotating mass 1: position: given 0.4 m; .*beyond the end bearings",
-        ),
+        (BEARINGS, (RotatingMass(0.1, angle_deg=0.0, position=0.4),), "rotating mass 1:"),
     ],
 )
 def test_bearings_that_do_not_hold_the_shaft_are_refused(bearings, rotating, words):

@@ -346,9 +346,7 @@ def test_a_motion_that_takes_too_many_evaluations_is_given_up(monkeypatch):
     """And what is allowed then is followed."""
     monkeypatch.setattr("dynamics.turning.speed_over_angle.MOST_CALLS", 20_000)
     start = {"start_angle_deg": 0.0, "start_speed": 10.0, "samples": 90}
-    with pytest.raises(
-        InputError, match=r"turns: given 100; allowed is .* or less here"
-    ) as refused:
+    with pytest.raises(InputError, match=r"turns: given 100; allowed is .* or less") as refused:
         speed_over_angle(constant(2.0), constant(0.0), turns=100.0, **start)
     allowed = float(str(refused.value).split()[5])
     assert 1.0 < allowed < 100.0

@@ -185,11 +185,7 @@ def test_a_limit_that_ends_within_the_running_range_is_told_once_with_its_end():
         ([], RUNNING, "findings: given none"),
         ([(TORQUE, peak(50.0, 1.0))], (100.0, 30.0), "the lowest and then the highest running"),
         ([(TORQUE, peak(50.0, 1.0))], (5.0, 100.0), "allowed are speeds that cover the running"),
-        (
-            [(crankshaft_limit(10.0, strokes=4), peak(50.0, 1.0))],
-            RUNNING,
-            "allowed is one that is stated at running speeds",
-        ),
+        ([(crankshaft_limit(10.0, strokes=4), peak(50.0, 1.0))], RUNNING, "allowed is one that is"),
     ],
 )
 def test_what_cannot_be_judged_is_refused(findings, running, message):
@@ -297,10 +293,7 @@ def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so(
     ("call", "message"),
     [
         (lambda: propulsion_shaft_limit(300e6, 0.3, 10.0), "given 300 MPa; allowed is 400 MPa or"),
-        (
-            lambda: propulsion_shaft_limit(500e6, 0.3, 10.0, feature="weld"),
-            "feature: given 'weld'; allowed are integral flange",
-        ),
+        (lambda: propulsion_shaft_limit(500e6, 0.3, 10.0, feature="weld"), "feature: given 'weld'"),
         (lambda: crankshaft_limit(100.0, strokes=3), "strokes: given 3; allowed are 2 and 4"),
         (lambda: generator_set_limit(100.0, part="pump"), "part: given 'pump'; allowed are"),
         (lambda: BarredRangeRule(10.0).bounds(20.0), "allowed is less than twice the rated speed"),

@@ -232,10 +232,7 @@ def test_analysis_of_a_throw_with_two_pins(opposite):
         forces = found.reactions(1e5 * radial_directions(opposite)[pin], pin=pin)
         thrust = found.influence_coefficient(pin=pin) * 1e5 / found.axial_compliance()
         assert forces.left.force[2] == close(thrust, rel=1e-6)
-    with pytest.raises(
-        InputError,
-        match=r"^pin: given 2; allowed are the whole numbers 0 to 1, because the throw has 2 pins\.$",
-    ):
+    with pytest.raises(InputError, match=r"^pin: given 2; allowed are the whole numbers 0 to 1"):
         found.influence_coefficient(pin=2)
     responses = evaluate_throw(opposite, accuracy=0.1)
     assert responses.values["axial_compliance_guided"] == close(

@@ -344,9 +344,7 @@ def test_a_worker_of_another_version_is_refused(name):
     other = identity() | {name: "other"}
     assert compute_design("run", {"key": "k"}, Limits(300.0), other) == {"identity": identity()}
     cluster = FakeCluster(lambda *_: FakeTask(lambda: {"identity": other}))
-    with pytest.raises(
-        InputError, match=r"^dask: given a cluster whose worker one has crankfem "
-    ) as e:
+    with pytest.raises(InputError, match=r"^dask: given a cluster whose worker one has") as e:
         collect(cluster, "ab")
     assert "other" in str(e.value)
     assert "must not be mixed." in str(e.value)

@@ -116,10 +116,7 @@ def test_fixed_dimension_may_be_repeated_but_not_changed():
         (MIDDLE | {"web_width": None}, "web_width: given None"),
         (MIDDLE | {"web_width": True}, "web_width: given True"),
         (MIDDLE | {"web_width": []}, "web_width: given an empty array"),
-        (
-            MIDDLE | {"web_width": [0.3, 0.31], "pin_length": [0.13, 0.14, 0.15]},
-            r"shapes web_width \(2,\), .* broadcast",
-        ),
+        (MIDDLE | {"web_width": [0.3, 0.31], "pin_length": [0.13, 0.14, 0.15]}, "shapes web_width"),
     ],
 )
 def test_unusable_dimensions(dimensions, match):

@@ -86,10 +86,7 @@ def test_the_band_is_that_of_designs_not_seen():
             18,
             f"designs not seen, too few for 95 % of new throws, are predicted within 3 %, by {runs}; ",
         ),
-        (
-            10,
-            "designs not seen, too few for 95 % of new throws, are predicted within 3 %, by 10 held-out",
-        ),
+        (10, "designs not seen, too few for 95 % of new throws, are predicted within 3 %, by 10"),
     ):
         made = response(power(1e-9, -1.0), "e_n", "m/N", **told, band_designs=number)
         model = ComplianceModel(responses={"axial_compliance": made})

@@ -188,11 +188,7 @@ def test_a_relation_without_a_value_excludes_the_design():
 @pytest.mark.parametrize(
     ("design", "message"),
     [
-        (
-            DesignChoice(),
-            r"^study\.factors: none of the 4 designs can be used; reason for the first excluded design:"
-            r" the constraint 'web_width < 0.2 m' is broken: 270 mm is not < 200 mm\.",
-        ),
+        (DesignChoice(), r"^study\.factors: none of the 4 designs can be used; reason for the"),
         (HYPERCUBE, r"^study\.factors: fewer than 12 of the points drawn .*\(run\) can be used; "),
     ],
 )

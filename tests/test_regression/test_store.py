@@ -310,14 +310,8 @@ def test_slopes_come_back_with_their_design(tmp_path):
     [
         ("DELETE FROM slopes", "its slopes are missing"),
         ("DROP TABLE slopes", "its slopes are missing"),
-        (
-            "UPDATE slopes SET shares = replace(shares, '-0.2', '-0.3')",
-            "the checksum of its slopes",
-        ),
-        (
-            "UPDATE slopes SET shares = replace(shares, '-0.2', '\"x\"')",
-            "web_width among its slopes",
-        ),
+        ("UPDATE slopes SET shares = replace(shares, '-0.2', '-0.3')", "the checksum of its"),
+        ("UPDATE slopes SET shares = replace(shares, '-0.2', '\"x\"')", "web_width among its"),
         ("UPDATE slopes SET shares = '[]'", "its slopes cannot be read"),
         (
             "UPDATE slopes SET shares = replace(shares, '{\"web_width\": -0.2}', '1')",

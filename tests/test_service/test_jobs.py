@@ -21,7 +21,7 @@ from serving import ROOT, STUDY, THROW
 
 
 def engine_text():
-    from crankfem.files.engine.file_kinds import engine_template
+    from crankfem.files.engine.new_file import engine_template
 
     return engine_template("mine.toml", 3, 4)
 

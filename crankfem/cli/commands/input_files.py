@@ -84,12 +84,26 @@ def new(
     ] = None,
     cylinders: Annotated[
         int | None,
-        typer.Option(
-            help="Cylinders in line of the template, 1 to 8.", show_default=str(CYLINDERS)
-        ),
+        typer.Option(help="Cylinders of the template, 1 to 20.", show_default=str(CYLINDERS)),
     ] = None,
     strokes: Annotated[
         int | None, typer.Option(help="Its strokes per cycle, 2 or 4.", show_default=str(STROKES))
+    ] = None,
+    v_angle: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ANGLE",
+            help='Angle between the banks of a V engine, like "60 deg"; "even" for one with even firing. '
+            "Without it the cylinders are in line.",
+        ),
+    ] = None,
+    drawing: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="THROW.svg",
+            help="Also draw its throw with the names of the fields, to see which value of a drawing is "
+            "which field.",
+        ),
     ] = None,
     listed: Annotated[bool, typer.Option("--list", help="List what is shipped.")] = False,
     *,
@@ -99,7 +113,8 @@ def new(
     from crankbase.outputs import write_user_file
     from crankbase.table import Column, Table
     from crankfem.analyses.record import attributes
-    from crankfem.files.engine.file_kinds import engine_template, shipped_files
+    from crankfem.files.engine.file_kinds import shipped_files
+    from crankfem.files.engine.new_file import engine_template, template_throw
     from crankfem.jobs.outputs import check_writable
 
     if listed:
@@ -131,16 +146,30 @@ def new(
     if os.path.lexists(file) and not out.force:
         raise InputError(f"{file}: exists already; give a new file name, or --force to replace it.")
     check_writable(file, "input file")
+    throw = None
+    if drawing is not None:
+        from crankfem.analyses.file_check import check_file
+        from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
+
+        check_drawing_ending(drawing)
+        check_writable(drawing, "picture", file)
     if source is None:
         kind = "engine"
         text = engine_template(
             file.name,
             CYLINDERS if cylinders is None else cylinders,
             STROKES if strokes is None else strokes,
+            v_angle,
         )
+        if drawing is not None:
+            throw = template_throw(text)
         write_user_file(file, text.encode(), "input file")
     else:
-        for option, value in (("--cylinders", cylinders), ("--strokes", strokes)):
+        for option, value in (
+            ("--cylinders", cylinders),
+            ("--strokes", strokes),
+            ("--v-angle", v_angle),
+        ):
             if value is not None:
                 raise InputError(
                     f"{option}: given {value} with --from; allowed is one of the two, because a copy has "
@@ -153,12 +182,20 @@ def new(
                 f"--from: given {source!r}; {allowed_names(source, known)}, because these are shipped."
             )
         kind = copied.kind
+        if drawing is not None and (throw := check_file(str(copied.path)).throw) is None:
+            raise InputError(
+                f"--drawing: given with a {kind} file; allowed is a file with a throw, because that is drawn."
+            )
         check_writable(file, "input file", copied.path)
         write_user_file(file, copied.path.read_bytes(), "input file")
     command = f"crankfem {NEXT[kind]} {file}"
+    if drawing is not None and throw is not None:
+        write_drawing(throw, drawing, file.stem, lettered=True)
     if out.json:
         print_json({"file": str(file), "from": source, "kind": kind, "next": command})
         return
+    if drawing is not None:
+        console.print_line(f"{drawing} written.")
     console.print_line(
         f"{file} written. Replace its values with yours (those marked assumed first), check them with "
         f"`crankfem check {file}`, then: {command}"

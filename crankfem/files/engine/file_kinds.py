@@ -1,13 +1,10 @@
-"""The sections of engine files; the kind of a file; the shipped files and the template for new ones."""
+"""The sections of engine files; the kind of a file; the shipped files."""
 
-import math
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from importlib import import_module
-from importlib.resources import files
 from pathlib import Path
-from string import Template
 from typing import Literal
 
 from crankbase.errors import InputError
@@ -154,76 +151,6 @@ def _has_sections(path: Path) -> bool:
             return SECTION.search(file.read(LOOKED_AT)) is not None
     except (OSError, UnicodeDecodeError):
         return False
-
-
-# Orders in which cylinders in line usually fire, by strokes per cycle; the cranks follow from them, for
-# firing is even.
-FIRING_ORDERS: dict[int, dict[int, tuple[int, ...]]] = {
-    strokes: {order.count("-") + 1: tuple(map(int, order.split("-"))) for order in orders.split()}
-    for strokes, orders in (
-        (4, "1 1-2 1-3-2 1-3-4-2 1-2-4-5-3 1-5-3-6-2-4 1-3-5-7-6-4-2 1-6-2-5-8-3-7-4"),
-        (2, "1 1-2 1-3-2 1-3-2-4 1-4-3-2-5 1-5-3-4-2-6 1-7-2-5-4-3-6 1-8-3-4-7-2-5-6"),
-    )
-}
-
-
-def engine_template(file: str = "mine.toml", cylinders: int = 6, strokes: int = 4) -> str:
-    """Return the text of an engine file that can be run unchanged.
-
-    Parameters
-    ----------
-    file : str
-        Its name, for the commands in it.
-    cylinders : int
-        In line.
-    strokes : int
-        Per cycle, 2 or 4.
-    """
-    if strokes not in FIRING_ORDERS:
-        raise InputError(
-            f"--strokes: given {strokes}; allowed are 2 and 4, because cycles have as many strokes."
-        )
-    known = FIRING_ORDERS[strokes]
-    if cylinders not in known:
-        raise InputError(
-            f"--cylinders: given {cylinders}; allowed is 1 to {max(known)}, because for these in line the "
-            "firing order is usual; write any other into the file."
-        )
-    order = known[cylinders]
-    angles = crank_angles_deg(order, strokes)
-    counted = "cylinder" if cylinders == 1 else "cylinders"
-    return Template(_text()).substitute(
-        title=f"{cylinders} {counted} in line, {strokes}-stroke",
-        file=file,
-        name=f"Example, {cylinders} {counted}",
-        cylinders=cylinders,
-        strokes=strokes,
-        thrust=cylinders + 1,
-        crank_angles=", ".join(f'"{angle:.10g} deg"' for angle in angles),
-        firing_order=", ".join(map(str, order)),
-    )
-
-
-def crank_angles_deg(firing_order: tuple[int, ...], strokes: int) -> list[float]:
-    """Return the angle of each crank from the first in the sense of rotation [deg].
-
-    With these the firing intervals are even.
-
-    Examples
-    --------
-    >>> crank_angles_deg((1, 5, 3, 6, 2, 4), 4)
-    [0.0, 240.0, 120.0, 120.0, 240.0, 0.0]
-    """
-    cycle = 180.0 * strokes
-    angles = [math.nan] * len(firing_order)
-    for place, cylinder in enumerate(firing_order):
-        # A cylinder that fires later has its crank so much behind the first.
-        angles[cylinder - 1] = round(-place * cycle / len(firing_order) % 360.0, 9) % 360.0
-    return angles
-
-
-def _text() -> str:
-    return files("crankfem.files.engine").joinpath("template.toml").read_text(encoding="utf-8")
 
 
 @dataclass(frozen=True)

@@ -314,7 +314,7 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
     if max(steps) - min(steps) < np.degrees(EVEN):
         return FiringEvenness()
     together = tuple(_together(engine))
-    uneven = _shown(steps)
+    uneven = intervals_text(steps)
     even = even_firing_order(engine.firing_angles, engine.strokes)
     order = "-".join(map(str, engine.firing_order))
     if even is not None:
@@ -332,7 +332,7 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
     least = spread if best is None else np.degrees(max(best[1]) - min(best[1]))
     if best is not None and least < spread - np.degrees(EVEN):
         such = "-".join(map(str, best[0]))
-        at = _shown([float(np.degrees(angle)) for angle in best[1]])
+        at = intervals_text([float(np.degrees(angle)) for angle in best[1]])
         fires += f", and the least uneven is such as {such} at {at}"
         if engine.cylinders > 2 and spread > MUCH * least:
             return FiringEvenness((*together, f"engine.firing_order: given {order}; {fires}"))
@@ -352,10 +352,10 @@ def firing_sentence(engine: Engine) -> str:
     order = "-".join(map(str, engine.firing_order))
     if max(steps) - min(steps) < np.degrees(EVEN):
         return f"Firing order {order}, even: every {sum(steps) / len(steps):g} deg."
-    return f"Firing order {order}, uneven: intervals of {_shown(steps)}."
+    return f"Firing order {order}, uneven: intervals of {intervals_text(steps)}."
 
 
-def _shown(intervals_deg: Sequence[float]) -> str:
+def intervals_text(intervals_deg: Sequence[float]) -> str:
     """Write intervals; of those that repeat, each once."""
     repeated = repeating_intervals(intervals_deg)
     again = " in turn" if 1 < len(repeated) < len(intervals_deg) else ""

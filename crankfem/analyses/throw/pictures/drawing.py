@@ -38,10 +38,12 @@ BLOCK_HEIGHT = 46.0  # [points]
 BOLD = 1.2  # bold text is at most so much wider
 
 
-def block_texts(throw: CrankThrow, title: str, scale: float) -> tuple[str, str, str]:
+def block_texts(
+    throw: CrankThrow, title: str, scale: float, lettered: bool
+) -> tuple[str, str, str]:
     """Texts of the title block: name, scale, quantities that follow from the dimensions."""
     ratio = f"1 : {scale:g}" if scale >= 1.0 else f"{1.0 / scale:g} : 1"
-    drawn = f"lengths in mm\nscale {ratio}"
+    drawn = f"{'fields of [throw]' if lettered else 'lengths in mm'}\nscale {ratio}"
     overlap = f"overlap {millimeters(throw.overlap)} mm" if throw.overlap > 0.0 else "no overlap"
     derived = f"{overlap}\nvolume {1e3 * throw.volume:.4g} dm³"
     plain = plain_text(" ".join(title.split()))  # one line
@@ -119,13 +121,15 @@ PIXELS_PER_INCH = 150
 MARGIN, GAP, SMALLEST_WIDTH = 16.0, 34.0, 560.0  # [points]
 
 
-def draw_throw(throw: CrankThrow, title: str = "") -> "Figure":
+def draw_throw(throw: CrankThrow, title: str = "", lettered: bool = False) -> "Figure":
     """Draw a throw to scale with all of its dimensions.
 
     Parameters
     ----------
     title : str
         Name of the engine or the throw, for the title block.
+    lettered : bool
+        Write the name of its field at each dimension in place of its value.
 
     Returns
     -------
@@ -150,7 +154,7 @@ def draw_throw(throw: CrankThrow, title: str = "") -> "Figure":
     point = scale * POINT_ON_PAPER
     figure = Figure(facecolor="white")
     FigureCanvasAgg(figure)
-    side, end = (View(figure.add_axes((0.0, 0.0, 1.0, 1.0)), point) for _ in range(2))
+    side, end = (View(figure.add_axes((0.0, 0.0, 1.0, 1.0)), point, lettered) for _ in range(2))
     draw_side(side, parts)
     draw_end(end, parts)
     top = max(side.high[1], end.high[1]) + 14.0 * point
@@ -160,16 +164,18 @@ def draw_throw(throw: CrankThrow, title: str = "") -> "Figure":
     ):
         middle = 0.5 * (view.low[0] + view.high[0])
         view.write(text, (middle, top, "center"), fontsize=8.5, fontstyle="italic")
-    _lay_out(figure, (side, end), block_texts(throw, title, scale), scale)
+    _lay_out(figure, (side, end), block_texts(throw, title, scale, lettered), scale)
     return figure
 
 
-def write_drawing(throw: CrankThrow, path: str | Path, title: str = "") -> Path:
+def write_drawing(
+    throw: CrankThrow, path: str | Path, title: str = "", lettered: bool = False
+) -> Path:
     """Write the drawing of a throw.
 
     Parameters
     ----------
-    throw, title
+    throw, title, lettered
         As for `draw_throw`.
     path : path
         A file ending in ``.svg``, ``.png`` or ``.pdf``.
@@ -189,7 +195,7 @@ def write_drawing(throw: CrankThrow, path: str | Path, title: str = "") -> Path:
     path = Path(path)
     metadata = ENDINGS[check_drawing_ending(path)]
     with write_errors(path), mpl.rc_context(REPRODUCIBLE), atomic_file(path, "picture") as part:
-        draw_throw(throw, title).savefig(part, dpi=PIXELS_PER_INCH, metadata=metadata)
+        draw_throw(throw, title, lettered).savefig(part, dpi=PIXELS_PER_INCH, metadata=metadata)
     return path
 
 
