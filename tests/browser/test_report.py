@@ -25,7 +25,7 @@ MEGABYTE = 1e6
 # Plots that are not there, or not yet complete.
 NOT_DRAWN = "div.interactive[hidden], div.interactive.waiting"
 # Seconds for all plots of a report, without a graphics card and on a busy machine.
-LONGEST_DRAWING = 60.0
+LONGEST_DRAWING = 120.0
 # Levels of axe, from the worst.
 SERIOUS = ("critical", "serious")
 # The first screen of an ordinary one, in pixels, and a page of A4 within its margins.
