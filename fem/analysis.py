@@ -560,34 +560,35 @@ class ThrowAnalysis(SolvedSuperelement):
         return compliance_over_angle(self.superelement, check_compliance(quantity), gamma_deg)
 
     @cached_property
-    def _slopes_alone(self) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
-        return self._slopes(joined=False)
+    def changes_in_shaft(self) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
+        """The throw's change with its dimensions where throws meet, and why some have none."""
+        return self._changes(joined=True)
 
     @cached_property
-    def _slopes_joined(self) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
-        return self._slopes(joined=True)
+    def _changes_alone(self) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
+        return self._changes(joined=False)
 
-    def _slopes(self, *, joined: bool) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
+    def _changes(self, *, joined: bool) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
         from fem.sensitivities import dimension_changes
 
         return dimension_changes(self.throw, self.mesh, self.material, self.classes, joined=joined)
 
     def sensitivities(
         self,
-        quantity: Compliance | Literal["mass"] = "axial_compliance",
+        quantity: Compliance | Literal["mass", "inertia"] = "axial_compliance",
         support: Support = "pinned",
     ) -> "Sensitivities":
-        """How a compliance, or the mass, changes with each dimension of the throw.
+        """How a compliance, the mass or the inertia changes with each dimension of the throw.
 
         All follow from the solutions at hand, without another mesh (`fem.sensitivities`); the first call
         takes most of the time, longer between neighbors.
 
         Parameters
         ----------
-        quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient", "mass"}
-            The influence coefficient is that of the first pin.
+        quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient", "mass", "inertia"}
+            The influence coefficient is that of the first pin; the inertia is about the shaft.
         support
-            As for `axial_compliance`; without effect on the mass.
+            As for `axial_compliance`; without effect on mass and inertia.
 
         Raises
         ------
@@ -597,10 +598,10 @@ class ThrowAnalysis(SolvedSuperelement):
         from fem.sensitivities import Sensitivities
 
         joined = isinstance(support, Neighbors)
-        changes, left_out = self._slopes_joined if joined else self._slopes_alone
-        if quantity == "mass":
-            shares = {path: change.volume for path, change in changes.items()}
-            return Sensitivities("mass", "", shares, left_out, 0.0)
+        changes, left_out = self.changes_in_shaft if joined else self._changes_alone
+        if quantity == "mass" or quantity == "inertia":
+            shares = {path: getattr(change, quantity) for path, change in changes.items()}
+            return Sensitivities(quantity, "", shares, left_out, 0.0)
         chosen = check_compliance(quantity)
         shares = {
             path: change.share(lambda throw: compliance(throw, chosen, support))
@@ -610,6 +611,27 @@ class ThrowAnalysis(SolvedSuperelement):
         return Sensitivities(chosen, str(support), shares, left_out, error)
 
     def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        view: Literal["side", "left end"] = "side",
+        dimensions: bool = True,
+    ) -> "Axes":
+        """Draw the throw to scale; see `CrankThrow.plot`.
+
+        Raises
+        ------
+        InputError
+            If the view is neither, or the throw is a CAD part, which has no dimensions to draw it from.
+        """
+        if not isinstance(self.throw, CrankThrow):
+            raise InputError(
+                "plot: given the analysis of a CAD part; allowed is that of a throw of dimensions, because "
+                "it is drawn from them."
+            )
+        return self.throw.plot(axes, view=view, dimensions=dimensions)
+
+    def plot_over_angle(
         self, axes: "Axes | None" = None, *, quantity: Compliance = "axial_compliance"
     ) -> "Axes":
         """Draw a compliance over the angle to equal neighbors, with the pinned and the guided throw.

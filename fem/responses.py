@@ -278,7 +278,7 @@ def _shares(change: DimensionChange, plain: Mapping[str, float], part: str) -> d
     for support in SUPPORTS:
         influence, axial = (shares[name] for name in _reaction_of(support))
         shares[f"axial_reaction_{support}"] = influence - axial
-    return {name: float(share) for name, share in shares.items()} | {"mass": change.volume}
+    return {name: float(share) for name, share in shares.items()} | {"mass": change.mass}
 
 
 def _reaction_of(support: Support) -> tuple[str, str]:

@@ -55,6 +55,12 @@ def pytest_collection_modifyitems(items):
             item.add_marker("slow")
 
 
+def pytest_collection_finish():
+    """Let the collector of garbage pass over the thousands of tests that stay to the end."""
+    gc.collect()
+    gc.freeze()
+
+
 def pytest_sessionfinish():
     """End softly what would end with this process."""
     for one in gc.get_objects() if MEASURED else ():

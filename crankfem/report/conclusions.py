@@ -289,7 +289,7 @@ def _axial_judged(assessment: Assessment) -> bool:
 
 def _axial_amplitude(results: "RunResults") -> str:
     """Tell the largest axial amplitude of the free end at running speeds, where it was calculated."""
-    forced = results.vibration.forced("axial")
+    forced = results.vibration.forced_of("axial")
     if forced is None:
         return ""
     engine = results.engine

@@ -8,4 +8,7 @@ from regression.models.lookup import Slope as Slope
 from regression.optimum import Limit as Limit
 from regression.optimum import Optimum as Optimum
 from regression.optimum import find_optimum as find_optimum
+from regression.plans.designs import DesignChoice as DesignChoice
+from regression.plans.factors import Factor as Factor
+from regression.plans.plan import StudyPlan as StudyPlan
 from regression.runs.study_table import StudyTable as StudyTable

@@ -148,9 +148,10 @@ class Fit(FitErrors):
         covariance = self.statistics.covariance
         if covariance is None:
             return None
-        _, change = self.fitted.natural_transformation()
+        terms, change = self.fitted.natural_transformation()
         errors = np.sqrt(np.einsum("ij,jk,ik->i", change, covariance, change))
-        return dict(zip(self.coefficients, errors.tolist(), strict=True))
+        names = _names(terms, self.factors, self.fitted.log_factors)
+        return dict(zip(names, errors.tolist(), strict=True))
 
     @property
     def variance_inflation(self) -> dict[str, float]:

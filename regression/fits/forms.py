@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -134,32 +135,29 @@ def design_matrix(terms: Sequence[Term], coded: NDArray[np.float64]) -> NDArray[
     return matrix
 
 
-def expand(
-    terms: Sequence[Term],
-    coefficients: Sequence[float],
-    shifts: Sequence[Fraction],
-    spans: Sequence[Fraction],
-) -> dict[Term, Fraction]:
-    """Insert z = (u - shift) / span into a polynomial, exactly.
+@lru_cache(maxsize=64)
+def _expanded(
+    terms: tuple[Term, ...], shifts: tuple[Fraction, ...], spans: tuple[Fraction, ...]
+) -> tuple[dict[Term, Fraction], ...]:
+    """Insert z = (u - shift) / span into each term, exactly: its polynomial in u.
 
-    The given terms stand first and in their order; a missing term that divides one of them follows.
+    Equations of one form share it; a study asks for it a thousand times.
     """
-    result: dict[Term, Fraction] = {term: Fraction(0) for term in terms}
-    for term, coefficient in zip(terms, coefficients, strict=True):
-        scaled = Fraction(coefficient)
-        for number in term:
-            scaled /= spans[number]
+    polynomials = []
+    for term in terms:
+        polynomial = {term: Fraction(0)}
+        scale = 1 / math.prod((spans[number] for number in term), start=Fraction(1))
         # Each factor (u - shift) of the product gives either its u or its shift.
         for kept in itertools.product((True, False), repeat=len(term)):
-            share = scaled
-            rest: list[int] = []
+            share, rest = scale, []
             for number, keep in zip(term, kept, strict=True):
                 if keep:
                     rest.append(number)
                 else:
                     share *= -shifts[number]
-            result[tuple(rest)] = result.get(tuple(rest), Fraction(0)) + share
-    return result
+            polynomial[tuple(rest)] = polynomial.get(tuple(rest), Fraction(0)) + share
+        polynomials.append(polynomial)
+    return tuple(polynomials)
 
 
 def natural_shift(value: float, size: float, logged: bool) -> Fraction:
@@ -448,8 +446,12 @@ class FittedForm:
         `factor_sizes` and `response_size` are the sizes of their units, 1e-3 for mm. The equation's own
         terms come first; a missing term that divides one of its own follows.
         """
-        shifts, spans = self._natural_coding(factor_sizes)
-        exact = expand(self.terms, self.coefficients, shifts, spans)
+        exact = {term: Fraction(0) for term in self.terms}
+        polynomials = _expanded(self.terms, *self._natural_coding(factor_sizes))
+        for polynomial, coefficient in zip(polynomials, self.coefficients, strict=True):
+            scale = Fraction(coefficient)
+            for term, value in polynomial.items():
+                exact[term] = exact.get(term, Fraction(0)) + scale * value
         if self.logarithmic:
             exact[()] = exact.get((), Fraction(0)) - Fraction(math.log(response_size))
             return {term: float(value) for term, value in exact.items()}
@@ -457,9 +459,9 @@ class FittedForm:
 
     def natural_transformation(self) -> tuple[tuple[Term, ...], NDArray[np.float64]]:
         """Terms in the order of `natural_coefficients`, and the matrix from coded coefficients to these."""
-        shifts, spans = self._natural_coding(None)
-        columns = [expand([term], [1.0], shifts, spans) for term in self.terms]
-        rows = {term: row for row, term in enumerate(self.natural_coefficients())}
+        columns = _expanded(self.terms, *self._natural_coding(None))
+        terms = dict.fromkeys(itertools.chain(self.terms, *columns))
+        rows = {term: row for row, term in enumerate(terms)}
         matrix = np.zeros((len(rows), len(columns)))
         for place, column in enumerate(columns):
             for term, value in column.items():
@@ -468,16 +470,16 @@ class FittedForm:
 
     def _natural_coding(
         self, factor_sizes: Sequence[float] | None
-    ) -> tuple[list[Fraction], list[Fraction]]:
+    ) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
         """Return centers and half ranges in the columns' units, as fractions."""
         sizes = list(factor_sizes) if factor_sizes is not None else [1.0] * len(self.factors)
         logged = self.log_factors
-        shifts = [natural_shift(*coding) for coding in zip(self.center, sizes, logged, strict=True)]
-        spans = [
+        shifts = map(natural_shift, self.center, sizes, logged)
+        spans = (
             Fraction(half) if log else Fraction(half) / Fraction(size)
             for half, size, log in zip(self.half_range, sizes, logged, strict=True)
-        ]
-        return shifts, spans
+        )
+        return tuple(shifts), tuple(spans)
 
 
 @dataclass(frozen=True)

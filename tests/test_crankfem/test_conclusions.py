@@ -557,6 +557,17 @@ def test_both_decide_together():
     assert found.sentence.endswith("give limits.tensile_strength and limits.yield_strength")
 
 
+def test_no_steel_is_tried_that_breaks_before_it_yields():
+    engine = load_engine("7l32-40-set")  # 800 and 550 MPa, both assumed
+    limit = engine_limits(engine)[0]["crankshaft_stress"]
+    speeds = np.linspace(0.9, 1.1, 41) * engine.engine.rated_speed
+    findings = [(limit, AmplitudeCurve("throw 1 - throw 2", speeds, np.full(41, 27e6)))]
+    tried = engine_decision(engine, "fine", findings).trials
+    assert {trial.field for trial in tried} == {"limits.tensile_strength"}
+    assert min(trial.value for trial in tried) >= 550e6
+    assert {trial.status for trial in tried} == {"fine", "not acceptable"}
+
+
 @pytest.mark.parametrize(
     "limits", [{"tensile_strength": 480e6, "yield_strength": 260e6}, {"crankshaft_stress": 20e6}]
 )
@@ -739,7 +750,7 @@ def test_every_peak_is_in_the_table_or_told_to_be_left_out(results):
     assert "1 critical speed, up to 6 % of the largest peak at a place" in table.note
     assert "2 peaks below 5 % of the largest one at every place" in table.note
     assert "1 peak of the exciting forces" in table.note
-    shown = resonance_table(typed(results).vibration.forced("torsional"))
+    shown = resonance_table(typed(results).vibration.forced_of("torsional"))
     assert len(shown.rows) == 3
     assert "critical speed" not in shown.note
     assert "2 peaks below 5 %" in shown.note

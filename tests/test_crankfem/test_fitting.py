@@ -216,6 +216,7 @@ def test_groups_are_not_offered_where_a_part_keeps_its_size():
     assert any("the part does not grow with the throw" in text for text in found.skipped)
 
 
+@pytest.mark.slow
 def test_sensitivities_under_a_constraint(capsys):
     """A plane over half of a rectangle, cut by a dimension that follows from one of the factors.
 

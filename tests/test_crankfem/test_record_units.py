@@ -26,7 +26,6 @@ QUICK = {
     "harmonics yamz5340_torque_one_throw.csv": 40,
     "harmonics yamz5340_torque_one_throw.csv --firing-order 1-3-4-2": 40,
     "two-mass yamz-5340": 1,
-    "hinge": 25,
     "formulas 6chn25-34 --no-fe --constant k_n=0.4": 0,
     "formulas --published": 0,
     "plan 6chn25-34": 6,
@@ -42,6 +41,7 @@ MODEL = {
     "optimum model.json --minimize axial_compliance --limit 'web_width <= 0.301 m'": 1,
 }
 SLOW = {
+    "hinge": 25,
     "throw 6chn25-34 --accuracy 0.1 --modes 2": 15,
     "stress 6chn25-34 --accuracy 0.2": 0,
     "draw 6chn25-34": 0,

@@ -279,6 +279,7 @@ def test_what_an_engines_vibration_is_made_of(vibration):
         forced.plot(show="power", barred=[(80.0, 90.0)])
     assert forced.to_xarray().sizes["speed"] == len(forced.response.speeds)
     assert vibration.forced_axial.plot(show="axial forces").has_data()
+    assert vibration.forced is vibration.forced_torsional
 
     bounds = vibration.assessment.torsional
     assert bounds.to_pandas()["highest"].to_numpy() == close(

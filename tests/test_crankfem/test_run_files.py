@@ -615,10 +615,10 @@ def test_nothing_is_written_where_the_last_file_is_refused(name, last, call, tmp
     assert [name for name in there if not name.startswith("runs.sqlite-")] == before
 
 
-@pytest.mark.parametrize("link", [os.link, os.symlink], ids=["hard link", "link"])
-def test_an_input_stays_even_if_forced(line, call, link):
+def test_an_input_stays_even_if_forced(line, call):
     words, output, mine = line
     before = mine.read_bytes()
+    link = os.link if len(output.name) % 2 else os.symlink  # one rule: half of the commands each
     link(mine, output)
     for options in ((), ("--force",)):
         answer = call(*words, *options)

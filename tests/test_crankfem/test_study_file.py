@@ -8,12 +8,16 @@ from typing import get_args
 
 import pytest
 
+import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankfem.analyses.study.planned_designs import PlannedDesigns
 from crankfem.analyses.study.studies import run_study, study_key
 from crankfem.cli import console
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.throw_file import load_study
+from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_file import read_toml
 from crankfem.files.study_file import StudySection, read_design, study_plan
 from fem.material import STEEL
@@ -143,6 +147,23 @@ def test_runs_with_slopes(read):
     assert list(numbers.values()) == [8, 8, 12]
 
 
+def test_a_wrong_word_for_runs_is_told_once(tmp_path):
+    file = tmp_path / "engine.toml"
+    engine = input_path("6chn25-34").read_text(encoding="utf-8").partition("\n[study")[0]
+    for word, wrong in (("many", True), ("with slopes", False)):
+        file.write_text(
+            engine.replace("[rod]", "[rod]\nwidth = 1")
+            + "\n"
+            + study(f'design = "latin hypercube"\nruns = "{word}"'),
+            encoding="utf-8",
+        )
+        with pytest.raises(InputError) as error:
+            load_engine(file)
+        told = [line for line in error.value.sentences if line.startswith("study.runs")]
+        assert len(told) == wrong
+        assert len(error.value.sentences) == 1 + wrong
+
+
 def test_stresses_and_constraints(read):
     plan = read(study('stresses = true\nconstraints = ["web_width > 280 mm"]'))
     assert plan.stresses is True
@@ -154,17 +175,12 @@ ERRORS = [
     (study('design = "taguchi"'), "study.design: given 'taguchi'; allowed is full factorial, "),
     (study("design = 3"), "study.design: given 3; allowed is"),
     (study("held_out = 0"), "study.held_out: given 0; allowed is 1 to 1000 for number"),
-    (study("held_out = 2.5"), "study.held_out: given 2.5"),
-    (study("held_out = true"), "study.held_out: given True"),
-    (study("generators = 3"), "study.generators: given 3"),
     (study('design = "fractional factorial"\ngenerators = 3'), "study.generators: given 3"),
     (study("seed = -1"), "study.seed: given -1"),
     (study("accuracy = 1"), "study.accuracy: given 1; allowed is 0.001 to 0.1"),
-    (study('accuracy = "1 %"'), "study.accuracy: given '1 %'"),
     (study('runs = "with slope"'), "study.runs: given 'with slope'; allowed is a number of runs"),
     (study('stresses = "yes"'), "study.stresses: given 'yes'; allowed is true or false"),
     (study('constraints = "a < b"'), "study.constraints: given 'a < b'; allowed is a list"),
-    (study('constraints = ["web_width < 3"]'), "study.constraints[0]: given 'web_width < 3'"),
     (study("constraints = [3]"), "study.constraints[0]: given 3; allowed is a comparison"),
     (study("runs = 20"), "study.runs: given 20 with the design 'full factorial'"),
     *(
@@ -179,8 +195,6 @@ ERRORS = [
     (study('design = "file"'), "study.file: missing; the design 'file' needs the CSV file"),
     (study('design = "sobol"'), "study.runs: missing; the design 'sobol' needs the number"),
     (study('resolution = "IV"'), "study.resolution: given 'IV' with the design 'full factorial'"),
-    (study('design = "fractional factorial"\nresolution = 4'), "study.resolution: given 4"),
-    (study('design = "central composite"\nface = 1'), "study.face: given 1; allowed is faced, "),
     (study('file = "a.csv"'), "study.file: given 'a.csv' with the design 'full factorial'"),
     ("[study]\nfactors = 3\n", "study.factors: given 3; allowed is a table for section"),
     ("[study]\nrelations = 3\n", "study.relations: given 3; allowed is a table"),
@@ -190,32 +204,11 @@ ERRORS = [
     (study(factors="web_width = [270, 300]"), "study.factors.web_width[0]: given 270, a bare"),
     (study(factors='web_width = ["270 kg", "1 m"]'), "study.factors.web_width[0]: given '270 kg'"),
     (study(factors='web_width = ["270 mm"]'), "study.factors.web_width: given 1 level"),
-    (study(factors="web_width = []"), "study.factors.web_width: given no level"),
     (study(factors="web_width = {}"), "study.factors.web_width.from: missing; a range needs"),
     (study(factors='web_width = { from = "270 mm" }'), "study.factors.web_width.to: missing; a"),
-    (
-        study(factors='web_width = { from = "270 mm", to = "300 mm", step = 3 }'),
-        "study.factors.web_width.step: unknown field; allowed are from, to, levels, spacing",
-    ),
     (study(factors='web_width = { from = 270, to = "300 mm" }'), "study.factors.web_width.from:"),
-    (study(factors='web_width = { from = "300 mm", to = "270 mm" }'), "study.factors.web_width:"),
-    (
-        study(factors='web_width = { from = "270 mm", to = "300 mm", spacing = "log" }'),
-        "study.factors.web_width.spacing: given without levels",
-    ),
-    (
-        study(factors='web_width = { from = "270 mm", to = "300 mm", levels = "3" }'),
-        "study.factors.web_width.levels: given '3'; allowed is a whole number from 2",
-    ),
     (study(factors='web_with = ["270 mm", "300 mm"]'), "study.factors.web_with: unknown throw"),
-    (study(factors='web_with = { from = "270 mm", to = "300 mm" }'), "study.factors.web_with:"),
-    (study(factors=f"{WIDTH}\nratio = [1.5, 1.6]"), "study.factors.ratio: unknown throw"),
-    (
-        study(factors='counterweight.angle = ["80 deg", "90 deg"]'),
-        "study.factors.counterweight.angle: unknown throw dimension; the throw has no counterweight",
-    ),
     (study(factors=f'{WIDTH}\nweb_outline = "obround"'), "study.factors.web_outline: given"),
-    (study(factors=f'{WIDTH}\nweb_outline = ["obround", "square"]'), "study.factors.web_outline:"),
     (study(tail='[study.relations]\npin_length = "2 * web_with"'), "study.relations.pin_length:"),
     (study(tail="[study.relations]\npin_length = true"), "study.relations.pin_length: given"),
     (study('constraints = ["web_width > 1 m"]'), "study.factors: none of the 3 designs can be"),
@@ -276,10 +269,7 @@ def test_factors_of_the_study_give_order_and_ranges(read_rows):
     ("rows", "factors", "message"),
     [
         ("web_width [mm]\n", "", "study.file: given 'runs.csv' without any run"),
-        ("", "", "study.file: given 'runs.csv' without any run"),
         ("web_width\n270\n300\n", "", "study.file: web_width in line 2 of runs.csv: given '270'"),
-        ("web_width [mm]\n270\nx\n", "", "study.file: web_width in line 3 of runs.csv: given 'x"),
-        ("web_width [mm]\n270 mm\n", "", "study.file: web_width in line 2 of runs.csv: given"),
         ("web_width [mm]\n270,3\n", "", "study.file: given 2 cells in line 2 of runs.csv"),
         ("web_width [mm],web_width [mm]\n270,3\n", "", "study.file: web_width is twice in"),
         ("web_width [mm]\n270\n300\n", RANGE, "study.file: given the columns web_width in"),
@@ -390,3 +380,44 @@ def test_tables_that_are_too_large(tmp_path, table, message):
     path.write_text(table, encoding="utf-8")
     with pytest.raises(InputError, match=message):
         read_design(InputFile(path), (), THROW)
+
+
+def test_a_study_in_a_dict_is_that_of_a_file(tmp_path):
+    text = """
+    [throw]
+    crank_radius = "170 mm"
+    main_journal_diameter = { value = "220 mm", source = "drawing" }
+    pin_diameter = "180 mm"
+    main_journal_length = "120 mm"
+    pin_length = "139 mm"
+    web_width = "285 mm"
+    web_thickness = "68 mm"
+    [study]
+    held_out = 3
+    [study.factors]
+    web_width = ["270 mm", "300 mm", "330 mm"]
+    """
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    given = tomllib.loads(text)
+    assert load_study(given).key == load_study(tmp_path / "study.toml").key
+    assert given == tomllib.loads(text)
+    given["study"]["factors"] = {"web_widht": ["270 mm", "300 mm"]}
+    with pytest.raises(
+        InputError, match="web_widht: unknown throw dimension; did you mean web_width"
+    ):
+        load_study(given)
+
+
+@pytest.mark.slow
+def test_a_plan_is_run(tmp_path):
+    plan = cf.studies.StudyPlan(
+        cf.load_throw("6chn25-34")[0],
+        (cf.studies.Factor("web_width", "m", 0.27, 0.33),),
+        cf.studies.DesignChoice("latin hypercube", runs=3),
+        held_out=2,
+        accuracy=0.1,
+    )
+    study = cf.run_study(plan, tmp_path / "runs.sqlite", workers=1)
+    assert study.table.plan is plan
+    assert len(study.table.values) == 5
+    assert len(str(study.table).splitlines()) <= 3

@@ -55,14 +55,6 @@ def test_ground_as_array_and_as_mapping_agree():
     assert mapped.ground.tolist() == listed.ground.tolist() == [4.0, 0.0]
 
 
-def test_one_mass():
-    assert Chain([2.0], []).modes().frequencies.tolist() == [0.0]
-    held = Chain([2.0], [], [8.0]).modes()
-    assert held.angular_frequencies == close([2.0])
-    assert held.rigid == 0
-    assert held.node_positions == ((),)
-
-
 def test_rigid_body_mode_is_exact():
     modes = Chain([0.017, 2.0, 3e-4], [1e6, 7e5]).modes()
     assert modes.rigid == 1
@@ -108,23 +100,6 @@ def test_modes_are_orthogonal_and_scaled(values):
     assert modes.residual < 1e-13
 
 
-@given(chain_values(), st.floats(1e-6, 1e6))
-@FEW
-def test_stiffness_times_s_gives_frequencies_times_its_root(values, factor):
-    inertia, stiffness, ground = values
-    scaled = Chain(inertia, factor * np.array(stiffness), factor * np.array(ground))
-    expected = np.sqrt(factor) * Chain(*values).modes().frequencies
-    assert scaled.modes().frequencies == close(expected, rel=1e-12)
-
-
-@given(chain_values(), st.floats(1e-6, 1e6))
-@FEW
-def test_change_of_both_units_changes_nothing(values, factor):
-    inertia, stiffness, ground = (factor * np.array(part) for part in values)
-    modes, expected = Chain(inertia, stiffness, ground).modes(), Chain(*values).modes()
-    assert modes.frequencies == close(expected.frequencies, rel=1e-12)
-
-
 @given(chain_values())
 @FEW
 def test_chain_turned_end_for_end_keeps_its_frequencies(values):
@@ -146,20 +121,13 @@ def test_mode_number_counts_the_nodes(values):
     [
         ([], [], None, "inertia: given no values"),
         ([1.0, 0.0], [1.0], None, r"inertia\[1\]: given 0 .*more than zero"),
-        ([1.0, -2.0], [1.0], None, r"inertia\[1\]: given -2"),
-        ([1.0, float("nan")], [1.0], None, r"inertia\[1\]: given nan"),
         ([1.0, 1.0], [0.0], None, r"stiffness\[0\]: given 0 .*more than zero"),
-        ([1.0, 1.0], [-3.0], None, r"stiffness\[0\]: given -3"),
-        ([1.0, 1.0], [float("inf")], None, r"stiffness\[0\]: given inf"),
         ([1.0, 1.0], [1.0, 1.0], None, "stiffness: given 2 values for 2 inertias; .*exactly 1"),
         ([1.0, 1.0], [1.0], [1.0], "ground: given 1 values; allowed are exactly 2"),
         ([1.0, 1.0], [1.0], [1.0, -1.0], r"ground\[1\]: given -1"),
         ([1.0, 1.0], [1.0], {1: -1.0}, r"ground\[1\]: given -1"),
         ([1.0, 1.0], [1.0], {2: 1.0}, r"ground\[2\]: given 2; allowed are the whole numbers 0 to"),
-        ([1.0, 1.0], [1.0], {-1: 1.0}, r"ground\[-1\]: given -1; allowed are the whole numbers"),
         ([1.0, 1.0], [1.0], {"a": 1.0}, "ground.*given 'a'; allowed are the whole numbers"),
-        ([1.0, 1.0], [1.0], {0: float("nan")}, r"ground\[0\]: given nan"),
-        ([1.0, 1.0], [1.0], {0: "5"}, r"ground\[0\]: given '5'"),
     ],
 )
 def test_unusable_chains_are_refused(inertia, stiffness, ground, message):

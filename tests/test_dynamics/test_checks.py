@@ -55,8 +55,9 @@ ENGINE = EngineLayout(
     [1, 3, 4, 2],
 )
 ANGLES = np.radians(np.arange(0.0, 720.0, 2.0))
+DEGREES = np.degrees(ANGLES)
 PRESSURE = 2e5 + 6e6 * np.exp(-8.0 * (np.mod(ANGLES + np.pi, 4.0 * np.pi) - np.pi - 0.2) ** 2)
-GAS = gas_pressure(PRESSURE, 4, angles_deg=np.degrees(ANGLES))
+GAS = gas_pressure(PRESSURE, 4, angles_deg=DEGREES)
 HARMONICS = cylinder_harmonics(ENGINE, 4.0, GAS)
 CHAIN = Chain([1.0, 2.0, 3.0], [1e5, 2e5])
 AT_RATED = {"blades": 4, "rated_thrust": 1e5, "rated_torque": 1e5}
@@ -66,24 +67,18 @@ MODELS = tuple(cylinder.rod.model("rigid") for cylinder in ENGINE.cylinders)
 
 # Everything that takes the speed of a shaft.
 OF_SPEED = {
-    "mechanism_forces": lambda speed: mechanism_forces(
-        ENGINE, speed, shaft_angles_deg=np.degrees(ANGLES)
-    ),
+    "mechanism_forces": lambda speed: mechanism_forces(ENGINE, speed, shaft_angles_deg=DEGREES),
     "mechanism_forces at each angle": lambda speed: mechanism_forces(
-        ENGINE,
-        np.append(np.full(ANGLES.size - 1, 100.0), speed),
-        shaft_angles_deg=np.degrees(ANGLES),
+        ENGINE, np.append(np.full(ANGLES.size - 1, 100.0), speed), shaft_angles_deg=DEGREES
     ),
     "balance": lambda speed: balance(ENGINE, speed),
     "engine_torque": lambda speed: engine_torque(ENGINE, speed, GAS),
     "pin_force_harmonics": lambda speed: pin_force_harmonics(ENGINE, speed),
-    "piston_acceleration": lambda speed: piston_acceleration(
-        ENGINE, 1, speed, angles_deg=np.degrees(ANGLES)
-    ),
+    "piston_acceleration": lambda speed: piston_acceleration(ENGINE, 1, speed, angles_deg=DEGREES),
     "acceleration_orders": lambda speed: acceleration_orders(ENGINE, 1, speed),
     "cylinder_forces": lambda speed: cylinder_forces(ENGINE, [50.0, speed], 4.0, GAS),
     "harmonics, phasors": lambda speed: HARMONICS.phasors(np.array([50.0, speed])),
-    "harmonics, at": lambda speed: HARMONICS.at(speed, shaft_angle_deg=np.degrees(ANGLES)),
+    "harmonics, at": lambda speed: HARMONICS.at(speed, shaft_angle_deg=DEGREES),
     "OrderExcitation": lambda speed: OrderExcitation([1.0], [50.0, speed], np.ones((1, 2, 3))),
     "critical_speeds": lambda speed: critical_speeds([10.0], [1.0], (5.0, speed)),
     "propeller_excitation": lambda speed: propeller_excitation(
@@ -134,7 +129,7 @@ ELSEWHERE = {
         ENGINE, MODELS, shaft_angles_deg=np.degrees(np.array([0.0, np.nan]))
     ),
     "acceleration": lambda: mechanism_forces(
-        ENGINE, 1.0, crank_acceleration=-1e308, shaft_angles_deg=np.degrees(ANGLES)
+        ENGINE, 1.0, crank_acceleration=-1e308, shaft_angles_deg=DEGREES
     ),
     "support": lambda: AxialSupport(0, "a"),
     "pressure map's speeds": lambda: PressureMap(

@@ -130,11 +130,9 @@ def test_phasors_from_samples_and_aliasing():
     ("orders", "speeds", "forces", "words"),
     [
         ([1.0, 2.0], SPEEDS[::-1], PUSH, "speeds.1.: given 100 rad/s after 150 rad/s; allowed are"),
-        ([2.0, 1.0], SPEEDS, PUSH, "orders.1.: given 1 after 2"),
         ([0.0, 1.0], SPEEDS, PUSH, "orders.0.: given 0"),
         ([1.0, 2.0], [0.0, 1.0, 2.0], PUSH, "speeds.0.: given 0"),
         ([1.0, 2.0], SPEEDS, PUSH[:1], "forces: given an array of shape"),
-        ([1.0, 2.0], SPEEDS, PUSH * np.nan, r"forces\[0\]\[0\]\[0\]: given"),
         ([], SPEEDS, PUSH, "orders: given no values"),
     ],
 )

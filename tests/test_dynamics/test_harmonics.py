@@ -44,15 +44,6 @@ def test_series_meets_the_samples_wherever_they_start(values, strokes, start_deg
     )
 
 
-@given(VALUES, STROKES)
-def test_amplitude_and_phase_say_the_same_as_cosine_and_sine(values, strokes):
-    found = harmonics(values, strokes)
-    small = 1e-12 * max(map(abs, values)) + 1e-300
-    assert found.amplitude * np.sin(found.phase) == close(found.cosine, abs=small)
-    assert found.amplitude * np.cos(found.phase) == close(found.sine, abs=small)
-    assert np.all((found.phase >= 0.0) & (found.phase < 2.0 * np.pi))
-
-
 def test_series_takes_any_shape_of_angles():
     found = harmonics([1.0, 2.0, 4.0], 2)
     assert found.at(crank_angle_deg=0.0).shape == ()

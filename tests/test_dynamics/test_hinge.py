@@ -31,6 +31,7 @@ from dynamics.hinge.profile import (
 ROD = ConnectingRod(1.55, 150.0, 0.8, 50.0)
 ENGINE = CrossheadEngine(0.3, 0.5, 80.0, 0.2, 30.0, ROD, 150.0, 200.0, 110.0)
 ANGLES = np.linspace(0.1, 6.2, 41)
+DEGREES = np.degrees(ANGLES)
 STEP = 1e-3
 
 
@@ -47,7 +48,7 @@ def derivative(function, angles):
 
 @pytest.mark.parametrize("kinematics", KINEMATICS)
 def test_derivative_of_the_inertia(kinematics):
-    found = reduced_crank(ENGINE, kinematics, angles_deg=np.degrees(ANGLES)).inertia_rate
+    found = reduced_crank(ENGINE, kinematics, angles_deg=DEGREES).inertia_rate
     expected = derivative(
         lambda a: reduced_crank(ENGINE, kinematics, angles_deg=np.degrees(a)).inertia, ANGLES
     )
@@ -96,8 +97,7 @@ def test_order_of_the_series():
         length = ENGINE.crank_radius / ratio
         engine = replace(ENGINE, rod=ConnectingRod(length, 150.0, 0.5 * length, 50.0))
         exact, found = (
-            reduced_crank(engine, name, angles_deg=np.degrees(ANGLES))
-            for name in ("exact", kinematics)
+            reduced_crank(engine, name, angles_deg=DEGREES) for name in ("exact", kinematics)
         )
         return np.array(
             [
@@ -158,7 +158,7 @@ def test_series_refuses_a_lateral_center():
         reduced_crank(
             replace(ENGINE, rod=replace(ROD, center_offset=0.1)),
             kinematics="series",
-            angles_deg=np.degrees(ANGLES),
+            angles_deg=DEGREES,
         )
 
 

@@ -14,6 +14,7 @@ from dynamics.excitation.chain_excitation import axial_force_over_cycle
 
 ROD = ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009)
 ANGLES = np.radians(np.arange(0.0, 720.0, 10.0))
+DEGREES = np.degrees(ANGLES)
 SPEED = 220.0
 BEARINGS = [0.0, 0.16, 0.32]
 
@@ -112,9 +113,7 @@ def test_a_hinged_rod_loads_the_shaft_where_the_main_rod_does():
 def test_a_speed_for_each_angle():
     speeds = np.linspace(200.0, 240.0, ANGLES.size)
     with_mass, without = (
-        main_bearing_loads(
-            mechanism_forces(engine, speeds, shaft_angles_deg=np.degrees(ANGLES)), BEARINGS
-        )
+        main_bearing_loads(mechanism_forces(engine, speeds, shaft_angles_deg=DEGREES), BEARINGS)
         for engine in (twin(RotatingMass(0.3, angle_deg=math.degrees(2.0), position=0.0)), twin())
     )
     np.testing.assert_allclose(
@@ -143,7 +142,7 @@ def test_a_motion_that_does_not_fit_is_refused(motion, words):
     engine = twin(RotatingMass(0.3, angle_deg=math.degrees(2.0), position=0.0))
     given = {"speed": SPEED} | motion
     with pytest.raises(InputError, match=words):
-        mechanism_forces(engine, shaft_angles_deg=np.degrees(ANGLES), **given)
+        mechanism_forces(engine, shaft_angles_deg=DEGREES, **given)
 
 
 @pytest.mark.parametrize(
@@ -180,7 +179,7 @@ def test_bearings_that_do_not_hold_the_shaft_are_refused(bearings, rotating, wor
 
 
 def test_bearings_without_size_are_refused():
-    load = LoadDiagram("pin", np.degrees(ANGLES), ANGLES.astype(complex), 0.0)
+    load = LoadDiagram("pin", DEGREES, ANGLES.astype(complex), 0.0)
     with pytest.raises(InputError, match="bearing diameter: given 0 m"):
         load.specific_pressure(0.0, 0.05)
     with pytest.raises(InputError, match="bearing length: given -1 m"):

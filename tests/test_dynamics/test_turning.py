@@ -315,7 +315,6 @@ def test_steady_engine_has_the_speed_of_its_energy():
         ({"load": constant(None)}, "load: given a moment of None"),
         ({"friction": constant(math.inf)}, "friction: given a moment of inf N m at 10 rad/s"),
         ({"gas": constant(math.nan)}, "gas: given a moment of nan"),
-        ({"gas": constant(math.inf)}, "gas: given a moment of"),
         ({"gas": constant(1e300)}, "gas: given a moment of .* numbers of up to 1e.60, because"),
         ({"gas": BrokenPressure()}, "gas: given a moment of nan"),
         ({"load": float("nan")}, "load: given nan"),

@@ -182,6 +182,7 @@ def test_error_estimate_covers_the_true_error(dimensions, radius, accuracies, fi
         assert error <= 0.4 * (1.0 - plain / reference.axial)
 
 
+@pytest.mark.slow
 def test_an_accuracy_that_cannot_be_met_is_told(throw, monkeypatch):
     for module in (fem.analysis, fem.first_mesh):
         monkeypatch.setattr(module, "MOST_UNKNOWNS", 12_000)

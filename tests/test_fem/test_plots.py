@@ -75,7 +75,7 @@ def stresses(throw):
     ],
 )
 def test_compliances_over_the_angle(analysis, quantity, value, unit):
-    axes = analysis.plot(quantity=quantity)
+    axes = analysis.plot_over_angle(quantity=quantity)
     curve, guided, pinned = axes.lines
     assert curve.get_xdata() == close(ANGLES_DEG)
     between = value(analysis, Neighbors(60.0, 60.0)) * 1e9
@@ -86,8 +86,14 @@ def test_compliances_over_the_angle(analysis, quantity, value, unit):
     assert f"$10^{{-9}}$ {unit}" in axes.get_ylabel()
 
 
+def test_an_analysis_draws_its_throw(analysis):
+    drawn = [text.get_text() for text in analysis.plot().texts]
+    assert drawn == [text.get_text() for text in analysis.throw.plot().texts]
+    assert analysis.plot(view="left end", dimensions=False).get_xlabel()
+
+
 def test_only_known_quantities(analysis, shaft):
-    for plot in (analysis.plot, analysis.angle_law.plot, shaft.plot):
+    for plot in (analysis.plot_over_angle, analysis.angle_law.plot, shaft.plot):
         with pytest.raises(InputError, match=r"quantity: given 'mass'; allowed are .*, because"):
             plot(quantity="mass")
     with pytest.raises(InputError, match="content: given 'mass'; allowed are compliances"):
@@ -95,7 +101,7 @@ def test_only_known_quantities(analysis, shaft):
 
 
 def test_the_band_is_the_estimated_error(analysis):
-    vertices = analysis.plot().collections[0].get_paths()[0].vertices
+    vertices = analysis.plot_over_angle().collections[0].get_paths()[0].vertices
     highest = analysis.over_angle().max() * 1e9
     assert vertices[:, 1].max() == close(1.05 * highest)
 

@@ -22,30 +22,15 @@ from geometry.throw import CrankThrow
 # Every surface that a quarter can have but oil holes: bores off their axes, fillets of two radii, webs
 # narrowed at one end and thinned at both, a counterweight with an inner radius.
 FEATURES = {
-    "crank_radius": 0.09,
-    "main_journal_diameter": 0.13,
-    "pin_diameter": 0.11,
-    "main_journal_length": 0.06,
-    "pin_length": 0.07,
-    "web_width": 0.18,
-    "web_thickness": 0.04,
-    "fillet_radius": 0.006,
-    "pin_fillet_radius": 0.005,
-    "main_journal_bore": 0.04,
-    "pin_bore": 0.035,
-    "pin_bore_offset": 0.01,
-    "web_journal_end": 0.095,
-    "web_pin_end": 0.075,
-    "web_tip_thickness": 0.032,
-    "web_foot_thickness": 0.035,
+    "crank_radius": 0.09, "main_journal_diameter": 0.13, "pin_diameter": 0.11,
+    "main_journal_length": 0.06, "pin_length": 0.07, "web_width": 0.18, "web_thickness": 0.04,
+    "fillet_radius": 0.006, "pin_fillet_radius": 0.005, "main_journal_bore": 0.04,
+    "pin_bore": 0.035, "pin_bore_offset": 0.01, "web_journal_end": 0.095, "web_pin_end": 0.075,
+    "web_tip_thickness": 0.032, "web_foot_thickness": 0.035,
     "counterweight": {
-        "outer_radius": 0.14,
-        "inner_radius": 0.08,
-        "angle": 1.9,
-        "thickness": 0.036,
-        "offset": 0.001,
+        "outer_radius": 0.14, "inner_radius": 0.08, "angle": 1.9, "thickness": 0.036, "offset": 0.001,
     },
-}
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +48,7 @@ def slopes_of(mesh, throw, condensed):
     return velocities, dict(zip(velocities, zip(*slopes, strict=True), strict=True))
 
 
+@pytest.mark.slow
 def test_slopes_are_those_of_the_moved_mesh(mesh, throw, condensed):
     """Without another mesh nothing scatters; one-sided steps of 1e-7 differentiate loads on the pins."""
     velocities, slopes = slopes_of(mesh, throw, condensed)
@@ -112,19 +98,12 @@ def test_the_whole_and_the_quarter_have_the_same_slopes(throw, mesh, full_mesh, 
 
 
 SPLIT = {
-    "crank_radius": 0.142,
-    "main_journal_diameter": 0.124,
-    "pin_diameter": 0.113,
-    "main_journal_length": 0.101,
-    "pin_length": 0.073,
-    "web_width": 0.194,
-    "web_thickness": 0.046,
-    "fillet_radius": 0.009,
-    "web_outline": "rectangle",
-    "web_corner_chamfer": 0.024,
+    "crank_radius": 0.142, "main_journal_diameter": 0.124, "pin_diameter": 0.113,
+    "main_journal_length": 0.101, "pin_length": 0.073, "web_width": 0.194, "web_thickness": 0.046,
+    "fillet_radius": 0.009, "web_outline": "rectangle", "web_corner_chamfer": 0.024,
     "further_pins": ({"angle": 0.465, "web_thickness": 0.0},),
     "oil_holes": ({"part": "pin", "diameter": 0.012, "exit_radius": 0.004},),
-}
+}  # fmt: skip
 
 
 @pytest.mark.slow
@@ -158,8 +137,16 @@ def test_volumes_change_as_the_parts_say(featured):
         size = lengths_of(featured)[path]
         low, high = (with_length(featured, path, size * factor).volume for factor in (0.999, 1.001))
         assert share == close(np.log(high / low) / 0.002, abs=2e-3)
-    lengths = [share for path, share in shares.items() if path != "counterweight.angle"]
-    assert sum(lengths) == close(3.0, abs=2e-3)
+    spun = analysis.sensitivities("inertia").shares
+    for by_length, power in ((shares, 3.0), (spun, 5.0)):
+        lengths = [share for path, share in by_length.items() if path != "counterweight.angle"]
+        assert sum(lengths) == close(power, abs=2e-3)
+    low, high = (
+        analyze_throw(with_length(featured, "web_width", 0.18 * factor), accuracy=0.1)
+        for factor in (0.99, 1.01)
+    )
+    grown = high.masses.inertia_about_shaft / low.masses.inertia_about_shaft
+    assert spun["web_width"] == close(np.log(grown) / np.log(1.01 / 0.99), abs=2e-3)
 
 
 @pytest.mark.slow
@@ -209,6 +196,7 @@ def test_slopes_as_table_and_picture(throw):
     assert len(axes.patches) == len(slopes.shares)
 
 
+@pytest.mark.slow
 def test_responses_of_a_study_have_the_slopes_of_an_analysis(featured):
     """Of the same mesh and solutions, alone and between neighbors."""
     paths = ("web_width", "counterweight.thickness", "pin_bore_offset", "no_dimension")

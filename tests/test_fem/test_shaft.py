@@ -11,6 +11,7 @@ from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 
 UNEVEN = np.radians([0.0, 75.0, 200.0, 250.0, 10.0])
+UNEVEN_DEG = np.degrees(UNEVEN)
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def test_inner_throws_in_line_near_guided(superelement):
 
 def test_influences_of_equal_throws_are_symmetric(superelement):
     """An axial force and a radial pin force tilt equal ends in the same ratio, at any crank angles."""
-    influence = shaft_compliances([superelement] * 5, crank_angles_deg=np.degrees(UNEVEN)).influence
+    influence = shaft_compliances([superelement] * 5, crank_angles_deg=UNEVEN_DEG).influence
     assert influence == close(influence.T, abs=1e-9 * np.abs(influence).max())
     assert (np.diag(influence) > 0.0).all()
 
@@ -47,13 +48,13 @@ def test_as_many_angles_as_throws(superelement, throws):
 
 
 def test_soft_bearings_tend_to_none_and_stiff_ones_to_rigid(uneven_shaft):
-    rigid = shaft_compliances(uneven_shaft, crank_angles_deg=np.degrees(UNEVEN))
+    rigid = shaft_compliances(uneven_shaft, crank_angles_deg=UNEVEN_DEG)
     for stiffness, limit in ((1e2, 0.0), (1e15, np.inf)):
         near = shaft_compliances(
-            uneven_shaft, crank_angles_deg=np.degrees(UNEVEN), bearing_stiffness=stiffness
+            uneven_shaft, crank_angles_deg=UNEVEN_DEG, bearing_stiffness=stiffness
         )
         wanted = shaft_compliances(
-            uneven_shaft, crank_angles_deg=np.degrees(UNEVEN), bearing_stiffness=limit
+            uneven_shaft, crank_angles_deg=UNEVEN_DEG, bearing_stiffness=limit
         )
         for name in ("axial", "torsional", "influence", "tangential", "through"):
             size = np.abs(
@@ -67,9 +68,7 @@ def test_soft_bearings_tend_to_none_and_stiff_ones_to_rigid(uneven_shaft):
 def test_compliances_on_elastic_bearings_are_those_of_the_assembled_shaft(uneven_shaft, exponents):
     """Each bearing another: the sums of stretch and twist against the inverse of the whole stiffness."""
     bearings = 10.0 ** np.array(exponents)
-    found = shaft_compliances(
-        uneven_shaft, crank_angles_deg=np.degrees(UNEVEN), bearing_stiffness=bearings
-    )
+    found = shaft_compliances(uneven_shaft, crank_angles_deg=UNEVEN_DEG, bearing_stiffness=bearings)
     turned = [
         part.turned(angle_deg=np.degrees(angle))
         for part, angle in zip(uneven_shaft, UNEVEN, strict=True)

@@ -29,16 +29,10 @@ from geometry.throw import CrankThrow
 
 ROOT = Path(__file__).parents[2]
 OPTIONS = (
-    "General.Terminal",
-    "General.NumThreads",
-    "Geometry.OCCUnionUnify",
-    "Mesh.MeshSizeExtendFromBoundary",
-    "Mesh.MeshSizeFromCurvature",
-    "Mesh.MeshSizeFromPoints",
-    "Mesh.MeshSizeFactor",
-    "Mesh.ElementOrder",
-    "Mesh.Algorithm3D",
-)
+    "General.Terminal", "General.NumThreads", "Geometry.OCCUnionUnify",
+    "Mesh.MeshSizeExtendFromBoundary", "Mesh.MeshSizeFromCurvature", "Mesh.MeshSizeFromPoints",
+    "Mesh.MeshSizeFactor", "Mesh.ElementOrder", "Mesh.Algorithm3D",
+)  # fmt: skip
 
 
 @pytest.fixture
@@ -140,14 +134,6 @@ def test_missing_system_library_is_reported():
         del sys.modules["gmsh"]
         with pytest.raises(MissingLibraryError, match="apt-get install libglu1-mesa"):
             load_gmsh()
-
-
-def test_missing_package_is_reported():
-    with (
-        mock.patch.dict(sys.modules, {"gmsh": None}),
-        pytest.raises(MissingLibraryError, match="pip install gmsh"),
-    ):
-        load_gmsh()
 
 
 def test_meshing_without_the_package_names_it_too(dimensions):

@@ -66,6 +66,7 @@ def test_meshes_of_a_kept_solid_are_bit_identical(bored, keeper, part):
     assert kept[1:] == [0.0, 0.0, 0.0]
 
 
+@pytest.mark.slow
 def test_one_solid_is_kept_at_most_and_without_its_mesh(dimensions, bored, keeper):
     """Exits of oil holes are rounded in a model of their own, which does not stay either."""
     drilled = bored.changed(oil_holes=(OilHole(part="pin", diameter=0.03, exit_radius=0.005),))

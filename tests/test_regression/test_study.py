@@ -79,6 +79,7 @@ def small_run(tmp_path_factory):
     return store, table, told
 
 
+@pytest.mark.slow
 def test_results_are_those_of_the_throw_alone(small_run):
     _, table, _ = small_run
     throw = SHARP.model_copy(update={"web_width": 0.280, "pin_length": 0.150})

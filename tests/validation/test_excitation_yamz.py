@@ -25,13 +25,14 @@ TABLE = read_torque_table(
 RADIUS = 0.064
 # Firing order 1-3-4-2.
 FIRING = np.radians([0.0, 540.0, 180.0, 360.0])
+FIRING_DEG = np.degrees(FIRING)
 SPEEDS = np.array([100.0, 2300.0 * np.pi / 30.0])
 
 
 def test_printed_harmonics_excite_with_their_phases(figure):
     found = forces_at_speeds(
         torque_harmonics(
-            TABLE.harmonics(), firing_angles_deg=np.degrees(FIRING), orders=8.5, crank_radius=RADIUS
+            TABLE.harmonics(), firing_angles_deg=FIRING_DEG, orders=8.5, crank_radius=RADIUS
         ),
         SPEEDS,
     )
@@ -46,7 +47,7 @@ def test_printed_harmonics_excite_with_their_phases(figure):
 
 def test_series_meets_the_table_and_even_firing_leaves_even_orders(figure):
     harmonics = torque_harmonics(
-        TABLE.harmonics(), firing_angles_deg=np.degrees(FIRING), orders=8.5, crank_radius=RADIUS
+        TABLE.harmonics(), firing_angles_deg=FIRING_DEG, orders=8.5, crank_radius=RADIUS
     )
     found = forces_at_speeds(harmonics, SPEEDS)
     tangential, radial = found.at_angle(
@@ -67,19 +68,16 @@ def test_series_meets_the_table_and_even_firing_leaves_even_orders(figure):
 def test_orders_that_the_samples_do_not_resolve_are_refused():
     with pytest.raises(InputError, match=r"orders\[17\]: given 9; allowed are orders up to 8.5"):
         torque_harmonics(
-            TABLE.harmonics(), firing_angles_deg=np.degrees(FIRING), orders=9.0, crank_radius=RADIUS
+            TABLE.harmonics(), firing_angles_deg=FIRING_DEG, orders=9.0, crank_radius=RADIUS
         )
     with pytest.raises(InputError, match="given 6; allowed are orders up to 5"):
         torque_harmonics(
             TABLE.harmonics().up_to(5.0),
-            firing_angles_deg=np.degrees(FIRING),
+            firing_angles_deg=FIRING_DEG,
             orders=[6.0],
             crank_radius=RADIUS,
         )
     with pytest.raises(InputError, match="torque: given 2 for 4 firing angles"):
         torque_harmonics(
-            [TABLE.harmonics()] * 2,
-            firing_angles_deg=np.degrees(FIRING),
-            orders=5.0,
-            crank_radius=RADIUS,
+            [TABLE.harmonics()] * 2, firing_angles_deg=FIRING_DEG, orders=5.0, crank_radius=RADIUS
         )

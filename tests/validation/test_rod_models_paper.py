@@ -32,6 +32,7 @@ PISTON, ROD, INERTIA_RATIO = 3.4, 4.2, 0.86
 SPEED = 2100.0 * math.pi / 30.0
 SHORT = 0.225
 ANGLES = np.radians(np.arange(0.0, 720.0, 1.0))
+DEGREES = np.degrees(ANGLES)
 SINE, COSINE = np.sin(ANGLES), np.cos(ANGLES)
 L = L_SHK + L_SHP
 LAMBDA = R / L
@@ -60,10 +61,8 @@ def pressure(length, *, motored):
 def forces_of(model, rod=None, *, motored=False):
     rod = rod_of() if rod is None else rod
     engine = EngineLayout(R, [EngineCylinder(BORE, PISTON, rod)], [1])
-    gas = gas_forces(
-        engine, pressure(rod.length, motored=motored), 1.0e5, shaft_angles_deg=np.degrees(ANGLES)
-    )
-    return mechanism_forces(engine, SPEED, gas, model=model, shaft_angles_deg=np.degrees(ANGLES))
+    gas = gas_forces(engine, pressure(rod.length, motored=motored), 1.0e5, shaft_angles_deg=DEGREES)
+    return mechanism_forces(engine, SPEED, gas, model=model, shaft_angles_deg=DEGREES)
 
 
 def largest(values):
@@ -103,7 +102,7 @@ def positions(along):
 
 def test_positions_3_and_4_hold_with_the_distance_from_the_crankpin(figure):
     """The length is l_shk; with l_shp, as the subscript may be read, the point is 71 mm away."""
-    wanted = SliderCrank(R, L).rod_point(L_SHK, L_D, angle_deg=np.degrees(ANGLES)).place
+    wanted = SliderCrank(R, L).rod_point(L_SHK, L_D, angle_deg=DEGREES).place
     x, y = positions(L_SHK)
     figure("positions (3) and (4)", 1j * x - y, wanted, 1e-15, "m", "absolute")
     angle_form = R * SINE - L_SHK * np.sin(BETA) + L_D * COS_BETA
@@ -140,7 +139,7 @@ def test_printed_accelerations_are_not_the_second_derivatives_of_the_positions()
     # Round-off of the differences: 1e-17 m over a squared step of 1e-6, of 0.07 m.
     assert off(good[0], x) < 1e-8
     assert off(good[1], y) < 1e-8
-    carried = SliderCrank(R, L).rod_point(L_SHK, L_D, angle_deg=np.degrees(ANGLES)).second
+    carried = SliderCrank(R, L).rod_point(L_SHK, L_D, angle_deg=DEGREES).second
     assert off(good[0], carried.imag) < 1e-14
     assert off(good[1], -carried.real) < 1e-14
     printed = accelerations(first=COSINE, factor=16.0, lateral=1.0)
@@ -163,7 +162,7 @@ def paper_quantities(model):
     wrong sign.
     """
     forces = forces_of(model.name)
-    piston = SliderCrank(R, L).piston(angle_deg=np.degrees(ANGLES)).second.real * SPEED**2
+    piston = SliderCrank(R, L).piston(angle_deg=DEGREES).second.real * SPEED**2
     push = forces.gas[0] + (PISTON + model.masses[1]) * piston
     across, along = accelerations()
     center = model.masses[2] if len(model.masses) > 2 else 0.0
@@ -265,8 +264,8 @@ def test_the_main_rod_of_a_hinged_one_obeys_7_with_the_load_of_its_pin():
     )
     both = EngineLayout(R, [main, hinged], [1, 2])
     alone = EngineLayout(R, [main], [1])
-    pair = mechanism_forces(both, SPEED, 3e4, shaft_angles_deg=np.degrees(ANGLES))
-    single = mechanism_forces(alone, SPEED, 3e4, shaft_angles_deg=np.degrees(ANGLES))
+    pair = mechanism_forces(both, SPEED, 3e4, shaft_angles_deg=DEGREES)
+    single = mechanism_forces(alone, SPEED, 3e4, shaft_angles_deg=DEGREES)
     load = pair.foot[1] * np.exp(1j * turn)
     x_d, y_d = load.imag, load.real
     a, d = radius * math.cos(turn) / L, radius * math.sin(turn) / L

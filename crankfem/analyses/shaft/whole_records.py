@@ -10,7 +10,6 @@ from crankbase.results import Flat, Quantity, Result, result
 from crankfem.files.engine.engine_file import EngineFile
 from fem.analysis import ThrowAnalysis
 from fem.superelement import ShaftCompliances
-from geometry.crankshaft import Crankshaft
 from geometry.mass import Unbalance, unbalance
 
 Ratios = Annotated[FloatArray, Quantity("1")]
@@ -44,11 +43,7 @@ class ShaftBalance(Result):
 
 def shaft_balance(engine_file: EngineFile) -> ShaftBalance:
     """Return masses and unbalance of an engine's crankshaft."""
-    shaft = Crankshaft(
-        engine_file.crank_throws,
-        crank_angles_deg=engine_file.throw_angles_deg,
-        ends=engine_file.shaft_ends,
-    )
+    shaft = engine_file.crankshaft
     masses = shaft.masses(engine_file.material.density)
     left = unbalance(masses, 0.5 * float(shaft.starts[-1]))
     # What would be there if all throws pointed one way: beside it, round-off is nothing.

@@ -260,7 +260,7 @@ class StudyResult:
 
 
 def run_study(
-    study: str | Path | TomlFile,
+    study: str | Path | TomlFile | Mapping[str, Any] | StudyPlan,
     store: str | Path = "runs.sqlite",
     workers: int = 2,
     progress: Progress | None = None,
@@ -271,13 +271,13 @@ def run_study(
     note: Callable[[str], None] | None = None,
     more: int = 0,
 ) -> StudyResult:
-    """Run, or continue, the study of a file and fit its equations.
+    """Run, or continue, a study and fit its equations.
 
     Parameters
     ----------
-    study : path
-        TOML file with the sections [throw] and [study], or an engine file; or its sections, if already
-        read.
+    study : path, dict or StudyPlan
+        TOML file with the sections [throw] and [study], or an engine file; or its sections, as a dict of
+        dicts such as ``{"throw": {"crank_radius": "170 mm", ...}, "study": {...}}``; or the plan itself.
     store : path
         SQLite file of results. Finished designs are not computed again.
     workers : int
@@ -308,7 +308,7 @@ def run_study(
         If the store can no longer be written, or the cluster is lost; finished designs are kept.
     """
     table = run_grown(
-        load_study(study),
+        study if isinstance(study, StudyPlan) else load_study(study),
         store,
         workers,
         progress,

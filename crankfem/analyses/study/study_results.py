@@ -91,17 +91,18 @@ class FittedEquation(Result):
         ]
         terms = [
             " ".join(filter(None, (columns[place] for place in term)))
-            for term in form.natural_coefficients()
+            for term in form.natural_transformation()[0]
         ]
+        coefficients = fit.coefficients
         by_term = [f"({unit})/({term})" if term else unit for term in terms]
         return made_from(
             statistics,
             cls,
             errors=fit,
             equation=response.equation(fit),
-            coefficients=fit.coefficients,
+            coefficients=coefficients,
             standard_errors=fit.natural_standard_errors,
-            coefficient_units=dict(zip(fit.coefficients, by_term, strict=True))
+            coefficient_units=dict(zip(coefficients, by_term, strict=True))
             if any(columns)
             else unit,
             coded_unit=unit,

@@ -541,7 +541,7 @@ SLOPED: tuple[tuple[Compliance, Literal["pinned", "guided"]], ...] = (
 def throw_slopes(analysis: ThrowAnalysis) -> tuple[Sensitivities, ...]:
     """Return how the main answers change with each dimension."""
     chosen = [analysis.sensitivities(quantity, support) for quantity, support in SLOPED]
-    return (*chosen, analysis.sensitivities("mass"))
+    return (*chosen, analysis.sensitivities("mass"), analysis.sensitivities("inertia"))
 
 
 def free_modes(modes: ThrowModes) -> tuple[FreeMode, ...]:

@@ -79,10 +79,11 @@ from dynamics.response.forced import forced_response
 from dynamics.response.series import synthesis
 from dynamics.wording import conclusion_sentence
 from fem.superelement import ShaftCompliances
-from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from regression.models.compliance_model import ComplianceModel
 
 
 # Magnifiers that are tried beside the one assumed, as shares of it: 25 and 60 of 40. An order of magnitude.
@@ -149,7 +150,8 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
     strongest = {BASE_STRENGTH, *CRANKSHAFT_STRENGTHS.values()}
     if is_assumed(engine_file, f"limits.{TENSILE}") and engine_file.strength is None:
         made = Trial(f"limits.{TENSILE}", "tensile strength", tensile, "Pa", status, taken=True)
-        ways.append(_with_changes(made, strongest, lambda value: judged(tensile_strength=value)))
+        possible = {value for value in strongest if value >= yielding}
+        ways.append(_with_changes(made, possible, lambda value: judged(tensile_strength=value)))
     if is_assumed(engine_file, f"limits.{YIELD}"):
         made = Trial(f"limits.{YIELD}", "yield strength", yielding, "Pa", status, taken=True)
         highest = max(BASE_YIELD, HIGHEST_YIELD * tensile)
@@ -536,7 +538,7 @@ def assess(
     forced: tuple[ForcedVibration, ForcedVibration],
     shaft: ShaftCompliances,
     analysis: Analyses,
-    model: ComplianceModel | None,
+    model: "ComplianceModel | None",
     held: Sequence[HeldChains],
 ) -> Assessment:
     """Compare an engine's forced vibration with limits, and with other values of what is uncertain.

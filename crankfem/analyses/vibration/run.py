@@ -43,6 +43,7 @@ from crankfem.analyses.vibration.engine_excitation import (
     refuse_vibration,
 )
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.input_slopes import VibrationSlopes, vibration_slopes
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Kind, Vibration, axial_vibration, torsional_vibration
 from crankfem.analyses.vibration.whole_verdict import (
@@ -60,10 +61,11 @@ from dynamics.excitation.chain_excitation import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
 from fem.analysis import ThrowAnalysis
 from fem.superelement import ShaftCompliances
-from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from regression.models.compliance_model import ComplianceModel
 
 Shown = Literal["campbell", "modes", "amplitude", "stress", "load", "power", "limits", "shaft"]
 SHOWN: tuple[Shown, ...] = get_args(Shown)
@@ -192,7 +194,12 @@ class EngineVibration(Result):
         """The torsional chain with the compliances of the chosen source."""
         return self.torsional.chosen.chain.chain
 
-    def forced(self, kind: str) -> ForcedVibration | None:
+    @property
+    def forced(self) -> ForcedVibration | None:
+        """Forced vibration in torsion, `forced_torsional`."""
+        return self.forced_torsional
+
+    def forced_of(self, kind: str) -> ForcedVibration | None:
         """Forced vibration of one kind; None if the gas pressure is unknown."""
         return (self.forced_by_kind or {}).get(kind)
 
@@ -226,7 +233,7 @@ class EngineVibration(Result):
         """
         check_choice("kind", kind, ("axial", "torsional"), "these are calculated")
         check_choice("show", show, SHOWN, "these are diagrams of vibration")
-        vibration, forced = self.modes(kind), self.forced(kind)
+        vibration, forced = self.modes(kind), self.forced_of(kind)
         if show == "modes":
             return vibration.plot(axes)
         if show == "campbell":
@@ -249,6 +256,20 @@ class EngineVibration(Result):
             show=show,
             limits=assessment.limit_curve(limit, forced.response.speeds),
             barred=() if show == "power" else assessment.verdict.ranges_to_bar,
+        )
+
+    def slopes(self) -> VibrationSlopes:
+        """How frequencies and the worst limit's use change with the engine's dimensions and elements.
+
+        In per cent for one per cent of each. A throw without slopes is named in `left_out`.
+        """
+        return vibration_slopes(
+            self.engine_file,
+            self.analyses,
+            self.shaft,
+            self.axial.chosen,
+            self.torsional.chosen,
+            None if self.assessment is None else self.assessment.verdict.worst,
         )
 
     def to_pandas(self) -> Any:
@@ -288,7 +309,7 @@ def engine_vibration(
     *,
     analysis: Analyses | None = None,
     mechanism: MechanismFile | None = None,
-    model: ComplianceModel | None = None,
+    model: "ComplianceModel | None" = None,
     coupled: bool = False,
     step: Callable[[str], None] | None = None,
 ) -> EngineVibration:

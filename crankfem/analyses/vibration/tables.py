@@ -261,9 +261,7 @@ def element_table(forced: ForcedVibration) -> Table:
     )
 
 
-def limit_table(
-    assessment: Assessment, name: str | None = None, units: OutputUnits = SI, digits: int = 4
-) -> Table:
+def limit_table(assessment: Assessment, name: str | None = None, units: OutputUnits = SI) -> Table:
     """Return the use of limits, each location at its worst speed: all of them, or one by its name."""
     checks = [check for check in assessment.verdict.checks if name in (None, check.limit.name)]
 
@@ -284,11 +282,8 @@ def limit_table(
         *([limit] if name is None else []),
         (Column("where", words=True), "place"),
         (Column("at", "1/min", decimals=1), lambda check: check.at_running.speed),
-        (Column("reached"), lambda check: _written(check.at_running.value, check, units, digits)),
-        (
-            Column("permitted"),
-            lambda check: _written(check.at_running.permitted, check, units, digits),
-        ),
+        (Column("reached"), lambda check: _written(check.at_running.value, check, units)),
+        (Column("permitted"), lambda check: _written(check.at_running.permitted, check, units)),
         (Column("used", "%", 3), lambda check: check.at_running.used),
         # What was judged above the running range stands beside it.
         *(above_running if any(check.above is not None for check in checks) else ()),
@@ -296,8 +291,8 @@ def limit_table(
     )
 
 
-def _written(value: float, check: LimitCheck, units: OutputUnits, digits: int) -> str:
-    return UNBOUNDED if math.isinf(value) else units.quantity(value, check.limit.unit, digits)
+def _written(value: float, check: LimitCheck, units: OutputUnits) -> str:
+    return UNBOUNDED if math.isinf(value) else units.quantity(value, check.limit.unit, 4)
 
 
 def misfiring_table(misfiring: Misfiring, units: OutputUnits = SI) -> Table:
@@ -588,7 +583,7 @@ def critical_lines(run: EngineVibration, kind: str) -> list[CriticalLine]:
     leaves without a peak count at running speeds alone, and modes that no order brings to a peak have no
     margin.
     """
-    forced = run.forced(kind)
+    forced = run.forced_of(kind)
     calculated = () if forced is None else forced.resonances
     met = {(critical.mode, critical.order): critical for critical in run.modes(kind).criticals}
     lines = [

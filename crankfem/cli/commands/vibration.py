@@ -52,6 +52,12 @@ def vibration(
         str | None,
         typer.Option(metavar="FOLDER", help="Write mode shapes, Campbell diagrams and amplitudes."),
     ] = None,
+    slopes: Annotated[
+        bool,
+        typer.Option(
+            "--slopes", help="Also print how results change with each dimension and element."
+        ),
+    ] = False,
     model: SavedModelOption = None,
     strict: StrictOption = False,
     *,
@@ -63,7 +69,7 @@ def vibration(
     content = any_sections(engine)
     if content is None or file_kind(content) == "chain":
         options = (run_up, csv, pictures, model)
-        others = coupled or strict or any(option is not None for option in options)
+        others = coupled or slopes or strict or any(option is not None for option in options)
         if others:
             raise InputError(
                 f"{engine}: is a chain file, which has no cylinders; allowed with it are --json, --units and "
@@ -79,7 +85,7 @@ def vibration(
         return
     from crankbase.outputs import protect
     from crankbase.results import units as result_units
-    from crankfem.analyses.engine_mechanism import engine_inputs, mechanism_of
+    from crankfem.analyses.engine_mechanism import engine_inputs
     from crankfem.analyses.record import with_units
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
@@ -99,10 +105,9 @@ def vibration(
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(content if model is None else with_model(content, model))
     with content.with_lines():
-        refuse_forced_vibration(read)
+        mechanism = refuse_forced_vibration(read)
     if strict:
         check_has_limits(read)
-    mechanism = mechanism_of(read)
     if csv is not None or pictures is not None:
         protect(*(file.path for file in engine_inputs(read)))
     tables = make_output_folder(
@@ -123,6 +128,9 @@ def vibration(
         if duration is not None:
             progress.step("Running up")
             speed_up = turned_up(run, duration)
+        if slopes:
+            progress.step("Differentiating")
+        changes = run.slopes() if slopes else None
         progress.finish()
     written = []
     if tables is not None:
@@ -142,11 +150,16 @@ def vibration(
         if speed_up is not None:
             record["run_up"] = speed_up.to_record()
             record["units"] |= result_units(speed_up, "run_up.")
+        if changes is not None:
+            record["slopes"] = changes.to_record()
+            record["units"] |= result_units(changes, "slopes.")
         print_json(record)
     else:
         print_parts(vibration_parts(run, out.units), out.units)
         if speed_up is not None:
             print_parts(speed_up.parts(out.units), out.units)
+        if changes is not None:
+            print_parts(changes.parts(), out.units)
         for path in written:
             console.print_line(f"Written: {path}")
         console.print_line(out.units.text(verdict_line(run)))

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
@@ -59,15 +59,19 @@ from crankfem.files.sections.vibration_sections import (
     Damping,
     TorsionalDamperSection,
 )
-from crankfem.files.study_file import study_plan
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_line import Driven
 from fem.material import STEEL, Material
-from geometry.crankshaft import ShaftEnds
+from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
-from regression.plans.plan import StudyPlan
+
+if TYPE_CHECKING:
+    from regression.plans.plan import StudyPlan
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> None:
@@ -135,7 +139,7 @@ def _check_covers(field: str, speeds: Sequence[float], engine: Engine) -> None:
         )
 
 
-def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None:
+def check_sources(vibration: VibrationSettings, study: "StudyPlan | None") -> None:
     """Refuse an unknown source of compliances before anything is computed."""
     for kind, source, formulas in (
         ("axial", vibration.axial_source, AXIAL_FORMULA_NAMES),
@@ -290,7 +294,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
     ranges: RangesInput | None
     strength: StrengthSection | None
     two_mass: TwoMassInput | None
-    study: StudyPlan | None
+    study: "StudyPlan | None"
     records: tuple[InputRecord, ...]
     provenance: dict[str, tuple[str, bool]]
     sources: dict[str, str]
@@ -372,6 +376,17 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
             stiffness=assumed, lowest_stiffness=assumed / ratio, highest_stiffness=assumed * ratio
         )
 
+    @property
+    def crankshaft(self) -> Crankshaft:
+        """The whole crankshaft: the throws at their angles, and the ends."""
+        return Crankshaft(
+            self.crank_throws, crank_angles_deg=self.throw_angles_deg, ends=self.shaft_ends
+        )
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the crankshaft from the side; see `Crankshaft.plot`."""
+        return self.crankshaft.plot(axes)
+
     def changed(self, **sections: InputModel | Mapping[str, Any] | None) -> "EngineFile":
         """Return the engine with some sections changed, checked like a file; the file itself is unchanged.
 
@@ -423,7 +438,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
 
     def _study_of(
         self, throws: Mapping[str, CrankThrow], made: Mapping[str, Any]
-    ) -> StudyPlan | None:
+    ) -> "StudyPlan | None":
         """The study with the changed throw and material; None without its throw."""
         study = self.study
         if study is None:
@@ -489,12 +504,16 @@ def _read_engine(content: TomlFile) -> EngineFile:
         elif part.name in kinds:
             model, _ = kinds[part.name]
             sections[part.name] = content.model(model.section, model) or DEFAULTS.get(part.name)
-    first = free_end_throw_name(throws, sections["shaft"])
+    first, study = free_end_throw_name(throws, sections["shaft"]), None
+    if "study" in content.sections:
+        from crankfem.files.study_file import study_plan  # here: few files have a study
+
+        study = study_plan(content, throws, first, sections["material"])
     return EngineFile(
         **sections,
         files=content.files,
         throw=throws[first],
-        study=study_plan(content, throws, first, sections["material"]),
+        study=study,
         records=tuple(content.records),
         provenance=content.provenance,
         sources=content.sources,

@@ -1,14 +1,16 @@
 """Read only the throws of a file: one throw, a whole crankshaft, the plan of a study."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from crankbase.errors import InputError
 from crankfem.files.engine.file_kinds import check_sections, engine_sections
-from crankfem.files.reading.toml_file import InputRecord, TomlFile
+from crankfem.files.reading.data_files import InputFiles
+from crankfem.files.reading.toml_file import InputRecord, TomlFile, sections_of
 from crankfem.files.sections.crank_throws import (
     PLAIN,
     ShaftLayout,
@@ -137,10 +139,12 @@ def load_crankshaft(path: str | Path | TomlFile) -> "Crankshaft":
     )
 
 
-def load_study(path: str | Path | TomlFile) -> "StudyPlan":
-    """Read the plan of a study from a file with the sections [throw] and [study]."""
+def load_study(path: str | Path | TomlFile | Mapping[str, Any]) -> "StudyPlan":
+    """Read the plan of a study from a file with the sections [throw] and [study], or from these."""
     from crankfem.files.study_file import study_plan
 
+    if isinstance(path, Mapping):
+        path = sections_of(InputFiles(Path("study")), dict(path))
     content, throws = _throws(path, "study")
     first = _first(content, throws)
     plan = study_plan(content, throws, first, content.model("material", Material) or STEEL)

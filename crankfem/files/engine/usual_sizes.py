@@ -72,7 +72,7 @@ PISTON_MASS = UsualRange(0.94, 6.2, "is {} of swept volume", "kg/dm^3")
 ROD_MASS = UsualRange(0.98, 5.5, "is {} of swept volume", "kg/dm^3")
 PISTON_SPEED = UsualRange(5.5, 14.0, "gives a mean piston speed of {}", "m/s")
 HIGHEST_PISTON_SPEED = UsualRange(5.6, 16.0, "gives a mean piston speed of {}", "m/s")
-INDICATED = UsualRange(1.0, 2.1, "gives a mean indicated pressure of {}", "MPa")
+INDICATED = UsualRange(1.0, 2.4, "gives a mean indicated pressure of {}", "MPa")
 FLYWHEEL = UsualRange(1.4, 2.4, "gives a radius of gyration of {} the bore")
 THRUST = UsualRange(2.2, 3.7, "is {} of the main journal's diameter", "MN/m per mm", margin=5.0)
 # A ratio of a throw may be beyond the range of the law by this factor.

@@ -489,6 +489,12 @@ def read_toml(file: Path | InputFiles) -> TomlFile:
         raise too_deep(path.name) from None
     except ValueError as error:  # not TOML, or a number of thousands of digits
         raise InputError(f"{path}: {not_toml(text, error)}") from None
+    return sections_of(files, content, text)
+
+
+def sections_of(files: InputFiles, content: dict[str, Any], text: str = "") -> TomlFile:
+    """Return the content of a file as sections, with values and sources separated."""
+    path = files.path
     check_content(path.name, content)
     sources = content.pop("sources", {})
     if not isinstance(sources, dict):

@@ -175,7 +175,7 @@ def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
 
 
 def _campbell(run: EngineVibration, vibration: Vibration, title: str) -> Figure:
-    engine, forced = run.engine_file.engine, run.forced(vibration.kind)
+    engine, forced = run.engine_file.engine, run.forced_of(vibration.kind)
     return campbell_figure(
         vibration.kind,
         vibration.chosen.elastic_frequencies if forced is None else forced.frequencies,
@@ -187,7 +187,7 @@ def _campbell(run: EngineVibration, vibration: Vibration, title: str) -> Figure:
 
 
 def _free_end(run: EngineVibration, kind: str) -> Diagram:
-    forced, assessment = run.forced(kind), run.assessment
+    forced, assessment = run.forced_of(kind), run.assessment
     assert forced is not None
     assert assessment is not None
     return amplitudes_over_speed(
