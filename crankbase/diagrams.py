@@ -155,11 +155,9 @@ def legend_below(axes: "Axes", columns: int) -> None:
     )
 
 
-def legend_above(axes: "Axes", columns: int = 3) -> None:
+def legend_above(axes: "Axes") -> None:
     """Put the legend above the curves, next to the title, if curves fill the axes."""
-    axes.legend(
-        fontsize=SIZE, ncols=columns, loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False
-    )
+    axes.legend(fontsize=SIZE, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False)
 
 
 def legend_inside(axes: "Axes") -> None:

@@ -614,17 +614,15 @@ def format_quantity(value: float, unit: str, digits: int = 6) -> str:
     return f"{text} {shown}".strip()
 
 
-def quantities_apart(
-    value: float, other: float, unit: str, digits: int = 3, most: int = 6
-) -> tuple[str, str]:
-    """Format two SI numbers with so many digits, or with as many more as tell them apart.
+def quantities_apart(value: float, other: float, unit: str, digits: int = 3) -> tuple[str, str]:
+    """Format two SI numbers with so many digits, or with up to six where that tells them apart.
 
     Examples
     --------
     >>> quantities_apart(22.28e6, 22.27e6, "Pa")
     ('22.28 MPa', '22.27 MPa')
     """
-    for tried in range(digits, most + 1):
+    for tried in range(digits, 7):
         shown = format_quantity(value, unit, tried), format_quantity(other, unit, tried)
         if shown[0] != shown[1] or value == other:
             break

@@ -16,13 +16,7 @@ from crankbase.summaries import summarized
 from fem.fillet_peaks import LoadedThrow, fillet_surface, tangent_frames, throw_fillets
 from fem.material import Material
 from fem.solver import SharedSolver, assemble_stiffness
-from fem.superelement import (
-    CondensedClass,
-    EndSections,
-    Superelement,
-    checked_superelement,
-    condense,
-)
+from fem.superelement import CondensedClass, Superelement, checked_superelement, condense
 from fem.symmetry import mirror_images, radial_directions, symmetry_classes, unit_pin_loads
 from geometry.mesh import ThrowMesh
 from geometry.throw import CrankThrow
@@ -49,9 +43,7 @@ class Image:
     inside_out: bool
 
 
-def displacement_field(
-    classes: Sequence[CondensedClass], motions: Array, pin_loads: Array | None = None
-) -> Array:
+def displacement_field(classes: Sequence[CondensedClass], motions: Array) -> Array:
     """Displacement of the nodes of a throw's meshed part.
 
     Parameters
@@ -62,8 +54,6 @@ def displacement_field(
         Motions of the left, then the right end section, in the throw frame, such as those that
         `fem.supports.end_motions` finds: 12 of rigid sections, or all of the classes. Under a load
         on a pin these are not the whole motion: the load also bends the throw between its ends.
-    pin_loads : (pins, 6) or (pins, 6, k) array, optional
-        Forces along x, y, z and moments about them on each pin, uniformly spread, if any.
 
     Returns
     -------
@@ -71,20 +61,10 @@ def displacement_field(
         [m]
     """
     count = len(motions)
-    field = np.asarray(sum(part.fields @ (part.shares[:, :count] @ motions) for part in classes))
-    if pin_loads is not None:
-        for part in classes:
-            pins, components = part.pin_components.T
-            field = field + part.pin_fields @ pin_loads[pins, components]
-    return field
+    return np.asarray(sum(part.fields @ (part.shares[:, :count] @ motions) for part in classes))
 
 
-def images(
-    mesh: ThrowMesh,
-    classes: Sequence[CondensedClass],
-    motions: Array,
-    pin_loads: Array | None = None,
-) -> tuple[Image, ...]:
+def images(mesh: ThrowMesh, classes: Sequence[CondensedClass], motions: Array) -> tuple[Image, ...]:
     """Displacement of a whole throw: of its meshed part and of the mirror images of that.
 
     Parameters
@@ -95,8 +75,6 @@ def images(
         All its symmetry classes.
     motions : (12,) array
         Motions of both end sections.
-    pin_loads : (pins, 6) array, optional
-        Forces along x, y, z and moments about them on each pin, if any.
 
     Returns
     -------
@@ -106,13 +84,11 @@ def images(
     """
     parts = []
     for image in mirror_images(mesh):
-        # What the image does is the mirror image of what the part would do for mirrored motions and
-        # loads. Pins lie on the cuts.
+        # What the image does is the mirror image of what the part would do for mirrored motions.
         ends = (motions[:6], motions[6:])
         left, right = ends[::-1] if image.across_middle else ends
         mirrored = np.concatenate([image.motion_signs * left, image.motion_signs * right])
-        loads = None if pin_loads is None else pin_loads * image.motion_signs
-        field = displacement_field(classes, mirrored, loads)
+        field = displacement_field(classes, mirrored)
         parts.append(Image(image.points(mesh.points), field * image.signs, image.inside_out))
     return tuple(parts)
 
@@ -208,13 +184,7 @@ class StressFields:
         return np.concatenate([amplitudes, pin], axis=-1)
 
 
-def stress_fields(
-    mesh: ThrowMesh,
-    throw: CrankThrow,
-    material: Material,
-    solver: str = "auto",
-    end_sections: EndSections = "rigid",
-) -> StressFields:
+def stress_fields(mesh: ThrowMesh, throw: CrankThrow, material: Material) -> StressFields:
     """Solve a throw with one pin for its fields of stress at fillets and oil holes.
 
     Parameters
@@ -223,10 +193,6 @@ def stress_fields(
         Of the throw, fine at its fillets, such as `FilletStresses.loaded.mesh`.
     throw : CrankThrow
         With fillets or oil holes.
-    solver : str
-        See `fem.solver.SharedSolver`.
-    end_sections : {"rigid", "averaged"}
-        See `fem.superelement.condense`.
 
     Raises
     ------
@@ -242,10 +208,10 @@ def stress_fields(
         )
     stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
     pins = unit_pin_loads(mesh)
-    shared = SharedSolver(solver)
+    shared = SharedSolver()
     try:
         classes = [
-            condense(mesh, stiffness, pins, symmetry, shared, end_sections)
+            condense(mesh, stiffness, pins, symmetry, shared)
             for symmetry in symmetry_classes(mesh.part)
         ]
     finally:
@@ -256,7 +222,7 @@ def stress_fields(
     # Motions of unit strain energy: end loads do the amplitude as work on them.
     unit = scale[:, None] * motions[:, -STRAINING:] / np.sqrt(values[-STRAINING:])
     shares = tuple((part.symmetry, _fields(part, unit)) for part in classes)
-    surface = fillet_surface(LoadedThrow(mesh, material, (), shares, shared.solver, end_sections))
+    surface = fillet_surface(LoadedThrow(mesh, material, (), shares, shared.solver, "rigid"))
     frames = tangent_frames(surface.normals)[:, :2]
     matrices = surface.stress[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
     flat = np.einsum("sai,skij,sbj->skab", frames, matrices, frames, optimize=True)

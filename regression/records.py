@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 # Roles of rows: fitted, judged by, only compared with.
 RUN, HELD_OUT, MEASURED = "run", "held out", "measured"
+# Among the inputs of designs whose slopes are computed: the dimensions over which.
+SLOPES = "slopes"
 
 
 class StudyStoppedError(RuntimeError):

@@ -52,7 +52,7 @@ def refuse_what_cannot_run(engine_file: EngineFile, content: TomlFile | None = N
         With one sentence that names the field, what was given and what is allowed.
     """
     with nullcontext() if content is None else content.with_lines():
-        refuse_forced_vibration(engine_file)
+        _ = refuse_forced_vibration(engine_file)
         _refuse_study(engine_file)
         if engine_file.torque_table is not None:
             _ = read_torque_table(engine_file.torque_table, strokes=engine_file.engine.strokes)

@@ -147,6 +147,10 @@ def _cell(text: str, unit: str, unit_text: str, name: str) -> float:
     return parse_quantity(number, "", name)
 
 
+# In place of a number of runs.
+WITH_SLOPES = "with slopes"
+
+
 class StudySection(InputModel):
     """Factors of a study, their ranges and the design."""
 
@@ -166,7 +170,7 @@ class StudySection(InputModel):
 
     design: DesignKind = Field("full factorial", description="which designs are run and fitted")
     runs: int | None = quantity_field(
-        'number of runs of a Latin hypercube or a Sobol sequence; or "with slopes", in any design',
+        f'number of runs of a Latin hypercube or a Sobol sequence; or "{WITH_SLOPES}", in any design',
         "",
         minimum=1,
         maximum=LARGEST_DESIGN,
@@ -224,6 +228,19 @@ class StudySection(InputModel):
         None, description="which of several throws varies; by default the one at the free end"
     )
 
+    @classmethod
+    def from_text(cls, values: Mapping[str, object], section: str | None = None) -> Self:
+        """Build it from text with units; the number of runs may be `WITH_SLOPES`."""
+        runs = values.get("runs")
+        if isinstance(runs, str):
+            if runs != WITH_SLOPES:
+                raise InputError(
+                    f'study.runs: given {runs!r}; allowed is a number of runs, like 40, or "{WITH_SLOPES}".'
+                )
+            rest = {name: value for name, value in values.items() if name != "runs"}
+            values = {"slopes": True} | rest
+        return super().from_text(values, section)
+
     @field_validator("design", mode="before")
     @classmethod
     def _in_small_letters(cls, word: object) -> object:
@@ -253,8 +270,6 @@ class StudySection(InputModel):
         return self
 
 
-# In place of a number of runs.
-WITH_SLOPES = "with slopes"
 RANGE_KEYS = ("from", "to", "levels", "spacing")
 RESOLUTIONS = {roman: number for number, roman in ROMAN.items()}
 
@@ -274,14 +289,6 @@ def study_plan(
     values = content.sections.get("study")
     if values is None:
         return None
-    runs = values.get("runs")
-    if isinstance(runs, str):
-        if runs != WITH_SLOPES:
-            raise InputError(
-                f'study.runs: given {runs!r}; allowed is a number of runs, like 40, or "{WITH_SLOPES}".'
-            )
-        rest = {name: value for name, value in values.items() if name != "runs"}
-        values = {"slopes": True} | rest
     section = StudySection.from_text(values)
     throw = throw_of_name(throws, section.throw, "study.throw", default)
     factors, rows = _factors(section.factors, throw), None

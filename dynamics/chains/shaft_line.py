@@ -25,12 +25,6 @@ from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.editing import with_ground
 from dynamics.chains.varying import Variation, Varying, varied
 
-# Shares of the dry propeller that designers often take before they know better; assumed here, no
-# published table stands behind them. D. M. MacPherson, V. R. Puleo, M. B. Packard, Estimation of
-# Entrained Water Added Mass Properties for Vibration Analysis (2007), surveys better estimates.
-TYPICAL_ENTRAINED_INERTIA_SHARE = 0.25  # to 0.30, of the polar inertia
-TYPICAL_ENTRAINED_MASS_SHARE = 0.60
-
 
 class Driven(InputModel):
     """Driven machine behind a coupling at the flywheel."""

@@ -205,16 +205,11 @@ def draw_over_angle(
 
 
 def draw_over_time(
-    axes: Axes | None,
-    time: FloatArray,
-    curves: Mapping[str, FloatArray],
-    label: str,
-    *,
-    title: str = "",
+    axes: Axes | None, time: FloatArray, curves: Mapping[str, FloatArray], label: str
 ) -> Axes:
     """Draw curves over the time [s], with gaps where values are not finite. See `draw_over_angle`."""
     axes = new_axes(axes)
-    _draw_curves(axes, time, curves, label, title, COLORS)
+    _draw_curves(axes, time, curves, label, "", COLORS)
     if time[-1] > time[0]:
         axes.set_xlim(time[0], time[-1])
     axes.set_xlabel("time [s]")

@@ -274,15 +274,13 @@ class _SvgView(View):
         )
 
 
-def outline_svg(parts: ThrowParts, view: OutlineView = "side", label: str = "") -> str:
+def outline_svg(parts: ThrowParts, view: OutlineView = "side") -> str:
     """Draw one view of a throw to scale, without dimensions.
 
     Parameters
     ----------
     view : {"side", "front"}
         From the side, z to the right and y up; or from the left end, where x points to the left.
-    label : str
-        Text for a screen reader instead of the view's name.
 
     Returns
     -------
@@ -298,7 +296,7 @@ def outline_svg(parts: ThrowParts, view: OutlineView = "side", label: str = "") 
     draw, name = DRAWINGS[view]
     drawn = _SvgView(POINT * parts.length)
     draw(drawn, parts, False)
-    return drawn.text(label or name)
+    return drawn.text(name)
 
 
 Integers = NDArray[np.int64]

@@ -585,10 +585,10 @@ def _edges(web: WebPlate) -> list[Array]:
     return [mirror(place(web, *edge.T)) for edge in edges]
 
 
-def _resampled_line(points: Array, count: int = 1200) -> Array:
+def _resampled_line(points: Array) -> Array:
     """Points at equal steps along a line, so that it can be cut off anywhere."""
     steps = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    places = np.linspace(0.0, steps[-1], count)
+    places = np.linspace(0.0, steps[-1], 1200)
     return np.column_stack([np.interp(places, steps, column) for column in points.T])
 
 

@@ -23,21 +23,11 @@ LARGEST_DIGITS = 17
 _FACTORS_TRIED_FULLY = 6
 
 
-def equation_text(
-    fitted: FittedForm,
-    *,
-    symbol: str,
-    unit: str,
-    basis: Basis = "factors",
-    labels: Mapping[str, FactorLabel] | None = None,
-    scale: float | None = None,
-) -> str:
+def equation_text(fitted: FittedForm, *, symbol: str, unit: str, basis: Basis = "factors") -> str:
     """Write the equation in natural units, with sufficient digits for calculation.
 
     Evaluated by hand it gives the prediction within 1e-4 of its value over the box of the runs: numbers
-    have 6 digits, or more if necessary. On groups it gives the dimensionless response. `labels` replace
-    `factor_label`; `scale` is the power of ten factored out of the response, by default chosen from its
-    size.
+    have 6 digits, or more if necessary. On groups it gives the dimensionless response.
 
     Forms: ``e_n = 1e-9 * (6.1 - 0.0583 B + ...) m/N, lengths in mm``; in logarithms ``ln(e_n / (1e-9
     m/N)) = 7.2 - 1.1 ln(B/mm) + ...``, of the first degree ``e_n = 7.2e-6 m/N * (B/mm)^-1.1
@@ -45,11 +35,11 @@ def equation_text(
     = rectangle]``, 1 if it applies and 0 otherwise.
     """
     if basis == "groups":
-        symbol, unit, scale = SCALES[unit].symbol.format(symbol), "", 1.0
+        symbol, unit, size = SCALES[unit].symbol.format(symbol), "", 1.0
         shown = [_group_label(name) for name in fitted.factors]
     else:
-        shown = [(labels or {}).get(name) or factor_label(name) for name in fitted.factors]
-    size = _response_scale(fitted) if scale is None else scale
+        size = _response_scale(fitted)
+        shown = [factor_label(name) for name in fitted.factors]
     sizes = [label.size for label in shown]
     if _is_power_law(fitted):
         natural = fitted.natural_coefficients(sizes)

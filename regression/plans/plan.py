@@ -47,7 +47,7 @@ from regression.plans.relations import (
     read_expression,
     used_names,
 )
-from regression.records import HELD_OUT, RUN, content_key
+from regression.records import HELD_OUT, RUN, SLOPES, content_key
 
 # Of a factor's range, for central differences of what follows from it.
 SHIFT = 1e-5
@@ -164,14 +164,14 @@ class Variants:
             known[path] = np.array(np.broadcast_to(result, (count,)))
         return known
 
-    def fields_beside(
+    def beside(
         self, values: NDArray[np.float64], place: int
-    ) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]], float]:
-        """Return `fields_at` with one factor smaller and larger, and half of the difference [SI]."""
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+        """Return the values with one factor smaller and larger, and half of the difference [SI]."""
         factor = self.factors[place]
         step = SHIFT * (factor.highest - factor.lowest)
         shift = step * np.eye(len(self.factors))[place]
-        return self.fields_at(values - shift), self.fields_at(values + shift), step
+        return values - shift, values + shift, step
 
     def _quantities(self, values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         columns = {
@@ -524,7 +524,7 @@ def planned_design(
     """Make a design of a study from factor values [SI] and the throw with these, as JSON content."""
     inputs = {"throw": throw, **plan.settings}
     if plan.slopes and role == RUN:
-        inputs["slopes"] = list(plan.moved)
+        inputs[SLOPES] = list(plan.moved)
     return PlannedDesign(
         role, values, inputs, content_key(inputs | {"model_version": MODEL_VERSION})
     )

@@ -25,7 +25,7 @@ from crankbase.choices import is_number
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
 from fem.responses import RESPONSES
-from regression.records import MEASURED, ExtraRow, Outcome, StudyStoppedError, content_key
+from regression.records import MEASURED, SLOPES, ExtraRow, Outcome, StudyStoppedError, content_key
 
 # Marks our files in SQLite's header: "crfm".
 APPLICATION_ID = 0x6372666D
@@ -347,8 +347,6 @@ def _on_network(path: Path) -> bool:
     return False
 
 
-# Among the inputs of designs whose slopes are computed.
-WITH_SLOPES = "slopes"
 CHECKSUM = "checksum"
 # The checksum is of all other columns, in their order in the table.
 UNCHECKED = (CHECKSUM, "finished_at", "imported_at")
@@ -662,7 +660,7 @@ class ResultStore:
                 "WHERE designs.status <> 'done' OR excluded.status = 'done'",
                 row,
             )
-            if outcome.status == "done" and WITH_SLOPES in outcome.inputs:
+            if outcome.status == "done" and SLOPES in outcome.inputs:
                 slopes = slope_values(outcome)
                 connection.execute(SLOPES_TABLE)
                 connection.execute(_insertion("slopes", "design", slopes), slopes)
@@ -683,7 +681,7 @@ class ResultStore:
     def _whole_design(self, row: Mapping[str, Any]) -> Outcome:
         """Make an outcome of a design's row and that of its slopes; as `read_design`."""
         outcome = read_design(row)
-        if outcome.responses is None or WITH_SLOPES not in outcome.inputs:
+        if outcome.responses is None or SLOPES not in outcome.inputs:
             return outcome
         found = None
         if _columns(self._connection, "slopes"):

@@ -345,7 +345,8 @@ def _with_slopes(
     for place, factor in enumerate(plan.factors):
         if factor.labels:
             continue
-        low, high, step = variants.fields_beside(values, place)
+        less, more, step = variants.beside(values, place)
+        low, high = variants.fields_at(less), variants.fields_at(more)
         changes = {path: (high[path] - low[path]) / (2.0 * step) for path in plan.moved}
         sizes = {path: 0.5 * (high[path] + low[path]) for path in plan.moved}
         for row, outcome in enumerate(known):

@@ -31,7 +31,7 @@ from fem.material import Material
 from fem.responses import ThrowResponses, evaluate_throw
 from geometry.mesher import mesh_here
 from geometry.throw import CrankThrow
-from regression.records import Outcome
+from regression.records import SLOPES, Outcome
 
 
 def interrupts_ignored() -> bool:
@@ -281,7 +281,7 @@ def evaluate_design(inputs: dict[str, Any]) -> ThrowResponses:
         inputs["accuracy"],
         inputs["stresses"],
         mesher=mesh_here,  # this process is expendable: gmsh needs none of its own
-        slopes=inputs.get("slopes", ()),
+        slopes=inputs.get(SLOPES, ()),
     )
 
 

@@ -15,7 +15,9 @@ from crankbase.input_file import InputFile
 from crankfem.analyses.study.planned_designs import PlannedDesigns
 from crankfem.analyses.study.studies import run_study, study_key
 from crankfem.cli import console
+from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_study
+from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_file import read_toml
 from crankfem.files.study_file import StudySection, read_design, study_plan
 from fem.material import STEEL
@@ -143,6 +145,23 @@ def test_runs_with_slopes(read):
         )
     }
     assert list(numbers.values()) == [8, 8, 12]
+
+
+def test_a_wrong_word_for_runs_is_told_once(tmp_path):
+    file = tmp_path / "engine.toml"
+    engine = input_path("6chn25-34").read_text(encoding="utf-8").partition("\n[study")[0]
+    for word, wrong in (("many", True), ("with slopes", False)):
+        file.write_text(
+            engine.replace("[rod]", "[rod]\nwidth = 1")
+            + "\n"
+            + study(f'design = "latin hypercube"\nruns = "{word}"'),
+            encoding="utf-8",
+        )
+        with pytest.raises(InputError) as error:
+            load_engine(file)
+        told = [line for line in error.value.sentences if line.startswith("study.runs")]
+        assert len(told) == wrong
+        assert len(error.value.sentences) == 1 + wrong
 
 
 def test_stresses_and_constraints(read):

@@ -224,7 +224,9 @@ def test_a_power_law_in_groups_is_exact_with_slopes():
     y, runs = law(table.dimensions), ~table.held_out
     slopes = np.full_like(table.values, np.nan)
     for place in range(3):
-        low, high, step = made.variants().fields_beside(table.values[runs], place)
+        variants = made.variants()
+        less, more, step = variants.beside(table.values[runs], place)
+        low, high = variants.fields_at(less), variants.fields_at(more)
         slopes[runs, place] = (law(high) - law(low)) / (2.0 * step)
     exact = replace(table, responses={NAME: y}, slopes={NAME: slopes})
     found = fit_study(exact)["axial_compliance"]

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +28,12 @@ from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.case import FormulaValue, fold_angle_deg
 from regression.formulas.torsional_formulas import torsional_formulas
 from regression.models.angle import between_values
-from regression.models.compliance_model import ComplianceModel
-from regression.models.lookup import Lookup
 from regression.response_kinds import AXIAL, TORSIONAL
 from regression.throw_values import same_dimension
+
+if TYPE_CHECKING:
+    from regression.models.compliance_model import ComplianceModel
+    from regression.models.lookup import Lookup
 
 Answer = TypeVar("Answer")
 
@@ -90,8 +92,8 @@ ELASTIC = {"youngs_modulus": "Pa", "poisson_ratio": ""}
 
 
 def throw_lookup(
-    model: ComplianceModel, response: str, throw: CrankThrow, material: Material
-) -> Lookup:
+    model: "ComplianceModel", response: str, throw: CrankThrow, material: Material
+) -> "Lookup":
     """Look a compliance up for a throw of an engine, only where the model knows its error.
 
     Parameters
@@ -122,8 +124,8 @@ def throw_lookup(
 
 
 def throw_lookups(
-    engine_file: EngineFile, model: ComplianceModel, response: str
-) -> dict[CrankThrow, Lookup]:
+    engine_file: EngineFile, model: "ComplianceModel", response: str
+) -> "dict[CrankThrow, Lookup]":
     """Look a compliance up for each distinct throw of an engine.
 
     Raises
@@ -142,7 +144,7 @@ def chosen_regressions(vibration: VibrationSettings) -> dict[str, str]:
     return {kind: RESPONSES[kind] for kind, own in given.items() if own.casefold() == REGRESSION}
 
 
-def refuse_regression(engine_file: EngineFile, model: ComplianceModel | None) -> None:
+def refuse_regression(engine_file: EngineFile, model: "ComplianceModel | None") -> None:
     """Refuse a regression as a source if there is none, or if it does not cover the throws."""
     for kind, response in chosen_regressions(engine_file.vibration).items():
         if model is None:
@@ -169,7 +171,7 @@ def refused(engine_file: EngineFile, kind: str, reason: str) -> InputError:
     )
 
 
-def saved_model(engine_file: EngineFile) -> ComplianceModel | None:
+def saved_model(engine_file: EngineFile) -> "ComplianceModel | None":
     """Read the model that an engine file names; None if it names none.
 
     Raises
@@ -181,14 +183,20 @@ def saved_model(engine_file: EngineFile) -> ComplianceModel | None:
     return None if file is None else _loaded(file, "vibration.model")
 
 
-def _loaded(path: GivenFile, field: str) -> ComplianceModel:
+def _loaded(path: GivenFile, field: str) -> "ComplianceModel":
     try:
+        from regression.models.compliance_model import (
+            ComplianceModel,  # here: few files name a model
+        )
+
         return ComplianceModel.load(path)
     except InputError as error:
         raise InputError(f"{field}: {error}") from None
 
 
-def usable_model(engine_file: EngineFile, given: ComplianceModel | None) -> ComplianceModel | None:
+def usable_model(
+    engine_file: EngineFile, given: "ComplianceModel | None"
+) -> "ComplianceModel | None":
     """Return the model given, else the one that the file names; None without either.
 
     Raises
@@ -267,7 +275,7 @@ def axial_sources(
     engine_file: EngineFile,
     analysis: Analyses,
     shaft: ShaftCompliances,
-    model: ComplianceModel | None,
+    model: "ComplianceModel | None",
 ) -> Sources:
     """Axial compliance of each throw [m/N] by source; see `crankfem.analyses.vibration.modes`."""
     fitted = _fitted_sources(engine_file, analysis, model, "axial_compliance", shaft.axial)
@@ -280,7 +288,7 @@ def torsional_sources(
     engine_file: EngineFile,
     analysis: Analyses,
     shaft: ShaftCompliances,
-    model: ComplianceModel | None,
+    model: "ComplianceModel | None",
 ) -> Sources:
     """Torsional compliance of each throw [rad/(N m)] by source; only the maker's for a given plant."""
     if PLANT in engine_file.shaft_lines:
@@ -304,7 +312,7 @@ def _given_by_plant(engine_file: EngineFile) -> tuple[NDArray[np.float64], str]:
 def _fitted_sources(
     engine_file: EngineFile,
     analysis: Analyses,
-    model: ComplianceModel | None,
+    model: "ComplianceModel | None",
     quantity: str,
     in_shaft: NDArray[np.float64],
 ) -> Sources:
@@ -334,7 +342,7 @@ def _looked_up(
     name: str,
     ratios: NDArray[np.float64],
     engine_file: EngineFile,
-    look_up: Callable[[], Mapping[CrankThrow, Lookup | LawAnswer]],
+    look_up: "Callable[[], Mapping[CrankThrow, Lookup | LawAnswer]]",
 ) -> tuple[NDArray[np.float64], str]:
     """Looked-up values of each throw in the shaft; NaN where a throw has none."""
     try:
@@ -433,7 +441,7 @@ def source_spread(
     source: str,
     analysis: Analyses,
     shaft: ShaftCompliances,
-    model: ComplianceModel | None,
+    model: "ComplianceModel | None",
 ) -> Spread:
     """Return the range of factors on the compliances of a source that contains the true ones.
 

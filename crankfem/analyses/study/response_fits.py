@@ -505,15 +505,12 @@ def run_slopes(
     for place, factor in enumerate(factors):
         if factor.labels:
             continue
-        low, high, step = variants.fields_beside(values, place)
+        less, more, step = variants.beside(values, place)
         half = 0.5 * (factor.highest - factor.lowest)
-        shift = step * np.eye(len(factors))[place]
-        columns = [
-            encoding.columns(factors, values + sign * shift, fields)
-            for sign, fields in ((-1.0, low), (1.0, high))
-        ]
+        known_at = [(moved, variants.fields_at(moved)) for moved in (less, more)]
+        columns = [encoding.columns(factors, *moved) for moved in known_at]
         turned[:, place] = (columns[1] - columns[0]) * (half / (2.0 * step))
-        scales = [fit_scale(plan, column, encoding.basis, fields) for fields in (low, high)]
+        scales = [fit_scale(plan, column, encoding.basis, fields) for _, fields in known_at]
         known[:, place] -= np.log(scales[1] / scales[0]) / (2.0 * step)
         known[:, place] *= half
         errors[:, place] = (

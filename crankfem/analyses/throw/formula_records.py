@@ -247,7 +247,6 @@ def engine_spread(
     gamma_deg: float = 180.0,
     variant: str = "corrected",
     constants: Mapping[str, float] | None = None,
-    accuracy: float = ACCURACY,
 ) -> EngineSpread:
     """Compute one engine's throw by finite elements and by all formulas.
 
@@ -257,8 +256,6 @@ def engine_spread(
         Its name.
     gamma_deg, variant, constants
         As in `axial_formulas`.
-    accuracy : float
-        Of the finite elements.
 
     Raises
     ------
@@ -266,7 +263,7 @@ def engine_spread(
         As `axial_formulas`.
     """
     formulas = formulas_of(throw, material, gamma_deg, variant, constants)
-    analysis = analyze_throw(throw, material, accuracy=accuracy)
+    analysis = analyze_throw(throw, material, accuracy=ACCURACY)
     fe = ElementValues(
         fe_axial(analysis, gamma_deg),
         analysis.torsional_compliance("pinned"),

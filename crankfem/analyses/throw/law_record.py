@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from crankbase.errors import InputError
 from crankbase.quantity import percent
@@ -14,7 +14,9 @@ from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import AxialLaw, TorsionalLaw, throw_laws
 from regression.models.angle import between_ends, fold_angle
-from regression.models.lookup import Lookup, ReactionLookup
+
+if TYPE_CHECKING:
+    from regression.models.lookup import Lookup, ReactionLookup
 
 LAW = "law"
 AXIAL, TORSIONAL = "axial_compliance", "torsional_compliance"
@@ -148,14 +150,16 @@ class LawLookups:
         Force on the pin and support to reactions.
     """
 
-    answers: dict[str, Lookup]
-    reactions: Callable[..., ReactionLookup]
+    answers: "dict[str, Lookup]"
+    reactions: "Callable[..., ReactionLookup]"
 
 
 def law_lookups(
     throw: CrankThrow, material: Material, gamma_deg: float | None = None
 ) -> LawLookups:
     """Look a throw up by the law; arguments and errors as `law_answers`."""
+    from regression.models.lookup import Lookup  # here: engines do without
+
     answers = {
         name: Lookup(
             **vars(answer),

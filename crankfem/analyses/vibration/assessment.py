@@ -79,10 +79,11 @@ from dynamics.response.forced import forced_response
 from dynamics.response.series import synthesis
 from dynamics.wording import conclusion_sentence
 from fem.superelement import ShaftCompliances
-from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from regression.models.compliance_model import ComplianceModel
 
 
 # Magnifiers that are tried beside the one assumed, as shares of it: 25 and 60 of 40. An order of magnitude.
@@ -537,7 +538,7 @@ def assess(
     forced: tuple[ForcedVibration, ForcedVibration],
     shaft: ShaftCompliances,
     analysis: Analyses,
-    model: ComplianceModel | None,
+    model: "ComplianceModel | None",
     held: Sequence[HeldChains],
 ) -> Assessment:
     """Compare an engine's forced vibration with limits, and with other values of what is uncertain.

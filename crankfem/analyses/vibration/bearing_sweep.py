@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import numpy as np
 
@@ -39,7 +39,9 @@ from dynamics.critical import critical_speeds
 from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import at_most
 from fem.superelement import ShaftCompliances
-from regression.models.compliance_model import ComplianceModel
+
+if TYPE_CHECKING:
+    from regression.models.compliance_model import ComplianceModel
 
 KINDS = ("axial", "torsional")
 # Speeds of the even grid, and others about each critical speed in half bandwidths: 97 % of a peak is read.
@@ -160,7 +162,7 @@ class BearingSweep(Result):
 
 
 def held_chains(
-    engine_file: EngineFile, analysis: Analyses, model: ComplianceModel | None, stiffness: float
+    engine_file: EngineFile, analysis: Analyses, model: "ComplianceModel | None", stiffness: float
 ) -> HeldChains:
     """Return an engine's chains in main bearings of a lateral stiffness [N/m], rigid ones if infinite."""
     shaft = compliances_in_shaft(engine_file, analysis, stiffness)
@@ -175,7 +177,7 @@ def held_chains(
 def chains_over_bearings(
     engine_file: EngineFile,
     analysis: Analyses,
-    model: ComplianceModel | None = None,
+    model: "ComplianceModel | None" = None,
     nominal: HeldChains | None = None,
 ) -> tuple[HeldChains, ...]:
     """Return an engine's chains at each stiffness of the sweep; empty if the file gives no range.

@@ -588,16 +588,23 @@ def refuse_vibration(engine_file: EngineFile) -> None:
     _refuse_chains(engine_file)
 
 
-def refuse_forced_vibration(engine_file: EngineFile) -> None:
-    """Refuse pressures that cannot be reached or resolved, and a saved model that does not fit, too."""
+def refuse_forced_vibration(engine_file: EngineFile) -> MechanismFile:
+    """Refuse pressures that cannot be reached or resolved, and a saved model that does not fit, too.
+
+    Returns
+    -------
+    MechanismFile
+        That of the engine, which is made for this.
+    """
     refuse_vibration(engine_file)
+    mechanism = mechanism_of(engine_file)
     if engine_file.gas is not None or engine_file.gas_map is not None:
-        mechanism = mechanism_of(engine_file)
         harmonics = engine_harmonics(engine_file, mechanism)
         if engine_file.misfire is not None:
             _ = failing_harmonics(engine_file, mechanism, harmonics)
     if engine_file.vibration.model is not None:
         usable_model(engine_file, None)
+    return mechanism
 
 
 def _refuse_formulas(engine_file: EngineFile) -> None:

@@ -33,10 +33,11 @@ from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FREE_END, EngineChain
 from dynamics.critical import critical_speeds, engine_orders, major_orders, vector_sums
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from fem.superelement import ShaftCompliances
-from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from regression.models.compliance_model import ComplianceModel
 
 SHAPES_SHOWN = 3
 # Resultant of the cylinders on a mode shape from which they count as acting together.
@@ -414,7 +415,7 @@ def axial_vibration(
     engine_file: EngineFile,
     analysis: Analyses,
     shaft: ShaftCompliances,
-    model: ComplianceModel | None,
+    model: "ComplianceModel | None",
     chosen_alone: bool = False,
 ) -> Vibration:
     """Calculate the axial natural frequencies and critical speeds of an engine.
@@ -448,7 +449,7 @@ def torsional_vibration(
     engine_file: EngineFile,
     analysis: Analyses,
     shaft: ShaftCompliances,
-    model: ComplianceModel | None,
+    model: "ComplianceModel | None",
     chosen_alone: bool = False,
 ) -> Vibration:
     """Calculate the torsional natural frequencies and critical speeds; see `axial_vibration`."""

@@ -61,10 +61,11 @@ from dynamics.excitation.chain_excitation import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
 from fem.analysis import ThrowAnalysis
 from fem.superelement import ShaftCompliances
-from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from regression.models.compliance_model import ComplianceModel
 
 Shown = Literal["campbell", "modes", "amplitude", "stress", "load", "power", "limits", "shaft"]
 SHOWN: tuple[Shown, ...] = get_args(Shown)
@@ -308,7 +309,7 @@ def engine_vibration(
     *,
     analysis: Analyses | None = None,
     mechanism: MechanismFile | None = None,
-    model: ComplianceModel | None = None,
+    model: "ComplianceModel | None" = None,
     coupled: bool = False,
     step: Callable[[str], None] | None = None,
 ) -> EngineVibration:

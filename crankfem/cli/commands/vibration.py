@@ -85,7 +85,7 @@ def vibration(
         return
     from crankbase.outputs import protect
     from crankbase.results import units as result_units
-    from crankfem.analyses.engine_mechanism import engine_inputs, mechanism_of
+    from crankfem.analyses.engine_mechanism import engine_inputs
     from crankfem.analyses.record import with_units
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
@@ -105,10 +105,9 @@ def vibration(
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(content if model is None else with_model(content, model))
     with content.with_lines():
-        refuse_forced_vibration(read)
+        mechanism = refuse_forced_vibration(read)
     if strict:
         check_has_limits(read)
-    mechanism = mechanism_of(read)
     if csv is not None or pictures is not None:
         protect(*(file.path for file in engine_inputs(read)))
     tables = make_output_folder(

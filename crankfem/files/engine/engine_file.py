@@ -59,7 +59,6 @@ from crankfem.files.sections.vibration_sections import (
     Damping,
     TorsionalDamperSection,
 )
-from crankfem.files.study_file import study_plan
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_line import Driven
 from fem.material import STEEL, Material
@@ -67,7 +66,9 @@ from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
-from regression.plans.plan import StudyPlan
+
+if TYPE_CHECKING:
+    from regression.plans.plan import StudyPlan
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -138,7 +139,7 @@ def _check_covers(field: str, speeds: Sequence[float], engine: Engine) -> None:
         )
 
 
-def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None:
+def check_sources(vibration: VibrationSettings, study: "StudyPlan | None") -> None:
     """Refuse an unknown source of compliances before anything is computed."""
     for kind, source, formulas in (
         ("axial", vibration.axial_source, AXIAL_FORMULA_NAMES),
@@ -293,7 +294,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
     ranges: RangesInput | None
     strength: StrengthSection | None
     two_mass: TwoMassInput | None
-    study: StudyPlan | None
+    study: "StudyPlan | None"
     records: tuple[InputRecord, ...]
     provenance: dict[str, tuple[str, bool]]
     sources: dict[str, str]
@@ -437,7 +438,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
 
     def _study_of(
         self, throws: Mapping[str, CrankThrow], made: Mapping[str, Any]
-    ) -> StudyPlan | None:
+    ) -> "StudyPlan | None":
         """The study with the changed throw and material; None without its throw."""
         study = self.study
         if study is None:
@@ -503,12 +504,16 @@ def _read_engine(content: TomlFile) -> EngineFile:
         elif part.name in kinds:
             model, _ = kinds[part.name]
             sections[part.name] = content.model(model.section, model) or DEFAULTS.get(part.name)
-    first = free_end_throw_name(throws, sections["shaft"])
+    first, study = free_end_throw_name(throws, sections["shaft"]), None
+    if "study" in content.sections:
+        from crankfem.files.study_file import study_plan  # here: few files have a study
+
+        study = study_plan(content, throws, first, sections["material"])
     return EngineFile(
         **sections,
         files=content.files,
         throw=throws[first],
-        study=study_plan(content, throws, first, sections["material"]),
+        study=study,
         records=tuple(content.records),
         provenance=content.provenance,
         sources=content.sources,

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import combinations
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from crankbase.model import field_extra
 from crankbase.quantity import format_quantity
@@ -14,7 +14,9 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import MechanismSections, inertia_of_masses
 from crankfem.files.engine.usual_sizes import PRACTICE, SHIPPED, UsualRange
 from fem.material import STEEL
-from regression.plans.plan import StudyPlan
+
+if TYPE_CHECKING:
+    from regression.plans.plan import StudyPlan
 
 
 @dataclass(frozen=True)
@@ -291,7 +293,7 @@ def _counterweights(scale: EngineScale) -> Iterator[str]:
 LEVELS = Practice(0.5, 1.5, "is {} that of the throw", margin=3.0)
 
 
-def study_warnings(study: StudyPlan) -> Iterator[str]:
+def study_warnings(study: "StudyPlan") -> Iterator[str]:
     """Name levels of a study that are far from the throw that it varies."""
     for factor in study.factors:
         usual = getattr(study.throw, factor.name, None)

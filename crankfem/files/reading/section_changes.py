@@ -1,9 +1,9 @@
 """Sections of an engine file changed in Python, and the records of their values."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from types import NoneType, UnionType
-from typing import get_args, get_type_hints
+from typing import Any, get_args
 
 from crankbase.choices import allowed_names, is_number
 from crankbase.errors import InputError
@@ -28,13 +28,13 @@ class Change:
     record: InputRecord | None
 
 
-def section_kinds(owner: type) -> dict[str, tuple[type[InputModel], bool]]:
+def section_kinds(owner: type[Any]) -> dict[str, tuple[type[InputModel], bool]]:
     """Return the sections of a class by name: their type, and whether they may be missing."""
     kinds = {}
-    for name, hint in get_type_hints(owner).items():
-        for kind in get_args(hint) if isinstance(hint, UnionType) else (hint,):
+    for part in fields(owner):
+        for kind in get_args(part.type) if isinstance(part.type, UnionType) else (part.type,):
             if isinstance(kind, type) and issubclass(kind, InputModel):
-                kinds[name] = (kind, NoneType in get_args(hint))
+                kinds[part.name] = (kind, NoneType in get_args(part.type))
     return kinds
 
 

@@ -115,15 +115,12 @@ def plot_of_curves(
 
 
 def picture(
-    draw: Callable[["Axes", Run], object],
-    title: Callable[[Run], str],
-    width: float = 6.0,
-    height: float = 4.2,
+    draw: Callable[["Axes", Run], object], title: Callable[[Run], str], height: float = 4.2
 ) -> Callable[[Path, Run], None]:
     """Return what draws a picture of a run into a file, with a title above all."""
 
     def write(path: Path, run: Run) -> None:
-        with figure(path, width=width, height=height) as axes:
+        with figure(path, width=6.0, height=height) as axes:
             draw(axes, run)
             axes.set_title("", loc="left")
             add_title(axes, title(run))
