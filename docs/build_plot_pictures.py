@@ -1,5 +1,6 @@
-"""Draw the pictures of docs/plots.md by the page's own code: takes some seconds."""
+"""Draw the pictures of docs/plots.md and docs/gallery.md by the pages' own code: a minute or two."""
 
+import contextlib
 import os
 import re
 import shutil
@@ -7,28 +8,31 @@ import tempfile
 from pathlib import Path
 
 import matplotlib as mpl
+from matplotlib import pyplot as plt
 
 from crankbase.diagrams import REPRODUCIBLE
 
 HERE = Path(__file__).resolve().parent
-PAGE = HERE / "plots.md"
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
+FOLDERS = {"plots": HERE, "gallery": HERE / "gallery"}  # of the pictures of each page
 
 
 def main() -> None:
-    """Run the page in an empty folder and keep the pictures that it writes."""
-    mpl.use("svg")
+    """Run each page in an empty folder and keep the pictures that it writes."""
+    mpl.use("agg")
     # Files that are the same bit for bit each time.
     os.environ["SOURCE_DATE_EPOCH"] = "0"
-    names: dict[str, object] = {}
-    with tempfile.TemporaryDirectory() as folder, mpl.rc_context(REPRODUCIBLE):
-        os.chdir(folder)
-        for block in BLOCK.findall(PAGE.read_text(encoding="utf-8")):
-            exec(compile(block, PAGE.name, "exec"), names)
-        for picture in sorted(Path(folder).glob("*.svg")):
-            shutil.copy(picture, HERE / picture.name)
-            print(picture.name)
-        os.chdir(HERE)
+    for page, kept in FOLDERS.items():
+        names: dict[str, object] = {}
+        text = (HERE / f"{page}.md").read_text(encoding="utf-8")
+        with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+            with mpl.rc_context(REPRODUCIBLE):
+                for block in BLOCK.findall(text):
+                    exec(compile(block, page, "exec"), names)
+            plt.close("all")
+            for picture in sorted(Path(folder).iterdir()):
+                shutil.copy(picture, kept / picture.name)
+                print(f"{picture.name}: {picture.stat().st_size / 1024:.0f} kB")
 
 
 if __name__ == "__main__":

@@ -164,10 +164,11 @@ def make_report(folder: Path) -> None:
                 "--enable-unsafe-swiftshader",
             ],
         )
-        page = browser.new_page(viewport={"width": 1200, "height": 900}, device_scale_factor=1.5)
+        page = browser.new_page(viewport={"width": 1280, "height": 800}, device_scale_factor=1.5)
         page.goto((results / "report.html").as_uri())
         page.wait_for_timeout(1500)
         page.screenshot(path=HERE / "report.png")
+        page.locator("#throw > details > summary").click()
         view = page.locator("[data-plot=throw_view]")
         if view.count():
             view.first.evaluate(

@@ -196,14 +196,38 @@ def orders_contribute(
     `runs` are their first and last orders, `share` that of the peak, `main` the contribution of one order
     that makes most of it, and this order.
     """
+    many = len(runs) > 1 or runs[0][0] < runs[0][1]
+    text = (
+        f"{orders_named(runs, state, mode)}, {_contribute(total, many)} {peak_text(abs(total), unit)} "
+        f"({100.0 * share:.0f} %)"
+    )
+    return f"{text}, {peak_text(main[0], unit)} of it by order {main[1]:g}" if main else text
+
+
+def orders_named(runs: Sequence[tuple[float, float]], state: str, mode: str) -> str:
+    """Name orders by their first and last ones, with their common state."""
     texts = [f"{low:g} to {high:g}" if low < high else f"{low:g}" for low, high in runs]
     listed = " and ".join([", ".join(texts[:-1]), texts[-1]] if len(texts) > 1 else texts)
     many = len(runs) > 1 or runs[0][0] < runs[0][1]
-    text = (
-        f"order{'s' if many else ''} {listed}, {STATES[state].format(mode or 'several modes')}, "
-        f"{_contribute(total, many)} {peak_text(abs(total), unit)} ({100.0 * share:.0f} %)"
-    )
-    return f"{text}, {peak_text(main[0], unit)} of it by order {main[1]:g}" if main else text
+    return f"order{'s' if many else ''} {listed}, {STATES[state].format(mode or 'several modes')}"
+
+
+def shares_of_peak(speed: float, shares: Iterable[tuple[str, float]]) -> str:
+    """State which orders make most of a peak at a speed [rad/s], with their shares."""
+    named = "; ".join(f"{orders}: {100.0 * share:.0f} %" for orders, share in shares)
+    return f"At {significant(speed * RPM, 3)} 1/min, {named} of the amplitude."
+
+
+def barring(low: float, high: float, allowed: bool) -> str:
+    """State whether running speeds [rad/s] may be barred."""
+    return f"{shown_range(low, high)} {'may' if allowed else 'cannot'} be barred."
+
+
+def restricted_while_misfiring(remaining: SpeedRanges) -> str:
+    """State at which speeds to run while a cylinder misfires."""
+    if not remaining:
+        return "While a cylinder misfires, no running speed keeps the limits."
+    return f"While a cylinder misfires, restrict running to {_ranges(remaining)}."
 
 
 def others_contribute(rest: float, unit: str) -> str:

@@ -1,10 +1,15 @@
 """The throw that most tests start from: that of a medium-speed engine, in m."""
 
 MEDIUM_SPEED = {
-    "crank_radius": 0.170, "main_journal_diameter": 0.220, "pin_diameter": 0.180,
-    "main_journal_length": 0.120, "pin_length": 0.139, "web_width": 0.285, "web_thickness": 0.068,
+    "crank_radius": 0.170,
+    "main_journal_diameter": 0.220,
+    "pin_diameter": 0.180,
+    "main_journal_length": 0.120,
+    "pin_length": 0.139,
+    "web_width": 0.285,
+    "web_thickness": 0.068,
     "fillet_radius": 0.012,
-}  # fmt: skip
+}
 
 # The same, as a file says it, without fillets.
 MEDIUM_SPEED_TOML = """[throw]

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +22,13 @@ from crankfem.report.text_filters import (
 from dynamics.assessment.limits import LimitUse
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.indices import within
-from dynamics.wording import VERDICTS, limit_at
+from dynamics.wording import (
+    VERDICTS,
+    barring,
+    limit_at,
+    restricted_while_misfiring,
+    shares_of_peak,
+)
 
 if TYPE_CHECKING:
     from crankfem.analyses.run_results import Check, RunResults
@@ -98,37 +104,106 @@ def verdict_line(vibration: EngineVibration, strength: "EngineStrength | None" =
     return f"Verdict: {headline(vibration, strength)}{of}: {worst.limit.name} {used}."
 
 
+# Of the report's first screen.
+MOST_FINDINGS = 3
+# A section of the report and a statement.
+Statement = tuple[str, str]
+
+
 def conclusions(results: "RunResults") -> list[str]:
+    """Return the statements of `findings`."""
+    return [text for _, text in findings(results)]
+
+
+def findings(results: "RunResults") -> list[Statement]:
     """Return what follows from the results of a run, in at most eight statements.
 
     Every number of a statement is one of the results, or follows from them as the statement says.
 
     Returns
     -------
-    list of str
-        What looks wrong in the input, what is reached of the limit used most and where, how the whole
-        crankshaft differs, which orders make it and what can help, which speeds may be barred, what
-        misfiring does, what decides by assumption and should be given (before the limits if the verdict
-        is undecided), what the models leave open, and whether the crankshaft is strong enough.
+    list of tuples of two str
+        The report's section of each, and the statement: what looks wrong in the input, what is reached of
+        the limit used most and where, how the whole crankshaft differs, which orders make it, what can help,
+        which speeds may be barred, what misfiring does, what decides by assumption and should be given
+        (before the limits if the verdict is undecided), what the models leave open, and whether the
+        crankshaft is strong enough.
     """
     assessment = results.vibration.assessment
     if assessment is None:
-        return [*_warned(results), *_without_forces(results)]
+        return [("inputs", text) for text in (*_warned(results), *_without_forces(results))]
     # What decides comes first.
-    assumed, open_ = _assumed(results, assessment), assessment.undecided
+    assumed, open_ = " ".join(_assumed(results, assessment)), assessment.undecided
+    remedy = _remedy(results, assessment.verdict.worst)
     found = [
-        *_warned(results),
-        assumed if open_ else "",
-        _reached(assessment),
-        _by_whole(results.vibration, assessment),
-        " ".join(filter(None, (_cause(assessment), _advice(results, assessment.verdict.worst)))),
-        " ".join(_ranges(assessment)),
-        _misfiring(results.vibration),
-        "" if open_ else assumed,
-        _other_models(results.vibration, assessment),
-        " ".join(own.sentence for own in (results.strength, results.fatigue) if own),
+        *(("inputs", text) for text in _warned(results)),
+        ("inputs", assumed if open_ else ""),
+        ("limits", _reached(assessment)),
+        ("whole", _by_whole(results.vibration, assessment)),
+        ("limits", " ".join(filter(None, (_cause(assessment), remedy.sentence if remedy else "")))),
+        ("limits", " ".join(_ranges(assessment))),
+        ("limits", _misfiring(results.vibration)),
+        ("inputs", "" if open_ else assumed),
+        ("whole", _other_models(results.vibration, assessment)),
+        ("strength", " ".join(own.sentence for own in (results.strength, results.fatigue) if own)),
     ]
-    return [one for one in found if one]
+    return [statement for statement in found if statement[1]]
+
+
+def main_findings(results: "RunResults") -> list[tuple[str, str, str]]:
+    """Return the main findings in short: what each is about, the section that has it in full, the statement.
+
+    A calculation that fails its checks, a shaft that is too weak, why the worst amplitude is reached, what
+    can be done, and what is assumed.
+    """
+    assessment, strength = results.vibration.assessment, results.strength
+    if assessment is None:
+        calculated, count, *_, wanted = _without_forces(results)
+        found = [("Input", "inputs", text) for text in _warned(results)]
+        found += [("Critical speeds", "campbell", count), ("What helps", "inputs", wanted)]
+        return [*found, ("Why", "inputs", calculated)][:MOST_FINDINGS]
+    cause = assessment.verdict.worst.cause
+    weak = strength is not None and too_weak(strength)
+    # What decides by assumption first, of several fields the first one; how many are assumed is on a tile.
+    first, *others = [text for text in _assumed(results, assessment) if not text[0].isdigit()] or [
+        ""
+    ]
+    failed, wrong = failed_checks(results.checks), _calculation_fails(results.checks)
+    found = [
+        ("Checks", "checks", failed if wrong else ""),
+        ("Strength", "strength", strength.sentence if strength is not None and weak else ""),
+        ("Why", "limits", _main_cause(assessment) if cause is not None and cause.parts else ""),
+        ("What helps", "limits", _measures(results, assessment)),
+        *(("Input", "inputs", text) for text in _warned(results)),
+        *(("Assumed", "inputs", text) for text in (sentence(first.partition(";")[0]), *others)),
+        ("Checks", "checks", "" if wrong else failed),
+    ]
+    told = [(label, section, with_three_digits(text)) for label, section, text in found if text]
+    return told[:MOST_FINDINGS]
+
+
+def _main_cause(assessment: Assessment) -> str:
+    worst = assessment.verdict.worst
+    assert worst.cause is not None
+    if math.isinf(worst.worst_value):
+        return _cause(assessment)
+    return shares_of_peak(worst.worst_speed, worst.cause.main_shares[:2])
+
+
+def _measures(results: "RunResults", assessment: Assessment) -> str:
+    """State in short what can be done where a limit is exceeded."""
+    verdict, misfiring = assessment.verdict, results.vibration.misfiring
+    told = [
+        barring(span.low, span.high, span.allowed)
+        for span in verdict.barred
+        if span.position == "running"
+    ]
+    remedy = _remedy(results, verdict.worst)
+    if remedy is not None:
+        told.append(remedy.short)
+    elif misfiring is not None and not misfiring.passed:
+        told.append(restricted_while_misfiring(misfiring.remaining))
+    return " ".join(told)
 
 
 def reached_and_permitted(use: LimitUse, unit: str) -> tuple[str, str]:
@@ -183,7 +258,7 @@ def _ranges(assessment: Assessment) -> list[str]:
     return [f"{range_sentence(span)}." for span in (*verdict.barred, *verdict.started_through)]
 
 
-def _assumed(results: "RunResults", assessment: Assessment) -> str:
+def _assumed(results: "RunResults", assessment: Assessment) -> list[str]:
     """State what decides by assumption, which limits are assumed, what is not judged, and the load."""
     vibration, inputs = results.vibration, results.inputs
     decision = assessment.decision.sentence
@@ -205,7 +280,7 @@ def _assumed(results: "RunResults", assessment: Assessment) -> str:
     count = sum(record.assumed for record in inputs)
     if count:
         statements.append(f"{count} of {len(inputs)} inputs are assumed.")
-    return " ".join(statements)
+    return statements
 
 
 def _axial_judged(assessment: Assessment) -> bool:
@@ -245,7 +320,7 @@ def failed_checks(checks: Sequence["Check"]) -> str:
     # What has no allowed figure compares two models: frequencies, shares and amplitudes decide together.
     one_fails = len(failed) == 1
     told = f"{len(failed)} of {len(judged)} checks {'fails' if one_fails else 'fail'}:"
-    if all(check.allowed is None for check in failed):
+    if not _calculation_fails(checks):
         what = "it compares a chain" if one_fails else "they compare the chains"
         return f"{told} {what} with the whole crankshaft; the calculation passes all others."
     named = [
@@ -258,6 +333,11 @@ def failed_checks(checks: Sequence["Check"]) -> str:
         for check in failed
     ]
     return f"{told} {'; '.join(named)}."
+
+
+def _calculation_fails(checks: Sequence["Check"]) -> bool:
+    """Whether a check of the calculation itself fails: one with an allowed figure."""
+    return any(check.met is False and check.allowed is not None for check in checks)
 
 
 def _by_whole(vibration: EngineVibration, assessment: Assessment) -> str:
@@ -303,7 +383,53 @@ def _other_models(vibration: EngineVibration, assessment: Assessment) -> str:
     )  # the range of the bearings stands in both
 
 
-def _advice(results: "RunResults", worst: LimitCheck) -> str:
+@dataclass(frozen=True)
+class Remedy:
+    """What can help at a place where a limit is exceeded.
+
+    Attributes
+    ----------
+    resonant, rest, permitted : str
+        What the orders at or near resonance contribute, what the others leave at least, and the limit.
+    enough : bool
+        Whether more damping may be sufficient.
+    modes : str
+        That make the resonances.
+    undamped : str
+        Remark that there is no damper.
+    """
+
+    resonant: str
+    rest: str
+    permitted: str
+    enough: bool
+    modes: str
+    undamped: str
+
+    @property
+    def sentence(self) -> str:
+        """What remains without resonance, and what follows."""
+        without = (
+            f"Orders at or near resonance contribute {self.resonant} in all; the others leave at least "
+            f"{self.rest}, {'less' if self.enough else 'more'} than the permitted {self.permitted}"
+        )
+        return f"{without}: {self.short[0].lower()}{self.short[1:]}"
+
+    @property
+    def short(self) -> str:
+        """What follows alone."""
+        if not self.enough:
+            return (
+                "More damping alone is not sufficient. Reduce the excitation by the orders without "
+                "resonance, or strengthen the shaft."
+            )
+        return (
+            f"More damping{self.undamped}, or another frequency of {self.modes}, may be sufficient at this "
+            "speed."
+        )
+
+
+def _remedy(results: "RunResults", worst: LimitCheck) -> Remedy | None:
     """Return whether more damping can help at the worst place, where a limit is exceeded.
 
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
@@ -311,26 +437,18 @@ def _advice(results: "RunResults", worst: LimitCheck) -> str:
     """
     cause = worst.cause
     if worst.passed or cause is None or math.isinf(worst.worst_value) or not cause.parts:
-        return ""
+        return None
     resonant = [part for part in cause.parts if part.state in RESONANT]
     made = sum(part.contribution for part in resonant)
     # Together they may counteract the peak; its half range without the others is at least their size.
     left = replace(worst.at_worst, value=abs(worst.worst_value - made))
     rest, permitted = reached_and_permitted(left, worst.limit.unit)
     together, _ = reached_and_permitted(replace(left, value=made), worst.limit.unit)
-    without = f"Orders at or near resonance contribute {together} in all; the others leave at least {rest}, "
-    if left.value > worst.permitted:
-        return (
-            f"{without}more than the permitted {permitted}: more damping alone is not sufficient. Reduce "
-            "the excitation by these orders, or strengthen the shaft."
-        )
     least = LEAST_SHARE * made
     modes = sorted({(part.kind, part.mode) for part in resonant if part.contribution > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
-    return (
-        f"{without}less than the permitted {permitted}: more damping{_undamped(modes, results)}, or "
-        f"another frequency of {named}, may be sufficient at this speed."
-    )
+    enough = left.value <= worst.permitted
+    return Remedy(together, rest, permitted, enough, named, _undamped(modes, results))
 
 
 def _undamped(modes: Sequence[tuple[str, int]], results: "RunResults") -> str:

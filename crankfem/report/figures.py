@@ -2,17 +2,18 @@
 
 import base64
 import errno
+import gzip
+import io
 import json
 import re
-import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from markupsafe import Markup
 from numpy.typing import NDArray
+from PIL import Image
 
 from crankbase.outputs import is_regular_file
 from crankfem.analyses.mechanism.plots import plot_torque
@@ -26,7 +27,14 @@ from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.harmonics import Harmonics
 from regression.runs.study_table import StudyTable
 
-MEDIA_TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
+# What keeps the place of a packed picture, of its size.
+EMPTY = (
+    "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {} {}'/%3E".replace(
+        " ", "%20"
+    )
+)
+# Of pictures without sharp edges, at which nothing is seen to be lost.
+QUALITY = 85
 POINT = 96.0 / 72.0  # [pixel]
 VIEW_BOX = re.compile(rb'viewBox="\s*\S+\s+\S+\s+(\S+)\s+(\S+?)\s*"')
 
@@ -38,17 +46,18 @@ class Figure:
     Attributes
     ----------
     source : str or None
-        The static picture as a data address.
+        The static picture as a data address; an empty one of its size where it is packed.
     width, height : int
         Of the static picture [pixel].
-    plot : Markup or None
-        The interactive plot as JSON that may stand in a script element.
+    drawing, plot : str or None
+        A static SVG and the interactive plot as JSON, `packed`.
     """
 
     source: str | None = None
     width: int = 0
     height: int = 0
-    plot: Markup | None = None
+    drawing: str | None = None
+    plot: str | None = None
 
 
 def load_figures(
@@ -75,18 +84,14 @@ def load_figures(
         drawn = Figure()
         if name in pictures:
             try:
-                path = _own_file(folder, pictures[name])
-                content = path.read_bytes()
-                text = base64.b64encode(content).decode()
-                source = f"data:{MEDIA_TYPES[path.suffix]};base64,{text}"
-                drawn = Figure(source, *_size(content, path.suffix))
-            except (OSError, KeyError, struct.error):
+                drawn = _drawn(_own_file(folder, pictures[name]))
+            except (OSError, SyntaxError):
                 unread.append(pictures[name])
         if name in plots:
             try:
                 text = _own_file(folder, plots[name]).read_text(encoding="utf-8")
                 json.loads(text)  # the reader's browser would find what was cut short
-                drawn = replace(drawn, plot=script_text(text))
+                drawn = replace(drawn, plot=packed(text))
             except (OSError, ValueError):
                 unread.append(plots[name])
         if drawn.source is not None or drawn.plot is not None:
@@ -102,20 +107,21 @@ def _own_file(folder: Path, name: str) -> Path:
     return path
 
 
-def script_text(text: str) -> Markup:
-    """Return JSON that may stand in a script element: nothing in it can end or open one."""
-    return Markup(text.strip().replace("<", "\\u003c"))
+def packed(text: str) -> str:
+    """Return a text as small as a page can hold it, for its own script to unpack: gzipped, in base64."""
+    return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode()
 
 
-def _size(content: bytes, suffix: str) -> tuple[int, int]:
-    """Width and height of a picture [pixel]; 0 where it does not say."""
-    if suffix == ".png":
-        width, height = struct.unpack(">II", content[16:24])
-        return int(width), int(height)
-    box = VIEW_BOX.search(content)
-    if box is None:
-        return 0, 0
-    return round(float(box[1]) * POINT), round(float(box[2]) * POINT)
+def _drawn(path: Path) -> Figure:
+    content = path.read_bytes()
+    if path.suffix == ".svg":
+        box = VIEW_BOX.search(content)
+        width, height = (round(float(side) * POINT) for side in box.groups()) if box else (0, 0)
+        return Figure(EMPTY.format(width, height), width, height, packed(content.decode()))
+    with Image.open(io.BytesIO(content)) as picture, io.BytesIO() as smaller:
+        picture.save(smaller, "WEBP", quality=QUALITY)
+        text = base64.b64encode(smaller.getvalue()).decode()
+        return Figure(f"data:image/webp;base64,{text}", picture.width, picture.height)
 
 
 Array = NDArray[np.float64]

@@ -5,25 +5,28 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crankbase.quantity import RPM, compact, format_number, nano, significant
+from crankbase.quantity import RPM, compact, format_number, format_usage, significant
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.vibration.assessment import Assessment, factor_range
 from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.analyses.vibration.tables import speed_table
+from crankfem.analyses.vibration.tables import critical_lines, speed_table
 from crankfem.report.conclusions import (
     conclusions,
     failed_checks,
+    findings,
     headline,
+    main_findings,
     misfiring_decides,
     reached_and_permitted,
     too_weak,
 )
-from crankfem.report.text_filters import quantity
+from crankfem.report.text_filters import quantity, with_three_digits
 from dynamics.assessment.limits import LimitUse
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.engine.layout import repeating_intervals
+from dynamics.wording import cylinders_named, limit_at, shown_range
 
 KINDS = ("axial", "torsional")
 
@@ -34,9 +37,9 @@ def summary(results: RunResults) -> Record:
     Returns
     -------
     dict
-        "facts" (of the engine), "status" ("fine", "barred", "bad" or "open"), "headline", "sentences"
-        (the conclusions), "failed_checks" (a sentence), "limits", "figures", "uncertain" (a sentence by
-        kind).
+        "facts" (of the engine), "status" ("fine", "barred", "bad" or "open"), "headline", "tiles", "plot"
+        (the names of those that decide, the best first), "findings" (of `main_findings`), "found" (all of
+        them in full, by section), "limits", "frequencies", "uncertain" (a sentence by kind).
     """
     vibration = results.vibration
     assessment = vibration.assessment
@@ -50,14 +53,170 @@ def summary(results: RunResults) -> Record:
         "facts": engine_facts(results),
         "status": status,
         "headline": headline(results.vibration, results.strength),
-        "sentences": conclusions(results),
-        "failed_checks": failed_checks(results.checks),
+        "tiles": tiles(results),
+        "plot": (
+            *(("misfiring_stress",) if _misfiring_alone(vibration) else ()),
+            *("deciding", "torsional_stress", "torsional_campbell"),
+        ),
+        "findings": main_findings(results),
+        "found": _by_section([*findings(results), ("checks", failed_checks(results.checks))]),
         "limits": [] if assessment is None else worst_of_each(assessment.verdict.checks),
-        "figures": [_compliance(results), *(_frequency(vibration, kind) for kind in KINDS)],
+        "frequencies": [_frequency(vibration, kind) for kind in KINDS],
         "uncertain": {}
         if assessment is None
         else {kind: uncertain_sentence(vibration, assessment, kind) for kind in KINDS},
     }
+
+
+def _misfiring_alone(vibration: EngineVibration) -> bool:
+    assessment = vibration.assessment
+    exceeded = assessment is not None and assessment.verdict.status == "not acceptable"
+    return misfiring_decides(vibration) and not exceeded
+
+
+def _by_section(statements: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    for section, text in filter(all, statements):
+        found.setdefault(section, []).append(text)
+    return found
+
+
+def tiles(results: RunResults) -> list[Record]:
+    """Return at most six figures that sum up a run.
+
+    Returns
+    -------
+    list of dict
+        "label", "value", "details" (a line each), "section" (of the report) and "mark" ("over" or "").
+    """
+    vibration = results.vibration
+    assessment = vibration.assessment
+    made = (
+        None if assessment is None else _worst_use(assessment),
+        _first_frequencies(vibration),
+        _worst_critical(vibration),
+        None if assessment is None else _misfiring(vibration),
+        None if assessment is None else _whole(vibration, assessment),
+        _assumed_inputs(results),
+    )
+    keys = ("label", "value", "details", "section", "mark")
+    return [dict(zip(keys, tile, strict=True)) for tile in made if tile is not None]
+
+
+Tile = tuple[str, str, list[str], str, str]
+
+
+def _worst_use(assessment: Assessment) -> Tile:
+    worst, most = assessment.verdict.worst, assessment.verdict.checks[0]
+    reached, permitted = reached_and_permitted(worst.at_worst, worst.limit.unit)
+    details = [
+        limit_at(worst.limit.name, worst.place),
+        f"{reached} at {_rpm(worst.worst_speed)}, permitted {permitted}",
+    ]
+    if most.worst_speed != worst.worst_speed and not most.in_running_range:
+        details.append(
+            f"above the running range {format_usage(most.used)} at {_rpm(most.worst_speed)}"
+        )
+    over = "" if all(check.passed for check in assessment.verdict.checks) else "over"
+    return "Worst use of a limit", format_usage(worst.used), details, "limits", over
+
+
+def _rpm(speed: float) -> str:
+    return f"{significant(speed * RPM, 3)} 1/min"
+
+
+def _first_frequencies(vibration: EngineVibration) -> Tile:
+    values, details = [], []
+    for kind in KINDS[::-1]:
+        mode = vibration.modes(kind).crankshaft_mode
+        values.append("none" if mode is None else _hertz(mode.frequency))
+        known = []
+        if mode is not None and vibration.assessment is not None:
+            bounds = vibration.assessment.uncertainty[kind].frequencies[mode.number - 1]
+            known.append(_bounds(bounds.lowest, bounds.highest))
+        if swept := _swept(vibration, kind):
+            # Of a mode that is divided the part most alike; all stand with the mode shapes.
+            known.append(f"whole crankshaft {swept.partition(' and ')[0]}")
+        if known:
+            details.append(f"{kind} {'; '.join(known)}")
+    label = "First torsional / axial frequency"
+    return label, f"{' / '.join(values)} Hz", details, "modes", ""
+
+
+def _worst_critical(vibration: EngineVibration) -> Tile:
+    label = "Worst critical speed"
+    lines = [line for kind in KINDS for line in critical_lines(vibration, kind) if line.speed]
+    if not lines:
+        return label, "none", ["in the running range"], "campbell", ""
+    worst = max(lines, key=lambda line: line.strength)
+    assert worst.speed is not None
+    modes = ", ".join(map(str, worst.modes))
+    details = [f"{worst.vibration}, order {worst.order:g}, mode {modes}"]
+    peak, margin = worst.peak, worst.margin
+    if peak is not None and np.isfinite(peak.limit_used):
+        details.append(f"this order alone: {format_usage(peak.limit_used)} of a limit")
+    if margin is not None:
+        reach = f"uncertainty range {_rpm(margin.low).partition(' ')[0]} to {_rpm(margin.high)}"
+        left = f"margin {significant(100.0 * margin.margin, 2)} %" if margin.margin else "no margin"
+        details.append(f"{left}; {reach}")
+    return label, _rpm(worst.speed), details, "campbell", ""
+
+
+def _misfiring(vibration: EngineVibration) -> Tile | None:
+    misfiring, label = vibration.misfiring, "While a cylinder misfires"
+    if misfiring is None or not misfiring.checks:
+        return label, "not calculated", [], "limits", ""
+    most = max(misfiring.checks, key=lambda check: check.misfiring.used)
+    reached = most.misfiring
+    details = [
+        f"{cylinders_named(most.cylinders)}: {limit_at(most.quantity, reached.place)}",
+        f"at {_rpm(reached.speed)}; all cylinders firing {format_usage(most.normal.used)}",
+    ]
+    if misfiring.exceeded:
+        count, span = len(misfiring.exceeded), (misfiring.exceeded[0][0], misfiring.exceeded[-1][1])
+        parts = f"in {count} ranges " if count > 1 else ""
+        details[1:] = [f"limits are exceeded {parts}from {with_three_digits(shown_range(*span))}"]
+    over = "" if misfiring.passed else "over"
+    return label, f"{format_usage(reached.used)} of a limit", details, "limits", over
+
+
+def _whole(vibration: EngineVibration, assessment: Assessment) -> Tile | None:
+    whole, judged = vibration.whole_crankshaft, assessment.by_whole_shaft
+    if whole is None or not whole.comparison.chains:
+        return None
+    label, chains = "By the whole crankshaft", whole.comparison.chains
+    inadequate = [kind for kind, chain in chains.items() if not chain.suffices]
+    if not inadequate:
+        return label, "the same", ["the lumped models (chains) are adequate"], "whole", ""
+    details = [f"the lumped model (chain) is inadequate: {' and '.join(inadequate)}"]
+    if judged is None:
+        return label, "other frequencies", details, "whole", ""
+    worst = judged.checks[0]
+    same = judged.status == assessment.verdict.status
+    details = [
+        f"at {_rpm(worst.worst_speed)}, {worst.place}; {'the same' if same else 'another'} verdict",
+        *details,
+    ]
+    over = "" if worst.passed else "over"
+    return label, f"{format_usage(worst.used)} of a limit", details, "whole", over
+
+
+def _assumed_inputs(results: RunResults) -> Tile:
+    assessment, inputs = results.vibration.assessment, results.inputs
+    count, details = sum(record.assumed for record in inputs), []
+    if assessment is not None:
+        status = assessment.verdict.status
+        fields = [trial.field for trial in assessment.decision.trials if trial.status != status]
+        decides = ", ".join(dict.fromkeys(fields))
+        details.append(
+            f"the verdict changes with {decides}"
+            if decides
+            else "the verdict is the same with all other values tried"
+        )
+    if warnings := len(results.input_warnings):
+        details.append(f"{warnings} warning{'' if warnings == 1 else 's'} of the input: check it")
+    over = "over" if warnings else ""
+    return "Assumed inputs", f"{count} of {len(inputs)}", details, "inputs", over
 
 
 def engine_facts(results: RunResults) -> list[str]:
@@ -210,7 +369,7 @@ def worst_tables(vibration: EngineVibration, units: OutputUnits = SI) -> Iterato
             main=True,
         )
     speeds = speed_table(vibration, units, SPEEDS_SHOWN)
-    shown = ["vibration", "speed", "order", "peak at", "amplitude", "kind"]
+    shown = ["vibration", "speed", "order", "peak at", "amplitude", "limit used", "margin"]
     if vibration.forced_by_kind is None:
         shown = ["vibration", "speed", "order", "mode", "phase sum"]
     known = [column.name for column in speeds.columns]  # without peaks there are no amplitudes
@@ -220,22 +379,6 @@ def worst_tables(vibration: EngineVibration, units: OutputUnits = SI) -> Iterato
 
 def _apart(worst: WorstPlace) -> tuple[str, str]:
     return reached_and_permitted(worst.use, worst.check.limit.unit)
-
-
-def _compliance(results: RunResults) -> Record:
-    throw, named = results.throw, results.throws
-    which = f"throw {next(iter(named))}" if named else "a throw"
-    exact = " of the exact solution, as 95 of 100 test throws"
-    return {
-        "label": f"Axial compliance of {which},",
-        "symbol": ("e", "n"),
-        "value": f"{nano(throw.supports['pinned'].axial, 3)}e-9",
-        "unit": "m/N",
-        "details": [
-            "ends pinned, finite elements",
-            f"{throw.error_words}{exact if throw.axial_correction else ''}",
-        ],
-    }
 
 
 def _frequency(vibration: EngineVibration, kind: str) -> Record:
@@ -264,8 +407,8 @@ def _frequency(vibration: EngineVibration, kind: str) -> Record:
         details.append(f"lower modes of coupling, damper or line: {lower} Hz")
     return {
         "label": f"First {kind} frequency{' of the crankshaft' if beside else ''}",
-        "symbol": None,
-        "value": "none" if first is None else _hertz(first),
-        "unit": "" if first is None else "Hz",
+        "value": "none" if first is None else f"{_hertz(first)} Hz",
         "details": details,
+        "section": "",
+        "mark": "",
     }

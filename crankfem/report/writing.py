@@ -1,6 +1,7 @@
 """The HTML reports: pages of numbers and pictures that open without a network."""
 
 import re
+from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -26,7 +27,7 @@ from crankfem.analyses.vibration.tables import (
 )
 from crankfem.report.conclusions import reached_and_permitted
 from crankfem.report.engine_schematic import engine_schematic
-from crankfem.report.figures import PLOTS, load_figures
+from crankfem.report.figures import PLOTS, Figure, load_figures, packed
 from crankfem.report.summary import summary
 from crankfem.report.text_filters import FILTERS, source_label
 from dynamics import wording
@@ -112,7 +113,7 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
             figures=figures,
             picture_notes=[text for text in (results.picture_note, note) if text],
             style=Markup(template_text(STYLE)),
-            scripts=plotting() if any(drawn.plot is not None for drawn in figures.values()) else (),
+            **scripts(figures),
         )
     )
     return html, note
@@ -136,11 +137,20 @@ def page_environment() -> "Environment":
     return environment
 
 
-def plotting() -> tuple[Markup, ...]:
-    """Scripts that draw the interactive plots: the library, and what uses it."""
+@cache
+def _library() -> str:
     from plotly.offline import get_plotlyjs
 
-    return tuple(Markup(script(text)) for text in (get_plotlyjs(), template_text(DRAWING)))
+    return packed(get_plotlyjs())
+
+
+def scripts(figures: Mapping[str, Figure]) -> dict[str, str]:
+    """Return what figures need of a page: the `library` that draws, packed, and the script `drawing`."""
+    plots = any(drawn.plot is not None for drawn in figures.values())
+    return {
+        "library": _library() if plots else "",
+        "drawing": Markup(script(template_text(DRAWING))) if figures else "",
+    }
 
 
 def script(text: str) -> str:
@@ -180,7 +190,6 @@ def render_throw_report(results: dict[str, Any], folder: Path) -> str:
     """
     fillets = results["fillets"]
     figures, _ = load_figures({"drawing": THROW_DRAWING}, {"throw_view": THROW_VIEW}, folder)
-    shown = any(drawn.plot is not None for drawn in figures.values())
     return (
         page_environment()
         .get_template(THROW_TEMPLATE)
@@ -194,6 +203,6 @@ def render_throw_report(results: dict[str, Any], folder: Path) -> str:
             about=results["about"],
             figures=figures,
             style=Markup(template_text(STYLE)),
-            scripts=plotting() if shown else (),
+            **scripts(figures),
         )
     )

@@ -334,6 +334,7 @@ def _checked_steady(steady: tuple[ArrayLike, ArrayLike]) -> tuple[FloatArray, Fl
 
 
 BARRED, OUTSIDE = "#f6dcd9", "#ececec"
+PLAIN_SUM = "plain sum"  # of amplitudes, in a legend
 # Orders that get a line of their own in a diagram over speed.
 MAIN_ORDERS = 5
 # Height of a diagram with unbounded speeds in medians of the plain sum.
@@ -464,7 +465,7 @@ def over_speed(
         series=(
             *order_series(orders, factor * by_order, main_orders, inside),
             Series("all orders (synthesis)", with_gaps(factor * total), "total"),
-            Series("plain sum", plain_sum, "plain sum"),
+            Series(PLAIN_SUM, plain_sum, "plain sum"),
             *series,
         ),
         x_label=SPEED_LABEL,

@@ -100,6 +100,9 @@ class DampedCritical(Result):
         All modes that make the peak at any of the places, the main one first; none for a peak of the forces.
     unit : str
         Of the amplitude, "N m", "N", "rad" or "m"; "SI" if the kind of the chain is not known.
+    limit_used : float
+        Share of a limit that the order alone uses at this speed, the largest of all places; NaN where no
+        limit is stated.
     """
 
     order: Number
@@ -128,6 +131,7 @@ class DampedCritical(Result):
     spread: Annotated[tuple[float, float] | None, Quantity("rad/s", exported="1/min")] = None
     modes: Annotated[tuple[int, ...], Quantity("1")] = ()
     unit: str = "SI"
+    limit_used: Share = float("nan")
 
     @property
     def motion_unit(self) -> str:

@@ -135,16 +135,31 @@ class PeakCause(Result):
                 if np.isinf(part.amplitude)
             )
         least = LEAST_PART * self.amplitude
-        groups = [self._runs(orders, least) for orders in self._together()]
+        groups = self._main(least)
         named = [part for runs in groups for run in runs for part in run]
         if not named:
             return wording.NO_MAIN_ORDER
-        groups = sorted((runs for runs in groups if runs), key=lambda runs: -abs(_total(runs)))
         texts = [self._group(runs) for runs in groups]
         rest = self.amplitude - sum(part.contribution for part in named)
         if abs(rest) >= least:
             texts.append(wording.others_contribute(rest, self.unit))
         return "; ".join(texts)
+
+    @property
+    def main_shares(self) -> list[tuple[str, float]]:
+        """The main orders in words and their shares, the largest first; also of what was read from JSON."""
+        whole = sum(part.contribution for part in self.parts)
+        return [
+            (
+                wording.orders_named(
+                    [(run[0].order, run[-1].order) for run in runs],
+                    runs[0][0].state,
+                    _mode(runs[0][0]) if runs[0][0].mode else "",
+                ),
+                _total(runs) / whole,
+            )
+            for runs in self._main(LEAST_PART * whole)
+        ]
 
     def to_pandas(self) -> "DataFrame":
         """Return a table with a row for each order.
@@ -152,6 +167,11 @@ class PeakCause(Result):
         Units and errors are those of `crankbase.frames.table`.
         """
         return table_of(self.parts)
+
+    def _main(self, least: float) -> list[tuple[Orders, ...]]:
+        """Return the main orders, those reported together, the largest contribution first."""
+        groups = [self._runs(orders, least) for orders in self._together()]
+        return sorted(filter(None, groups), key=lambda runs: -abs(_total(runs)))
 
     def _together(self) -> list[Orders]:
         """Return the orders reported together: those of one resonance, and all that are forced."""

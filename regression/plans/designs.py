@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.results import Number, Quantity, Result, result
+from crankbase.summaries import summarized
 from regression.plans.factors import Factor, rounded
 
 # Latin hypercubes tried, of which the one with the largest smallest distance is taken; fewer of large
@@ -333,6 +334,7 @@ TAKERS: Mapping[str, tuple[str, ...]] = {
 }
 
 
+@summarized("kind", "runs", keeps_text=True)
 @dataclass(frozen=True)
 class DesignChoice:
     """A design of experiments with its parameters.

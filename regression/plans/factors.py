@@ -11,6 +11,7 @@ from crankbase.choices import check_choice, did_you_mean, is_number, is_whole_wi
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.quantity import format_quantity
+from crankbase.summaries import summarized
 from geometry.throw import CrankThrow
 
 SPACINGS = ("even", "log", "chebyshev", "log chebyshev")
@@ -20,6 +21,7 @@ FREE_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 DIGITS = 12
 
 
+@summarized("name", "lowest", "highest", "unit", keeps_text=True)
 @dataclass(frozen=True)
 class Factor:
     """A factor of a study.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.results import Quantity, Result, result
+from crankbase.summaries import summarized
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record
@@ -263,6 +264,7 @@ def _check_factor(
 MODEL_VERSION = 6
 
 
+@summarized("study: key", "factors: names", "design: design.kind", "held_out", "accuracy")
 @dataclass(frozen=True)
 class StudyPlan:
     """A base throw, its factors and design, and held-out designs.

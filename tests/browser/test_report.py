@@ -25,13 +25,16 @@ MEGABYTE = 1e6
 # Plots that are not there, or not yet complete.
 NOT_DRAWN = "div.interactive[hidden], div.interactive.waiting"
 # Seconds for all plots of a report, without a graphics card and on a busy machine.
-LONGEST_DRAWING = 60.0
+LONGEST_DRAWING = 120.0
 # Levels of axe, from the worst.
 SERIOUS = ("critical", "serious")
+# The first screen of an ordinary one, in pixels, and a page of A4 within its margins.
+SCREEN, PAPER = (1280, 800), 680
 
 
 def scroll_through(page):
-    """Let every part of the page come into sight until all plots are drawn, or for too long."""
+    """Unfold the page and let every part come into sight until all plots are drawn, or for too long."""
+    page.evaluate("document.querySelectorAll('details').forEach(part => { part.open = true; })")
     deadline = time.monotonic() + LONGEST_DRAWING
     while True:
         for place in range(0, page.evaluate("document.documentElement.scrollHeight"), 500):
@@ -51,7 +54,57 @@ def eye(page):
 
 
 def test_the_report_is_one_file_of_ordinary_size(report):
-    assert report.stat().st_size < 15 * MEGABYTE
+    assert report.stat().st_size < 4 * MEGABYTE
+
+
+def test_the_first_screen_has_the_answers(report, open_page):
+    page = open_page(report, *SCREEN)
+    page.locator("figure.plot-drawn").first.wait_for()
+    # The verdict's line, at most six figures, one plot with at most five lines, at most three findings.
+    assert page.locator("#verdict-head").bounding_box()["height"] < 30
+    assert 3 <= page.locator("#verdict .card").count() <= 6
+    assert 1 <= page.locator("#verdict .legend .traces").count() <= 5
+    assert page.locator("#verdict figure").count() == 1
+    findings = page.locator("#verdict .conclusions li").all_inner_texts()
+    assert 1 <= len(findings) <= 3
+    assert max(len(text.split()) for text in findings) <= 30 + 2  # what each is about, in front
+    bottoms = page.locator("#verdict .card, #verdict figure, #verdict li").evaluate_all(
+        "parts => parts.map(part => part.getBoundingClientRect().bottom)"
+    )
+    assert max(bottoms) < SCREEN[1]
+    # Each leads to its section, which says more.
+    for link in page.locator("#verdict a").all():
+        section = page.locator(link.get_attribute("href"))
+        assert len(section.inner_text()) > 20
+
+
+def test_few_screens_stand_before_the_appendices_which_are_folded(report, open_page):
+    page = open_page(report, *SCREEN)
+    appendices = page.locator("section.appendix")
+    assert appendices.count() > 5
+    assert appendices.first.bounding_box()["y"] < 12 * SCREEN[1]
+    assert page.locator("section.appendix > details[open]").count() == 0
+    # A link to one unfolds it.
+    page.goto(f"{report.as_uri()}#balance")
+    assert page.locator("#balance > details").get_attribute("open") is not None
+
+
+def test_on_a_telephone_everything_is_read_without_moving_sideways(report, open_page):
+    page = open_page(report, 390, 844)
+    page.evaluate("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+    page.wait_for_timeout(200)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    cut = page.locator(".scroll, caption, figcaption").evaluate_all(
+        """parts => parts.filter(part => part.scrollWidth > part.clientWidth + 1
+            || part.getBoundingClientRect().right > innerWidth).map(part => part.textContent)"""
+    )
+    assert cut == []
+    # A cell says what it is where heads do not stand above it.
+    assert page.locator("table.stacked").count() > 5
+    unnamed = page.locator("table.stacked td:not([colspan])").evaluate_all(
+        "cells => cells.filter(cell => !cell.dataset.head).length"
+    )
+    assert unnamed == 0
 
 
 @pytest.mark.skipif(shutil.which("java") is None, reason="the validator needs Java")
@@ -132,6 +185,7 @@ def test_legends_show_every_curve_that_is_drawn(report, open_page, width):
 def test_the_throw_turns_in_the_browser(report, open_page, width):
     page = open_page(report, width)
     view = page.locator('div.interactive[data-plot="throw_view"]')
+    page.locator("#throw > details > summary").click()
     page.locator('figure:has(div[data-plot="throw_view"])').scroll_into_view_if_needed()
     view.and_(page.locator(":not([hidden]):not(.waiting)")).wait_for(timeout=1e3 * LONGEST_DRAWING)
     page.mouse.wheel(0, 0)
@@ -205,9 +259,13 @@ def test_names_are_no_markup_in_the_browser(open_page, tmp_path):
 
 
 def test_on_paper_the_static_pictures_stand(report, open_page, tmp_path):
-    page = open_page(report)
+    page = open_page(report, PAPER)
     scroll_through(page)
     page.emulate_media(media="print")
+    cut = page.locator(".scroll").evaluate_all(
+        "parts => parts.filter(p => p.scrollWidth > p.clientWidth + 1).map(p => p.ariaLabel)"
+    )
+    assert cut == []
     assert page.locator("div.interactive:visible").count() == 0
     hidden = page.locator("figure img").evaluate_all(
         "images => images.filter(i => i.getClientRects().length === 0).map(i => i.alt)"

@@ -35,9 +35,19 @@ from json_units import numbers_with_units
 
 TOLERANCE = 1e-12
 ENGINES = [
-    "5rt-flex50d", "6chn105-130", "6chn15-18", "6chn18-22", "6chn18-22-set", "6chn25-34",
-    "6s50mc-c", "7l32-40-set", "8chn13-14", "cat-3116", "vw-tdi", "yamz-5340",
-]  # fmt: skip
+    "5rt-flex50d",
+    "6chn105-130",
+    "6chn15-18",
+    "6chn18-22",
+    "6chn18-22-set",
+    "6chn25-34",
+    "6s50mc-c",
+    "7l32-40-set",
+    "8chn13-14",
+    "cat-3116",
+    "vw-tdi",
+    "yamz-5340",
+]
 THROWS = ["12chn18-20", "12dn23-30", "2ch85-110", "8chn14-14"]
 MECHANISMS = ["8chn26-26", "buick-3800"]
 CHAINS = ["5rt-flex50d-plant", "geared-example", "mwm-six"]

@@ -25,12 +25,17 @@ THROW = CrankThrow(
 )
 # Ten dimensions of an ordinary throw, each over a good part of what engines have.
 RANGES = {
-    "crank_radius": (0.160, 0.180), "main_journal_diameter": (0.210, 0.230),
-    "pin_diameter": (0.175, 0.190), "main_journal_length": (0.100, 0.140),
-    "pin_length": (0.120, 0.158), "web_width": (0.275, 0.330), "web_thickness": (0.060, 0.098),
-    "fillet_radius": (0.008, 0.014), "main_journal_bore": (0.030, 0.060),
+    "crank_radius": (0.160, 0.180),
+    "main_journal_diameter": (0.210, 0.230),
+    "pin_diameter": (0.175, 0.190),
+    "main_journal_length": (0.100, 0.140),
+    "pin_length": (0.120, 0.158),
+    "web_width": (0.275, 0.330),
+    "web_thickness": (0.060, 0.098),
+    "fillet_radius": (0.008, 0.014),
+    "main_journal_bore": (0.030, 0.060),
     "pin_bore": (0.040, 0.070),
-}  # fmt: skip
+}
 
 
 def study(

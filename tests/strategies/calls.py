@@ -22,9 +22,22 @@ HUGE = 200_000
 # Seconds of processor time after which a run that reports its progress is interrupted, and must end.
 INTERRUPTED = 4.0
 FLOATS = (
-    0.0, -0.0, 1.0, -1.0, np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300, 5e-324, 1e12, 1e-12,
-    0.5, 3.0,
-)  # fmt: skip
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    np.nan,
+    np.inf,
+    -np.inf,
+    1e300,
+    -1e300,
+    1e-300,
+    5e-324,
+    1e12,
+    1e-12,
+    0.5,
+    3.0,
+)
 INTEGERS = (0, 1, -1, 2, 3, 7, 1000, 10**6, 10**9, 2**31, 2**63, 10**30, -(10**9))
 # These mesh, start processes or write; what they check first is tried through commands and the service.
 LONG = (

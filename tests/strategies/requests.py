@@ -102,9 +102,14 @@ NAMES = (
     "8chn26-26", "buick-3800", "12chn18-20", "mwm-six", "crosshead-30-100", "law", "5rt-flex50d",
 )  # fmt: skip
 ASSIGNED = (
-    "web_width=300mm", "web_thickness=60 mm", "web_thickness=", "=3", "pin_length=1e99 mm",
-    "x=y", "web_thickness=nan",
-)  # fmt: skip
+    "web_width=300mm",
+    "web_thickness=60 mm",
+    "web_thickness=",
+    "=3",
+    "pin_length=1e99 mm",
+    "x=y",
+    "web_thickness=nan",
+)
 
 
 def _examples() -> list[list[str]]:

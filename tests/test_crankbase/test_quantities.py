@@ -38,11 +38,17 @@ def test_millimetres_are_the_number_that_python_writes(number):
 @pytest.mark.parametrize(
     ("text", "per_second"),
     [
-        ("500 1/min", 500.0 / 60.0), ("500 rpm", 500.0 / 60.0), ("500 rev/min", 500.0 / 60.0),
-        ("8 Hz", 8.0), ("8 1/s", 8.0), ("8 cycle/s", 8.0), ("30 deg/s", 30.0 / 360.0),
-        ("100 grad/s", 0.25), ("5400 arcmin/s", 0.25),
+        ("500 1/min", 500.0 / 60.0),
+        ("500 rpm", 500.0 / 60.0),
+        ("500 rev/min", 500.0 / 60.0),
+        ("8 Hz", 8.0),
+        ("8 1/s", 8.0),
+        ("8 cycle/s", 8.0),
+        ("30 deg/s", 30.0 / 360.0),
+        ("100 grad/s", 0.25),
+        ("5400 arcmin/s", 0.25),
     ],
-)  # fmt: skip
+)
 def test_speed_of_rotation_counts_revolutions_unless_it_names_an_angle(text, per_second):
     assert parse_quantity(text, "rad/s", "speed") == close(2.0 * math.pi * per_second, rel=1e-14)
 
@@ -70,10 +76,23 @@ def test_bare_number_as_text_is_refused_with_what_to_write():
 @pytest.mark.parametrize(
     "text",
     [
-        "", "m", "mm", "170 xyz", "1 500 mm", "1,500 mm", "170,5 mm", "1_70 mm", "2*3 mm",
-        "1/2 m", "170 mm + 3 mm", "nan m", "inf m", "1e400 m", "abs(3) mm",
+        "",
+        "m",
+        "mm",
+        "170 xyz",
+        "1 500 mm",
+        "1,500 mm",
+        "170,5 mm",
+        "1_70 mm",
+        "2*3 mm",
+        "1/2 m",
+        "170 mm + 3 mm",
+        "nan m",
+        "inf m",
+        "1e400 m",
+        "abs(3) mm",
     ],
-)  # fmt: skip
+)
 def test_text_that_could_be_read_two_ways_is_refused(text):
     with pytest.raises(InputError, match=r"^field: given "):
         parse_quantity(text, "m", "field")

@@ -293,10 +293,13 @@ SPRING = '[[chain.elements]]\nstiffness = "3 N m/rad"\n'
         (LISTS.replace('"3 N m/rad"', '"3 N m/rad", "3 N m/rad"'), "stiffness: given 2 values"),
         (LISTS + 'names = ["a", "a"]\n', "chain.names: given 2 names, 1 of them different"),
         (LISTS + "loss_factor = [0.1, 0.2]\n", "chain.loss_factor: given 2 values for 1 elements"),
+        (LISTS + 'ground_damping = ["1 N m s/rad"]\n', "chain.ground_damping: given 1 values for"),
+        (LISTS.replace("2 kg", "0 kg"), r"inertia\[1\]: given 0"),
         (LISTS + SPRING, "chain.stiffness: given both it and"),
         (NODES + SPRING.replace("3", "0"), r"chain.elements\[0\].stiffness: given 0 N m/rad"),
         (NODES + SPRING + SPRING, r"chain.elements\[1\].nodes: missing"),
         (NODES + SPRING + 'nodes = ["a", "c"]\n', r"chain.elements\[0\].nodes: given 'c'; .*a, b"),
+        (NODES + SPRING + 'nodes = ["a", "a"]\n', r"elements\[0\].nodes: given 'a' twice"),
         (NODES + SPRING + 'diameter = "1 m"\n', r"elements\[0\].diameter: given together with"),
         (NODES + "[[chain.elements]]\n", r"elements\[0\].stiffness: given neither it nor shape"),
         (

@@ -19,16 +19,31 @@ from throws import MEDIUM_SPEED
 
 DIMENSIONS = dict(MEDIUM_SPEED)
 TWO_STROKE = {
-    "crank_radius": 1.1, "main_journal_diameter": 0.75, "pin_diameter": 0.75,
-    "main_journal_length": 0.4, "pin_length": 0.4, "web_width": 1.3, "web_thickness": 0.38,
-    "fillet_radius": 0.03, "web_outline": "rectangle", "web_corner_radius": 0.12,
-    "web_journal_end": 0.6, "web_pin_end": 0.61, "pin_bore": 0.35,
-}  # fmt: skip
+    "crank_radius": 1.1,
+    "main_journal_diameter": 0.75,
+    "pin_diameter": 0.75,
+    "main_journal_length": 0.4,
+    "pin_length": 0.4,
+    "web_width": 1.3,
+    "web_thickness": 0.38,
+    "fillet_radius": 0.03,
+    "web_outline": "rectangle",
+    "web_corner_radius": 0.12,
+    "web_journal_end": 0.6,
+    "web_pin_end": 0.61,
+    "pin_bore": 0.35,
+}
 SMALL = {
-    "crank_radius": 0.05, "main_journal_diameter": 0.06, "pin_diameter": 0.05,
-    "main_journal_length": 0.025, "pin_length": 0.026, "web_width": 0.078, "web_thickness": 0.018,
-    "fillet_radius": 0.003, "main_journal_fillet_radius": 0.0025,
-}  # fmt: skip
+    "crank_radius": 0.05,
+    "main_journal_diameter": 0.06,
+    "pin_diameter": 0.05,
+    "main_journal_length": 0.025,
+    "pin_length": 0.026,
+    "web_width": 0.078,
+    "web_thickness": 0.018,
+    "fillet_radius": 0.003,
+    "main_journal_fillet_radius": 0.0025,
+}
 PLAIN = "R 170; B 285; L_km/2 60; h 68; L_shm 139; 395; 142.5; D_km ⌀220; D_shm ⌀180; "
 # What differs from the first throw (or a whole throw), and the texts that its drawing must have.
 THROWS = {

@@ -28,10 +28,17 @@ GIVEN = {
     "oil_hole_diameter": 0.018,
 }
 FACTORS = {
-    "alpha_bending": 2.5, "alpha_torsion": 1.7, "beta_bending": 2.0, "beta_shear": 2.1,
-    "beta_torsion": 2.2, "beta_combined": 2.4, "gamma_bending": None, "gamma_torsion": None,
-    "error": 0.02, "as_ruled": True,
-}  # fmt: skip
+    "alpha_bending": 2.5,
+    "alpha_torsion": 1.7,
+    "beta_bending": 2.0,
+    "beta_shear": 2.1,
+    "beta_torsion": 2.2,
+    "beta_combined": 2.4,
+    "gamma_bending": None,
+    "gamma_torsion": None,
+    "error": 0.02,
+    "as_ruled": True,
+}
 
 
 @pytest.fixture(scope="module")

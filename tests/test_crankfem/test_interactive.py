@@ -673,6 +673,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
         "torsional_amplitude",
         "axial_force",
         "torsional_stress",
+        "deciding",
         "misfiring_stress",
         "shaft_modes",
         "axial_split",
@@ -687,6 +688,15 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
         traces = figures[name]["data"]
         for order in forced.response.orders.tolist():
             named(traces, f"order {order:g}")
+    worst = run.assessment.verdict.worst
+    deciding = figures["deciding"]
+    curve = named(deciding["data"], "all orders (synthesis)")
+    near = np.interp(worst.worst_speed * RPM, curve["x"], curve["y"])
+    assert near == close(worst.worst_value / 1e6, rel=0.02)
+    most = max(worst.cause.parts, key=lambda part: part.contribution)
+    named(deciding["data"], f"order {most.order:g}")
+    legend = [one["name"] for one in (*deciding["data"], *deciding["layout"]["shapes"])]
+    assert len(set(legend)) <= 5
     check = run.misfiring.of_stress
     for name, found in (
         ("all cylinders firing", check.normal),
@@ -739,8 +749,9 @@ def test_paper_and_screen_draw_the_same_curves(series):
 def test_the_stress_drawn_is_the_one_closest_to_its_limit(monkeypatch):
     """Of a plant, whose propeller shaft may be worse than the crankshaft."""
 
-    def check(limit, place):
-        return SimpleNamespace(limit=SimpleNamespace(name=limit), curve=SimpleNamespace(name=place))
+    def check(limit, place, unit="Pa"):
+        limit = SimpleNamespace(name=limit, unit=unit)
+        return SimpleNamespace(limit=limit, curve=SimpleNamespace(name=place))
 
     read = {
         "crankshaft_stress": SimpleNamespace(names=("cylinder",)),
@@ -754,7 +765,7 @@ def test_the_stress_drawn_is_the_one_closest_to_its_limit(monkeypatch):
         "shaft: line": SimpleNamespace(name="stress of line", unit="Pa"),
     }
     worst_first = [
-        check("axial amplitude", "free end"),
+        check("axial amplitude", "free end", "m"),
         check("stress of line", "second"),
         check("stress of crankshaft", "cylinder"),
     ]
@@ -764,10 +775,10 @@ def test_the_stress_drawn_is_the_one_closest_to_its_limit(monkeypatch):
         forced_torsional=0,
         engine_file=0,
     )
-    series, place, limit = vibration_plots._judged_stress(run)
+    series, place, limit = vibration_plots._judged(run, vibration_plots._worst_stress(run))
     assert (series.names[place], limit.name) == ("second", "stress of line")
     del worst_first[1]
-    series, place, limit = vibration_plots._judged_stress(run)
+    series, place, limit = vibration_plots._judged(run, vibration_plots._worst_stress(run))
     assert (series.names[place], limit.name) == ("cylinder", "stress of crankshaft")
 
 

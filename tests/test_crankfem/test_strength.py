@@ -27,9 +27,13 @@ GIVEN = {
     "oil_hole_diameter": 0.015,
 }
 FIT = {
-    "shrink_diameter": 0.23, "shrink_length": 0.06, "web_diameter": 0.285, "fillet_radius": 0.012,
-    "web_yield": 4e8, "journal_yield": 4e8,
-}  # fmt: skip
+    "shrink_diameter": 0.23,
+    "shrink_length": 0.06,
+    "web_diameter": 0.285,
+    "fillet_radius": 0.012,
+    "web_yield": 4e8,
+    "journal_yield": 4e8,
+}
 
 
 @pytest.fixture(scope="module")

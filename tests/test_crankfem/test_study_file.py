@@ -207,6 +207,14 @@ ERRORS = [
     (study(factors="web_width = {}"), "study.factors.web_width.from: missing; a range needs"),
     (study(factors='web_width = { from = "270 mm" }'), "study.factors.web_width.to: missing; a"),
     (study(factors='web_width = { from = 270, to = "300 mm" }'), "study.factors.web_width.from:"),
+    (
+        study(factors='web_width = { from = "1 m", step = 3 }'),
+        "study.factors.web_width.step: unkno",
+    ),
+    (
+        study(factors='web_width = { from = "270 mm", to = "300 mm", spacing = "log" }'),
+        "study.factors.web_width.spacing: given without levels",
+    ),
     (study(factors='web_with = ["270 mm", "300 mm"]'), "study.factors.web_with: unknown throw"),
     (study(factors=f'{WIDTH}\nweb_outline = "obround"'), "study.factors.web_outline: given"),
     (study(tail='[study.relations]\npin_length = "2 * web_with"'), "study.relations.pin_length:"),

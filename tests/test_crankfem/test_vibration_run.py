@@ -286,6 +286,7 @@ def test_records_pictures_and_columns(run, tmp_path):
         "axial_force",
         "torsional_amplitude",
         "torsional_stress",
+        "deciding",
         "misfiring_stress",
     }
     assert all(path.read_text(encoding="utf-8").startswith("<?xml") for path in made)

@@ -1,6 +1,7 @@
 """Every block of the documentation runs; pages for developers name what there is."""
 
 import importlib.util
+import json
 import os
 import re
 import subprocess
@@ -10,7 +11,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-LONG = ("slow-speed-plant", "v-engine")  # over 5 s
+LONG = ("gallery", "slow-speed-plant", "v-engine")  # over 5 s
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
@@ -198,13 +199,26 @@ def test_every_plot_of_a_notebook_is_shown(monkeypatch):
     assert shown == [0, 1, 1, 1]
 
 
+NOTEBOOKS = sorted(EXAMPLES.glob("*.ipynb"))
+
+
 @pytest.mark.further
-def test_the_lecture_runs(tmp_path, monkeypatch):
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs(tmp_path, monkeypatch, path):
     nbformat, nbclient = (
         pytest.importorskip(name, reason="needs crankfem[dev]") for name in ("nbformat", "nbclient")
     )
     monkeypatch.setenv("PYTHONPATH", str(EXAMPLES.parent))
-    notebook = nbformat.read(EXAMPLES / "lecture.ipynb", as_version=4)
+    notebook = nbformat.read(path, as_version=4)
     assert not any(cell.get("outputs") for cell in notebook.cells)
     nbclient.NotebookClient(notebook, resources={"metadata": {"path": str(tmp_path)}}).execute()
     assert any(cell.get("outputs") for cell in notebook.cells)
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_the_page_of_a_notebook_has_its_cells(path):
+    page = ROOT / "docs" / "notebooks" / f"{path.stem}.md"
+    if page.exists():  # the lecture has none
+        text = page.read_text(encoding="utf-8")
+        cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+        assert [cell for cell in cells if "".join(cell["source"]) not in text] == []

@@ -49,10 +49,18 @@ from dynamics.strength.fatigue import (
 from dynamics.strength.shrink_fit import ShrinkFit
 
 USUAL = {
-    "overlap": 0.15, "journal": 1.2, "web_thickness": 0.4, "web_width": 1.6,
-    "pin_fillet_radius": 0.06, "journal_fillet_radius": 0.06, "pin_bore": 0.0,
-    "journal_bore": 0.0, "pin_recess": 0.0, "journal_recess": 0.0, "oil_hole_diameter": 0.08,
-}  # fmt: skip
+    "overlap": 0.15,
+    "journal": 1.2,
+    "web_thickness": 0.4,
+    "web_width": 1.6,
+    "pin_fillet_radius": 0.06,
+    "journal_fillet_radius": 0.06,
+    "pin_bore": 0.0,
+    "journal_bore": 0.0,
+    "pin_recess": 0.0,
+    "journal_recess": 0.0,
+    "oil_hole_diameter": 0.08,
+}
 
 
 def web(size=0.2, semi_built=False, **ratios):
@@ -309,10 +317,16 @@ def test_only_nitriding_has_a_hardness_over_the_depth():
 
 
 FIT = {
-    "shrink_diameter": 0.7, "shrink_length": 0.32, "web_diameter": 1.3, "journal_diameter": 0.68,
-    "fillet_radius": 0.02, "distance": 0.1, "web_yield": 3.5e8, "journal_yield": 3e8,
+    "shrink_diameter": 0.7,
+    "shrink_length": 0.32,
+    "web_diameter": 1.3,
+    "journal_diameter": 0.68,
+    "fillet_radius": 0.02,
+    "distance": 0.1,
+    "web_yield": 3.5e8,
+    "journal_yield": 3e8,
     "torque": 1.2e6,
-}  # fmt: skip
+}
 
 
 def test_a_shrink_fit_by_hand():

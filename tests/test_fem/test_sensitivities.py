@@ -22,15 +22,30 @@ from geometry.throw import CrankThrow
 # Every surface that a quarter can have but oil holes: bores off their axes, fillets of two radii, webs
 # narrowed at one end and thinned at both, a counterweight with an inner radius.
 FEATURES = {
-    "crank_radius": 0.09, "main_journal_diameter": 0.13, "pin_diameter": 0.11,
-    "main_journal_length": 0.06, "pin_length": 0.07, "web_width": 0.18, "web_thickness": 0.04,
-    "fillet_radius": 0.006, "pin_fillet_radius": 0.005, "main_journal_bore": 0.04,
-    "pin_bore": 0.035, "pin_bore_offset": 0.01, "web_journal_end": 0.095, "web_pin_end": 0.075,
-    "web_tip_thickness": 0.032, "web_foot_thickness": 0.035,
+    "crank_radius": 0.09,
+    "main_journal_diameter": 0.13,
+    "pin_diameter": 0.11,
+    "main_journal_length": 0.06,
+    "pin_length": 0.07,
+    "web_width": 0.18,
+    "web_thickness": 0.04,
+    "fillet_radius": 0.006,
+    "pin_fillet_radius": 0.005,
+    "main_journal_bore": 0.04,
+    "pin_bore": 0.035,
+    "pin_bore_offset": 0.01,
+    "web_journal_end": 0.095,
+    "web_pin_end": 0.075,
+    "web_tip_thickness": 0.032,
+    "web_foot_thickness": 0.035,
     "counterweight": {
-        "outer_radius": 0.14, "inner_radius": 0.08, "angle": 1.9, "thickness": 0.036, "offset": 0.001,
+        "outer_radius": 0.14,
+        "inner_radius": 0.08,
+        "angle": 1.9,
+        "thickness": 0.036,
+        "offset": 0.001,
     },
-}  # fmt: skip
+}
 
 
 @pytest.fixture(scope="module")
@@ -98,12 +113,19 @@ def test_the_whole_and_the_quarter_have_the_same_slopes(throw, mesh, full_mesh, 
 
 
 SPLIT = {
-    "crank_radius": 0.142, "main_journal_diameter": 0.124, "pin_diameter": 0.113,
-    "main_journal_length": 0.101, "pin_length": 0.073, "web_width": 0.194, "web_thickness": 0.046,
-    "fillet_radius": 0.009, "web_outline": "rectangle", "web_corner_chamfer": 0.024,
+    "crank_radius": 0.142,
+    "main_journal_diameter": 0.124,
+    "pin_diameter": 0.113,
+    "main_journal_length": 0.101,
+    "pin_length": 0.073,
+    "web_width": 0.194,
+    "web_thickness": 0.046,
+    "fillet_radius": 0.009,
+    "web_outline": "rectangle",
+    "web_corner_chamfer": 0.024,
     "further_pins": ({"angle": 0.465, "web_thickness": 0.0},),
     "oil_holes": ({"part": "pin", "diameter": 0.012, "exit_radius": 0.004},),
-}  # fmt: skip
+}
 
 
 @pytest.mark.slow

@@ -90,10 +90,15 @@ FEATURES = {
     },
 }
 SYMMETRY = {
-    "unequal webs": "half", "one counterweight": "half", "two pins": "half", "three pins": "full",
-    "split pin": "full", "split pin with web": "full", "tilted oil hole": "half",
+    "unequal webs": "half",
+    "one counterweight": "half",
+    "two pins": "half",
+    "three pins": "full",
+    "split pin": "full",
+    "split pin with web": "full",
+    "tilted oil hole": "half",
     "oil hole askew": "full",
-}  # fmt: skip
+}
 PARTS = {"quarter": 4.0, "half": 2.0, "full": 1.0}
 
 

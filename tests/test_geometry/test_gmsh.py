@@ -29,10 +29,16 @@ from geometry.throw import CrankThrow
 
 ROOT = Path(__file__).parents[2]
 OPTIONS = (
-    "General.Terminal", "General.NumThreads", "Geometry.OCCUnionUnify",
-    "Mesh.MeshSizeExtendFromBoundary", "Mesh.MeshSizeFromCurvature", "Mesh.MeshSizeFromPoints",
-    "Mesh.MeshSizeFactor", "Mesh.ElementOrder", "Mesh.Algorithm3D",
-)  # fmt: skip
+    "General.Terminal",
+    "General.NumThreads",
+    "Geometry.OCCUnionUnify",
+    "Mesh.MeshSizeExtendFromBoundary",
+    "Mesh.MeshSizeFromCurvature",
+    "Mesh.MeshSizeFromPoints",
+    "Mesh.MeshSizeFactor",
+    "Mesh.ElementOrder",
+    "Mesh.Algorithm3D",
+)
 
 
 @pytest.fixture

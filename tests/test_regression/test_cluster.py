@@ -438,8 +438,15 @@ STUDY = plan_of_levels(
 
 
 NO_ADDRESSES = [
-    "", "nonsense://x", "tcp://x", "10.0.0.1", "tcp://a b:1", "tcp://x:99999", "tcp://:1", 5,
-]  # fmt: skip
+    "",
+    "nonsense://x",
+    "tcp://x",
+    "10.0.0.1",
+    "tcp://a b:1",
+    "tcp://x:99999",
+    "tcp://:1",
+    5,
+]
 
 
 @pytest.mark.parametrize("address", NO_ADDRESSES)

@@ -23,9 +23,14 @@ LOOKED_UP = ("value", "lower", "upper", "unit", "support", "symbol", "inside", "
 ENDS = ("left", "right", "band.left", "band.right")
 FORCES = {"pinned": (0.0, -1e5, 0.0), "guided": (3e4, -1e5, 0.0)}
 THROW = {
-    "crank_radius": 0.170, "main_journal_diameter": 0.220, "pin_diameter": 0.180,
-    "web_width": 0.285, "web_thickness": 0.061, "pin_length": 0.153, "main_journal_length": 0.135,
-}  # fmt: skip
+    "crank_radius": 0.170,
+    "main_journal_diameter": 0.220,
+    "pin_diameter": 0.180,
+    "web_width": 0.285,
+    "web_thickness": 0.061,
+    "pin_length": 0.153,
+    "main_journal_length": 0.135,
+}
 
 
 def looked_up(found):

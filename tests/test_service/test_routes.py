@@ -377,9 +377,13 @@ schemathesis = pytest.importorskip("schemathesis", reason="needs crankfem[test]"
 # each other, and names must be there.
 EXAMPLES = 30
 CHECKS = (
-    "not_a_server_error", "status_code_conformance", "content_type_conformance",
-    "response_headers_conformance", "response_schema_conformance", "negative_data_rejection",
-)  # fmt: skip
+    "not_a_server_error",
+    "status_code_conformance",
+    "content_type_conformance",
+    "response_headers_conformance",
+    "response_schema_conformance",
+    "negative_data_rejection",
+)
 # These begin jobs: they are asked less often.
 JOBS = ("/api/throws/analysis", "/api/throws/stress", "/api/studies", "/api/engines")
 

@@ -31,8 +31,12 @@ from dynamics.crankshaft.shaft_modes import crankshaft_modes
 pytestmark = pytest.mark.further
 OWN = "tests/data/engines/"
 ENGINES = (
-    "6chn25-34", "8chn13-14", "vw-tdi", OWN + "8l32-42-damper.toml", OWN + "v12-170-190.toml",
-)  # fmt: skip
+    "6chn25-34",
+    "8chn13-14",
+    "vw-tdi",
+    OWN + "8l32-42-damper.toml",
+    OWN + "v12-170-190.toml",
+)
 RX, RY, RZ = 3, 4, 5
 HIGHEST = 200.0  # Hz
 

@@ -214,10 +214,12 @@ def test_a_study_of_other_throws_is_told_before_it_runs(plain):
 # docs/formulas.md, "Ratio to finite elements": least and greatest at 180 deg; the torsional ones of throws
 # with one pin stand below the table.
 PRINTED = {
-    ("axial", "Draminsky (1)"): (1.22, 3.52), ("axial", "Anderson"): (0.96, 1.66),
-    ("axial", "Guglielmotti-Macchiotta"): (0.45, 0.69), ("torsional", "Carter"): (0.83, 1.19),
+    ("axial", "Draminsky (1)"): (1.22, 3.52),
+    ("axial", "Anderson"): (0.96, 1.66),
+    ("axial", "Guglielmotti-Macchiotta"): (0.45, 0.69),
+    ("torsional", "Carter"): (0.83, 1.19),
     ("torsional", "Ker Wilson"): (0.94, 1.10),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(("named", "printed"), PRINTED.items(), ids=[n for _, n in PRINTED])

@@ -281,9 +281,16 @@ def test_doubling_all_lengths_halves_every_formula(
 
 
 LENGTHS = (
-    "crank_radius", "main_journal_diameter", "pin_diameter", "main_journal_length", "pin_length",
-    "web_width", "web_thickness", "main_journal_bore", "pin_bore",
-)  # fmt: skip
+    "crank_radius",
+    "main_journal_diameter",
+    "pin_diameter",
+    "main_journal_length",
+    "pin_length",
+    "web_width",
+    "web_thickness",
+    "main_journal_bore",
+    "pin_bore",
+)
 # The fields of an ordinary throw that have defaults.
 EMPTY = {
     name: field.default for name, field in CrankThrow.model_fields.items() if name not in LENGTHS

@@ -39,13 +39,23 @@ LAW = (*AXIAL, "tilt_ratio", "influence_pinned", "influence_guided",
        "torsional_pinned", "torsional_guided")  # fmt: skip
 # Axial compliances of the shipped engines' throws, ends pinned [m/N]: analyze_throw(throw, material, 0.01).
 SHIPPED = {
-    "12chn18-20": 4.1716e-09, "12dn23-30": 1.2873e-09, "2ch85-110": 6.2892e-09,
-    "6chn105-130": 3.2562e-09, "6chn15-18": 7.1019e-09, "6chn18-22": 1.2604e-09,
-    "6chn25-34": 1.3009e-09, "6s50mc-c": 2.7884e-09, "7l32-40-set": 2.7036e-10,
+    "12chn18-20": 4.1716e-09,
+    "12dn23-30": 1.2873e-09,
+    "2ch85-110": 6.2892e-09,
+    "6chn105-130": 3.2562e-09,
+    "6chn15-18": 7.1019e-09,
+    "6chn18-22": 1.2604e-09,
+    "6chn25-34": 1.3009e-09,
+    "6s50mc-c": 2.7884e-09,
+    "7l32-40-set": 2.7036e-10,
     "8chn13-14": 1.9505e-09,
-    "8chn14-14": 1.2384e-09, "8chn26-26": 7.3733e-10, "buick-3800": 4.0904e-09,
-    "cat-3116": 3.0320e-09, "vw-tdi": 6.0211e-09, "yamz-5340": 3.1551e-09,
-}  # fmt: skip
+    "8chn14-14": 1.2384e-09,
+    "8chn26-26": 7.3733e-10,
+    "buick-3800": 4.0904e-09,
+    "cat-3116": 3.0320e-09,
+    "vw-tdi": 6.0211e-09,
+    "yamz-5340": 3.1551e-09,
+}
 
 
 @pytest.fixture(scope="module")

@@ -29,10 +29,17 @@ from regression.law.throw_law import axial_law
 TABLE = data_folder() / "tables" / "axial_compliance_published.csv"
 # Sums of the printed rows [1e-9 m/N], added up from the print.
 ROW_SUMS = {
-    "ChN 26/26": 185.82598, "ChN 25/34": 102.0778, "ChN 18/22": 13.6513, "ChN 18/20": 31.2108,
-    "ChN 10.5/12.7": 29.3306, "DN 23/30": 115.4171, "ChN 10.5/13": 29.7971, "ChN 15/18": 44.475,
-    "ChN 14/14": 20.4357, "ChN 13/14": 19.0195,
-}  # fmt: skip
+    "ChN 26/26": 185.82598,
+    "ChN 25/34": 102.0778,
+    "ChN 18/22": 13.6513,
+    "ChN 18/20": 31.2108,
+    "ChN 10.5/12.7": 29.3306,
+    "DN 23/30": 115.4171,
+    "ChN 10.5/13": 29.7971,
+    "ChN 15/18": 44.475,
+    "ChN 14/14": 20.4357,
+    "ChN 13/14": 19.0195,
+}
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,6 @@
 """Forced vibration of an engine's chains over its speeds, under the forces of its cylinders."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -39,13 +39,15 @@ from crankfem.analyses.vibration.engine_excitation import (
 from crankfem.analyses.vibration.engine_limits import (
     Findings,
     assessment_end_speeds,
+    engine_limits,
     limit_findings,
+    limited_quantities,
     limited_series,
 )
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.barred_ranges import limit_end_speed
-from dynamics.assessment.limits import AmplitudeCurve, usage
+from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, usage
 from dynamics.assessment.response_curves import refined_maxima
 from dynamics.critical import major_orders
 from dynamics.excitation.chain_excitation import AxialForceComparison
@@ -465,10 +467,10 @@ def forced_vibrations(
     compared = compared_axial_forces(
         engine_file, lengthened.forces, chains.pulled.compliances, shaft, analysis
     )
+    limits, quantities = engine_limits(engine_file)[0], limited_quantities(engine_file)
     limited = [
-        name
-        for series in limited_series(engine_file, lengthened, twisted).values()
-        for name in series.names
+        (quantities[name].kind, limits[name], series)
+        for name, series in limited_series(engine_file, lengthened, twisted).items()
     ]
     return (
         replace(
@@ -529,17 +531,23 @@ def vibrations_at(
 
 
 def resonances_of(
-    engine_file: EngineFile, forced: ForcedVibration, limited: Collection[str] = ()
+    engine_file: EngineFile,
+    forced: ForcedVibration,
+    limited: Sequence[tuple[str, VibrationLimit, OrderSeries]] = (),
 ) -> tuple[DampedCritical, ...]:
     """Return the peaks of all elements and nodes, ascending in speed, and then modes without a peak.
 
     Major orders are those in which all cylinders fire in phase. A peak of the exciting forces
-    without a mode near it is not a resonance; it is not `in_band`. Places with limits are told first.
+    without a mode near it is not a resonance; it is not `in_band`. `limited` has a kind of vibration, its
+    limit, and what that limits; these places are told first.
     """
     response, motion = forced.response, MOTION[forced.kind]
     major = major_orders(response.orders, engine_file.engine.firing_angles)
     criticals = damped_criticals(
-        response, speed_range=forced.judged_range, modes=forced.modes, first=limited
+        response,
+        speed_range=forced.judged_range,
+        modes=forced.modes,
+        first=[name for _, _, series in limited for name in series.names],
     )
     listed = [
         replace(
@@ -547,10 +555,27 @@ def resonances_of(
             kind="major" if np.any(np.isclose(major, critical.order)) else "minor",
             unit=motion.load if critical.of_load else motion.si,
             in_running_range=_speed(critical) <= forced.running_range[1],
+            limit_used=max(
+                (
+                    _used_alone(critical, limit, series)
+                    for kind, limit, series in limited
+                    if kind == forced.kind and critical.has_peak
+                ),
+                default=0.0,
+            )
+            or np.nan,
         )
         for critical in criticals
     ]
     return tuple(sorted(listed, key=lambda critical: (not critical.has_peak, _speed(critical))))
+
+
+def _used_alone(critical: DampedCritical, limit: VibrationLimit, series: OrderSeries) -> float:
+    """Return the share of a limit that the order of a peak alone uses at its speed; 0 without a limit."""
+    order = int(np.argmin(np.abs(series.orders - critical.order)))
+    speed = int(np.argmin(np.abs(series.speeds - critical.speed)))
+    permitted = limit.continuous.at(series.speeds[[speed]])
+    return float(np.max(series.amplitude[order, speed]) / permitted[0])
 
 
 def _speed(critical: DampedCritical) -> float:

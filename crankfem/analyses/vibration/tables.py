@@ -1,8 +1,10 @@
 """The tables and texts of an engine's vibration, which the command line and the report show."""
 
 import math
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from crankbase.quantity import RPM, UNBOUNDED
 from crankbase.table import SI, Cell, Column, Main, OutputUnits, Table
@@ -463,10 +465,11 @@ class CriticalLine:
         return None if self.critical is None else self.critical.speed
 
     @property
-    def strength(self) -> float:
-        """How much it matters beside others of its kind."""
-        severity = 0.0 if self.peak is None else self.peak.severity
-        return severity + self.phase_sum * 1e-9
+    def strength(self) -> tuple[float, float, float]:
+        """How much it matters beside others of its kind: by its share of a limit, else by its size."""
+        if self.peak is None:
+            return 0.0, 0.0, self.phase_sum
+        return np.nan_to_num(self.peak.limit_used), self.peak.severity, self.phase_sum
 
     @property
     def phase_sum(self) -> float:
@@ -486,7 +489,6 @@ def speed_table(
     run: EngineVibration,
     units: OutputUnits = SI,
     most: int = ROWS_SHOWN,
-    major: Collection[float] | None = None,
 ) -> Table:
     """Return the critical speeds of both kinds of vibration, with all that is known of each.
 
@@ -497,20 +499,19 @@ def speed_table(
     units : OutputUnits, optional
         In which amplitudes are written.
     most : int
-        How many are shown of each kind: the most severe, or without forces those at which the cylinders
-        act together most.
-    major : collection of float, optional
-        The engine's major orders, to name the kind of critical speeds without a peak at speeds calculated.
+        How many are shown of each kind: those whose order alone uses most of a limit, without limits the
+        most severe, without forces those at which the cylinders act together most.
 
     Returns
     -------
     Table
-        Speeds at which the cylinders act in phase are marked.
+        Speeds at which the cylinders act in phase are marked, and those of an order that alone exceeds a
+        limit.
     """
     running = None if run.assessment is None else run.assessment.verdict.running_range
     shown = {
         kind: sorted(
-            sorted(critical_lines(run, kind), key=lambda line: -line.strength)[:most],
+            sorted(critical_lines(run, kind), key=lambda line: line.strength, reverse=True)[:most],
             key=lambda line: (line.speed or math.inf, line.order),
         )
         for kind in MOTION
@@ -521,13 +522,6 @@ def speed_table(
             # Of a speed outside whose uncertainty range reaches to running speeds nothing is left.
             return line.margin.margin if line.outside(running) else None
         return None if line.peak is None else ABSENT
-
-    def kind_of(line: CriticalLine) -> str | None:
-        named = "" if line.peak is None else line.peak.kind
-        if not named and major is not None:
-            named = "major" if line.order in major else "minor"
-        outside = "outside" if line.outside(running) else ""
-        return ", ".join(filter(None, (named, outside))) or None
 
     def beside(name: str, part: str, speed: str) -> tuple[Column, Callable[[CriticalLine], Cell]]:
         column = Column(name, "1/min", decimals=1, bare=True, missing=ABSENT)
@@ -572,15 +566,24 @@ def speed_table(
             of_peak(lambda peak: peak.damping_ratio),
         ),
         (Column("margin", "%", decimals=1, missing="inside"), margin),
-        (Column("kind", words=True, missing=""), kind_of),
+        (
+            Column("limit used", "%", 3, missing=ABSENT),
+            of_peak(lambda peak: None if np.isnan(peak.limit_used) else peak.limit_used),
+        ),
         note=" ".join(f"{kind.capitalize()}: {text}" for kind, text in notes.items() if text),
-        mark=lambda line: "chosen" if line.phase_sum >= TOGETHER else "",
+        mark=_mark,
     )
     # A column that would say "none" of every speed says nothing.
     columns = zip(table.columns, zip(*table.rows, strict=True), strict=False)
     return table.select(
         *(column.name for column, cells in columns if any(_is_there(cell) for cell in cells))
     )
+
+
+def _mark(line: CriticalLine) -> str:
+    if line.peak is not None and line.peak.limit_used > 1.0:
+        return "over"
+    return "chosen" if line.phase_sum >= TOGETHER else ""
 
 
 def _is_there(cell: Cell) -> bool:

@@ -10,7 +10,7 @@ from crankbase.diagrams import Diagram, draw_diagram, figure, legend_below, make
 from crankbase.errors import InputError
 from crankbase.outputs import check_output, write_text
 from crankfem.analyses.titles import add_title
-from crankfem.report.interactive.style import Figure, Part, diagram_figure
+from crankfem.report.interactive.style import HEIGHT, Figure, Part, diagram_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -97,8 +97,9 @@ def plot_of_curves(
     describe: Callable[[Run], Diagram],
     title: Callable[[Run], str],
     needs: str = "",
+    height: int = HEIGHT,
 ) -> Plot[Run]:
-    """Return a plot whose curves are described once, for paper and for a screen."""
+    """Return a plot whose curves are described once, for paper and for a screen, so high there [pixel]."""
 
     def draw(axes: "Axes", run: Run) -> None:
         draw_diagram(axes, describe(run))
@@ -109,7 +110,7 @@ def plot_of_curves(
         alt,
         caption,
         picture(draw, title),
-        lambda run: diagram_figure(describe(run), title(run)),
+        lambda run: diagram_figure(describe(run), title(run), height),
         needs,
     )
 

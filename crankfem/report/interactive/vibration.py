@@ -1,6 +1,7 @@
 """The plots of an engine's vibration: mode shapes, Campbell diagrams, amplitudes over speed."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,15 +25,16 @@ from crankfem.report.interactive.style import (
     visibility_by_choice,
 )
 from dynamics.assessment.limits import VibrationLimit
+from dynamics.assessment.verdict import LimitCheck
 from dynamics.crankshaft.coupled_response import CoupledResponse, split_curves
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.critical import engine_orders
 from dynamics.plots.campbell import campbell
-from dynamics.plots.curves import SPEED_LABEL, Quantity, in_unit, quantity_display
+from dynamics.plots.curves import PLAIN_SUM, SPEED_LABEL, Quantity, in_unit, quantity_display
 from dynamics.plots.mode_shapes import chain_shapes, shaft_shape, shape_labels
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
-from dynamics.wording import cylinders_named
+from dynamics.wording import cylinders_named, limit_at
 
 # Modes that are drawn before anybody asks for the others, and all that are there.
 SHAPES_SHOWN, SHAPES = 3, 8
@@ -125,6 +127,16 @@ def _hover_text(kind: str, resonance: DampedCritical) -> str:
 
 
 AXIAL = MOTION["axial"]
+# What a limit is on, by its unit.
+QUANTITIES: dict[str, Quantity] = {
+    "Pa": "stress",
+    "N m": "torque",
+    "N": "force",
+    "rad": "twist",
+    "m": "displacement",
+}
+# Of the legend on the first screen of a report, and the height there [pixel].
+MOST_NAMED, DECIDING_HEIGHT = 5, 270
 
 
 def _title(what: str) -> Callable[[EngineVibration], str]:
@@ -193,28 +205,59 @@ def _stress(run: EngineVibration) -> Diagram:
     forced, assessment = run.forced_torsional, run.assessment
     assert forced is not None
     assert assessment is not None
-    stress, place, limit = _judged_stress(run)
+    stress, place, limit = _judged(run, _worst_stress(run))
     return amplitudes_over_speed(
         stress, place, "stress", limit, assessment.verdict.ranges_to_bar, forced.running_range
     )
 
 
-def _judged_stress(run: EngineVibration) -> tuple[OrderSeries, int, VibrationLimit]:
-    """Return stresses, the place among them that uses its limit most, and the limit."""
-    assessment, axial, torsional = run.assessment, run.forced_axial, run.forced_torsional
-    assert assessment is not None
+def _worst(run: EngineVibration) -> LimitCheck:
+    assert run.assessment is not None
+    return run.assessment.verdict.worst
+
+
+def _worst_stress(run: EngineVibration) -> LimitCheck:
+    # The worst comes first; the crankshaft's stress always has a limit.
+    assert run.assessment is not None
+    return next(check for check in run.assessment.verdict.checks if check.limit.unit == "Pa")
+
+
+def _judged(run: EngineVibration, check: LimitCheck) -> tuple[OrderSeries, int, VibrationLimit]:
+    """Return what a limit is on, the place among it that a check judges, and the limit."""
+    axial, torsional = run.forced_axial, run.forced_torsional
+    assert run.assessment is not None
     assert axial is not None
     assert torsional is not None
-    stresses = {limit.name: key for key, limit in assessment.limits.items() if limit.unit == "Pa"}
-    # The worst comes first; the crankshaft's stress always has a limit.
-    worst = next(check for check in assessment.verdict.checks if check.limit.name in stresses)
-    series = limited_series(run.engine_file, axial, torsional)[stresses[worst.limit.name]]
-    return series, series.names.index(worst.curve.name), worst.limit
+    limits = run.assessment.limits.items()
+    key = next(name for name, limit in limits if limit.name == check.limit.name)
+    series = limited_series(run.engine_file, axial, torsional, [key])[key]
+    return series, series.names.index(check.curve.name), check.limit
 
 
-def _stress_title(run: EngineVibration) -> str:
-    stress, place, _ = _judged_stress(run)
-    return _title(f"nominal torsional stress, {stress.names[place]}")(run)
+def _deciding(run: EngineVibration) -> Diagram:
+    """Show what uses most of a limit: all orders, the limit, and the orders that contribute most."""
+    worst = _worst(run)
+    series, place, limit = _judged(run, worst)
+    assert worst.cause is not None
+    assert run.assessment is not None
+    assert run.forced_torsional is not None
+    drawn = amplitudes_over_speed(
+        series,
+        place,
+        QUANTITIES[limit.unit],
+        limit,
+        run.assessment.verdict.ranges_to_bar,
+        run.forced_torsional.running_range,
+    )
+    lines = {line.name: line for line in drawn.lines}
+    orders = sorted(worst.cause.parts, key=lambda part: -part.contribution)
+    names = [f"order {part.order:g}" for part in orders]
+    main = [line for line in drawn.lines if line.main and line.name not in (PLAIN_SUM, *names)]
+    named = {band.name for band in drawn.bands} | {mark.name for mark in drawn.marks}
+    room = max(0, MOST_NAMED - len(main) - len(named))
+    return replace(
+        drawn, lines=[*main, *(lines[name]._replace(main=True) for name in names[:room])]
+    )
 
 
 def _misfiring_stress(run: EngineVibration) -> Diagram:
@@ -346,8 +389,18 @@ VIBRATION: Plots[EngineVibration] = Plots(
             "Nominal torsional stress by order over the speed",
             "Nominal torsional stress by order in the element that uses most of its limit, with the limit.",
             _stress,
-            _stress_title,
+            lambda run: _title(f"nominal torsional stress, {_worst_stress(run).place}")(run),
             needs="forced",
+        ),
+        plot_of_curves(
+            "deciding",
+            "What uses most of its limit, over the speed",
+            "What uses most of its limit, over the speed: all orders over the cycle, the limit, and the "
+            "orders that contribute most where most is used.",
+            _deciding,
+            lambda run: limit_at(_worst(run).limit.name, _worst(run).place),
+            needs="forced",
+            height=DECIDING_HEIGHT,
         ),
         plot_of_curves(
             "misfiring_stress",
@@ -357,6 +410,7 @@ VIBRATION: Plots[EngineVibration] = Plots(
             _misfiring_stress,
             lambda run: _title(f"misfiring, {_stress_check(run).misfiring.place}")(run),
             needs="misfiring",
+            height=DECIDING_HEIGHT,
         ),
         Plot(
             "shaft_modes",

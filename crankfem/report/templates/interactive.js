@@ -1,8 +1,9 @@
 /* Draws the report's interactive plots where scripts run, beside pictures that stay where they do not.
 
 A plot NAME has a holder <div class="interactive" data-plot="NAME" hidden> in a <figure> with its static
-picture, and its data in <script type="application/json" id="plot-NAME">. It is drawn when it comes near
-the screen; until then, on paper, and if anything fails, the picture is there. Nothing is fetched. */
+picture, and its data in <script id="plot-NAME">. It is drawn when it comes near the screen; until then, on
+paper, and if anything fails, the picture is there. Nothing is fetched: what is of the type
+"application/gzip" is packed in the page, also the pictures <img data-packed="ID"> and the library "plotly". */
 (function () {
   "use strict";
 
@@ -42,6 +43,30 @@ the screen; until then, on paper, and if anything fails, the picture is there. N
     "animation:none!important}}";
 
   var Plotly = window.Plotly;
+  var library = null;
+
+  /* The text of a script element, unpacked where it is packed. */
+  function content(id) {
+    var holder = document.getElementById(id);
+    if (holder.type !== "application/gzip") {
+      return Promise.resolve(holder.textContent);
+    }
+    if (!window.DecompressionStream) {
+      return Promise.reject(new Error("the browser cannot unpack"));
+    }
+    var bytes = Uint8Array.from(atob(holder.textContent), function (one) { return one.charCodeAt(0); });
+    var unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    return new Response(unpacked).text();
+  }
+
+  /* What draws is unpacked for the first plot that is. */
+  function ready() {
+    library = library || (Plotly ? Promise.resolve() : content("plotly").then(function (text) {
+      document.head.appendChild(element("script", {}, text));
+      Plotly = window.Plotly;
+    }));
+    return library;
+  }
 
   /* What differs from the figure's own layout on a narrow screen, and what brings that back.
 
@@ -375,11 +400,9 @@ the screen; until then, on paper, and if anything fails, the picture is there. N
     }
   }
 
-  function draw(holder) {
-    var data = document.getElementById("plot-" + holder.getAttribute("data-plot"));
+  function draw(holder, figure) {
     var still = holder.parentNode.querySelector("img");
     var label = holder.getAttribute("data-label") || (still && still.getAttribute("alt")) || "plot";
-    var figure = JSON.parse(data.textContent);
     if (figure.layout.scene && !hasWebGL()) {
       giveUp(holder);
       return null;
@@ -440,22 +463,20 @@ the screen; until then, on paper, and if anything fails, the picture is there. N
   }
 
   function attempt(holder) {
-    try {
-      Promise.resolve(draw(holder)).catch(function () {
-        giveUp(holder);
-      });
-    } catch (error) {
-      giveUp(holder);
-    }
+    ready()
+      .then(function () { return content("plot-" + holder.getAttribute("data-plot")); })
+      .then(function (text) { return draw(holder, JSON.parse(text)); })
+      .catch(function () { giveUp(holder); });
   }
 
   document.head.appendChild(element("style", {}, STYLE));
   // For pages that get plots later.
   window.drawInteractivePlot = attempt;
-  if (!Plotly || !window.IntersectionObserver) {
-    document.querySelectorAll(".interactive[data-plot]").forEach(giveUp);
-    return;
-  }
+  document.querySelectorAll("img[data-packed]").forEach(function (still) {
+    content(still.getAttribute("data-packed")).then(function (text) {
+      still.src = "data:image/svg+xml," + encodeURIComponent(text);
+    }, function () {});
+  });
   var seen = new IntersectionObserver(
     function (entries) {
       entries.forEach(function (entry) {
