@@ -37,6 +37,8 @@ _QUANTITY = re.compile(
     r"(?![\w^/]|\s(?:m|s|rad)\b)"
 )
 
+_SENTENCE_END = re.compile(r"(?<=[\w%)\]\"]\.) (?=[A-Z0-9])")
+
 # Dimension of a unit, and the power of the angle in it: a speed of rotation is no frequency.
 Kind = tuple[frozenset[tuple[str, float]], float]
 
@@ -379,6 +381,10 @@ class Table:
         Class of each row, such as "over" a limit; empty if no row is marked.
     merged : bool
         Whether rows that differ only in the first column are combined.
+    main : bool
+        Whether the table is among the main results, which a console shows first.
+    weights : sequence of float
+        How important each row is where there is no room for all; empty if the first rows are.
     """
 
     title: str
@@ -387,6 +393,8 @@ class Table:
     note: str = ""
     marks: Sequence[str] = ()
     merged: bool = False
+    main: bool = False
+    weights: Sequence[float] = ()
 
     @classmethod
     def of_records(
@@ -396,6 +404,8 @@ class Table:
         *columns: tuple[Column, str | Callable[[Any], Cell]],
         note: str = "",
         mark: Callable[[Any], str] | None = None,
+        weight: Callable[[Any], float] | None = None,
+        main: bool = False,
     ) -> Self:
         """Return a table with a row for each record.
 
@@ -406,11 +416,15 @@ class Table:
             makes a cell of a record.
         mark : callable, optional
             Gives the mark of a record's row.
+        weight : callable, optional
+            Gives its weight.
         """
         records = list(records)
         rows = [[_cell(record, cell) for _, cell in columns] for record in records]
         marks = [mark(record) for record in records] if mark else ()
-        return cls(title, [column for column, _ in columns], rows, note, marks)
+        weights = [weight(record) for record in records] if weight else ()
+        heads = [column for column, _ in columns]
+        return cls(title, heads, rows, note, marks, main=main, weights=weights)
 
     @classmethod
     def of_columns(
@@ -419,6 +433,7 @@ class Table:
         *columns: tuple[Column, Iterable[Any]],
         note: str = "",
         marks: Sequence[str] = (),
+        main: bool = False,
     ) -> Self:
         """Return a table of columns, each with its cells: words, numbers, or an array."""
         cells = [
@@ -426,7 +441,7 @@ class Table:
             for _, cells in columns
         ]
         rows = list(zip(*cells, strict=True))
-        return cls(title, [column for column, _ in columns], rows, note, marks)
+        return cls(title, [column for column, _ in columns], rows, note, marks, main=main)
 
     def texts(
         self, units: OutputUnits = SI, write: Callable[[float, int], str] | None = None
@@ -441,6 +456,15 @@ class Table:
         ]
         return merged_rows(rows) if self.merged else rows
 
+    def combined(self, units: OutputUnits = SI) -> "Table":
+        """Return the table of the rows as they are written, if some are combined."""
+        if not self.merged:
+            return self
+        texts = [replace(self, rows=[row], merged=False).texts(units)[0][1:] for row in self.rows]
+        places = [place for place, text in enumerate(texts) if text not in texts[:place]]
+        weights = [self.weights[place] for place in places] if self.weights else ()
+        return replace(self, rows=self.texts(units), merged=False, weights=weights)
+
     def select(self, *names: str) -> "Table":
         """Select columns by their names, in this order, and return their table."""
         places = [[column.name for column in self.columns].index(name) for name in names]
@@ -449,6 +473,35 @@ class Table:
             columns=[self.columns[place] for place in places],
             rows=[[row[place] for place in places] for row in self.rows],
         )
+
+    def heaviest(self, count: int) -> "Table":
+        """Return the table of so many rows, the most important ones, in their order."""
+        weights = self.weights or range(len(self.rows), 0, -1)
+        places = sorted(sorted(range(len(self.rows)), key=lambda place: -weights[place])[:count])
+
+        def kept(each: Sequence[Any]) -> list[Any]:
+            return [each[place] for place in places] if each else []
+
+        return replace(
+            self, rows=kept(self.rows), marks=kept(self.marks), weights=kept(self.weights)
+        )
+
+
+class Main(str):
+    """A paragraph that belongs to the main results, as a table that is `Table.main`.
+
+    Examples
+    --------
+    >>> Main("Fine to 515 1/min. No critical speed is near.").lead
+    'Fine to 515 1/min.'
+    """
+
+    __slots__ = ()
+
+    @property
+    def lead(self) -> "Main":
+        """The first sentence; all of a warning."""
+        return self if self.startswith("Warning") else Main(_SENTENCE_END.split(self, 1)[0])
 
 
 def _cell(record: Any, cell: str | Callable[[Any], Cell]) -> Cell:

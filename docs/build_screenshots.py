@@ -30,20 +30,16 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 SCREENS = HERE / "screens"
 KEPT = ROOT / "build" / "screens"  # the study's designs are computed once
-COLUMNS, LINES = 100, 50
+COLUMNS, LINES = 80, 50
 MODULE = "from crankfem.cli.entry import main; main()"
 ENGINE = "6chn25-34"
-# Names of pictures, commands, and where to end them: a line's beginning, so many last lines, or not at all.
-COMMANDS: tuple[tuple[str, str, str | int | None], ...] = (
-    ("check", "crankfem check mine.toml", "Inputs"),
-    ("run", "crankfem run mine.toml", None),
-    (
-        "lookup",
-        "crankfem lookup mine-results/model.json web_width=300mm web_thickness=72mm pin_length=139mm",
-        None,
-    ),
-    ("vibration", "crankfem vibration mine.toml", 30),
-)
+# Names of pictures, and commands.
+COMMANDS = {
+    "check": "crankfem check mine.toml",
+    "run": "crankfem run mine.toml",
+    "lookup": "crankfem lookup mine-results/model.json web_width=300mm web_thickness=72mm pin_length=139mm",
+    "vibration": "crankfem vibration mine.toml",
+}
 # The report's colors, on a light ground.
 THEME = TerminalTheme(
     (250, 251, 252),
@@ -110,15 +106,8 @@ def terminal_output(arguments: list[str], folder: Path) -> str:
     return ERASED.sub("", found.decode("utf-8").replace("\r\n", "\n"))
 
 
-def save_screen(path: Path, command: str, output: str, end: str | int | None) -> None:
-    """Write a picture of a terminal: the command and what it printed, or a part of that."""
-    shown = output.strip("\n").split("\n")
-    part = shown
-    if isinstance(end, int):
-        part = shown[-end:]
-    elif end is not None:
-        plain = [Text.from_ansi(line).plain for line in shown]
-        part = shown[: next((i for i, line in enumerate(plain) if line.startswith(end)), None)]
+def save_screen(path: Path, command: str, output: str) -> None:
+    """Write a picture of a terminal: the command and what it printed."""
     console = Console(
         record=True,
         width=COLUMNS,
@@ -127,11 +116,7 @@ def save_screen(path: Path, command: str, output: str, end: str | int | None) ->
         color_system="truecolor",
     )
     console.print(Text.assemble(("$ ", "bold blue"), (command, "bold")), soft_wrap=False)
-    if isinstance(end, int) and len(part) < len(shown):
-        console.print(Text("...", "dim"))
-    console.print(Text.from_ansi("\n".join(part)))
-    if isinstance(end, str) and len(part) < len(shown):
-        console.print(Text("...", "dim"))
+    console.print(Text.from_ansi(output.strip("\n")))
     svg = console.export_svg(title="", theme=THEME, unique_id=f"screen-{path.stem}")
     # The template loads a font from elsewhere; any typewriter font does.
     svg = re.sub(r"\s*@font-face \{.*?\}", "", svg, flags=re.DOTALL)
@@ -152,10 +137,10 @@ def make_commands(folder: Path) -> None:
     """Run the commands one after another in one folder."""
     SCREENS.mkdir(exist_ok=True)
     make_engine_file(folder)
-    for name, command, end in COMMANDS:
+    for name, command in COMMANDS.items():
         print(command, flush=True)
         output = terminal_output(command.split()[1:], folder)
-        save_screen(SCREENS / f"{name}.svg", command, output, end)
+        save_screen(SCREENS / f"{name}.svg", command, output)
 
 
 def make_report(folder: Path) -> None:

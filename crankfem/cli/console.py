@@ -1,28 +1,27 @@
 """Output of the command line: tables on standard output, progress and errors on standard error."""
 
 import os
+import re
 import sys
-import textwrap
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
-from rich import box
 from rich.console import Console
-from rich.measure import Measurement
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn
 from rich.progress import TimeElapsedColumn as Elapsed
-from rich.segment import Segments
-from rich.table import Table as RichTable
 from rich.text import Text
 
 from crankbase.errors import InputError, visible, with_short_quotes
 from crankbase.quantity import split_quantity
-from crankbase.table import SI, OutputUnits, Table
+from crankbase.table import SI, Main, OutputUnits, Table
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
+from crankfem.cli.layout import Line, legend, short_ways, table_lines, wrapped
 from crankfem.jobs.exit_codes import (
     EXIT_INPUT,
     EXIT_INTERRUPTED,
@@ -38,9 +37,9 @@ if TYPE_CHECKING:
     from crankbase.results import Result
 
 Value = TypeVar("Value")
-LONGEST_WORD = 20
-# Characters of a line that a table may take, however narrow the terminal is.
-LEAST_TABLE = 80
+# Lines of the first screen, and rows that a table on it keeps.
+LINES, FEWEST_ROWS = 40, 4
+MICROMETERS = re.compile(r"(?<=\d )um\b|(?<=\[)um(?=\])")
 # Seconds between two lines of progress where no bar can be drawn.
 LINE_EVERY = 30.0
 # With what rich and typer end where the output is read no more.
@@ -48,11 +47,28 @@ UNREAD = 1
 
 
 class Terminal(Console):
-    """A stream of the terminal: texts, those in tables too, are shown as they are, and control nothing."""
+    """A stream of the terminal: texts are shown as they are, and control nothing.
+
+    Attributes
+    ----------
+    printed : int
+        Lines of the paragraphs of this command so far.
+    """
+
+    printed = 0
 
     def render_str(self, text: str, **options: Any) -> Text:
         """Return a text for display."""
+        if self.encoding.startswith("utf"):
+            text = MICROMETERS.sub("\N{MICRO SIGN}m", text)
         return super().render_str(visible(text), **options)
+
+    def paragraph(self, text: str) -> None:
+        """Print a paragraph, wrapped between words in a terminal, in one line where another program reads."""
+        lines = wrapped(text, self.width)
+        self.printed += len(lines)
+        one = not (self.is_terminal or "COLUMNS" in os.environ)
+        self.print(text if one else "\n".join(lines), soft_wrap=True, highlight=False)
 
 
 # Brackets and colons in units and names are text, neither markup nor pictures.
@@ -69,17 +85,8 @@ def print_json(content: "dict[str, Any] | Result") -> None:
 
 
 def print_line(text: str) -> None:
-    """Print one paragraph: wrapped between words in a terminal, in one line where another program reads."""
-    if output.is_terminal or "COLUMNS" in os.environ:
-        # Rich breaks long words; names and paths stay whole here, and hyphens do not part them.
-        text = textwrap.fill(
-            text,
-            output.width,
-            subsequent_indent="  " if text.startswith("- ") else "",
-            break_long_words=False,
-            break_on_hyphens=False,
-        )
-    print_path(text)
+    """Print one paragraph."""
+    output.paragraph(text)
 
 
 def print_path(text: str) -> None:
@@ -101,57 +108,99 @@ def print_warnings(warnings: Iterable[str], units: OutputUnits = SI) -> None:
 def print_note(text: str, quiet: bool = False) -> None:
     """Print a note on standard error, unless --quiet is given."""
     if not quiet:
-        errors.print(text, soft_wrap=True, highlight=False)
+        errors.paragraph(text)
 
 
-def print_table(table: Table, units: OutputUnits = SI, *, plain: bool = False) -> None:
-    """Print a table and its note; the first column and columns of words are left-aligned.
+def print_table(table: Table, units: OutputUnits = SI) -> None:
+    """Print a table and its note."""
+    print_parts([table], units)
 
-    With `plain` there is a line below the heads only.
+
+def print_parts(
+    parts: Iterable[Table | str],
+    units: OutputUnits = SI,
+    answers: Sequence[Table | str] = (),
+    *,
+    full: bool = True,
+) -> None:
+    """Print tables and paragraphs, and below them the answers.
+
+    Unless `full`, only the main parts are printed, as far as one screen has room: first, paragraphs are cut
+    to their first sentences, then rows of tables are left out, then parts, the last ones first, but warnings
+    only where nothing else is left, and answers never.
     """
-    drawn = RichTable(
-        title=table.title,
-        title_justify="left",
-        title_style="bold",
-        header_style="bold",
-        box=box.SIMPLE_HEAD if plain else box.HEAVY_HEAD,
-        show_edge=not plain,
-        pad_edge=not plain,
-    )
-    rows = table.texts(units)
-    for place, column in enumerate(table.columns):
-        left = place == 0 or column.words
-        longest = max((len(word) for row in rows for word in row[place].split()), default=0)
-        drawn.add_column(
-            column.head(units),
-            justify="left" if left else "right",
-            overflow="fold",
-            # Words of ordinary length are not broken, even where the terminal is narrow.
-            min_width=longest if left and longest <= LONGEST_WORD else None,
-        )
-    for row in rows:
-        drawn.add_row(*row)
-    print_drawn(drawn)
-    if table.note:
-        print_line(table.note)
-
-
-def print_drawn(drawn: RichTable) -> None:
-    """Print a table; a terminal that is too narrow for its words breaks its lines, and none is left out."""
-    options = output.options
-    if output.width < LEAST_TABLE:  # which no least width is above
-        least = Measurement.get(output, options.update_width(LEAST_TABLE), drawn).minimum
-        options = options.update_width(max(output.width, least))
-    output.print(Segments(output.render(drawn, options)), crop=False)
-
-
-def print_parts(parts: Iterable[Table | str], units: OutputUnits = SI) -> None:
-    """Print tables and paragraphs."""
-    for part in parts:
+    shown = [*parts, *answers] if full else _first_screen(list(parts), list(answers), units)
+    blocks = [_lines(part, units) for part in shown]
+    explained = legend("\n".join(line for lines in blocks for line, _ in lines))
+    for number, (part, lines) in enumerate(zip(shown, blocks, strict=True)):
+        if number and not all(isinstance(one, str) for one in shown[number - 1 : number + 1]):
+            output.paragraph("")
         if isinstance(part, str):
-            print_line(part)
+            output.paragraph(short_ways(part))
         else:
-            print_table(part, units)
+            for line, style in lines:
+                output.print(line, style=style, soft_wrap=True, highlight=False)
+        if explained and legend("\n".join(line for line, _ in lines)):
+            output.paragraph(explained)
+            explained = ""
+
+
+def _lines(part: Table | str, units: OutputUnits) -> list[Line]:
+    if isinstance(part, str):
+        return [(line, "") for line in wrapped(short_ways(part), output.width)]
+    return table_lines(part, units, output.width)
+
+
+def _first_screen(
+    parts: list[Table | str], answers: list[Table | str], units: OutputUnits
+) -> list[Table | str]:
+    """Return the main parts, as many and with so many rows as one screen holds, and the answers."""
+    main: list[Table | str] = []
+    for part in parts:
+        if isinstance(part, Main):
+            main.append(part)
+        elif not isinstance(part, str) and part.main:
+            main.append(part.combined(units))
+    room = LINES - output.printed - errors.printed
+    every = Counter(map(_kind, parts)) + Counter({"row": sum(map(_rows, main))})
+    while True:
+        known = Counter(map(_kind, main)) + Counter({"row": sum(map(_rows, main))})
+        more = sorted((every - known).items(), reverse=True)
+        left = ", ".join(f"{count} more {name}{'s' * (count > 1)}" for name, count in more)
+        hint: list[Table | str] = [f"With --full: {left}."] if left else []
+        shown = [*main, *hint, *answers]
+        excess = _height(shown, units) - room
+        if not main or excess <= 0:
+            return shown
+        leads = [part.lead if isinstance(part, Main) else part for part in main]
+        if leads != main:
+            main = leads
+            continue
+        longest = max(main, key=_rows)
+        if not isinstance(longest, str) and _rows(longest) > FEWEST_ROWS:
+            kept = max(FEWEST_ROWS, _rows(longest) - 1 - excess // 4)
+            main[main.index(longest)] = longest.heaviest(kept)
+        else:
+            places = [place for place, part in enumerate(main) if not _is_warning(part)]
+            del main[places[-1] if places else -1]
+
+
+def _kind(part: Table | str) -> str:
+    return "remark" if isinstance(part, str) else "table"
+
+
+def _rows(part: Table | str) -> int:
+    return 0 if isinstance(part, str) else len(part.rows)
+
+
+def _height(parts: list[Table | str], units: OutputUnits) -> int:
+    """Count the lines of parts, with those between them and that of the legend."""
+    apart = sum(not all(isinstance(part, str) for part in pair) for pair in pairwise(parts))
+    return 1 + apart + sum(len(_lines(part, units)) for part in parts)
+
+
+def _is_warning(part: Table | str) -> bool:
+    return isinstance(part, str) and part.startswith("Warning")
 
 
 def print_notes(remarks: Iterable[str], units: OutputUnits = SI) -> None:
@@ -244,6 +293,8 @@ class RunProgress:
             TextColumn("{task.fields[pace]}", markup=False),
             console=errors,
             disable=quiet,
+            # Its lines would take the room of the results.
+            transient=errors.is_terminal,
         )
         self._task: TaskID | None = None
         # Designs finished now and before this run, and all of them.

@@ -21,7 +21,6 @@ from crankfem.report.conclusions import (
     misfiring_decides,
     reached_and_permitted,
     too_weak,
-    verdict_line,
 )
 from crankfem.report.text_filters import quantity, with_three_digits
 from dynamics.assessment.limits import LimitUse
@@ -342,14 +341,13 @@ def worst_of_each(checks: Iterable[LimitCheck]) -> list[WorstPlace]:
 
 
 def summary_parts(results: RunResults, units: OutputUnits = SI) -> Iterator[str]:
-    """Return the verdict of a run, its basis and its consequences, and what the engine is, in one line."""
-    yield units.text(verdict_line(results.vibration, results.strength))
+    """Return what follows from the results of a run, and what the engine is, in one line."""
     for line in conclusions(results):
         yield units.text(f"- {line}")
     yield units.text(f"{results.engine.name}: {'; '.join(engine_facts(results))}.")
 
 
-# Critical speeds of each kind; --verbose and the report show more.
+# Critical speeds of each kind; --full and the report show more.
 SPEEDS_SHOWN = 2
 
 
@@ -368,6 +366,7 @@ def worst_tables(vibration: EngineVibration, units: OutputUnits = SI) -> Iterato
             (Column("reached"), lambda worst: units.text(_apart(worst)[0])),
             (Column("permitted"), lambda worst: units.text(_apart(worst)[1])),
             (Column("used", "%", 3), lambda worst: worst.use.used),
+            main=True,
         )
     speeds = speed_table(vibration, units, SPEEDS_SHOWN)
     shown = ["vibration", "speed", "order", "peak at", "amplitude", "limit used", "margin"]
@@ -375,7 +374,7 @@ def worst_tables(vibration: EngineVibration, units: OutputUnits = SI) -> Iterato
         shown = ["vibration", "speed", "order", "mode", "phase sum"]
     known = [column.name for column in speeds.columns]  # without peaks there are no amplitudes
     if speeds.rows:
-        yield replace(speeds.select(*(name for name in shown if name in known)), note="")
+        yield replace(speeds.select(*(name for name in shown if name in known)), note="", main=True)
 
 
 def _apart(worst: WorstPlace) -> tuple[str, str]:

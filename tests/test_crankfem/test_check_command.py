@@ -63,12 +63,12 @@ def test_an_engine_is_shown_as_understood(call):
     assert record["shape"]["overlap"] == close(0.5 * (0.220 + 0.180) - 0.170)
     assert {"run", "vibration", "doe", "mechanism", "throw"} <= set(record["commands"])
     assert "gas" in record["sections"]
-    words = " ".join(call("check", "6chn25-34").out.split())
+    words = " ".join(call("check", "6chn25-34", "--full").out.split())
     for said in (
         "use it with: run, vibration",
         "runs from 200 to 515 1/min",
         "firing order 1-5-3-6-2-4",
-        "web_thickness │ h │ 68",
+        "web_thickness h 68",
         "a quarter is solved",
         "thrust bearing at main bearing 7 of 7, counted from 1 at the free end",
         "a classification society's rule",
@@ -84,7 +84,7 @@ def test_hinges_and_chains_are_checked(call, tmp_path):
     assert "valid hinge file" in call("check", "crosshead-30-100").out
     chain = call("check", "mwm-six", "--json").json()
     assert (chain["kind"], chain["commands"]) == ("chain", ["vibration"])
-    assert "a torsional chain of" in call("check", "mwm-six").out
+    assert "a torsional chain of" in call("check", "mwm-six", "--full").out
     assert call("new", "mine.toml", "--from", "crosshead-30-100").code == 0
     text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
     (tmp_path / "mine.toml").write_text(text.replace("[sliding]", "[slidng]"), encoding="utf-8")
@@ -104,7 +104,7 @@ def test_an_impossible_cycle_is_found(call, tmp_path, six_cylinders, edit):
 def test_a_picture_of_the_throw(call, tmp_path):
     answer = call("check", "6chn25-34", "--picture", "throw.svg")
     assert answer.code == 0
-    assert answer.out.rstrip().endswith("throw.svg written.")
+    assert "throw.svg written." in answer.out.splitlines()
     assert (tmp_path / "throw.svg").read_text(encoding="utf-8").startswith("<?xml")
     answer = call("check", "mwm-six", "--picture", "throw.svg")
     assert answer.code == 2
@@ -220,7 +220,7 @@ def test_check_tells_what_a_line_adds_to_the_flywheel(call, tmp_path, six_cylind
 def test_designs_that_are_left_out_are_told(call, tmp_path, six_cylinders, edit):
     text = edit(six_cylinders, {"study.factors.web_thickness": '["5 mm", "68 mm", "98 mm"]'})
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
-    words = " ".join(call("check", "mine.toml").out.split())
+    words = " ".join(call("check", "mine.toml", "--full").out.split())
     assert "study: 4 of 12 designs are excluded; reason for the first: it cannot be built" in words
 
 

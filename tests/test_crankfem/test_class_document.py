@@ -255,7 +255,7 @@ def test_the_command_writes_every_table_and_replaces_only_its_own(call, tmp_path
     folder = tmp_path / "out"
     first = call("class", "6chn18-22-set", "--output", str(folder))
     page = folder / "class.html"
-    assert first.out.splitlines()[-1] == f"Document: {page}"
+    assert f"Document: {page}" in first.out.splitlines()
     assert "Permitted angle of the generator: kept." in first.out
     text = page.read_text(encoding="utf-8")
     assert "@page" in text

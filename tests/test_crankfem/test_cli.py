@@ -574,7 +574,7 @@ def test_throw_refuses_options(call, arguments, fragment):
 
 @pytest.mark.slow
 def test_throw_tells_modes_and_times(call):
-    answer = call("throw", "6chn25-34", "--accuracy", "0.1", "--modes", "3", "--profile")
+    answer = call("throw", "6chn25-34", "--accuracy", "0.1", "--modes", "3", "--profile", "--full")
     assert answer.code == 0
     for word in ("Natural modes of the free throw", "Time of each step", "factorization", "modes"):
         assert word in answer.out

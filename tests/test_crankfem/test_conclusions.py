@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from comparing import close
 from crankbase.results import contents
@@ -24,9 +23,15 @@ from crankfem.analyses.vibration.tables import (
     speed_table,
 )
 from crankfem.cli import console
-from crankfem.cli.commands.run import _print
+from crankfem.cli.commands.run import _parts
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.report.conclusions import conclusions, failed_checks, headline, verdict_line
+from crankfem.report.conclusions import (
+    conclusions,
+    failed_checks,
+    headline,
+    main_findings,
+    verdict_line,
+)
 from crankfem.report.summary import engine_facts, summary, uncertain_sentence, worst_of_each
 from crankfem.report.text_filters import loaded_most
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
@@ -37,7 +42,6 @@ from dynamics.wording import VERDICTS
 from stand_ins import stored_results, typed
 
 NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e-?\d+)?")
-MOST_LINES = 34
 BEARINGS = {"flips": False, "sentences": [], "stiffness": [1e9, 2e9], "shaft": {}, "statuses": []}
 BEARINGS |= {"further": {"axial": [], "torsional": []}, "chains": {}, "used": {}, "assumed": True}
 POWER = ("speed_rpm", "indicated_power", "mean_indicated_pressure", "rated_power")
@@ -92,12 +96,16 @@ def with_parts(results, *parts):
     return results
 
 
-def printed(results, width, monkeypatch, capsys, verbose=False):
+def printed(results, width, monkeypatch, capsys, full=False):
+    assessment = results["vibration"]["assessment"]
+    assessment |= {"running_rpm": [200.0, 515.0], "beside": []}
+    assessment["limits"] = [one | {"judged_to_rpm": 575.0} for one in assessment["limits"]]
+    assessment["barred"] = [one | {"ends": "not kept"} for one in assessment["barred"]]
+    results["study"] = None
     monkeypatch.setenv("COLUMNS", str(width))
-    monkeypatch.setattr(console, "output", Console(markup=False, width=width))
-    _print(typed(results), console.SI, verbose=verbose)
-    console.print_path("Report: somewhere/report.html")
-    console.print_line(verdict_line(*verdict_parts(results)))
+    monkeypatch.setattr(console, "output", console.Terminal(markup=False, width=width))
+    answers = ("Report: somewhere/report.html", verdict_line(*verdict_parts(results)))
+    console.print_parts(_parts(typed(results), console.SI), console.SI, answers, full=full)
     return capsys.readouterr().out.splitlines()
 
 
@@ -158,6 +166,15 @@ def test_three_to_six_statements(results):
     )
     results["vibration"] |= {"forced": None, "assessment": None}
     assert 3 <= len(conclusions(typed(results))) <= 6
+
+
+def test_what_stands_on_the_first_screen_is_short(results):
+    none = with_parts(results, part(1.5, 22e6, "forced"), part(6.0, 3e6, "near resonance", 2))
+    barred = none["vibration"]["assessment"]["barred"]
+    barred += [barred[0] | {"allowed": True, "refusals": []}, barred[0]]
+    found = main_findings(typed(none))
+    assert [label for label, _, _ in found] == ["Why", "What helps", "Assumed"]
+    assert max(len(text.split()) for _, _, text in found) <= 30
 
 
 def test_damping_is_advised_only_where_it_can_help(results):
@@ -298,13 +315,10 @@ def test_a_steel_that_keeps_the_limits_of_normal_firing_is_not_said_to_keep_thos
 
 
 @pytest.mark.parametrize("width", [80, 200])
-def test_the_console_says_the_verdict_first_and_last_in_few_lines(
-    results, width, monkeypatch, capsys
-):
+def test_the_console_says_the_verdict_last_in_few_lines(results, width, monkeypatch, capsys):
     lines = printed(results, width, monkeypatch, capsys)
-    assert len(lines) <= MOST_LINES
-    assert lines[0] == lines[-1] == verdict_line(*verdict_parts(results))
-    assert lines[0].startswith("Verdict: Not acceptable: torsional stress of crankshaft")
+    assert len(lines) <= console.LINES
+    assert " ".join(lines).endswith(verdict_line(*verdict_parts(results)))
 
 
 @pytest.mark.parametrize("width", [70, 200])
@@ -327,16 +341,11 @@ def test_where_a_program_reads_lines_are_not_wrapped(results, monkeypatch, capsy
     assert len(capsys.readouterr().out.splitlines()) == 1
 
 
-@pytest.mark.parametrize("verbose", [False, True])
-def test_no_table_of_critical_speeds_is_printed_twice(results, verbose, monkeypatch, capsys):
-    assessment = results["vibration"]["assessment"]
-    assessment |= {"running_rpm": [200.0, 515.0], "beside": []}
-    assessment["limits"] = [one | {"judged_to_rpm": 575.0} for one in assessment["limits"]]
-    assessment["barred"] = [one | {"ends": "not kept"} for one in assessment["barred"]]
-    results["study"] = None
-    lines = printed(results, 200, monkeypatch, capsys, verbose)
-    assert sum(line.strip() == "Critical speeds" for line in lines) == (0 if verbose else 1)
-    assert any(line.startswith("Throw by finite elements") for line in lines) == verbose
+@pytest.mark.parametrize("full", [False, True])
+def test_all_tables_are_printed_if_asked_for(results, full, monkeypatch, capsys):
+    lines = printed(results, 200, monkeypatch, capsys, full)
+    assert sum(line == "Critical speeds" for line in lines) == 1
+    assert any(line.startswith("Throw by finite elements") for line in lines) == full
 
 
 def test_above_the_running_range_is_told_where_it_is_worse_and_of_which_place(results):

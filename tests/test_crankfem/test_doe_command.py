@@ -346,7 +346,7 @@ def test_the_store_of_the_command_is_plain_sql(call, study, tmp_path):
 
 
 def test_fit_prints_and_saves_a_model(store, call, tmp_path):
-    answer = call("fit", store)
+    answer = call("fit", store, "--full")
     assert answer.code == 0, answer.err
     text = " ".join(answer.out.split())
     for part in (

@@ -134,7 +134,7 @@ def test_a_form_is_found_by_the_name_of_its_twin(table, fits, capsys):
         "torsional_compliance": "linear",
         "mass": "interactions",
     }
-    print_parts(fitted_study(table, fits).parts("axial_compliance", "interactions"))
+    print_parts(fitted_study(table, fits).answer("axial_compliance", "interactions"))
     assert "linear: e_n = " in " ".join(capsys.readouterr().out.split())
 
 

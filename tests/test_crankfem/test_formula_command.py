@@ -48,7 +48,7 @@ def analysis():
 
 
 def test_printed_says_what_is_left_out(call):
-    answer = call("formulas", "6chn25-34", "--no-fe", "--variant", "printed")
+    answer = call("formulas", "6chn25-34", "--no-fe", "--variant", "printed", "--full")
     assert answer.code == 0
     assert answer.out.count("Left out: the printed formula") == 3
     content = call("formulas", "6chn25-34", "--no-fe", "--variant", "printed", "--json").json()
@@ -58,7 +58,7 @@ def test_printed_says_what_is_left_out(call):
         "Gorbunov",
     ]
     assert len(content["axial"]) == 6
-    low_speed = call("formulas", "6s50mc-c", "--no-fe", "--variant", "printed").out
+    low_speed = call("formulas", "6s50mc-c", "--no-fe", "--variant", "printed", "--full").out
     assert "is the root of -1.8" in low_speed
 
 
@@ -101,13 +101,13 @@ def test_all_engines_in_one_table(call, monkeypatch, analysis):
     title = (
         "Axial compliance: formula / finite elements, gamma = 120 deg, corrected formulas, k_3 = 1"
     )
-    assert answer.out.startswith(title)
+    assert title in " ".join(answer.out.split())
     assert answer.err.splitlines() == [
         "finite elements: 6chn25-34 (1 of 2)",
         "finite elements: 6chn25-34 (2 of 2)",
     ]
-    lines = answer.out.split("* outside")[0].splitlines()
-    assert max(len(line) for line in lines if " compliance: " not in line) <= 80
+    lines = answer.out[answer.out.index("engine ") :].splitlines()
+    assert max(map(len, lines)) <= 80
     rows = [line.split() for line in answer.out.splitlines() if line.startswith("6chn25-34")]
     counts = len(AXIAL_FORMULA_NAMES), len(TORSIONAL_FORMULA_NAMES)
     assert [len(row) - 3 for row in rows] == [counts[0], counts[0], counts[1], counts[1]]
@@ -164,8 +164,8 @@ def test_one_throw_beside_finite_elements(call, monkeypatch, analysis):
     cotangent = 1.0 / math.tan(math.radians(60.0))
     expected = law["e_0"] + (law["e_180"] - law["e_0"]) / (1.0 + law["rho"] * cotangent**2)
     assert content["fe"]["axial"] == close(expected, rel=1e-12)
-    out = call("formulas", "6chn25-34", "--gamma", "120").out
-    assert "The 4 formulas that apply give" in out
+    out = call("formulas", "6chn25-34", "--gamma", "120", "--full").out
+    assert "the 4 formulas that apply give" in out
     assert "Finite elements over the angle: e(gamma) = e_0" in out
     assert "finite elements: neighbors at 120 deg" in out
 

@@ -339,7 +339,7 @@ def test_an_engine_is_no_hinge_and_no_model(call, tmp_path, six_cylinders):
 
 
 def test_lookup_lists_the_dimensions_of_the_file(call):
-    answer = call("lookup", "law", "--throw", "6chn25-34", "web_thickness=58mm")
+    answer = call("lookup", "law", "--throw", "6chn25-34", "web_thickness=58mm", "--full")
     assert answer.out.startswith(
         "Throw of 6chn25-34 with web_thickness as given: crank_radius = 170 mm,"
     )
@@ -476,7 +476,7 @@ def test_levels_of_a_study_far_from_its_throw(call, tmp_path, edit):
 def test_angles_of_throws(call, tmp_path, edit, throw_angles, said):
     text = edit(input_path("8chn14-14").read_text("utf-8"), {"shaft.throw_angles": throw_angles})
     (tmp_path / "mine.toml").write_text(text, "utf-8")
-    answer = call("check", "mine.toml")
+    answer = call("check", "mine.toml", "--full")
     assert said in " ".join((answer.out + answer.err).split())
 
 

@@ -398,7 +398,7 @@ def test_check_shows_each_throw(call):
     record = call("check", UNEQUAL, "--json").json()
     assert list(record["throws"]) == ["plain", "heavy"]
     assert record["throws"]["heavy"]["shape"]["length"] == close(0.124)
-    text = call("check", UNEQUAL).out
+    text = call("check", UNEQUAL, "--full").out
     assert "Throw plain with one pin: length 120 mm" in text
     assert "Throw heavy with one pin: length 124 mm" in text
     assert set(check_file(str(UNEQUAL)).commands) >= {"run", "vibration", "throw", "mechanism"}

@@ -2,7 +2,6 @@
 
 import re
 import sys
-from collections import Counter
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -98,9 +97,9 @@ def test_a_command_prints_its_record_in_other_units(call):
     out = call(*arguments, "--units", "in, lbf, ksi").out
     torque = float(re.search(r"torque (\d+) lbf in", out)[1])
     assert torque * FORCE * INCH == close(record["torque"]["mean"], rel=1e-3)
-    row = next(line for line in out.splitlines() if line.startswith("│ 1 to 6")).split("│")
-    assert float(row[2]) * KSI == close(record["cylinders"][0]["peak_pressure"], rel=1e-3)
-    assert float(row[5]) * FORCE == close(record["cylinders"][0]["largest_side_force"], rel=1e-3)
+    row = next(line for line in out.splitlines() if line.startswith("1 to 6")).split()[2:]
+    assert float(row[1]) * KSI == close(record["cylinders"][0]["peak_pressure"], rel=1e-3)
+    assert float(row[4]) * FORCE == close(record["cylinders"][0]["largest_side_force"], rel=1e-3)
     assert not re.search(r"\b(kN|MPa|mm)\b", out)
 
 
@@ -126,7 +125,7 @@ def test_lookup_in_other_units(call, model_file):
     pairs = ("web_width=11.8in", "web_thickness=2677.165 thou")
     value = call("lookup", model_file, *pairs, "--json").json()["axial_compliance"]["value"]
     out = call("lookup", model_file, *pairs, "--units", "in, lbf").out
-    shown = float(re.search(r"axial compliance: ([\d.]+)e-9 in/lbf", out)[1])
+    shown = float(re.search(r"axial compliance +pinned +([\d.]+)e-9 .* in/lbf", out)[1])
     assert shown * 1e-9 * INCH / FORCE == close(value, rel=1e-3)
 
 
@@ -269,21 +268,21 @@ def test_nothing_else_writes_to_the_terminal():
     }
 
 
-def letters(text):
-    return Counter(one for one in text if not one.isspace() and not "─" <= one <= "▟")
+def words(text):
+    return {word.strip(":;") for word in re.sub(r"[\[\]]|--+", " ", text).split()}
 
 
 @pytest.mark.parametrize(
-    "line", [("fields", "throw"), ("two-mass", "yamz-5340"), ("new", "--list")]
+    "line", [("fields", "throw"), ("two-mass", "yamz-5340", "--full"), ("new", "--list")]
 )
 def test_a_narrow_terminal_loses_nothing(call, monkeypatch, line):
     monkeypatch.setattr(console.output, "_width", 400)
-    whole = letters(call(*line).out)
+    whole = words(call(*line).out)
     for width in (1, 2, 7, 20, 40, 79):
         monkeypatch.setattr(console.output, "_width", width)
         answer = call(*line)
         assert (answer.code, answer.err) == (0, "")
-        assert letters(answer.out) == whole
+        assert whole - words(answer.out) <= {"field", "name"}  # the first column needs no head
 
 
 @pytest.mark.slow
@@ -297,7 +296,7 @@ def test_closed_streams_and_poor_encodings(spawn, spawn_environment, tmp_path):
     (tmp_path / "mü.toml").write_bytes(input_path("6chn25-34").read_bytes())
     answer = spawn("check", "mü.toml", env=spawn_environment(PYTHONIOENCODING="ascii"))
     assert (answer.code, answer.err) == (0, "")
-    assert answer.out.startswith(r"m\xfc.toml: valid engine file")
+    assert r"m\xfc.toml: valid engine file" in answer.out
     start = ["sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh", sys.executable, "-m", "crankfem"]
     for line, code in (("check", "mü.toml"), 0), (("check", "none"), 2):
         assert spawn(*line, command=start).code == code

@@ -525,7 +525,8 @@ def test_vibration_command(call, monkeypatch, tmp_path):
         "crankfem.analyses.shaft.throw_analyses.analyze_throw",
         lambda throw, material: analyze_throw(throw, material, 0.1),
     )
-    answer = call("vibration", "8chn13-14", "--csv", tmp_path / "csv", "--pictures", tmp_path / "p")
+    files = ("--csv", tmp_path / "csv", "--pictures", tmp_path / "p")
+    answer = call("vibration", "8chn13-14", *files, "--full")
     words = " ".join(answer.out.split())
     assert "Torsional resonances at the speeds judged: the running range to" in words
     assert "Verdict: Not acceptable: torsional stress of crankshaft" in words

@@ -26,7 +26,7 @@ from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.quantity import RPM, format_quantity
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, Speed, result
-from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
+from crankbase.table import SI, Column, Main, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import AssumedInput, assumed_values
 from crankfem.files.hinge_file import HingeFile
 from dynamics.hinge.crosshead import KINEMATICS, Kinematics
@@ -327,6 +327,8 @@ class HingeRun(Result):
                 f"Assumed, not given ({len(self.assumed)} values): {', '.join(dict.fromkeys(fields))}; "
                 "the file and --json give the reasons."
             )
+        share = self.turning.remaining_share
+        yield Main(f"The hinge leaves {share:.2g} of the fluctuation.")
 
     def _moment_tables(self, units: OutputUnits) -> Iterator[Table | str]:
         moment = self.moment
@@ -385,6 +387,7 @@ class HingeRun(Result):
             f"{length.with_name(spring.height)} high, n = {spring.exponent:g}",
             [Column("", words=True), Column("value"), Column("unit", words=True)],
             [[name, unit.number(value), unit.name] for name, value, unit in values],
+            main=True,
         )
 
         def unit(check: ProfileCheck) -> OutputUnit:
@@ -409,6 +412,7 @@ class HingeRun(Result):
                 Column("met", words=True),
                 ["yes" if check.met else f"no: {check.reason}" for check in checks],
             ),
+            main=True,
         )
         for remark in profile.remarks:
             yield units.text(f"Note: {remark}")
@@ -431,8 +435,8 @@ class HingeRun(Result):
                     (f"without, flywheel of {_inertia(wheel.flywheel, units)}", wheel),
                 )
             ],
+            main=True,
         )
-        yield f"The hinge leaves {turning.remaining_share:.2g} of the fluctuation."
         if turning.without.reason is not None:
             yield units.text(f"Note: without hinge and flywheel, {turning.without.reason}")
 

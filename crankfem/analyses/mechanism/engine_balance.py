@@ -77,7 +77,7 @@ class EngineBalance(Result):
     def table(self, kind: str, units: OutputUnits = SI) -> Table:
         """Return the forces, or the moments, by order."""
         unit = {"force": "kN", "moment": "kN m"}[kind]
-        about = units.of("m").with_name(self.balance.about, 6)
+        about = units.of("mm").with_name(self.balance.about, 6)
         speed = units.of("1/min").with_name(self.balance.speed, 6)
         where = f" about z = {about}" if kind == "moment" else ""
         y, x = ("up and down (y)", "across (x)") if kind == "force" else ("about y", "about x")
@@ -103,6 +103,7 @@ class EngineBalance(Result):
                 ]
                 for row in self.balance.rows
             ],
+            main=True,
         )
 
     def mass_tables(self) -> tuple[Table, Table]:

@@ -10,7 +10,7 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
 from crankbase.results import Flat, Internal, Number, Quantity, Result, Speed, result
-from crankbase.table import SI, Column, OutputUnits, Table, format_names
+from crankbase.table import SI, Column, Main, OutputUnits, Table, format_names
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_mechanism import MechanismFile
 from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance, per_area_table
@@ -151,21 +151,26 @@ class MechanismResults(Result):
                 [str(place), *load.cells(load.largest_angle_deg)]
                 for place, load in enumerate(self.main_bearings, start=1)
             ],
+            main=True,
+            weights=[load.largest for load in self.main_bearings],
         )
 
-    def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
-        """Return tables and sentences, but for the balance."""
+    def answer(self, units: OutputUnits = SI) -> str:
+        """State power and torque."""
         torque, moment = self.torque, units.of("kN m")
-        yield (
+        return (
             f"{self.engine} at {units.of('1/min').with_name(self.speed, 5)}, rods as "
             f"{self.rod_model}: indicated power {units.of('kW').with_name(self.power)}, mean indicated "
             f"pressure {units.of('MPa').with_name(self.mean_indicated_pressure)}, torque "
             f"{moment.with_name(torque.mean)} ({moment.number(torque.smallest)} to "
             f"{moment.with_name(torque.largest)}); {intervals_text(self.firing_intervals_deg, units)}."
         )
+
+    def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
+        """Return tables and sentences, but for the balance and the answer."""
         if self.rated is not None and self.rated.rated is not None:
             sentence = self.rated.sentence
-            yield units.text(f"{sentence[0].upper()}{sentence[1:]}.")
+            yield Main(units.text(f"{sentence[0].upper()}{sentence[1:]}."))
         yield Table(
             "Cylinders",
             [
@@ -190,6 +195,7 @@ class MechanismResults(Result):
             note="p: peak pressure, absolute, and its angle from the firing top; p_i: mean indicated "
             "pressure; N, pin, T: largest side force, piston-pin force and tangential force.",
             merged=True,
+            main=True,
         )
         yield Table(
             "Crankpin bearings, angle from the firing top of the cylinder whose rod is on the pin",
@@ -202,6 +208,8 @@ class MechanismResults(Result):
                 for load in self.crankpins
             ],
             merged=True,
+            main=True,
+            weights=[load.largest for load in self.crankpins],
         )
         yield self.bearing_table()
         # A rod's data may make all models equal.
@@ -249,7 +257,7 @@ class MechanismDetails(Result):
     pictures: tuple[str, ...] = ()
 
     def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
-        """Return tables and sentences."""
+        """Return tables and sentences, but for the answer."""
         yield from self.results.parts(units)
         if self.rods_shown:
             yield rod_mass_table(self.rod_masses)

@@ -10,7 +10,7 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
 from crankbase.results import Flat, Quantity, Result, result
-from crankbase.table import SI, Column, OutputUnits, Table, table_unit
+from crankbase.table import SI, Column, Main, OutputUnits, Table, table_unit
 from crankfem.analyses.engine_mechanism import MechanismFile
 from dynamics.harmonics import Harmonics, Spectrum, TorqueTable
 from dynamics.torque import (
@@ -44,6 +44,8 @@ def harmonics_table(
             *map(shown.column, residuals),
         ],
         np.column_stack([*_columns(harmonics), harmonics.phase, *residuals.values()]).tolist(),
+        main=True,
+        weights=harmonics.amplitude.tolist(),
     )
 
 
@@ -141,7 +143,7 @@ class FiredCylinders(Result):
         named = ", ".join(f"{order:g}" for order in self.leading_orders)
         major = any(star.kind == "major" for star in self.stars)
         heading = "Major orders" if major else "No order is major; the strongest"
-        yield f"{heading}: {named}." if named else "All orders cancel."
+        yield Main(f"{heading}: {named}." if named else "All orders cancel.")
 
 
 @result("torque", "stars")
@@ -157,10 +159,10 @@ class SummedCylinders(FiredCylinders):
         count = len(self.firing_angles_deg)
         those = "1 cylinder" if count == 1 else f"{count} cylinders, each"
         mean = _torque(self.torque.mean, units)
-        yield f"{those} with this torque, fired at {angles} deg: mean torque {mean}."
+        yield Main(f"{those} with this torque, fired at {angles} deg: mean torque {mean}.")
         yield harmonics_table(self.torque, "Harmonics of the sum of all cylinders", units)
-        yield from self.star_parts()
         yield from (units.text(f"Note: {remark}") for remark in self.remarks)
+        yield from self.star_parts()
 
 
 @result("table", "harmonics.mean", "cylinders")
@@ -189,16 +191,16 @@ class TableHarmonics(Result):
             harmonics = harmonics.up_to(USUAL_ORDERS)
         kept = harmonics.orders.size
         residuals = {"residual rms": self.residual_rms[:kept], "largest residual": largest[:kept]}
-        yield (
+        yield Main(
             f"Mean {_torque(harmonics.mean, units)}; {harmonics.samples} samples resolve orders up to "
             f"{harmonics.highest_order:g}."
         )
         yield harmonics_table(harmonics, units=units, residuals=residuals)
         most, upto = largest[kept - 1], f"The sum up to order {harmonics.orders[-1]:g}"
         if most <= 1e-9 * max(harmonics.amplitude):
-            yield f"{upto} matches every sample."
+            yield Main(f"{upto} matches every sample.")
         else:
-            yield f"{upto} differs from the samples by at most {_torque(most, units)}."
+            yield Main(f"{upto} differs from the samples by at most {_torque(most, units)}.")
         if self.cylinders is not None:
             yield from self.cylinders.parts(units)
 
@@ -304,7 +306,7 @@ class EngineHarmonics(FiredCylinders):
         torque, speed = self.torque, units.of("1/min").with_name(self.torque.speed, 5)
         uneven = torque.nonuniformity
         spread = "" if uneven is None else f", (largest - least) / mean {uneven:.4g}"
-        yield (
+        yield Main(
             f"{self.engine} at {speed}: mean torque {_torque(torque.mean, units)}, indicated "
             f"power {_torque(torque.power, units, 'W')}{spread}."
         )
@@ -325,11 +327,11 @@ class EngineHarmonics(FiredCylinders):
             ],
             np.column_stack([self.harmonics.orders, *amplitudes]).tolist(),
         )
-        yield from self.star_parts(hinged=self.hinged_rods)
         if self.cylinder is not None:
             yield from (
                 _pin_force_table(self.cylinder, force, units) for force in ("tangential", "radial")
             )
+        yield from self.star_parts(hinged=self.hinged_rods)
 
     def rows(self) -> tuple[str, list[list[object]]]:
         """Return what a file of CSV holds, and its rows."""

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +12,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankbase.results import Flat, Number, Quantity, Result, Speed, result
-from crankbase.table import SI, Column, OutputUnits, Table, table_unit
+from crankbase.table import SI, Column, Main, OutputUnits, Table, table_unit
 from crankfem.analyses.mechanism.torque_harmonics import summed_cylinders
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.engine_sections import (
@@ -162,17 +162,17 @@ class TwoMassRun(Result):
     def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
         """Return tables and sentences."""
         check, speed, within = self.check, self.check.resonant_speed_rpm, ""
-        yield units.text(
-            f"Two masses on one shaft of {check.stiffness / 1e3:.4g} kN m/rad: natural frequency "
-            f"{check.frequency:.2f} Hz, {check.angular_frequency:.5g} rad/s, "
-            f"{check.vibrations_per_minute:.5g} vibrations per minute."
+        yield Main(
+            units.text(
+                f"Two masses on one shaft of {check.stiffness / 1e3:.4g} kN m/rad: natural frequency "
+                f"{check.frequency:.2f} Hz, {check.angular_frequency:.5g} rad/s, "
+                f"{check.vibrations_per_minute:.5g} vibrations per minute."
+            )
         )
         if self.running is not None:
             low, high = (end * RPM for end in self.running)
             where = "inside" if low <= speed <= high else "outside"
             within = f", {where} the running range of {low:.4g} to {high:.4g} 1/min"
-        yield units.text(f"Order {check.order:g} resonates at {speed:.1f} 1/min{within}.")
-        yield units.text(check.statement)
         if self.resonances:
             yield Table(
                 f"Resonances in the running range, orders up to {self.highest_order:g}",
@@ -182,9 +182,12 @@ class TwoMassRun(Result):
                     Column("M_k of one throw", "N m", missing="not resolved"),
                 ],
                 [[row.order, row.speed, row.amplitude] for row in self.resonances],
+                main=True,
             )
         if self.shaft_torque is not None:
-            yield self.shaft_torque.table(units)
+            yield replace(self.shaft_torque.table(units), main=True)
+        yield Main(units.text(check.statement))
+        yield Main(units.text(f"Order {check.order:g} resonates at {speed:.1f} 1/min{within}."))
 
 
 def run_two_masses(file: TwoMassFile, order: float | None = None) -> TwoMassRun:

@@ -101,6 +101,7 @@ class ChainVibration(Result):
 
     def parts(self) -> Iterator[Table | str]:
         """Return the modes with their largest energy shares, and the sources of the chain's values."""
+        yield from (f"[{name}] {text}" for name, text in self.sources.items())
         yield Table.of_records(
             f"{self.name}: {self.kind} modes",
             self.modes[:MODES_SHOWN],
@@ -115,8 +116,8 @@ class ChainVibration(Result):
             (Column("strained most", words=True), lambda mode: _largest(mode.strain_shares)),
             note="Nodes at 2.37 are at 37 % of element 2, counted from 1; shares are those of kinetic and of "
             "strain energy.",
+            main=True,
         )
-        yield from (f"[{name}] {text}" for name, text in self.sources.items())
 
 
 def chain_vibration(source: str | Path | TomlFile) -> ChainVibration:

@@ -9,7 +9,7 @@ import numpy as np
 
 from crankbase.quantity import DISPLAY_UNITS
 from crankbase.results import Internal, Quantity, Result, result
-from crankbase.table import Column, OutputUnit, Table
+from crankbase.table import Column, Main, OutputUnit, Table
 from regression.plans.designs import DesignQuality, design_quality
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedStudy
@@ -88,26 +88,9 @@ class PlannedDesigns(Result):
         """List the designs, how well they are spread, and which are excluded and why."""
         plan, quality = self.planned.plan, self.quality
         held_out = sum(design.role == HELD_OUT for design in self.designs)
-        yield (
-            f"{self.statement[0].upper()}{self.statement[1:]}; {held_out} held-out designs to judge the "
-            f"fits (Latin hypercube, seed {plan.seed})."
-        )
-        for remark in self.remarks:
-            yield f"Note: {remark}"
         distance = (
             "" if quality.distance is None else f"nearest runs {quality.distance:.3g} apart, "
         )
-        yield (
-            f"Runs in the unit cube: {distance}discrepancy {quality.discrepancy:.2g} (random points: "
-            f"{quality.random_discrepancy:.2g})."
-        )
-        if quality.correlated:
-            yield (
-                f"Largest correlation of two factors: {quality.correlation:.2g}, of "
-                f"{' and '.join(quality.correlated)}."
-            )
-        elif quality.correlation is not None:
-            yield "No two factors are correlated."
         yield Table(
             "Designs",
             [Column("design"), Column("role", words=True), *map(_column, plan.factors)],
@@ -115,14 +98,32 @@ class PlannedDesigns(Result):
                 [number, design.role, *design.values.values()]
                 for number, design in enumerate(self.designs[:MOST_ROWS], start=1)
             ],
+            main=True,
         )
         if len(self.designs) > MOST_ROWS:
             yield f"... and {len(self.designs) - MOST_ROWS} more; --json has them all."
         for path, text in plan.relations.items():
             yield f"In every design {path} = {text}."
+        for remark in self.remarks:
+            yield Main(f"Note: {remark}")
         if self.excluded:
-            yield f"Excluded before any finite-element run: {len(self.excluded)} designs."
+            yield Main(f"Excluded before any finite-element run: {len(self.excluded)} designs.")
             yield from self._reasons()
+        yield Main(
+            f"Runs in the unit cube: {distance}discrepancy {quality.discrepancy:.2g} (random points: "
+            f"{quality.random_discrepancy:.2g})."
+        )
+        if quality.correlated:
+            yield Main(
+                f"Largest correlation of two factors: {quality.correlation:.2g}, of "
+                f"{' and '.join(quality.correlated)}."
+            )
+        elif quality.correlation is not None:
+            yield Main("No two factors are correlated.")
+        yield Main(
+            f"{self.statement[0].upper()}{self.statement[1:]}; {held_out} held-out designs to judge the "
+            f"fits (Latin hypercube, seed {plan.seed})."
+        )
 
     def _reasons(self) -> Iterator[str]:
         """State why designs are excluded; of those for the same reason only the first."""

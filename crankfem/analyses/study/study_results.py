@@ -7,7 +7,7 @@ import numpy as np
 
 from crankbase.quantity import format_quantity
 from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, made_from, result
-from crankbase.table import Column, Table
+from crankbase.table import Column, Main, Table
 from crankfem.analyses.study.response_fits import FittedResponse, ResponseFits
 from regression.fits.equation_text import term_symbols
 from regression.fits.fits import Fit
@@ -122,8 +122,7 @@ class FittedEquation(Result):
         )
 
     def parts(self) -> Parts:
-        """Write the equation and its coefficients."""
-        yield f"\n{self.errors.form}: {self.equation}\n"
+        """Tabulate the coefficients of the equation."""
         if "[" in self.equation:
             yield "A condition in square brackets is 1 where it holds, 0 elsewhere."
         yield Table.of_records(
@@ -149,7 +148,7 @@ class FittedEquation(Result):
             if terms:
                 yield f"{title}: {', '.join(terms)}."
         for line in self.warnings:
-            yield f"Warning: {line}"
+            yield Main(f"Warning: {line}")
 
 
 def warnings_of(fit: Fit) -> list[str]:
@@ -199,10 +198,14 @@ class ResponseForms(Result):
             (Column("Q2", decimals=5), lambda f: f.q_squared),
             (Column("at the runs"), lambda f: _both(f.largest_error, f.mean_error)),
             (Column("held out"), lambda f: _both(f.largest_heldout_error, f.mean_heldout_error)),
+            weight=lambda f: (
+                1.0 / (f.largest_heldout_error or 1.0) if f is not shown.errors else 1e9
+            ),
+            main=True,
         )
         if self.fitted.slopes:
             yield f"Fitted to {self.fitted.slopes} slopes besides the values at the runs."
-        yield f"Chosen by its errors: {self.fitted.reason}"
+        yield Main(f"Chosen by its errors: {self.fitted.reason}")
         yield (
             "The form was chosen by this error, so it is slightly optimistic for other designs."
             if form is None
@@ -241,6 +244,7 @@ class ResponseForms(Result):
             (Column("Sobol, first", decimals=3), first.get),
             (Column("total", decimals=3), total.get),
             *(() if shapley is None else ((Column("Shapley", decimals=3), shapley.get),)),
+            main=True,
         )
         shares = (
             "shares of the variance over the ranges, alone and with others."
@@ -282,6 +286,7 @@ def comparison_parts(compared: Sequence[Comparison]) -> Parts:
         (Column("measured"), lambda c: c.measured),
         (Column("calculated"), lambda c: c.calculated),
         (Column("calculated / measured", decimals=3, missing=""), lambda c: c.ratio),
+        main=True,
     )
     for reason in dict.fromkeys(f"{c.source}: {c.reason}" for c in compared if c.reason):
         yield f"Not compared: {reason}"
@@ -337,8 +342,25 @@ class FittedStudy(Result):
         """Tabulate all responses, and write the equation chosen for the axial compliance."""
         yield from self._overview()
         if AXIAL in self.fits:
-            chosen = self.fits[AXIAL].selected()
-            yield f"{chosen.errors.form}: {chosen.equation}"
+            yield from self.answer(AXIAL)
+
+    def answer(self, response: str | None = None, form: str | None = None) -> Iterator[str]:
+        """Write the equation of a response, by default the main one, and its held-out error."""
+        name = response or self.main_response
+        shown = self.fits[name].selected(form)
+        yield f"{shown.errors.form}: {shown.equation}"
+        errors = (shown.errors.largest_heldout_error, shown.errors.mean_heldout_error)
+        largest, mean = map(_percent, errors)
+        yield f"Held-out error of the {name.replace('_', ' ')} by it: at most {largest}, mean {mean}."
+
+    def lookup_line(self, model: str) -> str:
+        """Return the command that looks the study's nominal throw up in a model."""
+        effects = self.fits[self.main_response].sensitivities
+        given = (
+            f"{name}={value if isinstance(value, str) else format_quantity(value, effects.units[name])}"
+            for name, value in effects.nominal.items()
+        )
+        return f"crankfem lookup {model} {' '.join(text.replace(' ', '') for text in given)}"
 
     def parts(self, response: str | None = None, form: str | None = None) -> Parts:
         """Tabulate all responses, and one of them with all its forms.
@@ -369,6 +391,7 @@ class FittedStudy(Result):
             (Column("mean"), lambda name: _percent(every[name].mean_heldout_error)),
             (Column("95 %"), lambda name: _percent(every[name].band_error)),
             (Column("FE"), lambda name: _percent(self.fits[name].fitted.fe_error)),
+            main=True,
         )
         doubted: dict[tuple[str, ...], list[str]] = {}
         for name, response in self.fits.items():

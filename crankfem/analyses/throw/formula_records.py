@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 MetrePerNewton = Annotated[float, Quantity("m/N")]
 Kind = Literal["axial", "torsional"]
-KINDS: tuple[Kind, ...] = ("axial", "torsional")
+KINDS: dict[Kind, str] = {"axial": "m/N", "torsional": "rad/(N m)"}
 
 
 @result("axial", "torsional", "error_estimate", eq=True)

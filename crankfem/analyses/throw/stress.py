@@ -11,7 +11,7 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.results import Number, Quantity, Result, made_from, result
-from crankbase.table import SI, Column, OutputUnit, OutputUnits, Table
+from crankbase.table import SI, Column, Main, OutputUnit, OutputUnits, Table
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.stress_picture import RENDER, picture_arrays, picture_name
 from crankfem.analyses.throw.throw_record import ThrowInFile, dimensions_of
@@ -235,9 +235,24 @@ class StressResults(Result):
                         ]
                         for peak in peaks
                     ],
+                    main=True,
                 )
             )
         return tables
+
+    def factor_table(self) -> Table:
+        """Return the factors of all loads by fillet and exit."""
+        tables = (table.select(table.columns[0].name, "factor") for table in self.tables())
+        found = [{str(name): factor for name, factor in table.rows} for table in tables]
+        names = dict.fromkeys(name for factors in found for name in factors)
+        return Table(
+            "Stress concentration factors",
+            [
+                Column("fillet or exit", words=True),
+                *(Column(load.load.lower(), decimals=2, missing="") for load in self.loads),
+            ],
+            [[name, *(factors.get(name) for factors in found)] for name in names],
+        )
 
     def sentences(self) -> list[str]:
         """Remarks that the tables do not contain."""
@@ -273,8 +288,10 @@ class StressResults(Result):
         errors = [peak.error_estimate for load in self.loads for peak in load.peaks]
         met = "" if self.accuracy_met else f", not the {100.0 * self.accuracy:.2g} % requested"
         sentences.append(
-            f"Estimated errors of the stresses: {100.0 * min(errors):.2g} to "
-            f"{100.0 * max(errors):.2g} %{met}."
+            Main(
+                f"Estimated errors of the stresses: {100.0 * min(errors):.2g} to "
+                f"{100.0 * max(errors):.2g} %{met}."
+            )
         )
         sentences += [f"{file} written." for file in self.pictures]
         return sentences

@@ -1,7 +1,7 @@
 """A throw's compliances, reactions and masses: what console, JSON and report show."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
@@ -13,7 +13,7 @@ from crankbase.diagrams import COLORS, figure, legend_below, write_title
 from crankbase.errors import InputError
 from crankbase.quantity import percent
 from crankbase.results import Number, Quantity, Result, made_from, result
-from crankbase.table import SI, Column, OutputUnits, Table
+from crankbase.table import SI, Column, Main, OutputUnits, Table
 from crankfem.analyses.throw.law_record import LawResults
 from fem.analysis import ThrowAnalysis, axial_correction
 from fem.end_reactions import Reactions
@@ -188,6 +188,20 @@ class ThrowResults(Result):
             f"{self.pin_force_words(units)}.",
         )
 
+    def parts(self, units: OutputUnits = SI, *, profile: bool = False) -> Iterator[Table | str]:
+        """Return reactions, masses, and what was asked for besides; the answer is the `loaded_table`."""
+        yield self.reaction_table(units)
+        if self.free_modes:
+            yield self.mode_table()
+        if self.slopes:
+            yield self.slope_table()
+            yield Main(self.slope_words())
+        if profile:
+            yield self.time_table()
+        yield from map(Main, self.sentences(units))
+        if not self.corrected:
+            yield Main(units.text(f"Note: {NOT_CORRECTED}"))
+
     def plot(self, axes: "Axes | None" = None, *, support: str = "pinned") -> "Axes":
         """Draw the throw from the side with the forces on its pins and ends, as far as in this plane.
 
@@ -276,6 +290,7 @@ class ThrowResults(Result):
             (Column("mode"), lambda row: row[0]),
             (Column("frequency", "Hz", decimals=1), lambda row: row[1].frequency),
             (Column("motion of the end sections", words=True), lambda row: row[1].name),
+            main=True,
         )
 
     def slope_table(self) -> Table:
@@ -292,6 +307,7 @@ class ThrowResults(Result):
                 *(Column(head.strip(), decimals=3) for head in heads),
             ],
             [[path.replace("_", " "), *(slope[path] for slope in slopes)] for path in paths],
+            main=True,
         )
 
     def slope_words(self) -> str:
@@ -310,6 +326,7 @@ class ThrowResults(Result):
             "Time of each step",
             [Column("work", words=True), Column("s", decimals=2), Column("", "%", decimals=0)],
             [[name, s, s / total] for name, s in (dict(self.seconds) | {"all": total}).items()],
+            main=True,
         )
 
 
@@ -341,6 +358,7 @@ def reaction_table(reactions: Mapping[str, Reactions], force: str) -> Table:
             for name, ends in reactions.items()
             for side, end in (("left", ends.left), ("right", ends.right))
         ],
+        main=True,
     )
 
 

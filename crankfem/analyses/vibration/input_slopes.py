@@ -114,6 +114,7 @@ class VibrationSlopes(Result):
             (Column("first torsional frequency", decimals=3), lambda row: row.torsional),
             (Column("first axial frequency", decimals=3), lambda row: row.axial),
             (Column("limit's use", decimals=3), lambda row: row.limit),
+            main=True,
         )
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":

@@ -126,6 +126,8 @@ class RunUp(Result):
             (Column("largest", "kN m"), "largest"),
             (Column("at", "1/min", decimals=0), "at"),
             (Column("at constant speeds", "kN m"), "steady"),
+            weight=lambda spring: spring.largest,
+            main=True,
         )
         yield from (units.text(f"Note: {note}") for note in self.notes)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crankbase.quantity import RPM, UNBOUNDED
-from crankbase.table import SI, Cell, Column, OutputUnits, Table
+from crankbase.table import SI, Cell, Column, Main, OutputUnits, Table
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.assessment import ROWS_SHOWN, Assessment
 from crankfem.analyses.vibration.forced import ForcedVibration, PlacePeak
@@ -45,10 +45,18 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
     yield from notes([f"{remark}." for remark in run.firing_remarks])
     if run.load is not None:
         yield from run.load.parts(units)
+    yield Main(
+        "Natural frequencies by the chains: "
+        + "; ".join(
+            f"{modes.kind} {', '.join(f'{mode.frequency:.4g}' for mode in modes.elastic_modes[:3])} Hz"
+            for modes in (run.axial, run.torsional)
+        )
+        + "."
+    )
     for vibration in (run.axial, run.torsional):
         yield vibration.mode_table()
         if forced is None:
-            yield vibration.critical_table()
+            yield replace(vibration.critical_table(), main=True)
         yield vibration.source_table().select("source", "frequencies", "ratio to chosen")
         yield from notes([f"Not used: {remark}." for remark in vibration.unusable])
         if forced is not None:
@@ -65,9 +73,9 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
         yield from map(units.text, run.bearings.sentences)
     if count := len(run.assumed):
         counted = "1 value is" if count == 1 else f"{count} values are"
-        yield f"{counted} assumed, not given; crankfem check lists them with their reasons."
+        yield Main(f"{counted} assumed, not given; crankfem check lists them with their reasons.")
     if run.assessment is None:
-        yield NOT_FORCED
+        yield Main(NOT_FORCED)
         return
     yield from assessment_parts(run.assessment, units)
     if misfiring is not None:
@@ -77,9 +85,10 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
         yield from notes([run.misfiring_note])
     if whole is None:
         yield from notes([f"{CHAINS_USED}; {run.not_comparable or CHAINS_ALONE}"])
-    yield from map(units.text, judgment(run.assessment))
+    yield from range_sentences(run.assessment, units)
+    yield from (Main(units.text(line)) for line in judgment(run.assessment))
     if misfiring is not None:
-        yield units.text(f"Misfiring: {misfiring.sentence}")
+        yield Main(units.text(f"Misfiring: {misfiring.sentence}"))
 
 
 def assessment_parts(assessment: Assessment, units: OutputUnits = SI) -> Iterator[Table | str]:
@@ -103,13 +112,18 @@ def assessment_parts(assessment: Assessment, units: OutputUnits = SI) -> Iterato
     yield from (units.text(f"Note: {remark}") for remark in assessment.all_remarks)
 
 
-def judgment(assessment: Assessment) -> Iterator[str]:
-    """Return ranges of speed, the verdict with its reasons, what decides it, and how sure it is."""
-    verdict, decision = assessment.verdict, assessment.decision
-    for passed in (*verdict.barred, *verdict.started_through):
+def range_sentences(assessment: Assessment, units: OutputUnits = SI) -> Iterator[str]:
+    """Return ranges of speed that are barred or passed, and what makes their ends."""
+    for passed in (*assessment.verdict.barred, *assessment.verdict.started_through):
         # The verdict has the reasons of those that cannot be accepted.
-        text = passed.sentence if passed.allowed else passed.shown
-        yield f"Range {text}. Its ends: {passed.ends}."
+        shown = passed.sentence if passed.allowed else passed.shown
+        text = units.text(f"Range {shown}. Its ends: {passed.ends}.")
+        yield Main(text) if passed.allowed else text
+
+
+def judgment(assessment: Assessment) -> Iterator[str]:
+    """Return the verdict with its reasons, what decides it, and how sure it is."""
+    verdict, decision = assessment.verdict, assessment.decision
     if assessment.undecided:
         yield f"Verdict: {VERDICTS['undecided'].lower()}, {decision.sentence}."
         yield f"With the values used: {verdict.sentence}"

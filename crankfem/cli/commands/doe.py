@@ -51,7 +51,7 @@ def _print(made: "Result", parts: "Iterable[Table | str]", out: Output) -> None:
         print_parts(parts)
 
 
-@with_output()
+@with_output(tables=True)
 def doe(
     study: StudyArgument,
     store: StoreOption = STORE,
@@ -113,8 +113,14 @@ def doe(
     made = fitted_study(table, fits.fits, fits.model)
     if out.json:
         print_json(made)
-    else:
-        print_parts((*made.parts(), *comparison_parts(made.compared)))
+        return
+    next_ = f"crankfem fit {store} --model model.json"
+    out.show(
+        (*made.parts(), *comparison_parts(made.compared)),
+        *made.answer(),
+        f"All runs are in {store}. Save the equations: {next_}",
+        f"Use them: {made.lookup_line('model.json')}",
+    )
 
 
 def _summary(table: "StudyTable", store: Path) -> str:
@@ -165,14 +171,18 @@ def _run(
     return table
 
 
-@with_output()
+@with_output(tables=True)
 def plan(study: StudyArgument, *, out: Output) -> None:
     """List the designs of a study without computing them."""
     from crankfem.analyses.study.planned_designs import PlannedDesigns
     from crankfem.files.engine.throw_file import load_study
 
     planned = PlannedDesigns.of(load_study(study).planned)
-    _print(planned, planned.parts(), out)
+    if out.json:
+        print_json(planned)
+        return
+    *parts, answer = planned.parts()
+    out.show(parts, answer)
 
 
 @with_output(files=True)

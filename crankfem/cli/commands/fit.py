@@ -5,13 +5,14 @@ from typing import Annotated
 
 import typer
 
+from crankbase.table import Main
 from crankfem.cli import console
 from crankfem.cli.commands.doe import StoreArgument, StudyOption
 from crankfem.cli.commands.options import Output, with_output
-from crankfem.cli.console import print_json, print_parts
+from crankfem.cli.console import print_json
 
 
-@with_output(files=True)
+@with_output(files=True, tables=True)
 def fit(
     store: StoreArgument,
     model: Annotated[Path, typer.Option(help="Model file to write.")] = Path("model.json"),
@@ -66,10 +67,10 @@ def fit(
     if out.json:
         print_json(fitted)
         return
-    print_parts(fitted.parts(shown, form))
-    for name, reason in fitted.unfitted.items():
-        console.print_path(f"No equation for {name}: {reason}")
-    print_parts(comparison_parts(fitted.compared))
-    if written:
-        console.print_path(f"Diagrams: {', '.join(map(str, written))}")
-    console.print_path(f"Model: {model}")
+    unfitted = [
+        Main(f"No equation for {name}: {reason}") for name, reason in fitted.unfitted.items()
+    ]
+    parts = [*fitted.parts(shown, form), *unfitted, *comparison_parts(fitted.compared)]
+    diagrams = [f"Diagrams: {', '.join(map(str, written))}"] if written else []
+    saved = [f"Model: {model}", f"Use it: {fitted.lookup_line(str(model))}"]
+    out.show([*parts, *diagrams], *fitted.answer(shown, form), *saved)

@@ -87,7 +87,7 @@ def formulas(
                 "--units": bool(out.units.wished),
             }
         )
-        _published(out.json)
+        _published(out)
         return
     asked = _Request(
         throw=throw,
@@ -134,7 +134,9 @@ def _one_throw(engine: str, asked: _Request) -> None:
     if asked.out.json:
         print_json(values)
     else:
-        throw_tables.print_one_throw(values, gamma, constants, asked.out.units)
+        units = asked.out.units
+        parts = throw_tables.one_throw_parts(values, gamma, constants, units)
+        asked.out.show(parts, *throw_tables.formulas_answer(values, units))
 
 
 def _some_engines(files: Sequence[str], asked: _Request) -> None:
@@ -150,8 +152,10 @@ def _some_engines(files: Sequence[str], asked: _Request) -> None:
     if asked.out.json:
         _print_engines(rows, asked)
     else:
-        throw_tables.print_engines(
-            rows, asked.gamma, asked.variant, asked.constants, asked.out.units
+        asked.out.show(
+            throw_tables.engines_parts(
+                rows, asked.gamma, asked.variant, asked.constants, asked.out.units
+            )
         )
 
 
@@ -185,20 +189,22 @@ def _all_engines(asked: _Request) -> None:
     if asked.out.json:
         _print_engines(spreads, asked)
     else:
-        throw_tables.print_spread(
-            spreads, asked.gamma, asked.variant, asked.constants, asked.out.units
+        asked.out.show(
+            throw_tables.spread_parts(
+                spreads, asked.gamma, asked.variant, asked.constants, asked.out.units
+            )
         )
 
 
-def _published(json: bool) -> None:
+def _published(out: Output) -> None:
     from crankfem.files.reading.data_files import data_folder
     from regression.formulas.axial_formulas import FINITE_ELEMENTS_DOUBT, read_published_table
 
     values = read_published_table(data_folder() / "tables" / "axial_compliance_published.csv")
-    if not json:
+    if not out.json:
         from crankfem.cli.tables import throw_tables
 
-        throw_tables.print_published(values)
+        out.show(throw_tables.published_parts(values))
         return
     print_json({"unit": "m/N", "values": values, "finite_elements_doubt": FINITE_ELEMENTS_DOUBT})
 

@@ -6,7 +6,6 @@ from typing import Annotated, Any, cast
 
 import typer
 
-from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json
@@ -60,7 +59,7 @@ def hinge(
         run_hinge,
     )
     from crankfem.analyses.record import with_units
-    from crankfem.cli.console import print_parts, write_columns
+    from crankfem.cli.console import write_columns
     from crankfem.files.hinge_file import load_hinge
     from crankfem.jobs.outputs import check_outputs
     from dynamics.hinge.crosshead import KINEMATICS
@@ -83,8 +82,7 @@ def hinge(
         pictures_made = [str(path) for path in made]
         print_json(with_units(run) | {"pictures": pictures_made})
         return
-    print_parts(run.tables(out.units), out.units)
-    if csv is not None:
-        console.output.print(f"Over a revolution: {csv}", soft_wrap=True)
-    if made:
-        console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)
+    files = [f"Over a revolution: {csv}"] if csv is not None else []
+    files += [f"Pictures: {pictures} ({len(made)} files)"] if made else []
+    *parts, answer = run.tables(out.units)
+    out.show(parts, *files, answer)

@@ -33,7 +33,7 @@ def check(
 ) -> None:
     """Check a file: show how it is read, what is assumed, and which commands can use it."""
     from crankfem.analyses.file_check import check_file, check_record
-    from crankfem.cli.tables.throw_tables import print_check
+    from crankfem.cli.tables.throw_tables import check_answer, check_parts
 
     checked = check_file(file)
     record = check_record(checked)
@@ -52,9 +52,8 @@ def check(
     if out.json:
         print_json(record)
         return
-    print_check(record, out.units)
-    if picture is not None:
-        console.print_line(f"{picture} written.")
+    written = [] if picture is None else [f"{picture} written."]
+    out.show(check_parts(record, out.units), *written, check_answer(record))
 
 
 CYLINDERS, STROKES = 6, 4

@@ -1,5 +1,6 @@
 """Compliances, reactions and optima from a model, or from the law."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,9 +9,10 @@ import typer
 
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
+from crankbase.table import Cell, Column, Main, Table
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import GammaOption, ModelArgument, Output, with_output
-from crankfem.cli.console import print_json, print_line, print_table
+from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
     from crankbase.table import OutputUnits
@@ -64,7 +66,7 @@ def lookup(
     from crankfem.analyses.throw.law_record import LAW, LAW_BANDS, law_lookups
     from crankfem.analyses.throw.throw_record import reaction_results
     from crankfem.cli import arguments
-    from crankfem.cli.tables.throw_tables import print_reactions
+    from crankfem.cli.tables.throw_tables import reaction_parts
 
     angle = None if gamma is None else arguments.parse_gamma(gamma, out.quiet)
     force = None if pin_force is None else arguments.parse_pin_force(pin_force)
@@ -97,22 +99,24 @@ def lookup(
         content = answers | {name: {"refused": str(reason)} for name, reason in refused.items()}
         print_json(content if reactions is None else content | {"reactions": reactions})
         return
+    parts: list[Table | str] = []
+    if reactions is not None:
+        parts += reaction_parts(reactions, out.units)
     if throw is not None:
         # Dimensions that the command line gives in place of the file.
         names = [pair.partition("=")[0].strip() for pair in dimensions or ()]
         changed = f" with {', '.join(names)} as given" if names else ""
-        print_line(out.units.text(f"Throw of {throw}{changed}: {', '.join(used)}."))
-    banded = _print_lookups(answers, angle is not None, out.units)
+        parts.append(Main(out.units.text(f"Throw of {throw}{changed}: {', '.join(used)}.")))
     if any(answer.support in ("pinned", "guided") for answer in answers.values()):
-        print_line(SUPPORTS)
+        parts.append(SUPPORTS)
     if str(model) == LAW:
-        print_line(LAW_BANDS)
-    elif banded:
-        _print_bands(loaded, banded)
-    if reactions is not None:
-        print_reactions(reactions, out.units)
+        parts.append(Main(LAW_BANDS))
+    elif banded := _banded(answers, angle is not None):
+        parts += _bands(loaded, banded)
     for name, reason in refused.items():
-        print_line(out.units.text(f"{_title(name)}: left out; {reason}"))
+        parts.append(Main(out.units.text(f"{_title(name)}: left out; {reason}")))
+    shown, *remarks = _answer_parts(answers, out.units)
+    out.show(parts, *remarks, shown)
 
 
 def _without_angle_law(model: "ComplianceModel", gamma_deg: float) -> set[str]:
@@ -131,50 +135,61 @@ def _without_angle_law(model: "ComplianceModel", gamma_deg: float) -> set[str]:
     return without
 
 
-def _print_lookups(
-    answers: dict[str, "Lookup"], with_angle: bool, units: "OutputUnits"
-) -> list[str]:
-    """Print a line for each response, those that depend on the angle first, then what all share."""
-    from regression.response_kinds import ANGLE_LAWS, END_MOMENTS
+def _shown(answers: "dict[str, Lookup]") -> "dict[str, Lookup]":
+    """Leave out responses from which reactions follow, unless there are no others."""
+    from regression.response_kinds import END_MOMENTS
 
-    hidden = [name for name in answers if name in END_MOMENTS]
-    answers = {name: answer for name, answer in answers.items() if name not in hidden} or answers
-    between = [name for name in answers if with_angle and name in ANGLE_LAWS]
-    others = [name for name in answers if name not in between]
-    shared = [
-        remark
-        for remark in next(iter(answers.values())).remarks
-        if all(remark in answer.remarks for answer in answers.values())
-    ]
-    for name in between:
-        _print_lookup(name, answers[name], shared, units)
-    if between and others:
-        print_line("Independent of --gamma:")
-    for name in others:
-        _print_lookup(name, answers[name], shared, units)
-    for remark in shared:
-        print_line(units.text(remark))
-    banded = [name for name, answer in answers.items() if answer.inside]
-    return [part for n in banded for part in (ANGLE_LAWS[n] if n in between else (n,))]
+    return {n: answer for n, answer in answers.items() if n not in END_MOMENTS} or answers
 
 
-def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "OutputUnits") -> None:
-    value = units.quantity(answer.value, answer.unit, 4)
-    support = f" ({answer.support})" if answer.support else ""
-    if not answer.inside:
-        place = "OUTSIDE the range, where no band applies"
-    elif answer.lower is None or answer.upper is None:
-        place = "its band is open, inside the range"
-    else:
-        lower, upper = (units.quantity(end, answer.unit, 4) for end in (answer.lower, answer.upper))
-        place = f"{lower} to {upper}, inside the range"
-    print_line(f"{_title(name)}: {value}{support}, {place}")
-    for remark in answer.remarks:
-        if remark not in shared:
-            print_line(units.text(f"  {remark}"))
+def _banded(answers: "dict[str, Lookup]", with_angle: bool) -> list[str]:
+    """Name the responses that have a band, those between neighbors by what their law takes."""
+    from regression.response_kinds import ANGLE_LAWS
+
+    banded = [name for name, answer in _shown(answers).items() if answer.inside]
+    return [part for n in banded for part in (ANGLE_LAWS.get(n, (n,)) if with_angle else (n,))]
 
 
-def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
+def _answer_parts(answers: "dict[str, Lookup]", units: "OutputUnits") -> "Iterator[Table | str]":
+    """Return the table of responses, then their remarks, each once."""
+    shown = _shown(answers)
+
+    def cells(row: "tuple[str, Lookup]") -> list[Cell]:
+        name, answer = row
+        ends = (answer.lower, answer.upper) if answer.inside else (None, None)
+        values = [
+            "none" if value is None else units.quantity(value, answer.unit, 4)
+            for value in (answer.value, *ends)
+        ]
+        unit = values[0].partition(" ")[2]
+        title = _title(name).removesuffix(f" {answer.support}")
+        return [title, answer.support, *(v.removesuffix(f" {unit}") for v in values), unit]
+
+    yield Table(
+        "Values with their bands",
+        [
+            Column("response", words=True),
+            Column("ends", words=True),
+            *map(Column, ("value", "from", "to")),
+            Column("unit", words=True),
+        ],
+        list(map(cells, shown.items())),
+    )
+    for name, answer in shown.items():
+        if not answer.inside:
+            yield Main(f"{_title(name)}: OUTSIDE the range, where no band applies")
+        elif answer.lower is None or answer.upper is None:
+            yield Main(f"{_title(name)}: its band is open, inside the range")
+    told: dict[str, list[str]] = {}
+    for name, answer in shown.items():
+        for remark in answer.remarks:
+            told.setdefault(remark, []).append(_title(name))
+    for remark, names in told.items():
+        of = "" if len(names) == len(shown) else f"{', '.join(names)}: "
+        yield units.text(f"{of}{remark}")
+
+
+def _bands(model: "ComplianceModel", names: list[str]) -> Iterator[str]:
     """State the errors included in the bands, and those unknown."""
     from regression.fits.selection import COVERAGE
     from regression.models.response_query import FEWEST, equation_error, percent
@@ -202,17 +217,17 @@ def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
             else f"largest error, with too few for {share},"
         )
         of += " at designs not used in the fit"
-    print_line(f"Bands: {of} ({equations}){elements}; --json lists them by response.")
+    yield Main(f"Bands: {of} ({equations}){elements}; --json lists them by response.")
     unjudged = [
         _title(name)
         for name, response in used.items()
         if response.band_error is None and response.largest_heldout_error is None
     ]
     if unjudged:
-        print_line(f"  Error underestimated for lack of held-out designs: {', '.join(unjudged)}.")
+        yield f"  Error underestimated for lack of held-out designs: {', '.join(unjudged)}."
     unknown = [_title(name) for name, response in used.items() if response.largest_fe_error is None]
     if unknown:
-        print_line(f"  The error of the finite elements was not estimated: {', '.join(unknown)}.")
+        yield f"  The error of the finite elements was not estimated: {', '.join(unknown)}."
 
 
 def _title(name: str) -> str:
@@ -292,7 +307,9 @@ def optimum(
     if out.json:
         print_json(_optimum_record(best))
         return
-    _print_optimum(loaded, best, out.units)
+    value = out.units.quantity(best.value, best.unit, 4)
+    parts = _optimum_parts(loaded, best, out.units)
+    out.show(parts, f"Smallest {best.minimized}: {value}")
 
 
 def _frequency_limits(
@@ -360,31 +377,30 @@ def _optimum_record(best: "Optimum") -> dict[str, Any]:
     }
 
 
-def _print_optimum(model: "ComplianceModel", best: "Optimum", units: "OutputUnits") -> None:
-    from crankbase.table import Column, Table
+def _optimum_parts(
+    model: "ComplianceModel", best: "Optimum", units: "OutputUnits"
+) -> "Iterator[Table | str]":
     from crankfem.cli.arguments import dimensions_text
 
-    print_line(f"Smallest {best.minimized}: {units.quantity(best.value, best.unit, 4)}")
-    for name, text in zip(best.factors, dimensions_text(model, best.factors), strict=True):
-        end = " (end of its range)" if name in best.at_ends else ""
-        print_line(units.text(f"  {text}{end}"))
+    for remark in best.remarks:
+        yield Main(units.text(f"{remark[0].upper()}{remark[1:].rstrip('.')}."))
     if best.limits:
         names = ("limit", "bound", "by the equation", "worst in its band", "kept")
-        print_table(
-            Table(
-                "Limits",
-                [Column(name, words=name == "kept") for name in names],
+        yield Table(
+            "Limits",
+            [Column(name, words=name == "kept") for name in names],
+            [
                 [
-                    [
-                        check.limit.name.replace("_", " "),
-                        f"{check.limit.sign} {units.quantity(check.limit.bound, check.limit.unit, 4)}",
-                        units.quantity(check.value, check.limit.unit, 4),
-                        units.quantity(check.worst, check.limit.unit, 4),
-                        "just" if check.active else "with room",
-                    ]
-                    for check in best.limits
-                ],
-            )
+                    check.limit.name.replace("_", " "),
+                    f"{check.limit.sign} {units.quantity(check.limit.bound, check.limit.unit, 4)}",
+                    units.quantity(check.value, check.limit.unit, 4),
+                    units.quantity(check.worst, check.limit.unit, 4),
+                    "just" if check.active else "with room",
+                ]
+                for check in best.limits
+            ],
+            main=True,
         )
-    for remark in best.remarks:
-        print_line(units.text(f"{remark[0].upper()}{remark[1:].rstrip('.')}."))
+    for name, text in zip(best.factors, dimensions_text(model, best.factors), strict=True):
+        end = " (end of its range)" if name in best.at_ends else ""
+        yield Main(units.text(f"  {text}{end}"))

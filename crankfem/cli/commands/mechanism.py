@@ -11,7 +11,7 @@ from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import EngineArgument, Output, SpeedOption, with_output
-from crankfem.cli.console import print_json, print_parts
+from crankfem.cli.console import print_json
 from dynamics.engine import ROD_MODELS, RodModelName
 
 if TYPE_CHECKING:
@@ -79,11 +79,9 @@ def mechanism(
     if out.json:
         print_json(replace(details, pictures=tuple(map(str, made))))
         return
-    print_parts(details.parts(out.units), out.units)
-    if csv is not None:
-        console.output.print(f"Forces: {csv}", soft_wrap=True)
-    if made:
-        console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)
+    files = [f"Forces: {csv}"] if csv is not None else []
+    files += [f"Pictures: {pictures} ({len(made)} files)"] if made else []
+    out.show(details.parts(out.units), *files, details.results.answer(out.units))
 
 
 def _rod_models(names: list[str] | None) -> list[RodModelName]:
@@ -188,10 +186,9 @@ def harmonics(
     if out.json:
         print_json(spectra)
         return
-    print_parts(spectra.parts(out.units), out.units)
-    for path, kind in ((csv, "Table"), (sums, "Sums"), (pictures, "Pictures")):
-        if path is not None:
-            console.output.print(f"{kind}: {path}", soft_wrap=True)
+    *parts, answer = spectra.parts(out.units)
+    files = ((csv, "Table"), (sums, "Sums"), (pictures, "Pictures"))
+    out.show(parts, *(f"{kind}: {path}" for path, kind in files if path is not None), answer)
 
 
 def _names_engine(source: str) -> bool:
@@ -353,4 +350,5 @@ def two_mass(
     if out.json:
         print_json(run)
     else:
-        print_parts(run.parts(out.units), out.units)
+        *parts, answer = run.parts(out.units)
+        out.show(parts, answer)

@@ -1,7 +1,7 @@
 """Arguments and options common to several commands: inputs, outputs and --strict."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
@@ -11,7 +11,7 @@ import typer
 
 from crankbase.errors import InputError
 from crankbase.outputs import replacing_files
-from crankbase.table import OutputUnits, parse_output_units
+from crankbase.table import OutputUnits, Table, parse_output_units
 from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.jobs.exit_codes import EXIT_LIMITS, EXIT_UNDECIDED
@@ -87,6 +87,9 @@ QuietOption = Annotated[
         "--quiet", "-q", help="Print only errors and warnings of lost data on standard error."
     ),
 ]
+FullOption = Annotated[
+    bool, typer.Option("--full", help="Print all tables and remarks, not the main ones alone.")
+]
 ForceOption = Annotated[
     bool,
     typer.Option(
@@ -125,31 +128,41 @@ WorkersOption = Annotated[int, typer.Option(help="Worker processes of the study.
 
 @dataclass(frozen=True)
 class Output:
-    """Output of a command: units, JSON, notes, replacing of files."""
+    """Output of a command: units, JSON, notes, replacing of files, all tables or the main ones."""
 
     units: OutputUnits
     json: bool
     quiet: bool
     force: bool
+    full: bool
+
+    def show(self, parts: Iterable[Table | str], *answers: Table | str) -> None:
+        """Print tables and paragraphs, then the answers."""
+        console.print_parts(parts, self.units, answers, full=self.full)
 
 
-def with_output(*, units: bool = False, files: bool = False) -> Callable[[Command], Command]:
+def with_output(
+    *, units: bool = False, files: bool = False, tables: bool = False
+) -> Callable[[Command], Command]:
     """Add --json and --quiet to a command behind its own options; it gets all of them as `out`.
 
     Parameters
     ----------
     units : bool
-        Whether it prints quantities, and so has --units.
+        Whether it prints quantities, and so has --units and --full.
     files : bool
         Whether it writes files, and so has --force.
+    tables : bool
+        Whether it prints many results without quantities, and so has --full.
     """
     options: dict[str, tuple[object, object]] = {
         "force": (ForceOption, False),
         "units": (UnitsOption, None),
+        "full": (FullOption, False),
         "json": (JsonOption, False),
         "quiet": (QuietOption, False),
     }
-    left_out = {"force": not files, "units": not units}
+    left_out = {"force": not files, "units": not units, "full": not (units or tables)}
     added = [
         inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
         for name, (kind, default) in options.items()
@@ -162,11 +175,14 @@ def with_output(*, units: bool = False, files: bool = False) -> Callable[[Comman
             *,
             force: bool = False,
             units: str | None = None,
+            full: bool = False,
             json: bool,
             quiet: bool,
             **arguments: Any,
         ) -> None:
-            command(**arguments, out=Output(parse_output_units(units), json, quiet, force))
+            console.output.printed = console.errors.printed = 0
+            output = Output(parse_output_units(units), json, quiet, force, full)
+            command(**arguments, out=output)
 
         signature = inspect.signature(command)
         parameters = [

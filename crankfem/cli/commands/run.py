@@ -1,12 +1,14 @@
 """The main job, its report written again, and the class document."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from crankbase.errors import InputError
+from crankbase.table import Main, Table
 from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
@@ -34,14 +36,12 @@ def run(
     workers: WorkersOption = 2,
     model: SavedModelOption = None,
     strict: StrictOption = False,
-    verbose: Annotated[bool, typer.Option(help="Also print all tables.")] = False,
     *,
     out: Output,
 ) -> None:
     """Run everything: throw, formulas, study, vibration, and a report, into one folder.
 
-    The verdict is printed first and last, with its reasons between; --verbose adds all tables. With
-    --quiet only the path of the report is printed.
+    With --quiet only the path of the report is printed.
     """
     from crankfem.jobs.pipeline import run_engine
     from crankfem.jobs.run_computation import RunInputs, read_inputs
@@ -68,35 +68,38 @@ def run(
     elif out.quiet:
         console.print_path(str(made.report))
     else:
-        _print(made.results, out.units, verbose=verbose)
-        console.print_path(f"Report: {made.report}")
         verdict = verdict_line(made.results.vibration, made.results.strength)
-        console.print_line(out.units.text(verdict))
+        parts = _parts(made.results, out.units)
+        out.show(parts, f"Report: {made.report}", out.units.text(verdict))
     if strict:
         exit_unless_acceptable(made.results.vibration)
 
 
-def _print(results: "RunResults", units: "OutputUnits", *, verbose: bool) -> None:
-    from crankfem.analyses.run_results import NamedThrow
-    from crankfem.analyses.vibration.tables import vibration_parts
-    from crankfem.cli.tables import throw_tables
+def _parts(results: "RunResults", units: "OutputUnits") -> Iterator[Table | str]:
     from crankfem.report.summary import summary_parts, worst_tables
 
-    console.print_parts(summary_parts(results, units))
-    if not verbose:
-        for table in worst_tables(results.vibration, units):
-            console.print_table(table, units, plain=True)
-        return
+    yield from worst_tables(results.vibration, units)
+    yield from map(Main, summary_parts(results, units))
+    for part in _details(results, units):
+        yield str(part) if isinstance(part, str) else replace(part, main=False)
+
+
+def _details(results: "RunResults", units: "OutputUnits") -> Iterator[Table | str]:
+    from crankfem.analyses.run_results import NamedThrow
+    from crankfem.analyses.vibration.tables import vibration_parts
+    from crankfem.cli.tables.throw_tables import one_throw_parts
+
     throws: Mapping[str, Any] = results.throws or {"": results}
     for name, throw in throws.items():
         if isinstance(throw, NamedThrow):
             cranks = "crank" if len(throw.cranks) == 1 else "cranks"
-            console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, throw.cranks))}.")
-        throw_tables.print_throw(throw.throw, units)
-        throw_tables.print_one_throw(throw.formulas, units=units)
+            yield f"Throw {name}: {cranks} {', '.join(map(str, throw.cranks))}."
+        yield throw.throw.loaded_table(units)
+        yield from throw.throw.parts(units)
+        yield from one_throw_parts(throw.formulas, units=units)
     if results.study is not None:
-        console.print_parts(results.study.main_parts())
-    console.print_parts(vibration_parts(results.vibration, units), units)
+        yield from results.study.main_parts()
+    yield from vibration_parts(results.vibration, units)
 
 
 @with_output(files=True)
@@ -144,7 +147,7 @@ def report(
         console.print_path(str(made) if out.quiet else f"Report: {made}")
 
 
-@with_output(files=True)
+@with_output(files=True, tables=True)
 def class_(
     engine: EngineArgument,
     output: Annotated[
@@ -177,8 +180,7 @@ def class_(
     elif out.quiet:
         console.print_path(str(made.page))
     else:
-        for sentence in findings:
-            console.print_line(sentence)
-        console.print_path(f"Document: {made.page}")
+        first, *further = map(Main, findings)
+        out.show(further, f"Document: {made.page}", first)
     if strict:
         exit_unless_acceptable(made.run)

@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -16,7 +17,7 @@ from crankfem.cli.commands.options import (
     ThrowOption,
     with_output,
 )
-from crankfem.cli.console import print_json, print_line, print_notes, print_parts, print_table
+from crankfem.cli.console import print_json, print_line, print_notes
 from fem.wished_accuracy import COMPLIANCE_ACCURACY, STRESS_ACCURACY
 
 if TYPE_CHECKING:
@@ -111,7 +112,6 @@ def throw(
         throw_slopes,
     )
     from crankfem.cli.arguments import parse_gamma, parse_pin_force
-    from crankfem.cli.tables.throw_tables import print_throw
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_outputs
     from fem.analysis import analyze_throw
@@ -170,16 +170,9 @@ def throw(
         pictures_made = {} if made is None else {"pictures": [str(made)]}
         print_json(with_units(results) | pictures_made)
         return
-    print_throw(results, out.units)
-    if made is not None:
-        console.output.print(f"Picture: {made}", soft_wrap=True)
-    if modes:
-        print_table(results.mode_table(), out.units)
-    if slopes:
-        print_table(results.slope_table(), out.units)
-        print_line(results.slope_words())
-    if profile:
-        print_table(results.time_table())
+    files = [] if made is None else [f"Picture: {made}"]
+    table = results.loaded_table(out.units)
+    out.show(results.parts(out.units, profile=profile), *files, table)
 
 
 @with_output(files=True, units=True)
@@ -231,7 +224,7 @@ def stress(
     if out.json:
         print_json(results)
     else:
-        print_parts([*results.tables(out.units), *results.sentences()], out.units)
+        out.show(chain(results.tables(out.units), results.sentences()), results.factor_table())
 
 
 @with_output(files=True)

@@ -15,7 +15,7 @@ from crankfem.cli.commands.options import (
     exit_unless_acceptable,
     with_output,
 )
-from crankfem.cli.console import print_json, print_parts
+from crankfem.cli.console import print_json
 
 
 @with_output(files=True, units=True)
@@ -81,7 +81,8 @@ def vibration(
         if out.json:
             print_json(chain)
         else:
-            print_parts(chain.parts(), out.units)
+            *parts, answer = chain.parts()
+            out.show(parts, answer)
         return
     from crankbase.outputs import protect
     from crankbase.results import units as result_units
@@ -97,6 +98,7 @@ def vibration(
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.jobs.outputs import make_output_folder
     from crankfem.report.conclusions import verdict_line
+    from crankfem.report.summary import worst_tables
 
     if run_up is not None:
         from crankfem.analyses.vibration.run_up import parse_duration, picture_run_up
@@ -155,13 +157,15 @@ def vibration(
             record["units"] |= result_units(changes, "slopes.")
         print_json(record)
     else:
-        print_parts(vibration_parts(run, out.units), out.units)
-        if speed_up is not None:
-            print_parts(speed_up.parts(out.units), out.units)
-        if changes is not None:
-            print_parts(changes.parts(), out.units)
-        for path in written:
-            console.print_line(f"Written: {path}")
-        console.print_line(out.units.text(verdict_line(run)))
+        asked = [] if speed_up is None else [*speed_up.parts(out.units)]
+        asked += [] if changes is None else [*changes.parts()]
+        parts = [*asked, *worst_tables(run, out.units), *vibration_parts(run, out.units)]
+        files = (("Tables", csv, tables), ("Pictures", pictures, drawn))
+        told = [
+            f"{kind}: {folder} ({sum(path.parent == made for path in written)} files)"
+            for kind, folder, made in files
+            if made is not None
+        ]
+        out.show(parts, *told, out.units.text(verdict_line(run)))
     if strict:
         exit_unless_acceptable(run)
