@@ -105,7 +105,7 @@ def verdict_line(vibration: EngineVibration, strength: "EngineStrength | None" =
 
 
 # Of the report's first screen.
-MOST_FINDINGS = 3
+MOST_FINDINGS, MOST_RANGES = 3, 2
 # A section of the report and a statement.
 Statement = tuple[str, str]
 
@@ -197,7 +197,7 @@ def _measures(results: "RunResults", assessment: Assessment) -> str:
         barring(span.low, span.high, span.allowed)
         for span in verdict.barred
         if span.position == "running"
-    ]
+    ][:MOST_RANGES]
     remedy = _remedy(results, verdict.worst)
     if remedy is not None:
         told.append(remedy.short)
@@ -420,8 +420,8 @@ class Remedy:
         """What follows alone."""
         if not self.enough:
             return (
-                "More damping alone is not sufficient. Reduce the excitation by the orders without "
-                "resonance, or strengthen the shaft."
+                "More damping alone is not sufficient. Reduce the other orders' excitation, or strengthen "
+                "the shaft."
             )
         return (
             f"More damping{self.undamped}, or another frequency of {self.modes}, may be sufficient at this "

@@ -25,7 +25,13 @@ from crankfem.analyses.vibration.tables import (
 from crankfem.cli import console
 from crankfem.cli.commands.run import _parts
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.report.conclusions import conclusions, failed_checks, headline, verdict_line
+from crankfem.report.conclusions import (
+    conclusions,
+    failed_checks,
+    headline,
+    main_findings,
+    verdict_line,
+)
 from crankfem.report.summary import engine_facts, summary, uncertain_sentence, worst_of_each
 from crankfem.report.text_filters import loaded_most
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
@@ -160,6 +166,15 @@ def test_three_to_six_statements(results):
     )
     results["vibration"] |= {"forced": None, "assessment": None}
     assert 3 <= len(conclusions(typed(results))) <= 6
+
+
+def test_what_stands_on_the_first_screen_is_short(results):
+    none = with_parts(results, part(1.5, 22e6, "forced"), part(6.0, 3e6, "near resonance", 2))
+    barred = none["vibration"]["assessment"]["barred"]
+    barred += [barred[0] | {"allowed": True, "refusals": []}, barred[0]]
+    found = main_findings(typed(none))
+    assert [label for label, _, _ in found] == ["Why", "What helps", "Assumed"]
+    assert max(len(text.split()) for _, _, text in found) <= 30
 
 
 def test_damping_is_advised_only_where_it_can_help(results):

@@ -275,7 +275,9 @@ def element_table(forced: ForcedVibration) -> Table:
     )
 
 
-def limit_table(assessment: Assessment, name: str | None = None, units: OutputUnits = SI) -> Table:
+def limit_table(
+    assessment: Assessment, name: str | None = None, units: OutputUnits = SI, digits: int = 4
+) -> Table:
     """Return the use of limits, each location at its worst speed: all of them, or one by its name."""
     checks = [check for check in assessment.verdict.checks if name in (None, check.limit.name)]
 
@@ -296,8 +298,11 @@ def limit_table(assessment: Assessment, name: str | None = None, units: OutputUn
         *([limit] if name is None else []),
         (Column("where", words=True), "place"),
         (Column("at", "1/min", decimals=1), lambda check: check.at_running.speed),
-        (Column("reached"), lambda check: _written(check.at_running.value, check, units)),
-        (Column("permitted"), lambda check: _written(check.at_running.permitted, check, units)),
+        (Column("reached"), lambda check: _written(check.at_running.value, check, units, digits)),
+        (
+            Column("permitted"),
+            lambda check: _written(check.at_running.permitted, check, units, digits),
+        ),
         (Column("used", "%", 3), lambda check: check.at_running.used),
         # What was judged above the running range stands beside it.
         *(above_running if any(check.above is not None for check in checks) else ()),
@@ -305,8 +310,8 @@ def limit_table(assessment: Assessment, name: str | None = None, units: OutputUn
     )
 
 
-def _written(value: float, check: LimitCheck, units: OutputUnits) -> str:
-    return UNBOUNDED if math.isinf(value) else units.quantity(value, check.limit.unit, 4)
+def _written(value: float, check: LimitCheck, units: OutputUnits, digits: int) -> str:
+    return UNBOUNDED if math.isinf(value) else units.quantity(value, check.limit.unit, digits)
 
 
 def misfiring_table(misfiring: Misfiring, units: OutputUnits = SI) -> Table:
