@@ -29,9 +29,7 @@ from regression.runs.study_table import StudyTable
 
 # What keeps the place of a packed picture, of its size.
 EMPTY = (
-    "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {} {}'/%3E".replace(
-        " ", "%20"
-    )
+    "data:image/svg+xml,%3Csvg%20xmlns='http://www.w3.org/2000/svg'%20viewBox='0%200%20{}%20{}'/%3E"
 )
 # Of pictures without sharp edges, at which nothing is seen to be lost.
 QUALITY = 85

@@ -80,7 +80,7 @@ def test_a_throw_and_a_study_can_stand_alone(tmp_path, six_cylinders, edit):
     assert material == cf.STEEL
     plan = load_study(path)
     assert plan.names[0] == "web_width"
-    assert plan.factors[0].levels == close((0.270, 0.300, 0.330))
+    assert (plan.factors[0].lowest, plan.factors[0].highest) == close((0.270, 0.330))
     with pytest.raises(InputError, match=r"describes a throw, not an engine; add the sections"):
         load_engine(path)
 

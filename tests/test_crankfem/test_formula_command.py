@@ -118,7 +118,7 @@ def test_all_engines_in_one_table(call, monkeypatch, analysis):
     for name, cell in zip(AXIAL_FORMULA_NAMES, rows[0][3:], strict=True):
         assert cell.endswith("*") == (not expected[name].valid), name
         assert float(cell.rstrip("*")) == close(expected[name].value / fe, abs=0.0051), name
-    assert [line.split()[0] for line in answer.out.splitlines()].count("greatest") == 2
+    assert [line.startswith("greatest") for line in answer.out.splitlines()].count(True) == 2
 
 
 def test_several_engines_side_by_side(call, monkeypatch, analysis, tmp_path):

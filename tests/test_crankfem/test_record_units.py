@@ -47,6 +47,8 @@ SLOW = {
     "draw 6chn25-34": 0,
     "export 6chn25-34 throw.vtu --size 3 --part quarter": 0,
 }
+# Commands that leave nothing out, and know no --full.
+ALWAYS_WHOLE = ("new", "fields", "results", "verify", "draw", "export")
 # Whose JSON other tests make, which look at its units too, or holds no numbers.
 ELSEWHERE = {"run", "report", "class", "serve", "doe", "designs", "import"}
 
@@ -102,7 +104,8 @@ def check_line(line, call, printed):
     answer = call(*arguments, "--json")
     assert answer.code == 0, answer.err
     printed.clear()
-    assert call(*arguments).code == 0
+    full = () if arguments[0] in ALWAYS_WHOLE else ("--full",)
+    assert call(*arguments, *full).code == 0
     return compared(answer.json(), printed)
 
 
