@@ -28,9 +28,7 @@ from dynamics.harmonics import Harmonics
 from regression.runs.study_table import StudyTable
 
 # What keeps the place of a packed picture, of its size.
-EMPTY = (
-    "data:image/svg+xml,%3Csvg%20xmlns='http://www.w3.org/2000/svg'%20viewBox='0%200%20{}%20{}'/%3E"
-)
+EMPTY = "data:image/svg+xml,%3Csvg%20xmlns='http:%2F%2Fwww.w3.org/2000/svg'%20viewBox='0%200%20{}%20{}'/%3E"
 # Of pictures without sharp edges, at which nothing is seen to be lost.
 QUALITY = 85
 POINT = 96.0 / 72.0  # [pixel]

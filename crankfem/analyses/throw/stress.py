@@ -293,7 +293,6 @@ class StressResults(Result):
                 f"{100.0 * max(errors):.2g} %{met}."
             )
         )
-        sentences += [f"{file} written." for file in self.pictures]
         return sentences
 
     def rule_sentences(self) -> list[str]:

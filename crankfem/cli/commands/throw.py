@@ -224,7 +224,9 @@ def stress(
     if out.json:
         print_json(results)
     else:
-        out.show(chain(results.tables(out.units), results.sentences()), results.factor_table())
+        written = (f"{picture} written." for picture in results.pictures)
+        parts = chain(results.tables(out.units), results.sentences())
+        out.show(parts, results.factor_table(), *written)
 
 
 @with_output(files=True)
