@@ -110,7 +110,6 @@ def element_loads(response: ForcedResponse) -> ElementLoads:
         return OrderSeries(response.orders, response.speeds, values, response.unbounded, names)
 
     complex_stiffness = chain.stiffness * (1.0 + 1j * chain.loss_factor) + 1j * w * chain.damping
-    elastic = chain.stiffness * twist
     ground = (chain.ground + 1j * w * chain.ground_damping) * response.motion
     elements = complex_stiffness * twist
     for spring, added in varying_stiffness(response):
@@ -119,10 +118,9 @@ def element_loads(response: ForcedResponse) -> ElementLoads:
             ground[:, :, at] += added * response.motion[:, :, at]
         else:
             elements[:, :, at] += added * twist[:, :, at]
-            elastic[:, :, at] += added.real * twist[:, :, at]
     return ElementLoads(
         elements=series(elements, chain.elements),
-        elastic=series(elastic, chain.elements),
+        elastic=series(elastic_loads(response), chain.elements),
         ground=series(ground, chain.names),
         dashpots=series(1j * w * sizes * relative, dashpot_names(chain)),
     )

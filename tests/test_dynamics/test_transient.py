@@ -10,6 +10,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.vibration.plots import plot_transient, plot_transient_over_speed
 from dynamics.chains.chain import Chain, Gear
+from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.engine.layout import EngineCylinder, EngineLayout
 from dynamics.engine.rods import ConnectingRod
@@ -451,7 +452,8 @@ def gas_forces(peak, strokes=2):
 def one_throw(peak=2e6, chain=None):
     engine, gas = gas_forces(peak)
     own = Chain([1.0, 9.0], [2e4], damping=30.0) if chain is None else chain
-    return turning_chain(engine, EngineChain(own, "torsional", throw_nodes=(0,)), gas), gas
+    ends = EngineChain(own, "torsional", throw_nodes=(0,))
+    return turning_chain(engine, ends, gas, load_node=1), gas
 
 
 def test_free_chain_moves_about_its_even_turning_and_follows_the_angle_it_starts_at():
@@ -547,9 +549,13 @@ def test_geared_chain_with_distributed_inertia_keeps_its_energy():
     assert run.energy_error < 1e-6
 
 
-def test_dampers_to_ground_turn_evenly():
+GROUNDED = Chain([1.0, 9.0], [2e4], damping=30.0, ground_damping={0: 200.0, 1: 100.0})
+RING = TorsionalRing(inertia=0.4, damping=60.0).attached(Chain([1.0, 9.0], [2e4]), 0, "ring")
+
+
+@pytest.mark.parametrize("chain", [GROUNDED, RING], ids=["to ground", "viscous ring"])
+def test_dampers_turn_evenly(chain):
     # Gas so weak that the torque hardly depends on the vibration itself: 1e-3.
-    chain = Chain([1.0, 9.0], [2e4], damping=30.0, ground_damping={0: 200.0, 1: 100.0})
     turning, gas = one_throw(1e3, chain)
     ends = EngineChain(chain, "torsional", throw_nodes=(0,))
     wanted = forced_response(chain, torque_excitation(gas, ends)).motion[:, 0]
