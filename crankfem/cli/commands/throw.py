@@ -2,7 +2,6 @@
 
 import time
 from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -225,8 +224,9 @@ def stress(
         print_json(results)
     else:
         written = (f"{picture} written." for picture in results.pictures)
-        parts = chain(results.tables(out.units), results.sentences())
-        out.show(parts, results.factor_table(), *written)
+        out.show(
+            [*results.tables(out.units), *results.sentences()], results.factor_table(), *written
+        )
 
 
 @with_output(files=True)
