@@ -68,10 +68,9 @@ from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 if TYPE_CHECKING:
-    from regression.plans.plan import StudyPlan
-
-if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from regression.plans.plan import StudyPlan
 
 
 def check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> None:
