@@ -2,13 +2,13 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crankbase.quantity import RPM, compact, format_number, format_usage, significant
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
-from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.vibration.assessment import Assessment, factor_range
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.tables import critical_lines, speed_table
@@ -28,10 +28,13 @@ from dynamics.assessment.verdict import LimitCheck
 from dynamics.engine.layout import repeating_intervals
 from dynamics.wording import cylinders_named, limit_at, shown_range
 
+if TYPE_CHECKING:
+    from crankfem.analyses.run_results import RunResults
+
 KINDS = ("axial", "torsional")
 
 
-def summary(results: RunResults) -> Record:
+def summary(results: "RunResults") -> Record:
     """Return what the first screen of a report says.
 
     Returns
@@ -81,7 +84,7 @@ def _by_section(statements: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
     return found
 
 
-def tiles(results: RunResults) -> list[Record]:
+def tiles(results: "RunResults") -> list[Record]:
     """Return at most six figures that sum up a run.
 
     Returns
@@ -201,7 +204,7 @@ def _whole(vibration: EngineVibration, assessment: Assessment) -> Tile | None:
     return label, f"{format_usage(worst.used)} of a limit", details, "whole", over
 
 
-def _assumed_inputs(results: RunResults) -> Tile:
+def _assumed_inputs(results: "RunResults") -> Tile:
     assessment, inputs = results.vibration.assessment, results.inputs
     count, details = sum(record.assumed for record in inputs), []
     if assessment is not None:
@@ -219,7 +222,7 @@ def _assumed_inputs(results: RunResults) -> Tile:
     return "Assumed inputs", f"{count} of {len(inputs)}", details, "inputs", over
 
 
-def engine_facts(results: RunResults) -> list[str]:
+def engine_facts(results: "RunResults") -> list[str]:
     """Say what the engine is, a phrase each: its layout, size, speeds, pressure and firing order."""
     engine, mechanism = results.engine, results.mechanism
     count = engine.cylinders
@@ -340,7 +343,7 @@ def worst_of_each(checks: Iterable[LimitCheck]) -> list[WorstPlace]:
     return places
 
 
-def summary_parts(results: RunResults, units: OutputUnits = SI) -> Iterator[str]:
+def summary_parts(results: "RunResults", units: OutputUnits = SI) -> Iterator[str]:
     """Return what follows from the results of a run, and what the engine is, in one line."""
     for line in conclusions(results):
         yield units.text(f"- {line}")

@@ -136,7 +136,7 @@ def axial_throw_forces(
     e = positive_vector("compliances", compliances, "m/N", "every throw yields under load")
     radial_and_tangential = _influence(influence, forces, e.size, pins)
     acting = np.stack((forces.radial, forces.tangential), axis=-1)
-    lengthening = np.einsum("ncx,kscx->ksn", radial_and_tangential, acting)
+    lengthening = np.tensordot(acting, radial_and_tangential, axes=([2, 3], [1, 2]))
     return np.asarray(lengthening / e)
 
 
