@@ -22,10 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from crankbase.choices import check_choice
 from crankbase.diagrams import draw_rows, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Number, Quantity, Result, result
+from fem.end_reactions import END_LOADS
 from fem.material import Material
 from fem.solver import (
     QUADRATURE_ORDER,
@@ -39,9 +41,11 @@ from fem.superelement import (
     CondensedClass,
     Superelement,
     combine_classes,
+    measured_sections,
     nodes_on,
     unit_end_motions,
 )
+from fem.supports import Support, pin_compliance, reactions, support_throw
 from fem.symmetry import (
     RIGID,
     NodalLoads,
@@ -69,6 +73,11 @@ PARALLEL = 1e-3
 CACHED = 60_000
 # Differences of loads and prescribed motions, which are smooth, in lengths of the throw.
 SHIFT = 1e-7
+# Answers with slopes, besides mass and inertia.
+SLOPED = (
+    *("axial_compliance", "torsional_compliance", "influence_coefficient", "pin_compliance"),
+    *END_LOADS,
+)
 # Exact for the volume of curved elements, and for their moment of inertia but for 1e-6 of it.
 VOLUME_ORDER = 5
 
@@ -119,8 +128,8 @@ class Sensitivities(Result):
         ordered = dict(sorted(self.shares.items(), key=lambda share: -abs(share[1])))
         names = [name.replace("_", " ").replace(".", ", ") for name in ordered]
         draw_rows(axes, names, [*ordered.values()], "per cent for one per cent of the dimension")
-        title = f"{self.quantity.replace('_', ' ').capitalize()} {self.support}"
-        write_title(axes, title.strip())
+        title = f"{self.quantity.replace('_', ' ')} {self.support}".strip()
+        write_title(axes, title[0].upper() + title[1:])
         return axes
 
     def to_pandas(self) -> Any:
@@ -158,6 +167,44 @@ class DimensionChange:
         """Return d ln(answer) / d ln(dimension)."""
         low, high = map(answer, self.ends)
         return (high - low) / (0.5 * (high + low)) / (2.0 * STEP)
+
+
+def sloped_answer(
+    quantity: str, support: Support, pin: int, force: Array | None
+) -> Callable[[Superelement], float]:
+    """Return what finds an answer of a throw.
+
+    Parameters
+    ----------
+    quantity : str
+        One of `SLOPED`.
+    support : "pinned", "guided" or Neighbors
+    pin : int
+        Which is loaded.
+    force : (3,) array or None
+        On it, for its compliance and for reactions [N]; None for a radial one of 1 N.
+
+    Raises
+    ------
+    InputError
+        If the quantity is none of these.
+    """
+    check_choice("quantity", quantity, (*SLOPED, "mass", "inertia"), "these have slopes")
+
+    def answer(throw: Superelement) -> float:
+        along = throw.radials[pin] if force is None else force
+        if quantity in END_LOADS:
+            ends = reactions(throw, support, throw.joined.pin_loads[pin, :, :3] @ along)
+            parts = [part for end in (ends.left, ends.right) for part in (end.force, end.moment)]
+            return float(np.concatenate(parts)[END_LOADS.index(quantity)])
+        if quantity == "pin_compliance":
+            moved = pin_compliance(throw, support, pin)[:3, :3] @ along
+            return float(moved @ along / (along @ along))
+        found = support_throw(throw, support)
+        compliances = found.axial, found.torsional, found.influences[pin]
+        return float(compliances[SLOPED.index(quantity)])
+
+    return answer
 
 
 def check_sloped(throw: object, end_sections: str) -> CrankThrow:
@@ -214,25 +261,27 @@ def dimension_changes(
     for path, slopes, (mass, inertia) in zip(
         velocities, zip(*by_class, strict=True), masses, strict=True
     ):
-        low, high = (
-            combine_classes(
-                [
-                    replace(
-                        part,
-                        stiffness=part.stiffness + step * slope.stiffness,
-                        pin_loads=part.pin_loads + step * slope.pin_loads,
-                        pin_flexibility=part.pin_flexibility + step * slope.pin_flexibility,
-                    )
-                    for part, slope in zip(plain, slopes, strict=True)
-                ],
-                radial_directions(end),
-            )
-            for step, end in zip(
-                (-STEP * sizes[path], STEP * sizes[path]), motion.beside[path], strict=True
-            )
-        )
+        ends = []
+        for sign, end in zip((-STEP, STEP), motion.beside[path], strict=True):
+            step = sign * sizes[path]
+            moved = [
+                replace(
+                    part,
+                    stiffness=part.stiffness + step * slope.stiffness,
+                    pin_loads=part.pin_loads + step * slope.pin_loads,
+                    pin_flexibility=part.pin_flexibility + step * slope.pin_flexibility,
+                )
+                for part, slope in zip(plain, slopes, strict=True)
+            ]
+            made = combine_classes(moved, radial_directions(end))
+            if made.bending:
+                # What is held of a section that bends is its mean motion, over a ring that changes.
+                points = mesh.points + step * velocities[path]
+                ring = measured_sections(replace(mesh, points=points), made.bending.sections.degree)
+                made = replace(made, bending=made.bending.shared_with(ring))
+            ends.append(made)
         changes[path] = DimensionChange(
-            motion.beside[path], (low, high), sizes[path] * mass, sizes[path] * inertia
+            motion.beside[path], (ends[0], ends[1]), sizes[path] * mass, sizes[path] * inertia
         )
     return changes, motion.left_out
 
