@@ -8,7 +8,9 @@ from crankbase.table import SI, Column, OutputUnits, Table
 
 # Stands for a space at which no line ends.
 TIED = "\u00a0"
-WITH_UNIT = re.compile(r"(?<=\d) (?=%|1/min|[munkMG]?(?:m|g|N|Pa|W|Hz|deg|rad)\b)|(?<=\d N) (?=m\b)")
+WITH_UNIT = re.compile(
+    r"(?<=\d) (?=%|1/min|[munkMG]?(?:m|g|N|Pa|W|Hz|deg|rad)\b)|(?<=\d N) (?=m\b)"
+)
 # A line and its style.
 Line = tuple[str, str]
 HEAD = "bold"

@@ -177,6 +177,7 @@ def test_what_stands_on_the_first_screen_is_short(results):
     assert max(len(text.split()) for _, _, text in found) <= 30
 
 
+@pytest.mark.slow
 def test_damping_is_advised_only_where_it_can_help(results):
     # Without order 6 there are 15 of the 20 MPa permitted.
     help_ = with_parts(
@@ -239,6 +240,7 @@ def test_modes_with_little_part_in_a_resonance_are_not_named(results):
     assert "another frequency of torsional mode 2, may" in text
 
 
+@pytest.mark.slow
 def test_a_verdict_that_hangs_on_assumptions_is_undecided(results):
     results["vibration"]["assessment"]["decision"] = {
         "status": "undecided",
@@ -257,6 +259,7 @@ def test_a_verdict_that_hangs_on_assumptions_is_undecided(results):
     assert sum("Acceptable with a tensile strength" in line for line in found) == 1
 
 
+@pytest.mark.slow
 def test_misfiring_that_fails_is_in_the_headline(results):
     results["vibration"]["misfiring"] = misfiring()
     # Where limits are exceeded with all cylinders firing, the largest figure is that of normal firing.
@@ -271,6 +274,7 @@ def test_misfiring_that_fails_is_in_the_headline(results):
     assert summary(typed(results))["status"] == "barred"  # amber, not green
 
 
+@pytest.mark.slow
 def test_a_crankshaft_too_weak_is_in_the_headline(results):
     place = dict.fromkeys(contents(PlaceStrength), 1.0) | {"place": "pin fillet", "web": ""}
     throw = {"throw": 1, "alternating_torque": 1.0, "torque_speed_rpm": 1.0, "misfiring": []}
@@ -315,6 +319,7 @@ def test_a_steel_that_keeps_the_limits_of_normal_firing_is_not_said_to_keep_thos
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [80, 200])
 def test_the_console_says_the_verdict_last_in_few_lines(results, width, monkeypatch, capsys):
     lines = printed(results, width, monkeypatch, capsys)
