@@ -133,6 +133,7 @@ def test_a_split_pin_with_oil_holes_scales_with_its_size():
     assert sum(lengths) == close(3.0, abs=5e-3)
 
 
+@pytest.mark.slow
 def test_every_surface_moves_with_its_dimension(featured):
     """A point that follows the motion of its surface stays on it, whatever the dimension."""
     mesh = mesh_throw(featured, 3.0)
@@ -193,6 +194,7 @@ def test_slopes_are_those_between_other_meshes(featured):
         assert slopes[path] == close(np.log(ratio) / np.log(1.03 / 0.97), rel=0.015, abs=0.02)
 
 
+@pytest.mark.slow
 def test_what_has_no_slope_says_why(throw):
     analysis = analyze_throw(throw, accuracy=0.1)
     slopes = analysis.sensitivities("torsional_compliance", "guided")
@@ -207,6 +209,7 @@ def test_what_has_no_slope_says_why(throw):
         averaged.sensitivities()
 
 
+@pytest.mark.slow
 def test_slopes_as_table_and_picture(throw):
     slopes = analyze_throw(throw, accuracy=0.1).sensitivities()
     frame = slopes.to_pandas()
