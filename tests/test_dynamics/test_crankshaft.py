@@ -303,6 +303,11 @@ def test_rotation_ratio():
             "stiff",
         ),
         (lambda: crankshaft_system(shaft_of(CRANKS), -5.0), "highest_frequency"),
+        (lambda: shaft_of(range(41)), "throws"),
+        (lambda: ShaftThrow(STIFFNESS, MASS, PIN[None], [0.0, 1.0, 0.0], 1.0), "pins"),
+        (lambda: ShaftThrow(STIFFNESS, MASS, PIN, [[0.0, 1.0, 0.0]], 1.0), "pin_loads"),
+        (lambda: ShaftThrow(STIFFNESS[:6, :6], MASS, PIN[None], [[0, 1, 0]], 1.0), "stiffness"),
+        (lambda: ChainVerdict(()), "modes"),
     ],
 )
 def test_refused(make, field):

@@ -166,6 +166,16 @@ BAD = {
     "speeds[1]: given 0 rad/s": lambda: SpeedCurve([0.0, 1.0], [10.0, 0.0]),
     "speeds[0]: given nan": lambda: SpeedCurve([0.0, 1.0], [np.nan, 1.0]),
     "times[1]: given -1 s after 0 s": lambda: SpeedCurve([0.0, -1.0], [10.0, 20.0]),
+    "times: given 3 for 2 speeds": lambda: SpeedCurve([0.0, 1.0, 2.0], [10.0, 20.0]),
+    "angle_deg: given 90 to 90": lambda: SpeedCurve.constant(1.0, 1.0).time_at(angle_deg=90.0),
+    "time: given 2 to 2 s": lambda: SpeedCurve.constant(1.0, 1.0).speed(2.0),
+    "turns: given 3": lambda: steady_motion(row(damping=3.0), excitation(4), 80.0).envelope(3),
+    "start: given 'steady'": lambda: transient_motion(
+        row(), at_first_node(RESONANT, 4), SpeedCurve.constant(RESONANT, 1.0)
+    ),
+    "chain: given springs that vary": lambda: viscous_system(
+        row(varying=[Varying(0, Variation(speed=(0.0, 9.0), stiffness=(1.0, 2.0)).of(9e4))])
+    ),
     "end_speed: given 10 rad/s": lambda: SpeedCurve.ramp(10.0, 10.0, duration=1.0),
     "acceleration: given None": lambda: SpeedCurve.ramp(10.0, 20.0),
     "speed: given -80 rad/s": lambda: steady_motion(row(), excitation(4), -80.0),
