@@ -194,10 +194,8 @@ class Result:
         if not isinstance(content, Mapping):
             raise InputError(f"{cls.__name__}: given {quoted(content)}; allowed is its content.")
         made = object.__new__(cls)
-        for name, (quantity, kind) in contents(cls).items():
+        for name, (quantity, kind) in _read(cls).items():
             key = quantity.key_of(name)
-            if isinstance(inspect.getattr_static(cls, name, None), property):
-                continue
             if key not in content and not (quantity.flat or quantity.left_out):
                 raise InputError(
                     f"{cls.__name__}: the result has no {key}; it is not of this release."
@@ -295,6 +293,16 @@ def _contents(cls: Any) -> dict[str, tuple[Quantity, Any]]:
             kind = get_type_hints(getter, include_extras=True)["return"]
             known[name] = _entry(f"{cls.__name__}.{name}", kind)
     return {name: entry for name, entry in known.items() if entry[0] is not INTERNAL}
+
+
+@cache
+def _read(cls: Any) -> dict[str, tuple[Quantity, Any]]:
+    """Return the contents that are read from JSON: all but properties that follow from the others."""
+    return {
+        name: entry
+        for name, entry in contents(cls).items()
+        if not isinstance(inspect.getattr_static(cls, name, None), property)
+    }
 
 
 def _entry(place: str, kind: Any) -> tuple[Quantity, Any]:
