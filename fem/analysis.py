@@ -28,6 +28,8 @@ from fem.correction import (
     error_bars,
 )
 from fem.end_reactions import (
+    END_LOADS,
+    ROUND_OFF,
     Reactions,
     compliance_table,
     stiffness_table,
@@ -575,40 +577,61 @@ class ThrowAnalysis(SolvedSuperelement):
 
     def sensitivities(
         self,
-        quantity: Compliance | Literal["mass", "inertia"] = "axial_compliance",
+        quantity: str = "axial_compliance",
         support: Support = "pinned",
+        *,
+        pin: int = 0,
+        pin_force: ArrayLike | None = None,
     ) -> "Sensitivities":
-        """How a compliance, the mass or the inertia changes with each dimension of the throw.
+        """How a compliance, a reaction, the mass or the inertia changes with each dimension of the throw.
 
         All follow from the solutions at hand, without another mesh (`fem.sensitivities`); the first call
         takes most of the time, longer between neighbors.
 
         Parameters
         ----------
-        quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient", "mass", "inertia"}
-            The influence coefficient is that of the first pin; the inertia is about the shaft.
+        quantity : str
+            "axial_compliance", "torsional_compliance", "influence_coefficient", "pin_compliance" (motion of
+            the pin along a force on it), "mass", "inertia" (about the shaft), or one of the `reactions`:
+            "left Fx", "left Fy" and so on to "right Mz".
         support
             As for `axial_compliance`; without effect on mass and inertia.
+        pin : int
+            Index of the loaded pin, from 0 at the left.
+        pin_force : (3,) array_like, optional
+            On this pin in the throw frame, for its compliance and for reactions, by default radial; shares
+            do not depend on how large it is.
 
         Raises
         ------
         InputError
-            If an argument is unknown, the throw is a CAD part, or its end sections are not rigid.
+            If an argument is unknown, the reaction is zero, the throw is a CAD part, or its end sections are
+            not rigid.
         """
-        from fem.sensitivities import Sensitivities
+        from fem.sensitivities import Sensitivities, sloped_answer
 
         joined = isinstance(support, Neighbors)
         changes, left_out = self.changes_in_shaft if joined else self._changes_alone
-        if quantity == "mass" or quantity == "inertia":
+        if quantity in ("mass", "inertia"):
             shares = {path: getattr(change, quantity) for path, change in changes.items()}
             return Sensitivities(quantity, "", shares, left_out, 0.0)
-        chosen = check_compliance(quantity)
-        shares = {
-            path: change.share(lambda throw: compliance(throw, chosen, support))
-            for path, change in changes.items()
-        }
-        error = axial_correction(self.superelement, self.discrete.superelement)
-        return Sensitivities(chosen, str(support), shares, left_out, error)
+        throw, force = self.superelement, pin_force
+        checked_pin(pin, len(self.mesh.pins))
+        along = throw.radials[pin] if force is None else checked_vector("pin_force", force, "N")
+        if not np.any(along):
+            raise InputError(
+                "pin_force: given zero; allowed is a force, because zero has no direction."
+            )
+        answer = sloped_answer(quantity, support, pin, None if force is None else along)
+        value, arm = answer(throw), self.mesh.length if "M" in quantity else 1.0
+        if quantity in END_LOADS and abs(value) < ROUND_OFF * arm * np.linalg.norm(along):
+            raise InputError(
+                f"quantity: given {quantity!r}, which is zero under this force; allowed are reactions that "
+                "are not, because a slope is a share of them."
+            )
+        shares = {path: change.share(answer) for path, change in changes.items()}
+        error = abs(1.0 - answer(self.discrete.superelement) / value)
+        return Sensitivities(quantity, str(support), shares, left_out, error)
 
     def plot(
         self,

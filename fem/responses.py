@@ -250,8 +250,6 @@ def evaluate_throw(
             classes,
             joined=True,
             paths=slopes,
-            stiffness=level.stiffness,
-            pins=level.pins,
         )
         by_path = {path: _shares(change, plain, part) for path, change in changes.items()}
         shares = {

@@ -22,10 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from crankbase.choices import check_choice
 from crankbase.diagrams import draw_rows, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Number, Quantity, Result, result
+from fem.end_reactions import END_LOADS
 from fem.material import Material
 from fem.solver import (
     QUADRATURE_ORDER,
@@ -35,8 +37,24 @@ from fem.solver import (
     symmetric_product,
     upper_triangle,
 )
-from fem.superelement import CondensedClass, Superelement, combine_classes, unit_end_motions
-from fem.symmetry import RIGID, NodalLoads, radial_directions, unit_pin_loads
+from fem.superelement import (
+    CondensedClass,
+    Superelement,
+    combine_classes,
+    measured_sections,
+    nodes_on,
+    unit_end_motions,
+)
+from fem.supports import Support, pin_compliance, reactions, support_throw
+from fem.symmetry import (
+    RIGID,
+    NodalLoads,
+    axial_class,
+    end_sections,
+    mirror_images,
+    pin_surfaces,
+    radial_directions,
+)
 from geometry.boundary_motion import STEP, BoundaryMotion, boundary_motion, lengths_of
 from geometry.mesh import ThrowMesh
 from geometry.shapes import EDGES, shapes_for_quadrature
@@ -55,6 +73,11 @@ PARALLEL = 1e-3
 CACHED = 60_000
 # Differences of loads and prescribed motions, which are smooth, in lengths of the throw.
 SHIFT = 1e-7
+# Answers with slopes, besides mass and inertia.
+SLOPED = (
+    *("axial_compliance", "torsional_compliance", "influence_coefficient", "pin_compliance"),
+    *END_LOADS,
+)
 # Exact for the volume of curved elements, and for their moment of inertia but for 1e-6 of it.
 VOLUME_ORDER = 5
 
@@ -105,8 +128,8 @@ class Sensitivities(Result):
         ordered = dict(sorted(self.shares.items(), key=lambda share: -abs(share[1])))
         names = [name.replace("_", " ").replace(".", ", ") for name in ordered]
         draw_rows(axes, names, [*ordered.values()], "per cent for one per cent of the dimension")
-        title = f"{self.quantity.replace('_', ' ').capitalize()} {self.support}"
-        write_title(axes, title.strip())
+        title = f"{self.quantity.replace('_', ' ')} {self.support}".strip()
+        write_title(axes, title[0].upper() + title[1:])
         return axes
 
     def to_pandas(self) -> Any:
@@ -146,6 +169,44 @@ class DimensionChange:
         return (high - low) / (0.5 * (high + low)) / (2.0 * STEP)
 
 
+def sloped_answer(
+    quantity: str, support: Support, pin: int, force: Array | None
+) -> Callable[[Superelement], float]:
+    """Return what finds an answer of a throw.
+
+    Parameters
+    ----------
+    quantity : str
+        One of `SLOPED`.
+    support : "pinned", "guided" or Neighbors
+    pin : int
+        Which is loaded.
+    force : (3,) array or None
+        On it, for its compliance and for reactions [N]; None for a radial one of 1 N.
+
+    Raises
+    ------
+    InputError
+        If the quantity is none of these.
+    """
+    check_choice("quantity", quantity, (*SLOPED, "mass", "inertia"), "these have slopes")
+
+    def answer(throw: Superelement) -> float:
+        along = throw.radials[pin] if force is None else force
+        if quantity in END_LOADS:
+            ends = reactions(throw, support, throw.joined.pin_loads[pin, :, :3] @ along)
+            parts = [part for end in (ends.left, ends.right) for part in (end.force, end.moment)]
+            return float(np.concatenate(parts)[END_LOADS.index(quantity)])
+        if quantity == "pin_compliance":
+            moved = pin_compliance(throw, support, pin)[:3, :3] @ along
+            return float(moved @ along / (along @ along))
+        found = support_throw(throw, support)
+        compliances = found.axial, found.torsional, found.influences[pin]
+        return float(compliances[SLOPED.index(quantity)])
+
+    return answer
+
+
 def check_sloped(throw: object, end_sections: str) -> CrankThrow:
     """Return the throw if slopes can be found for it.
 
@@ -175,8 +236,6 @@ def dimension_changes(
     *,
     joined: bool,
     paths: Collection[str] | None = None,
-    stiffness: sparse.csr_array | None = None,
-    pins: Sequence[NodalLoads] | None = None,
 ) -> tuple[dict[str, DimensionChange], dict[str, str]]:
     """Find the change of a throw with its dimensions, and why some have none.
 
@@ -188,46 +247,41 @@ def dimension_changes(
         Whether also with the bending sections of throws that meet, which takes longer.
     paths : collection of str, optional
         Of the dimensions; all by default.
-    stiffness : sparse array, optional
-        Upper triangle of the mesh's, if it is at hand.
-    pins : sequence of NodalLoads, optional
-        Unit loads on the mesh's pins, if they are at hand.
     """
     solved = check_sloped(throw, classes[0].end_sections)
     parts = [part if joined else part.up_to(RIGID) for part in classes]
     plain = [part.discrete or part for part in parts]
-    if stiffness is None:
-        stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
     motion = boundary_motion(solved, mesh, paths)
     if not motion.speeds:
         return {}, motion.left_out
     velocities = node_velocities(mesh, motion, classes[0].solver)
     moving = list(velocities.values())
-    loads = load_slopes(mesh, moving, pins)
-    by_class = [class_slopes(mesh, material, stiffness, part, moving, loads) for part in plain]
-    masses = mass_slopes(mesh, moving)
+    by_class, masses = class_slopes(mesh, material, plain, moving), mass_slopes(mesh, moving)
     sizes, changes = lengths_of(solved), {}
     for path, slopes, (mass, inertia) in zip(
         velocities, zip(*by_class, strict=True), masses, strict=True
     ):
-        low, high = (
-            combine_classes(
-                [
-                    replace(
-                        part,
-                        stiffness=part.stiffness + step * slope.stiffness,
-                        pin_loads=part.pin_loads + step * slope.pin_loads,
-                    )
-                    for part, slope in zip(plain, slopes, strict=True)
-                ],
-                radial_directions(end),
-            )
-            for step, end in zip(
-                (-STEP * sizes[path], STEP * sizes[path]), motion.beside[path], strict=True
-            )
-        )
+        ends = []
+        for sign, end in zip((-STEP, STEP), motion.beside[path], strict=True):
+            step = sign * sizes[path]
+            moved = [
+                replace(
+                    part,
+                    stiffness=part.stiffness + step * slope.stiffness,
+                    pin_loads=part.pin_loads + step * slope.pin_loads,
+                    pin_flexibility=part.pin_flexibility + step * slope.pin_flexibility,
+                )
+                for part, slope in zip(plain, slopes, strict=True)
+            ]
+            made = combine_classes(moved, radial_directions(end))
+            if made.bending:
+                # What is held of a section that bends is its mean motion, over a ring that changes.
+                points = mesh.points + step * velocities[path]
+                ring = measured_sections(replace(mesh, points=points), made.bending.sections.degree)
+                made = replace(made, bending=made.bending.shared_with(ring))
+            ends.append(made)
         changes[path] = DimensionChange(
-            motion.beside[path], (low, high), sizes[path] * mass, sizes[path] * inertia
+            motion.beside[path], (ends[0], ends[1]), sizes[path] * mass, sizes[path] * inertia
         )
     return changes, motion.left_out
 
@@ -243,12 +297,12 @@ def mass_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[tuple[floa
     # Of f = 1 and f = x^2 + y^2: the integral of f div v + grad f . v, by node and component.
     grown = np.einsum("mq,mqni->mni", volumes, spatial)
     spun = np.einsum("mq,mqni->mni", volumes * squares, spatial)
-    spun[:, :, :2] += 2.0 * np.einsum("mq,qn,mqi->mni", volumes, values, arms)
-    moved = [velocity[mesh.elements] for velocity in velocities]
-    return [
-        (float(np.sum(grown * motion) / whole[0]), float(np.sum(spun * motion) / whole[1]))
-        for motion in moved
-    ]
+    spun[:, :, :2] += 2.0 * values.T @ (volumes[:, :, None] * arms)
+    nodal = np.zeros((2, *mesh.points.shape))
+    for total, by_element in zip(nodal, (grown, spun), strict=True):
+        np.add.at(total, mesh.elements, by_element)
+    changes = np.tensordot(velocities, nodal / np.reshape(whole, (2, 1, 1)), ([1, 2], [1, 2]))
+    return [(float(mass), float(inertia)) for mass, inertia in changes]
 
 
 def node_velocities(mesh: ThrowMesh, motion: BoundaryMotion, solver: str) -> dict[str, Array]:
@@ -303,22 +357,24 @@ def node_velocities(mesh: ThrowMesh, motion: BoundaryMotion, solver: str) -> dic
     return dict(zip(motion.speeds, np.moveaxis(velocities, 2, 0), strict=True))
 
 
-def load_slopes(
-    mesh: ThrowMesh, velocities: Sequence[Array], pins: Sequence[NodalLoads] | None = None
-) -> list[list[NodalLoads]]:
-    """Derivatives of the unit loads on the pins, by velocity of the nodes; `pins` if they are at hand."""
-    before, slopes = pins or unit_pin_loads(mesh), []
+def load_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[list[NodalLoads]]:
+    """Derivatives of the unit loads on the pins, by velocity of the nodes."""
+    surfaces = pin_surfaces(mesh)
+    before, slopes = [surface.unit_loads() for surface in surfaces], []
     # The end of the meshed part, which the throw's length follows.
     last, images = int(mesh.points[:, 2].argmax()), 2.0 if mesh.part == "quarter" else 1.0
     for velocity in velocities:
         step = _step(mesh, velocity)
         length = mesh.length + step * images * velocity[last, 2]
-        moved = replace(mesh, points=mesh.points + step * velocity, length=length)
-        after = unit_pin_loads(moved)
+        mirrors = mirror_images(replace(mesh, length=length))
+        moved = [
+            surface.at(mesh.points[surface.nodes] + step * velocity[surface.nodes], mirrors)
+            for surface in surfaces
+        ]
         slopes.append(
             [
-                replace(first, values=(last.values - first.values) / step)
-                for first, last in zip(before, after, strict=True)
+                replace(first, values=(surface.unit_loads().values - first.values) / step)
+                for first, surface in zip(before, moved, strict=True)
             ]
         )
     return slopes
@@ -331,65 +387,78 @@ def _step(mesh: ThrowMesh, velocity: Array) -> float:
 def class_slopes(
     mesh: ThrowMesh,
     material: Material,
-    stiffness: sparse.csr_array,
-    part: CondensedClass,
+    classes: Sequence[CondensedClass],
     velocities: Sequence[Array],
-    loads: Sequence[Sequence[NodalLoads]],
-) -> list[CondensedClass]:
-    """Return the class with the derivatives of its stiffness and pin loads in their place, by velocity."""
-    count = part.fields.shape[2]
-    fields = part.fields.reshape(-1, count)
-    both = np.concatenate([part.fields, part.pin_fields], axis=2)
-    forces = symmetric_product(stiffness, both.reshape(len(fields), -1))
-    forces = forces.reshape(*both.shape)
-    copies, slopes = part.symmetry.copies, []
-    before = unit_end_motions(mesh, part.symmetry, part.sections)
-    changes = energy_slopes(mesh, material, both, velocities)
-    for velocity, change, of_pins in zip(velocities, changes, loads, strict=True):
-        step = _step(mesh, velocity)
-        moved = unit_end_motions(mesh, part.symmetry, part.sections, step * velocity)
-        work = np.zeros((count, both.shape[2]))
-        for (nodes, first), (_, last) in zip(before, moved, strict=True):
-            work += np.einsum("sak,sac->kc", (last - first) / step, forces[nodes])
-        works = np.zeros_like(part.pin_loads)
-        for column, (pin, component) in enumerate(part.pin_components):
-            held = change[count + column, :count] + work[:, count + column]
-            load = of_pins[pin].of_class(part.symmetry)[..., component]
-            moving = np.einsum("sa,sak->k", load, part.fields[of_pins[pin].nodes])
-            works[pin, :, component] = moving - copies * held
-        energy = change[:count, :count] + work[:, :count] + work[:, :count].T
-        slopes.append(replace(part, stiffness=energy, pin_loads=works))
-    return slopes
+) -> list[list[CondensedClass]]:
+    """Derivatives of stiffness, pin loads and pins' flexibility, in their place, by class and velocity."""
+    loads = load_slopes(mesh, velocities)
+    solutions = [np.concatenate([part.fields, part.pin_fields], axis=2) for part in classes]
+    changes = energy_slopes(mesh, material, solutions, velocities)
+    # Forces are needed on the end sections alone.
+    ends = np.concatenate([nodes_on(mesh, end) for end in end_sections(axial_class(mesh.part))])
+    beside = mesh.elements[np.isin(mesh.elements, ends).any(axis=1)]
+    stiffness = assemble_stiffness(mesh.points, beside, material)
+    by_class = []
+    for part, both, of_velocities in zip(classes, solutions, changes, strict=True):
+        count, copies = part.fields.shape[2], part.symmetry.copies
+        forces = symmetric_product(stiffness, both.reshape(-1, both.shape[2])).reshape(both.shape)
+        before = unit_end_motions(mesh, part.symmetry, part.sections)
+        slopes = []
+        for velocity, change, of_pins in zip(velocities, of_velocities, loads, strict=True):
+            step = _step(mesh, velocity)
+            moved = unit_end_motions(mesh, part.symmetry, part.sections, step * velocity)
+            work = np.zeros((count, both.shape[2]))
+            for (nodes, first), (_, last) in zip(before, moved, strict=True):
+                work += np.einsum("sak,sac->kc", (last - first) / step, forces[nodes])
+            energy = change[:count, :count] + work[:, :count] + work[:, :count].T
+            works, carried = np.zeros_like(part.pin_loads), np.zeros_like(part.pin_flexibility)
+            for column, (pin, component) in enumerate(part.pin_components):
+                load = of_pins[pin].of_class(part.symmetry)[..., component]
+                moving = np.einsum("sa,sac->c", load, both[of_pins[pin].nodes])
+                held = change[count + column, :count] + work[:, count + column]
+                works[pin, :, component] = moving[:count] - copies * held
+                carried[column] = moving[count:]
+            flexibility = carried + carried.T - copies * change[count:, count:]
+            slopes.append(
+                replace(part, stiffness=energy, pin_loads=works, pin_flexibility=flexibility)
+            )
+        by_class.append(slopes)
+    return by_class
 
 
 def energy_slopes(
-    mesh: ThrowMesh, material: Material, fields: Array, velocities: Sequence[Array]
-) -> Array:
-    """Derivatives (velocities, c, c) of the energies of fields (n, 3, c) that move with the mesh."""
+    mesh: ThrowMesh, material: Material, solutions: Sequence[Array], velocities: Sequence[Array]
+) -> list[Array]:
+    """Derivatives (velocities, c, c) of the energies of fields (n, 3, c) that move with the mesh.
+
+    For each of several sets of fields.
+    """
     lame, shear = material.lame_constant, material.shear_modulus
     _, gradients, weights = shapes_for_quadrature(QUADRATURE_ORDER)
-    count, moving = fields.shape[2], np.concatenate(velocities, axis=1)
-    changes = np.zeros((len(velocities), count, count))
-    size = max(1, CACHED // (9 * len(weights) * count))
+    moving = np.concatenate(velocities, axis=1)
+    counts = [fields.shape[2] for fields in solutions]
+    changes = [np.zeros((len(velocities), count, count)) for count in counts]
+    size = max(1, CACHED // (9 * len(weights) * max(len(velocities), *counts)))
     for nodes in np.split(mesh.elements, range(size, len(mesh.elements), size)):
         spatial, volumes = physical_gradients(mesh.points[nodes], gradients, weights)
-        across = spatial.transpose(0, 1, 3, 2)
-        # slopes[m, q, j, i] = d u_i / d x_j
-        flat = across @ fields[nodes].reshape(len(nodes), 1, 10, 3 * count)
-        slopes = flat.reshape(*volumes.shape, 3, 3, count)
-        stresses = shear * (slopes + slopes.swapaxes(2, 3))
-        trace = lame * np.trace(slopes, axis1=2, axis2=3)
+        across = spatial.transpose(0, 1, 3, 2).reshape(len(nodes), -1, 10)
+        # turns[v, p, j, k] = div v / 2 - d v_k / d x_j at each point p
+        turned = (across @ moving[nodes]).reshape(-1, 3, len(velocities), 3)
+        turns = np.ascontiguousarray(-turned.transpose(2, 0, 1, 3))
+        divergence = turned[:, 0, :, 0] + turned[:, 1, :, 1] + turned[:, 2, :, 2]
         for axis in range(3):
-            stresses[:, :, axis, axis] += trace
-        stresses *= volumes[:, :, None, None, None]
-        work = stresses.reshape(-1, count).T
-        # turned[m, q, j, k] = d v_k / d x_j for each velocity
-        turned = (across @ moving[nodes][:, None]).reshape(*volumes.shape, 3, -1, 3)
-        for number in range(len(velocities)):
-            turn = turned[:, :, :, number]
-            # (grad u grad v)_ij = d u_i / d x_k d v_k / d x_j
-            bent = (
-                0.5 * np.trace(turn, axis1=2, axis2=3)[..., None, None] * np.eye(3) - turn
-            ) @ flat
-            changes[number] += work @ bent.reshape(-1, count)
-    return changes + changes.transpose(0, 2, 1)
+            turns[:, :, axis, axis] += 0.5 * divergence.T
+        for fields, count, change in zip(solutions, counts, changes, strict=True):
+            # slopes[p, j, i] = d u_i / d x_j
+            flat = (across @ fields[nodes].reshape(len(nodes), 10, -1)).reshape(-1, 3, 3 * count)
+            slopes = flat.reshape(-1, 3, 3, count)
+            stresses = shear * (slopes + slopes.swapaxes(1, 2))
+            trace = lame * (slopes[:, 0, 0] + slopes[:, 1, 1] + slopes[:, 2, 2])
+            for axis in range(3):
+                stresses[:, axis, axis] += trace
+            stresses *= volumes.reshape(-1, 1, 1, 1)
+            work = stresses.reshape(-1, count).T
+            for number, turn in enumerate(turns):
+                # (grad u grad v)_ij = d u_i / d x_k d v_k / d x_j
+                change[number] += work @ (turn @ flat).reshape(-1, count)
+    return [change + change.transpose(0, 2, 1) for change in changes]

@@ -444,6 +444,8 @@ class LoadedSurface:
         Shape functions of the nodes there.
     images : tuple of MirrorImage
         The meshed part and its mirror images, which together are the whole surface.
+    triangles : (t, 6) array
+        Places of each triangle's corners and edge middles in `nodes`.
     resultants : (6, 6) array
         Forces and moments of the tractions that move with unit rigid motions of the surface.
     """
@@ -454,14 +456,26 @@ class LoadedSurface:
     areas: Array
     shares: sparse.csr_array
     images: tuple[MirrorImage, ...]
+    triangles: NDArray[np.int64]
     resultants: Array
+
+    def at(self, points: Array, images: tuple[MirrorImage, ...]) -> "LoadedSurface":
+        """Return the surface with its nodes at other points (s, 3), and other images."""
+        where, weights = FACET_RULE
+        tangents = np.einsum("aiq,taj->tqij", triangle_shapes_at(where)[1], points[self.triangles])
+        areas = np.cross(tangents[:, :, 0], tangents[:, :, 1]) * weights[:, None]
+        places, areas = np.asarray(self.shares @ points), areas.reshape(-1, 3)
+        sizes = np.linalg.norm(areas, axis=1)
+        middle = np.mean([sizes @ image.points(places) for image in images], axis=0)
+        moved = replace(self, places=places, areas=areas, images=images)
+        return _with_center(moved, middle / sizes.sum())
 
     def on_image(self, image: MirrorImage) -> tuple[Array, Array]:
         """Positions relative to the center and outward area vectors of an image, (q, 3) each."""
         return image.points(self.places) - self.center, self.areas * image.signs
 
     def uniform(self, resultants: Array) -> list[Array]:
-        """Tractions (q, 3) on each image with given forces and moments.
+        """Tractions (q, 3) on each image with given forces and moments (6,), or (q, 3, c) with (6, c).
 
         A force is uniform; a moment is tractions that grow linearly from the center.
         """
@@ -469,9 +483,14 @@ class LoadedSurface:
         return [rigid_motions(self.on_image(image)[0]) @ share for image in self.images]
 
     def nodal(self, tractions: list[Array]) -> Array:
-        """Nodal loads (images, s, 3) of tractions (q, 3) on each image."""
-        sizes = np.linalg.norm(self.areas, axis=1)
-        return np.array([self.shares.T @ (sizes[:, None] * traction) for traction in tractions])
+        """Nodal loads (images, s, 3) of tractions (q, 3) on each image; (..., c) of (..., c)."""
+        sizes, spread = np.linalg.norm(self.areas, axis=1), self.shares.T.tocsr()
+        loads = [spread @ (sizes[:, None] * one.reshape(len(sizes), -1)) for one in tractions]
+        return np.array(loads).reshape(len(loads), len(self.nodes), *tractions[0].shape[1:])
+
+    def unit_loads(self) -> "NodalLoads":
+        """Return unit forces along x, y, z and unit moments about them, spread over the surface."""
+        return NodalLoads(self.nodes, self.images, self.nodal(self.uniform(np.eye(6))))
 
 
 @dataclass(frozen=True)
@@ -512,7 +531,7 @@ def unit_pin_loads(mesh: ThrowMesh) -> tuple[NodalLoads, ...]:
     tuple of NodalLoads
         One for each pin, with six load cases.
     """
-    return tuple(_unit_loads(surface) for surface in pin_surfaces(mesh))
+    return tuple(surface.unit_loads() for surface in pin_surfaces(mesh))
 
 
 def unit_end_loads(mesh: ThrowMesh, end: str) -> NodalLoads:
@@ -522,7 +541,7 @@ def unit_end_loads(mesh: ThrowMesh, end: str) -> NodalLoads:
     images are those across the crank plane.
     """
     center = np.array([0.0, 0.0, 0.0 if end == LEFT_END else mesh.length])
-    return _unit_loads(_with_center(end_surface(mesh, end), center))
+    return _with_center(end_surface(mesh, end), center).unit_loads()
 
 
 def end_surface(mesh: ThrowMesh, end: str) -> LoadedSurface:
@@ -644,40 +663,22 @@ def _resultants(surface: LoadedSurface, tractions: list[Array]) -> Array:
     return total
 
 
-def _unit_loads(surface: LoadedSurface) -> NodalLoads:
-    cases = [surface.nodal(surface.uniform(case)) for case in np.eye(6)]
-    return NodalLoads(surface.nodes, surface.images, np.stack(cases, axis=-1))
-
-
 def _surface(
     mesh: ThrowMesh, corners: NDArray[np.int64], images: tuple[MirrorImage, ...]
 ) -> LoadedSurface:
     triangles = six_node_triangles(mesh, corners)
-    where, weights = FACET_RULE
-    values, slopes = triangle_shapes_at(where)
-    tangents = np.einsum("aiq,taj->tqij", slopes, mesh.points[triangles])
-    areas = np.cross(tangents[:, :, 0], tangents[:, :, 1]) * weights[:, None]
+    values, _ = triangle_shapes_at(FACET_RULE[0])
     nodes, number = np.unique(triangles, return_inverse=True)
     number = number.reshape(triangles.shape)
-    count = len(weights)
-    size = len(triangles) * count
-    rows = np.repeat(np.arange(size), 6)
-    columns = np.repeat(number, count, axis=0).ravel()
+    size = len(triangles) * len(values)
+    columns = np.repeat(number, len(values), axis=0).ravel()
     shares = sparse.csr_array(
-        (np.tile(values, (len(triangles), 1)).ravel(), (rows, columns)), (size, len(nodes))
+        (np.tile(values, (len(triangles), 1)).ravel(), (np.repeat(np.arange(size), 6), columns)),
+        (size, len(nodes)),
     )
-    surface = LoadedSurface(
-        nodes=nodes,
-        center=np.zeros(3),
-        places=np.asarray(shares @ mesh.points[nodes]),
-        areas=areas.reshape(-1, 3),
-        shares=shares,
-        images=images,
-        resultants=np.eye(6),
-    )
-    sizes = np.linalg.norm(surface.areas, axis=1)
-    middle = np.mean([sizes @ image.points(surface.places) for image in images], axis=0)
-    return _with_center(surface, middle / sizes.sum())
+    none = np.zeros((size, 3))
+    unplaced = LoadedSurface(nodes, none[0], none, none, shares, images, number, np.eye(6))
+    return unplaced.at(mesh.points[nodes], images)
 
 
 def _with_center(surface: LoadedSurface, center: Array) -> LoadedSurface:
@@ -686,5 +687,5 @@ def _with_center(surface: LoadedSurface, center: Array) -> LoadedSurface:
     sizes = np.linalg.norm(surface.areas, axis=1)
     for image in surface.images:
         motions = rigid_motions(image.points(surface.places) - center)
-        resultants += np.einsum("q,qai,qaj->ij", sizes, motions, motions)
+        resultants += np.tensordot(sizes[:, None, None] * motions, motions, ([0, 1], [0, 1]))
     return replace(surface, center=center, resultants=resultants)

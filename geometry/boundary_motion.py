@@ -24,6 +24,8 @@ Level = Callable[[Array], Array]
 
 # Why a dimension has no slope, mostly.
 ZERO = "it is zero: the throw has another shape with it"
+# Of the surface of a cylinder, where its fillet starts: no bounding surface.
+EDGE = "edge of"
 # Parts that are meshed, the larger ones first.
 PARTS = ("full", "half", "quarter")
 # A facet lies on a level whose distance from its corners is below this share of the throw's length.
@@ -98,14 +100,20 @@ def boundary_motion(
     # By the corners: edge nodes of mended elements lie beside the surface, and follow their corners.
     on_level = distances < ON_LEVEL * mesh.length
     apart = np.where(on_level[:, :, :3].all(axis=2), distances.max(axis=2), np.inf)
+    edges = [number for number, name in enumerate(levels) if name.startswith(EDGE)]
+    apart[edges] = np.inf
     nearest = apart.argmin(axis=0)
     known = np.isfinite(apart.min(axis=0))
     rounded = [name == OIL_HOLE for name, corners in mesh.surfaces.items() for _ in corners]
     if not np.all(known | np.array(rounded)):
         raise MeshError("the mesh has facets on none of the throw's surfaces.")
     held = on_level[nearest, np.arange(len(facets))] & known[:, None]
-    pairs = np.unique(np.column_stack([np.repeat(nearest, 6)[held.ravel()], facets[held]]), axis=0)
-    numbers, nodes = pairs.T
+    # Beside the facets' surfaces, the ends of what a pin's loads act on, which nodes may not cross.
+    pairs = [np.column_stack([np.repeat(nearest, 6)[held.ravel()], facets[held]])]
+    for number in edges:
+        nodes = facets[on_level[number] & on_level[number - 1]]
+        pairs.append(np.column_stack([np.full(len(nodes), number), nodes]))
+    numbers, nodes = np.unique(np.concatenate(pairs), axis=0).T
     normals = _normals(list(levels.values()), numbers, mesh.points[nodes], mesh.length * STEP)
     speeds, beside, left_out = {}, {}, {}
     for path, value in lengths_of(throw).items():
@@ -155,7 +163,7 @@ def _normals(levels: list[Level], numbers: NDArray[np.int64], points: Array, ste
 def bounding_levels(parts: ThrowParts, part: str) -> dict[str, Level]:
     """Return the signed distances from all surfaces that bound a throw, by names of their own.
 
-    Rounded exits of oil holes are none of them.
+    After each fillet comes the plane where it starts. Rounded exits of oil holes are none of them.
     """
     levels: dict[str, Level] = {"left end": _plane(0.0), "right end": _plane(part_end(parts, part))}
     if part != "full":
@@ -173,6 +181,7 @@ def bounding_levels(parts: ThrowParts, part: str) -> dict[str, Level]:
         ):
             if fillet:
                 levels[f"{end} fillet of {name}"] = _torus(cylinder.axis, radius, fillet, z)
+                levels[f"{EDGE} {end} fillet of {name}"] = _plane(z)
     for web in parts.webs:
         levels |= {f"{web.name} {name}": level for name, level in _web_levels(web)}
     for hole in parts.drillings:

@@ -878,13 +878,15 @@ def _signature(parts: ThrowParts, reverse: bool) -> list[tuple[object, ...]]:
 
 def _equal_to_round_off(first: object, second: object) -> bool:
     """Whether nested tuples are equal, numbers to round-off."""
+    if first == second:
+        return True
     if isinstance(first, list | tuple) and isinstance(second, list | tuple):
         return len(first) == len(second) and all(
             _equal_to_round_off(a, b) for a, b in zip(first, second, strict=True)
         )
     if isinstance(first, float | int) and isinstance(second, float | int):
         return math.isclose(first, second, rel_tol=1e-12, abs_tol=1e-12)
-    return first == second
+    return False
 
 
 GAUSS_POINTS, PANELS = 10, 8

@@ -176,7 +176,7 @@ def _first_screen(
         if leads != main:
             main = leads
             continue
-        longest = max(main, key=_rows)
+        longest = max(main, key=lambda part: (_rows(part) > FEWEST_ROWS, len(_lines(part, units))))
         if not isinstance(longest, str) and _rows(longest) > FEWEST_ROWS:
             kept = max(FEWEST_ROWS, _rows(longest) - 1 - excess // 4)
             main[main.index(longest)] = longest.heaviest(kept)

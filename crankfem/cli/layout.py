@@ -8,6 +8,9 @@ from crankbase.table import SI, Column, OutputUnits, Table
 
 # Stands for a space at which no line ends.
 TIED = "\u00a0"
+WITH_UNIT = re.compile(
+    r"(?<=\d) (?=%|1/min|[munkMG]?(?:m|g|N|Pa|W|Hz|deg|rad)\b)|(?<=\d N) (?=m\b)"
+)
 # A line and its style.
 Line = tuple[str, str]
 HEAD = "bold"
@@ -32,15 +35,16 @@ def short_ways(text: str) -> str:
 
 
 def wrapped(text: str, width: int) -> list[str]:
-    """Break a text at spaces alone; what follows "- " or "1. " is indented."""
+    """Break a text at spaces alone, none before a unit; what follows "- " or "1. " is indented."""
     listed = LISTED.match(text)
-    return textwrap.wrap(
-        text,
+    lines = textwrap.wrap(
+        WITH_UNIT.sub(TIED, text),
         width,
         subsequent_indent=" " * len(listed[0]) if listed else "",
         break_long_words=False,
         break_on_hyphens=False,
-    ) or [""]
+    )
+    return [line.replace(TIED, " ") for line in lines] or [""]
 
 
 def short_places(text: str) -> str:

@@ -63,17 +63,16 @@ def too_weak(strength: "EngineStrength | None") -> bool:
 
 def _of_vibration(vibration: EngineVibration) -> str:
     assessment, status = vibration.assessment, verdict_status(vibration)
-    words = VERDICTS[status]
     if assessment is None:
-        return words
-    if status != "undecided":
-        words = assessment.verdict.headline
+        return VERDICTS[status]
+    words = assessment.verdict.headline
+    if status == "undecided":
+        words = f"{VERDICTS[status]}; with the values used, {words[0].lower()}{words[1:]}"
     misfiring = misfiring_decides(vibration)
     if assessment.verdict.status == "not acceptable":
-        exceeded = "; with the values used, limits are exceeded, also while a cylinder misfires"
-        return f"{words}{exceeded}" if misfiring else words
+        return f"{words}, also while a cylinder misfires" if misfiring else words
     if misfiring:
-        normal = " with all cylinders firing" if status == "fine" else ""
+        normal = " with all cylinders firing" if assessment.verdict.status == "fine" else ""
         words = f"{words}{normal}; limits are exceeded while a cylinder misfires"
     unjudged = status == "fine" and not _axial_judged(assessment)
     return f"{words}; axial vibration is not judged" if unjudged else words
@@ -99,8 +98,6 @@ def verdict_line(vibration: EngineVibration, strength: "EngineStrength | None" =
         of = ". With all cylinders firing"
     elif too_weak(strength) and status != "not acceptable":
         of = ". Vibration"
-    elif status == "undecided":
-        of = ". With the values used"
     return f"Verdict: {headline(vibration, strength)}{of}: {worst.limit.name} {used}."
 
 

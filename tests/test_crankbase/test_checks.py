@@ -228,6 +228,7 @@ def test_a_close_name_is_asked_for():
 LONG = 10**5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "given",
     [

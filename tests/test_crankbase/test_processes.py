@@ -114,6 +114,7 @@ pieces = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(pieces, max_size=4))
 def test_every_second_counts_once(work):
     """However laps are nested, also inside others of their name, each gets its own seconds."""

@@ -48,6 +48,7 @@ from strategies.engine_changes import WHOLE, changed_engines
 ENGINES = Path(__file__).resolve().parents[2] / "data" / "engines"
 
 
+@pytest.mark.slow
 def test_an_engine_is_shown_as_understood(call):
     record = call("check", "6chn25-34", "--json").json()
     arrangement = record["arrangement"]
@@ -101,6 +102,7 @@ def test_an_impossible_cycle_is_found(call, tmp_path, six_cylinders, edit):
     assert answer.err.startswith("Error: gas.peak_pressure: given 8.5 MPa above ambient; allowed")
 
 
+@pytest.mark.slow
 def test_a_picture_of_the_throw(call, tmp_path):
     answer = call("check", "6chn25-34", "--picture", "throw.svg")
     assert answer.code == 0
@@ -188,6 +190,7 @@ def test_limits_of_a_part_that_cannot_be(tmp_path, six_cylinders, limits, messag
         cf.load_engine(tmp_path / "mine.toml")
 
 
+@pytest.mark.slow
 def test_check_tells_what_a_line_adds_to_the_flywheel(call, tmp_path, six_cylinders):
     wheel = cf.load_engine("6chn25-34").flywheel
     for kind, size, field in (
@@ -217,6 +220,7 @@ def test_check_tells_what_a_line_adds_to_the_flywheel(call, tmp_path, six_cylind
             assert sentence.endswith("perhaps both files give the flywheel") == suspected
 
 
+@pytest.mark.slow
 def test_designs_that_are_left_out_are_told(call, tmp_path, six_cylinders, edit):
     text = edit(six_cylinders, {"study.factors.web_thickness": '["5 mm", "68 mm", "98 mm"]'})
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
@@ -256,6 +260,7 @@ def test_the_rule_follows_what_the_engine_drives(call, tmp_path, six_cylinders, 
         assert unmodeled_plant(cf.load_engine(whole_plant)) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("engine", "intervals", "said"),
     [
@@ -293,6 +298,7 @@ def changed_file(tmp_path, pattern, new):
     return path
 
 
+@pytest.mark.slow
 def test_a_fillet_that_is_left_out_is_told_with_its_effect(tmp_path):
     checked = check_file(str(changed_file(tmp_path, "fillet_radius", "")))
     (told,) = checked.warnings
@@ -319,6 +325,7 @@ def test_the_effect_of_sharp_corners_of_the_shipped_engines_holds():
     assert f"{100.0 * min(found):.0f} to {100.0 * max(found):.0f} %" == SHARP
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("journal", [22, 60, 90])
 def test_a_wrong_main_journal_is_named_by_itself(tmp_path, journal):
     line = f'main_journal_diameter = "{journal} mm"\n'
@@ -792,6 +799,7 @@ def test_no_exchange_of_cylinders_betters_a_firing_order(strokes):
             assert rank_of(other, strokes) >= best, (order, other)
 
 
+@pytest.mark.slow
 def test_a_new_file_comes_with_its_lettered_drawing(call, tmp_path):
     assert call("new", "mine.toml", "--drawing", "mine.svg").code == 0
     drawn = (tmp_path / "mine.svg").read_text(encoding="utf-8")
@@ -807,6 +815,7 @@ def test_a_new_file_comes_with_its_lettered_drawing(call, tmp_path):
     assert "<!-- web_tip_thickness" in (tmp_path / "v.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_hinges_and_chains_are_copied(call, tmp_path):
     answer = call("new", "hinge.toml", "--from", "crosshead-30-100")
     assert answer.code == 0

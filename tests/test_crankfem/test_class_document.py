@@ -286,6 +286,7 @@ def test_the_command_writes_every_table_and_replaces_only_its_own(call, tmp_path
     assert page.read_text(encoding="utf-8") == "my own"
 
 
+@pytest.mark.slow
 def test_sentences_for_wrong_input(call, tmp_path):
     assert "--output" in call("class", "6chn25-34").err
     file = tmp_path / "file"

@@ -116,6 +116,7 @@ def test_a_traceback_is_shown_on_demand(call, monkeypatch):
     assert answer.err.splitlines()[-1].startswith("Error: section: given 'nothing'")
 
 
+@pytest.mark.slow
 def test_an_output_that_nobody_reads_ends_quietly(spawn):
     piped = ["bash", "-c", f"{shlex.join(ENTRY)} fields | head -1; echo ${{PIPESTATUS[0]}}"]
     answer = spawn(command=piped)
@@ -131,6 +132,7 @@ ENDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("status", ENDS)
 @pytest.mark.parametrize("option", ["--json", "--quiet"])
 def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
@@ -226,6 +228,7 @@ def test_completion_and_help_load_nothing_slow(spawn):
     assert answer.out.strip() == "[]", answer.err
 
 
+@pytest.mark.slow
 def test_a_shell_is_answered(spawn, spawn_environment):
     words = {"COMP_WORDS": "crankfem throw 6chn25", "COMP_CWORD": "2"}
     answer = spawn(env=spawn_environment(_CRANKFEM_COMPLETE="complete_bash", **words))
@@ -478,6 +481,7 @@ def test_throw_refuses_angles_and_forces(call, arguments, fragment):
     assert fragment in " ".join(answer.err.split())
 
 
+@pytest.mark.slow
 def test_throw_as_tables(call):
     answer = call("throw", "yamz-5340", "--accuracy", "0.1")
     assert answer.code == 0
@@ -557,6 +561,7 @@ def test_results_without_numbers_never_become_json(capsys):
     assert json.loads(capsys.readouterr().out) == {"mass": 1.5}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "fragment"),
     [
@@ -580,6 +585,7 @@ def test_throw_tells_modes_and_times(call):
         assert word in answer.out
 
 
+@pytest.mark.slow
 def test_export_of_a_deck_for_calculix(call, tmp_path):
     deck = tmp_path / "deck.inp"
     assert call("export", "6chn25-34", deck, "--size", "3", "--calculix").code == 0

@@ -157,6 +157,7 @@ def test_results_are_written_over_nothing_of_the_users(call, study, tmp_path):
     assert len(rows(tmp_path / "out.csv")) == 12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("store", ["runs.sqlite", "out.csv"])
 def test_results_are_written_over_nothing_that_is_read(call, study, tmp_path, store):
     assert call("doe", study, "--store", store).code == 0
@@ -333,6 +334,7 @@ def finished(store):
         connection.close()
 
 
+@pytest.mark.slow
 def test_the_store_of_the_command_is_plain_sql(call, study, tmp_path):
     call("doe", study)
     connection = sqlite3.connect(tmp_path / "runs.sqlite")
@@ -345,6 +347,7 @@ def test_the_store_of_the_command_is_plain_sql(call, study, tmp_path):
     assert json.loads(plan)["accuracy"] == 0.01
 
 
+@pytest.mark.slow
 def test_fit_prints_and_saves_a_model(store, call, tmp_path):
     answer = call("fit", store, "--full")
     assert answer.code == 0, answer.err
@@ -388,6 +391,7 @@ def test_fit_refuses(store, call, tmp_path, option, value, message):
     assert not (tmp_path / "model.json").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quiet", [(), ("-q",)])
 def test_fit_tells_of_a_damaged_row_and_does_without(store, call, tmp_path, quiet):
     connection = sqlite3.connect(store)
@@ -411,6 +415,7 @@ def compliance(x):
     return 0.6 * pin + 0.5 * web
 
 
+@pytest.mark.slow
 def test_added_runs_keep_constraints_and_relations_and_are_new(monkeypatch):
     monkeypatch.setattr(studies, "PLACES", 100)
     factors = (
@@ -452,6 +457,7 @@ def quick(monkeypatch):
     monkeypatch.setattr(studies, "PLACES", 60)
 
 
+@pytest.mark.slow
 def test_the_store_remembers_what_was_added(quick, tmp_path):
     plan = plan_of_levels(GROWTH_THROW, TWO, held_out=3)
     store = tmp_path / "runs.sqlite"
@@ -469,6 +475,7 @@ def test_the_store_remembers_what_was_added(quick, tmp_path):
     assert (read.added, len(read.values), int(read.held_out.sum())) == (6, 18, 3)
 
 
+@pytest.mark.slow
 def test_an_interrupted_growth_goes_on_with_the_same_runs(quick, tmp_path):
     plan = plan_of_levels(GROWTH_THROW, TWO, held_out=3)
     store = tmp_path / "runs.sqlite"
@@ -499,6 +506,7 @@ def test_numbers_that_no_study_grows_by(tmp_path, more):
     assert not (tmp_path / "runs.sqlite").exists()
 
 
+@pytest.mark.slow
 def test_too_few_throws_to_grow_by(monkeypatch):
     factors = tuple(Factor(name, "m", *ends) for name, ends in BOX.items())
     plan = StudyPlan(GROWTH_THROW, factors, DesignChoice("latin hypercube", runs=24))

@@ -158,6 +158,7 @@ def texts_of(figure):
     return [text.replace("$", "").replace("\\mathrm{", "").replace("}", "") for text in found]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", THROWS)
 def test_every_dimension_is_written(name):
     lines = [line for text in texts_of(drawing_of(name)) for line in text.split("\n")]
@@ -188,6 +189,7 @@ def test_texts_stand_clear_of_each_other_and_on_the_sheet(name):
     assert outside == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["plain", "bores, weights, slopes", "two pins, different"])
 @pytest.mark.parametrize("kind", ["png", "svg"])
 def test_files(name, kind):
@@ -215,6 +217,7 @@ def test_views_show_the_throw_at_its_size():
         np.testing.assert_allclose(corners.max(axis=0), (high, 0.3125), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_positive_angles_turn_clockwise_seen_from_the_left_end():
     throw = CrankThrow(**DIMENSIONS, further_pins=[{"angle": 0.5 * math.pi}])
     corners = outlines_of(draw_throw(throw).axes[1])
@@ -229,6 +232,7 @@ def test_thinned_web_is_as_thick_as_its_dimensions_say():
     assert sorted(set(tips.round(6))) == close([0.083, 0.128, 0.267, 0.312])
 
 
+@pytest.mark.slow
 def test_title_is_taken_literally_and_has_a_default():
     throw = CrankThrow(**DIMENSIONS)
     assert "Crank throw" in texts_of(draw_throw(throw))
@@ -237,6 +241,7 @@ def test_title_is_taken_literally_and_has_a_default():
     assert any("5 \\ and 6 \\" in text for text in texts_of(figure))
 
 
+@pytest.mark.slow
 def test_user_settings_stay_as_they_are():
     import matplotlib as mpl
 
@@ -268,12 +273,14 @@ def test_drawing_with_another_ending(tmp_path, name):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_draw_writes_the_drawing_beside_the_user(call, tmp_path):
     answer = call("draw", "vw-tdi")
     assert (answer.code, answer.out) == (0, "vw-tdi-throw.svg written.\n")
     assert ElementTree.parse(tmp_path / "vw-tdi-throw.svg").getroot().tag.endswith("svg")
 
 
+@pytest.mark.slow
 def test_draw_tells_the_files_as_json(call, tmp_path, monkeypatch):
     pictured = {}
 

@@ -193,6 +193,7 @@ def test_refusals_are_one_clear_sentence(changes, fragments, tmp_path, six_cylin
     assert answer.err == f"Error: {message}\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [("check",), ("run",), ("plan",), ("doe",)])
 def test_a_study_of_which_nothing_can_be_built(
     tmp_path, monkeypatch, six_cylinders, edit, call, command
@@ -379,6 +380,7 @@ def test_a_firing_order_may_be_text(tmp_path, six_cylinders, edit, text):
         load_engine(path)
 
 
+@pytest.mark.slow
 def test_a_modulus_that_no_steel_has_is_remarked(call, tmp_path, six_cylinders, edit):
     for modulus, remarked in (("21 GPa", True), ("2100 GPa", True), ("206 GPa", False)):
         text = edit(six_cylinders, {"material.youngs_modulus": f'"{modulus}"'})
@@ -517,6 +519,7 @@ def test_numbers_too_large_for_a_float_are_refused_everywhere(number):
             call()
 
 
+@pytest.mark.slow
 def test_an_engine_draws_its_crankshaft():
     engine = load_engine("6chn25-34")
     assert engine.crankshaft.end_cylinders == load_crankshaft("6chn25-34").end_cylinders

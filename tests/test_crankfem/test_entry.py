@@ -75,6 +75,7 @@ def test_where_interrupts_are_ignored_a_request_to_end_is_answered(spawn):
     assert (answer.code, answer.out.strip(), answer.err) == (130, "goes on", "Stopped.\n")
 
 
+@pytest.mark.slow
 def test_python_runs_the_package(spawn):
     answer = spawn("--version", command=[sys.executable, "-P", "-m", "crankfem"])
     assert answer.code == 0
@@ -91,6 +92,7 @@ def test_an_interrupt_while_modules_load(spawn, command, sentence):
     assert answer.err.count("\n") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
 def test_an_interrupt_while_python_ends_changes_nothing(spawn, number):
     """The second of somebody impatient, also while modules are cleared away."""

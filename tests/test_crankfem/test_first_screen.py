@@ -42,6 +42,7 @@ def fits(lines, width):
     return all(len(line) <= width or " " not in line.strip() for line in lines)
 
 
+@pytest.mark.slow
 @given(tables(), st.integers(8, 120))
 def test_a_table_fits_its_width_and_breaks_and_loses_no_word(table, width):
     lines = [line for line, _ in table_lines(table, SI, width)]
@@ -57,6 +58,7 @@ def test_a_table_fits_its_width_and_breaks_and_loses_no_word(table, width):
     assert not wanted - shown
 
 
+@pytest.mark.slow
 @given(tables())
 def test_numbers_keep_their_values_and_get_no_zeros_at_their_ends(table):
     shown = Counter(map(float, NUMBER.findall(" ".join(line for line, _ in table_lines(table)))))

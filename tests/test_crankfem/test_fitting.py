@@ -188,6 +188,7 @@ def test_groups_and_logarithms_of_lengths_are_the_same_in_one_size(fits):
     assert found.chosen is one
 
 
+@pytest.mark.slow
 def test_family_carries_over_to_another_size(family):
     found = fit_study(family)["axial_compliance"]
     fit = found.fit_named("group quadratic")
@@ -269,6 +270,7 @@ SPELLED_OUT = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "value", "base", "ends"), SPELLED_OUT)
 def test_a_fixed_dimension_does_not_follow_its_base(name, value, base, ends):
     throw = CrankThrow(**THROW.model_dump() | {name: value})
@@ -283,6 +285,7 @@ def test_a_fixed_dimension_does_not_follow_its_base(name, value, base, ends):
         model.of_throw(CrankThrow(**THROW.model_dump() | other))
 
 
+@pytest.mark.slow
 def test_models_of_ratios_and_categories(family, outlines):
     found = fit_study(family)
     model = compliance_model(family, found, "group quadratic")
@@ -302,6 +305,7 @@ def test_models_of_ratios_and_categories(family, outlines):
     assert value == close(predicted(outlines, chosen, chosen.chosen)[place], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_record_is_plain_json_with_everything(table, fits):
     text = fitted_study(table, fits).to_json()
     record = json.loads(text)
@@ -329,6 +333,7 @@ def test_warnings(fits):
     assert any(text.startswith("Variance inflation above 10 of ln(web_thickness)") for text in told)
 
 
+@pytest.mark.slow
 def test_measured_values_are_compared(tmp_path, capsys):
     plan = plan_of_levels(THROW, LEVELS, held_out=5)
     path = tmp_path / "measured.csv"

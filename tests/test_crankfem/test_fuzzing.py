@@ -84,6 +84,7 @@ def calls():
     return recorder.calls
 
 
+@pytest.mark.slow
 def test_wrong_calls_of_public_functions(calls):
     assert len(calls) > 12
 

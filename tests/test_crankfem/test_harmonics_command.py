@@ -41,6 +41,7 @@ def test_engine_record(call):
     assert record["mean"] == close(torque.mean, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_large_torques_are_told_in_one_unit_a_table(call):
     answer = call("harmonics", "6s50mc-c", "--orders", "4", "--full")
     assert answer.code == 0
@@ -70,6 +71,7 @@ def test_unit_and_digits_of_a_table(values, name, text):
     assert table_unit([], "N").name == "N"
 
 
+@pytest.mark.slow
 def test_tables_and_pictures_are_written(call, tmp_path):
     answer = call(
         *("harmonics", "6chn25-34", "--orders", "6", "--cylinder", "2", "--json"),
@@ -94,6 +96,7 @@ def test_tables_and_pictures_are_written(call, tmp_path):
     assert float(third["phase_deg"]) == record["harmonics"]["phase_deg"][5]
 
 
+@pytest.mark.slow
 def test_table_writes_too(call, tmp_path):
     answer = call("harmonics", TABLE, "--csv", "h.csv")
     assert answer.code == 0
@@ -157,6 +160,7 @@ def test_partial_sums_against_the_samples(call):
     assert "The sum up to order 2 differs from the samples by at most 1530.2 N m." in told
 
 
+@pytest.mark.slow
 def test_orders_that_all_cancel_have_no_picture_of_round_off(tmp_path, call):
     told = call("harmonics", "6chn25-34", "--orders", "2", "--pictures", "plots").out
     assert "All orders cancel." in told
@@ -165,6 +169,7 @@ def test_orders_that_all_cancel_have_no_picture_of_round_off(tmp_path, call):
     assert "<!-- Order 2 -->" not in text
 
 
+@pytest.mark.slow
 def test_the_picture_of_a_table_ends_at_the_order_asked_for(tmp_path):
     table = cf.load_torque_table(TABLE)
     paths = picture_torque_table(tmp_path, table, table.harmonics().up_to(1.5))

@@ -440,6 +440,7 @@ def test_parts_of_the_shipped_engines_are_within_their_usual_ranges(shipped):
             assert max(ratios) < usual.high * usual.margin, field
 
 
+@pytest.mark.slow
 def test_counterweights_pass_under_piston_and_beside_rod(tmp_path, edit):
     text = input_path("vw-tdi").read_text("utf-8")
     (tmp_path / "mine.toml").write_text(edit(text, {"piston.skirt_length": '"60 mm"'}), "utf-8")
@@ -455,6 +456,7 @@ def test_counterweights_pass_under_piston_and_beside_rod(tmp_path, edit):
     assert len(warnings) == 2
 
 
+@pytest.mark.slow
 def test_levels_of_a_study_far_from_its_throw(call, tmp_path, edit):
     text = edit(
         input_path("yamz-5340").read_text("utf-8"),

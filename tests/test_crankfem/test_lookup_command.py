@@ -328,6 +328,7 @@ def test_a_model_without_reactions_says_so(run, path):
 # ----------------------------------------------------------------------------------------- optimum
 
 
+@pytest.mark.slow
 def test_thinnest_web(run, path):
     arguments = ("optimum", path, "--minimize", "web_thickness")
     limit = ("--limit", "axial_compliance <= 1.2e-9 m/N")
@@ -430,6 +431,7 @@ def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):
     assert frequency_limit("axial", frequencies, alone, 30.0).quantities == ("axial_compliance",)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "match"),
     [
@@ -590,6 +592,7 @@ def test_a_model_given_by_option_is_refused_by_its_option(saved, silent, edit, c
         assert answer.err.startswith("Error: --model: given model.json, which does not apply to")
 
 
+@pytest.mark.slow
 def test_check_tells_which_command_fits(silent, saved, edit, call, tmp_path):
     text = edit(silent, {"vibration.axial_source": '"regression"'})
     name = written(tmp_path, text)
@@ -699,6 +702,7 @@ def test_a_throw_of_pairs_or_of_an_engine_that_they_change():
     assert law_throw(["web_width=310mm"], ENGINE) == (throw.changed(web_width=0.310), material)
 
 
+@pytest.mark.slow
 def test_check_and_formulas_tell_the_law(call):
     value = law_answers(*load_throw(ENGINE))["axial_compliance"].value
     assert (
@@ -714,6 +718,7 @@ def test_check_and_formulas_tell_the_law(call):
     assert out.count(", and omits the bending of sections between neighbors.") == 1
 
 
+@pytest.mark.slow
 def test_throws_outside_are_told_by_formulas_too(call, tmp_path):
     path = tmp_path / "long.toml"
     lines = (
@@ -749,6 +754,7 @@ def test_the_law_as_a_source_is_its_pinned_value_times_the_throws_ratios(engine,
         assert (spread.low, spread.high) == close((own.lower / own.value, own.upper / own.value))
 
 
+@pytest.mark.slow
 def test_engines_whose_throws_the_law_does_not_cover_refuse_it(tmp_path, call):
     text = input_path(ENGINE).read_text(encoding="utf-8")
     path = tmp_path / "long.toml"

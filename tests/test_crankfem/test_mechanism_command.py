@@ -74,6 +74,7 @@ def test_models_differ_as_their_masses_do(v8):
     assert 0.02 < compared["three-mass"].crankpin < compared["two-mass"].crankpin < 0.05
 
 
+@pytest.mark.slow
 def test_the_balance_says_what_is_in_it(v8):
     """By hand, for a cross-plane V8: the first order's moment is sqrt(10) a w^2 times what turns."""
     found = engine_balance(v8)
@@ -111,6 +112,7 @@ def test_the_balance_says_what_is_in_it(v8):
     assert found.without_throws.moment == balance(v8.mechanism.layout, v8.speed).of(1).moment.major
 
 
+@pytest.mark.slow
 def test_split_pins_are_counted_where_they_are():
     run = run_mechanism(load_mechanism("buick-3800"))
     found = engine_balance(run)
@@ -207,6 +209,7 @@ def test_two_models_of_the_rods(call, tmp_path):
         assert (tmp_path / "p" / f"{name}.svg").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_the_motion_of_the_third_mass(v8):
     """Yamanin, Zhukov, Baryshnikov 2018, equation (3), differentiated here by finite differences."""
     radius, length, foot, aside = 0.07, 0.265, 0.097, 0.009  # R, L, l_shk, l_d
@@ -225,6 +228,7 @@ def test_the_motion_of_the_third_mass(v8):
     assert columns["cylinder_1_piston_travel_m"] == close(travel, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_masses_over_the_piston_area_are_those_of_the_papers_table(v8):
     """Mikhina, Vyalkov 2024, table 2, whose areas are those of a piston of 265 mm, not of 260 mm."""
     run = run_mechanism(load_mechanism("8chn26-26"))

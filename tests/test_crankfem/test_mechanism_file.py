@@ -75,6 +75,7 @@ def test_a_rods_inertia_by_its_swings(length, share, arm, mass):
         )
 
 
+@pytest.mark.slow
 def test_an_engine_whose_rods_were_swung_is_that_of_their_inertia(tmp_path, edit):
     """The published asymmetric rod, swung about the far edge of its small end's bore of 40 mm."""
     text = input_path("8chn13-14").read_text("utf-8")
@@ -298,6 +299,7 @@ def mirrored(text):
     return "\n".join(lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["8chn26-26", "8chn13-14"])
 def test_the_sense_in_which_a_file_counts_angles_makes_no_difference(tmp_path, name):
     text = input_path(name).read_text(encoding="utf-8")
@@ -544,6 +546,7 @@ def test_without_rated_power_nothing_checks(engine):
     )
 
 
+@pytest.mark.slow
 def test_two_points_are_met_with_a_straight_line_between(engine):
     points = [
         POWER_POINTS[0] | {"peak_pressure": "40 bar", "intake_pressure": "1.1 bar"},
@@ -578,6 +581,7 @@ def test_the_boost_goes_with_the_power(engine):
     assert half[0].peak_pressure / full[0].peak_pressure == close(intake[250.0] / intake[500.0])
 
 
+@pytest.mark.slow
 def test_a_cylinder_that_misfires_is_motored_at_its_load(engine):
     changed = engine.changed(load={"law": "propeller"}, misfire={"cylinders": (1,)})
     mechanism = cf.engines.mechanism_of(changed)

@@ -297,6 +297,7 @@ def test_one_throw_by_name_gives_the_vibration_of_a_plain_file(both, lightly):
     assert ours.analysis is theirs.analysis is analysis
 
 
+@pytest.mark.slow
 def test_one_throw_by_name_gives_the_mechanism_of_a_plain_file(both):
     records = []
     for engine in both[:2]:
@@ -334,6 +335,7 @@ def test_analyses_are_those_of_the_engines_throws(both):
     assert engine_vibration(plain, analysis={"throw": analysis}).analysis is analysis
 
 
+@pytest.mark.slow
 def test_masses_are_those_of_each_crank():
     mechanism = load_mechanism(UNEQUAL)
     masses = {throw: cf.throws.throw_masses(throw, 7850.0) for throw in set(mechanism.crank_throws)}
@@ -344,6 +346,7 @@ def test_masses_are_those_of_each_crank():
             with_throws(mechanism, given)
 
 
+@pytest.mark.slow
 def test_a_regression_that_does_not_know_a_throw_is_left_out():
     engine = load_engine(UNEQUAL)
     analyses = {
@@ -405,6 +408,7 @@ def test_check_shows_each_throw(call):
     assert "throws" not in call("check", "yamz-5340", "--json").json()
 
 
+@pytest.mark.slow
 def test_commands_take_the_throw_they_are_told(call):
     first, told = call("formulas", UNEQUAL, "--no-fe", "--json"), []
     assert "throw heavy is used; the file has plain too" in first.err
@@ -435,6 +439,7 @@ def test_a_throw_that_cannot_be_told_is_refused(call, arguments, message):
     assert message in " ".join(answer.err.split())
 
 
+@pytest.mark.slow
 def test_a_report_shows_each_throw(tmp_path):
     results = stored_results()
     plain, _ = render_report(typed(results), tmp_path)

@@ -82,6 +82,7 @@ def test_refused_units(text, fragment):
         parse_output_units(text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", [(), ("--json",)])
 def test_a_wrong_unit_is_told_before_anything_is_computed(call, option):
     for command in ("throw", "stress", "mechanism", "harmonics", "vibration", "run", "check"):
@@ -90,6 +91,7 @@ def test_a_wrong_unit_is_told_before_anything_is_computed(call, option):
         assert answer.err.startswith("Error: --units: given 'in' and 'thou'")
 
 
+@pytest.mark.slow
 def test_a_command_prints_its_record_in_other_units(call):
     arguments = ("mechanism", "6chn25-34")
     record = call(*arguments, "--json").json()
@@ -210,6 +212,7 @@ def shown(answer, text=SHOWN):
     assert text in told or text in re.sub(r"\s|[│┃]", "", told)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [
@@ -229,6 +232,7 @@ def test_texts_of_a_file_are_shown(call, tmp_path, edit, six_cylinders, change):
     assert CONTROL.search(call("check", "mine.toml", "--json").out.replace("\x7f", "")) is None
 
 
+@pytest.mark.slow
 def test_names_of_sections_and_files_are_shown(call, tmp_path, six_cylinders):
     (tmp_path / "mine.toml").write_text(f'{six_cylinders}\n["{TOML}"]\nx = 1\n', encoding="utf-8")
     shown(call("check", "mine.toml"))
@@ -250,6 +254,7 @@ def test_progress_and_tracebacks_are_shown(capsys, monkeypatch):
     assert told.count(SHOWN) >= 4
 
 
+@pytest.mark.slow
 def test_nothing_else_writes_to_the_terminal():
     writes = re.compile(r"(?<![\w.\">`])print\(|\btyper\.echo\(|sys\.std(?:out|err)\.write\(")
     found = {
@@ -272,6 +277,7 @@ def words(text):
     return {word.strip(":;") for word in re.sub(r"[\[\]]|--+", " ", text).split()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "line", [("fields", "throw"), ("two-mass", "yamz-5340", "--full"), ("new", "--list")]
 )
@@ -320,6 +326,7 @@ def test_help_keeps_names_of_sections(call):
     assert "[two_mass_check]" in call("two-mass", "--help").out
 
 
+@pytest.mark.slow
 def test_a_drawing_of_such_a_name_is_well_formed(call, tmp_path, edit, six_cylinders):
     text = edit(six_cylinders, {"engine.name": f'"<b>&]]>{TOML}"'})
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")

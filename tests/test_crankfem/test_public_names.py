@@ -59,6 +59,7 @@ def test_a_topic_shows_the_way_in(name):
     assert any(name in one.source for one in example.examples)
 
 
+@pytest.mark.slow
 def test_all_ways_to_a_name_of_a_topic(spawn):
     code = (
         "from crankfem.chains import with_damper; from crankfem import chains; import crankfem as cf; "
@@ -84,6 +85,7 @@ def python(spawn, code, **options):
     return spawn("-c", code, command=[sys.executable, "-P"], **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "code",
     [
@@ -183,6 +185,7 @@ NESTED = {
 NESTED |= {"MainBearings", "ShaftCone", "TorsionalRing"}
 
 
+@pytest.mark.slow
 @given(st.lists(st.text(max_size=90), max_size=60), st.from_regex(r"\A[A-Z][a-z]{0,30}\Z"))
 def test_a_text_keeps_to_three_lines(parts, name):
     parts = [re.sub(r"\s", " ", part)[:90] for part in parts]

@@ -109,11 +109,13 @@ def check_line(line, call, printed):
     return compared(answer.json(), printed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", QUICK)
 def test_every_number_has_the_unit_in_which_it_is_printed(line, call, printed):
     assert check_line(line, call, printed) >= QUICK[line]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", MODEL)
 def test_so_have_those_of_a_study_and_a_model(line, store, model_file, call, printed):
     assert {store.name, model_file.name} == {"runs.sqlite", "model.json"}

@@ -154,6 +154,7 @@ def test_every_report_is_a_sound_page(results, page, case):
     assert all(after <= before + 1 for before, after in pairwise(levels))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_no_word_of_the_program_stands_where_an_engineer_reads(results, page, case):
     (_, text) = page(case(results)).all("main")[0]
@@ -268,6 +269,7 @@ def test_the_regression_answers_with_the_chosen_form(model_file):
     assert said.endswith("none was held out to judge it.")
 
 
+@pytest.mark.slow
 def test_a_plot_goes_with_its_picture(results, page, tmp_path):
     (tmp_path / "a.svg").write_text(SQUARE, encoding="utf-8")
     (tmp_path / "a.json").write_text('{"data":[{"name":"</script><b>"}]}', encoding="utf-8")
@@ -374,6 +376,7 @@ def test_commands_can_be_given_to_a_shell(name, command):
     assert shlex.split(command)[-1].removeprefix("./") == name
 
 
+@pytest.mark.slow
 def test_critical_speeds_stand_in_one_table(results, page):
     found = page(results)
     heads = [text for _, text in found.all("thead")]

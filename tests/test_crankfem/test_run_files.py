@@ -155,6 +155,7 @@ def test_a_file_in_the_way_of_the_folder(tmp_path):
         make_folders(tmp_path / "a", PICTURES)
 
 
+@pytest.mark.slow
 def test_texts_of_inputs_are_those_that_were_read(tmp_path, quick_four):
     (tmp_path / "four.toml").write_text(quick_four, encoding="utf-8")
     inputs = read_inputs(tmp_path / "four.toml")
@@ -177,6 +178,7 @@ def put_results(folder, results):
     (folder / RESULTS).write_text(results_text(results), encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_report_says_what_it_leaves_out(reported, call):
     results = json.loads((reported / RESULTS).read_text(encoding="utf-8"))
     put_results(reported, results | {"pictures": {"drawing": "drawing.svg"}})
@@ -204,6 +206,7 @@ def test_a_report_that_may_not_be_written_is_named(reported, call):
     assert answer.err.startswith(f"Error: {reported / REPORT}: cannot be written, because it is a")
 
 
+@pytest.mark.slow
 def test_a_report_that_no_run_has_written_stays(reported, call):
     (reported / REPORT).write_text("mine", encoding="utf-8")
     answer = call("report", reported)
@@ -214,6 +217,7 @@ def test_a_report_that_no_run_has_written_stays(reported, call):
         assert call("report", reported, *options).code == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["../out.svg", "{there}/out.svg", "link.svg", "..\\out.svg"])
 def test_a_report_shows_nothing_from_outside_its_folder(reported, call, way):
     outside = reported.parent / "out.svg"
@@ -229,6 +233,7 @@ def test_a_report_shows_nothing_from_outside_its_folder(reported, call, way):
     assert secret not in (reported / REPORT).read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_folder_of_pictures_that_leads_elsewhere_is_not_read(reported, call):
     (reported / "pictures").rmdir()
     elsewhere = reported.parent / "elsewhere"
@@ -344,6 +349,7 @@ def test_rendered_pictures_come_into_the_folder_at_the_end_only(pictures, told, 
     assert not made[0].exists()
 
 
+@pytest.mark.slow
 def test_one_rendering_that_fails_leaves_the_others(pictures, told):
     missing = MissingLibraryError("install it")
     with Renderings() as renderings:
@@ -422,6 +428,7 @@ def test_what_a_rendering_says_at_its_end_is_passed_on(tmp_path, monkeypatch):
         OffscreenProcess("renders:render", tmp_path).wait()
 
 
+@pytest.mark.slow
 def test_a_rendering_ends_with_an_owner_that_is_killed(own, tmp_path, monkeypatch):
     """Even where a library keeps Python's threads from running."""
     text = "import ctypes\ndef render(_): open('begun', 'w').close(); ctypes.PyDLL(None).sleep(60)"
@@ -593,6 +600,7 @@ def test_a_file_gives_way_only_if_the_command_made_it(line, call):
     refused(unknown or "it was changed since crankfem wrote it")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "last"),
     [
@@ -615,6 +623,7 @@ def test_nothing_is_written_where_the_last_file_is_refused(name, last, call, tmp
     assert [name for name in there if not name.startswith("runs.sqlite-")] == before
 
 
+@pytest.mark.slow
 def test_an_input_stays_even_if_forced(line, call):
     words, output, mine = line
     before = mine.read_bytes()
@@ -661,6 +670,7 @@ def test_python_writes_by_the_same_rules(model_file, tmp_path):
     assert plot.read_text(encoding="utf-8") == "precious"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [

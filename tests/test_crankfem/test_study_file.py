@@ -340,6 +340,7 @@ PAGE = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```toml\n(.*?)```", PAGE, flags=re.DOTALL)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", BLOCKS)
 def test_examples_of_the_page_can_be_run(read, tmp_path, block):
     (tmp_path / "runs.csv").write_text(

@@ -540,6 +540,7 @@ def test_vibration_command(call, monkeypatch, tmp_path):
     assert (tmp_path / "p" / "torsional_stress.svg").is_file()
 
 
+@pytest.mark.slow
 def test_vibration_command_of_a_chain(call, tmp_path):
     answer = call("vibration", "mwm-six")
     assert "216.584" in answer.out

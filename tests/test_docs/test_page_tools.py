@@ -113,11 +113,13 @@ def figures(build):
     return json.loads(build.FIGURES.read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_pages_are_current(build):
     for name, text in build.pages().items():
         assert (ROOT / "docs" / name).read_text(encoding="utf-8") == text, name
 
 
+@pytest.mark.slow
 def test_first_table_has_a_line_for_each_case_and_leads_to_its_details(build):
     written = build.pages()
     table = written["validation.md"].partition("| case |")[2].partition("\n\n")[0]

@@ -79,6 +79,7 @@ def test_files_that_a_page_names_are_there(page):
     assert not [name for name in wrong if name != "plots/"]
 
 
+@pytest.mark.slow
 def test_the_map_is_current(build_map):
     assert build_map.DRAWING.read_text(encoding="utf-8") == build_map.drawing()
 

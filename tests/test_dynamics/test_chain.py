@@ -79,6 +79,7 @@ def test_lowest_frequency_of_a_stiff_chain_on_a_soft_support():
     assert modes.angular_frequencies[0] == close(np.sqrt(0.1), rel=1e-7)
 
 
+@pytest.mark.slow
 @given(chain_values())
 def test_frequencies_are_those_of_the_general_eigenproblem(values):
     chain = Chain(*values)
@@ -87,6 +88,7 @@ def test_frequencies_are_those_of_the_general_eigenproblem(values):
     assert chain.modes().angular_frequencies == close(expected, rel=1e-9, abs=1e-6)
 
 
+@pytest.mark.slow
 @given(chain_values())
 def test_modes_are_orthogonal_and_scaled(values):
     chain = Chain(*values)
@@ -107,6 +109,7 @@ def test_chain_turned_end_for_end_keeps_its_frequencies(values):
     assert turned.modes().frequencies == close(Chain(*values).modes().frequencies, rel=1e-12)
 
 
+@pytest.mark.slow
 @given(chain_values())
 def test_mode_number_counts_the_nodes(values):
     modes = Chain(*values).modes()
@@ -316,6 +319,7 @@ def test_an_idler_gear_may_be_without_inertia():
         Chain([1.0, 1.0, 0.0], [1.0], connections=[(1, 2)], gears=[Gear(0, 1, 2.0)])
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(st.lists(value, min_size=6, max_size=6), ratio, st.floats(0.2, 3.0), st.floats(0.0, 0.2))
 def test_gears_without_inertia_stand_in_equilibrium(v, r, frequency, loss):

@@ -657,6 +657,7 @@ def lines(draw):
     )
 
 
+@pytest.mark.slow
 @given(lines())
 @settings(max_examples=15)
 def test_frequencies_are_those_of_the_chain_with_its_line(line):
@@ -678,6 +679,7 @@ def test_frequencies_are_those_of_the_chain_with_its_line(line):
         assert (match.difference, match.likeness) == (close(0.0, abs=near), close(1.0, abs=1e-5))
 
 
+@pytest.mark.slow
 @given(lines())
 @settings(max_examples=10)
 def test_forces_on_pins_and_propeller_make_the_motion_of_the_chain(line):

@@ -146,6 +146,7 @@ def test_a_free_nodes_amplitude_is_with_or_without_the_rigid_body():
     assert elastic == close(swinging, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_limit_out_of_reach_is_said_with_the_reason():
     found = size_viscous_damper(
         SIZING_MAIN, "main", node_amplitude(UNIT, 0), limit(5.0), ring_inertia=(0.01, 0.1)

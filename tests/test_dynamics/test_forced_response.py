@@ -612,6 +612,7 @@ OVER_SPEED = Variation(
 )
 
 
+@pytest.mark.slow
 def test_a_coupling_over_the_frequency_and_a_bearing_over_the_speed():
     """Every motion is that of the matrices made anew at its frequency and speed."""
     coupling = Coupling(5e4, loss_factor=0.1, variation=OVER_HZ)
@@ -686,6 +687,7 @@ def motion_with(order, speed, coupling):
     return np.linalg.solve(stiffness - w**2 * np.diag([0.9, 2.0, 1.5]), FORCES[0, 0])
 
 
+@pytest.mark.slow
 def test_a_coupling_over_mean_torque_and_frequency_in_one_table():
     table = np.array([[1.0, 1.3], [1.5, 1.6], [2.4, 3.0]])
     losses = np.array([[0.1, 0.2], [0.15, 0.22], [0.12, 0.3]])
@@ -751,6 +753,7 @@ def test_a_coupling_at_its_mean_torque_and_temperature_has_constant_values():
     assert chain.damping_matrix() == close(same.damping_matrix(), 1e-12)
 
 
+@pytest.mark.slow
 def test_a_coupling_over_its_amplitude_has_the_one_that_it_reaches():
     variation = Variation(
         amplitude=(0.0, 0.002, 0.01), stiffness=(1.0, 0.7, 0.5), loss_factor=(0.1, 0.3, 0.4)

@@ -43,6 +43,7 @@ def even(count, strokes, start=0.0):
     return gas_pressure(curve(angles, cycle), strokes, angles_deg=np.degrees(angles))
 
 
+@pytest.mark.slow
 @given(st.lists(st.floats(1e4, 2e7), min_size=72, max_size=90), st.floats(-30.0, 30.0))
 @settings(max_examples=50)
 def test_curve_stays_between_neighboring_samples(values, angle):
@@ -241,6 +242,7 @@ def indicated_even(count, strokes=4):
     return np.pi * strokes / count * np.arange(count)
 
 
+@pytest.mark.slow
 @given(st.lists(st.floats(1e4, 2e7), min_size=72, max_size=144), st.floats(0.0, 2e5))
 def test_gas_torque_does_the_indicated_work(values, under):
     """Torque by the paper's P sin(alpha + beta) / cos(beta) R, work from p dV."""

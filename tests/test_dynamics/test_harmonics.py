@@ -35,6 +35,7 @@ def test_highest_term_of_an_even_number_of_samples_takes_half_weight():
     assert found.phase[1] == close(np.pi / 2.0)
 
 
+@pytest.mark.slow
 @given(VALUES, STROKES, st.floats(-800.0, 800.0))
 def test_series_meets_the_samples_wherever_they_start(values, strokes, start_deg):
     angles = sample_angles(len(values), strokes, np.radians(start_deg))
@@ -138,6 +139,7 @@ def test_angles_printed_rounded_are_accepted():
     assert harmonics(np.ones(216), angles_deg=angles_deg).samples == 216
 
 
+@pytest.mark.slow
 @given(
     st.integers(1, 24),
     st.booleans(),

@@ -347,6 +347,7 @@ def turn_profile(point):
     return hinge_profile(point, GasSpring(0.031, 1.0, 5e6), 0.8)
 
 
+@pytest.mark.slow
 def test_the_hinge_makes_the_speed_constant(point, turn_profile):
     """Integrated with the moment of spring and guides; the bound is 0.1 %, measured is 1e-8."""
     with_hinge = simulate_hinge(point, turn_profile, samples=720)
@@ -369,6 +370,7 @@ def test_steady_hinge_turn_is_what_integration_gives(point):
     assert abs(turn.gain) < 1e-7 * np.ptp(point.stored_energy)
 
 
+@pytest.mark.slow
 def test_equation_of_motion_in_time(point):
     """I phi'' + I' phi'^2 / 2 = Q integrated over the time, with everything evaluated where needed."""
 

@@ -45,6 +45,7 @@ def drives(draw):
     return SliderCrank(0.07, 0.07 / ratio, offset * 0.07 / ratio)
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(drives(), st.floats(-0.2, 1.2), st.floats(-0.3, 0.3))
 def test_all_derivatives_are_those_of_the_positions(drive, along, across):
@@ -328,6 +329,7 @@ def test_torque_is_gas_and_friction_power_less_the_rise_of_kinetic_energy(model,
     np.testing.assert_allclose(torque, wanted, rtol=0.0, atol=1e-9 * np.max(np.abs(wanted)))
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None)
 @given(engine=vee_engines())
 def test_kinetic_energy_is_that_of_all_masses(engine):

@@ -101,6 +101,7 @@ def test_factors_are_positive_over_ten_thousand_cranks():
     assert np.all(np.isfinite(found))
 
 
+@pytest.mark.slow
 def test_factors_are_continuous_and_do_not_depend_on_the_size():
     """Also where an overlap ends to count, and where a recess begins to."""
     step = 1e-8  # beta_Q, which falls to zero, is compared by its size
@@ -414,6 +415,7 @@ def test_shear_that_turns_has_the_radius_of_its_circle():
     assert found.value <= findley_bound(history, K)
 
 
+@pytest.mark.slow
 def test_no_plane_among_many_is_worse():
     """Every moment on planes all over the half sphere, circles by an even search; out-of-phase history."""
     history = stresses(
@@ -441,6 +443,7 @@ def test_no_plane_among_many_is_worse():
     assert found.value <= findley_bound(history, K)
 
 
+@pytest.mark.slow
 def test_smallest_circles():
     triangle = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.5 * math.sqrt(3.0)], [0.5, 0.3]])
     flat = np.array([[0.0, 0.0], [4.0, 0.0], [2.0, 1.0], [2.0, -1.9]])

@@ -274,6 +274,7 @@ def test_little_gas_and_constant_inertia_give_the_linear_response(options):
     assert differences[1] == close(0.1 * differences[0], rel=0.1)
 
 
+@pytest.mark.slow
 def test_steady_cycle_repeats_and_keeps_its_energy():
     chain, _ = turning(gas=pressure(), damping=30.0, loss_factor=0.02)
     found = steady_cycle(chain, SPEED)
@@ -316,6 +317,7 @@ def test_coasting_shaft_turns_like_the_rigid_engine():
     assert found.energy_error < 1e-9
 
 
+@pytest.mark.slow
 def test_run_up_under_gas_keeps_its_energy_and_a_governor_holds_the_speed():
     chain, forces = turning(gas=pressure(), damping=30.0, ground_damping=[4.0, 4.0, 0.0])
     mean = forces.mean_torque[0]
@@ -341,6 +343,7 @@ def test_run_up_under_gas_keeps_its_energy_and_a_governor_holds_the_speed():
     assert run.envelope().torque.shape[1] == 2
 
 
+@pytest.mark.slow
 def test_interrupted_and_stopping_runs_keep_what_is_finished():
     chain, forces = turning(gas=pressure(), damping=30.0)
 
@@ -507,6 +510,7 @@ def test_orders_without_a_common_cycle_take_windows_of_given_turns():
             call()
 
 
+@pytest.mark.slow
 def test_phasors_of_a_cycle_are_those_of_its_orders_and_no_others():
     chain, gas = one_throw(1e3)
     cycle = steady_cycle(chain, DETAILS_SPEED)
@@ -532,6 +536,7 @@ def test_mean_place_of_a_cycle_is_that_of_even_turning():
     assert np.abs(mean) < 1e-6 * np.abs(motion).max() * 10.0
 
 
+@pytest.mark.slow
 def test_geared_chain_with_distributed_inertia_keeps_its_energy():
     chain = Chain(
         [1.0, 2.0, 0.5, 0.5],
@@ -553,6 +558,7 @@ GROUNDED = Chain([1.0, 9.0], [2e4], damping=30.0, ground_damping={0: 200.0, 1: 1
 RING = TorsionalRing(inertia=0.4, damping=60.0).attached(Chain([1.0, 9.0], [2e4]), 0, "ring")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chain", [GROUNDED, RING], ids=["to ground", "viscous ring"])
 def test_dampers_turn_evenly(chain):
     # Gas so weak that the torque hardly depends on the vibration itself: 1e-3.

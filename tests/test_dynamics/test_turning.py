@@ -216,6 +216,7 @@ def test_massless_parts_have_no_inertia_at_the_top(start):
         )
 
 
+@pytest.mark.slow
 def test_gas_as_a_function_of_place_and_direction():
     told = set()
 
@@ -335,12 +336,14 @@ def test_times_that_cannot_be_followed_are_refused(speed, duration):
         turn_freely(hinged_pair(), start_angle_deg=0.0, start_speed=speed, duration=duration)
 
 
+@pytest.mark.slow
 def test_a_shaft_that_turns_faster_and_faster_is_given_up(monkeypatch):
     monkeypatch.setattr("dynamics.turning.free_turning.MOST_TURNS", 20)
     with pytest.raises(InputError, match="allowed are 20000 turns"):
         turn_freely(hinged_pair(), start_angle_deg=0.0, start_speed=1.0, duration=100.0, load=-1e3)
 
 
+@pytest.mark.slow
 def test_a_motion_that_takes_too_many_evaluations_is_given_up(monkeypatch):
     """And what is allowed then is followed."""
     monkeypatch.setattr("dynamics.turning.speed_over_angle.MOST_CALLS", 20_000)

@@ -124,12 +124,14 @@ def test_what_makes_a_throw_stiffer_and_what_softer(
     assert abs(after / before - 1.0) > 0.005
 
 
+@pytest.mark.slow
 def test_compliance_falls_as_the_modulus_grows(throw, axial_compliance):
     stiff = Material(youngs_modulus=3.0 * 2.1e11, poisson_ratio=0.3, density=7850.0)
     found = axial_compliance(throw, 2.0, stiff)
     assert found == close(axial_compliance(throw, 2.0) / 3.0, rel=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end_sections", ["rigid", "averaged"])
 def test_the_axial_analysis_alone_gives_the_same(throw, end_sections):
     whole = analyze_throw(throw, accuracy=0.05, end_sections=end_sections)
@@ -233,6 +235,7 @@ def test_a_ratio_of_one_is_linear_in_the_cosine():
     assert law.axial(gammas) == close(2.0 - np.cos(np.deg2rad(gammas)))
 
 
+@pytest.mark.slow
 def test_throws_without_symmetry_are_refused():
     unequal = THROW.model_copy(update={"right_web": Web(thickness=0.080)})
     found = analyze_throw(unequal, accuracy=0.1)

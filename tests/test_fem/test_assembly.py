@@ -60,6 +60,7 @@ def oracle(points, elements, material):
     return sparse.csr_array((matrix.data, (ours[matrix.row], ours[matrix.col])), matrix.shape)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("material", [STEEL, SOFT])
 def test_stiffness_is_scikit_fems(mesh, material):
     upper = assemble_stiffness(mesh.points, mesh.elements, material)

@@ -103,6 +103,7 @@ def steps(deck):
     return found
 
 
+@pytest.mark.slow
 def test_every_number_fits_into_a_field_and_keeps_its_digits(full_mesh, deck):
     for card, fields in cards(deck):
         for row in fields:

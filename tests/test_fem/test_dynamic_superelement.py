@@ -120,6 +120,7 @@ def of_free_throw(superelement):
     return natural_modes(superelement.stiffness, superelement.mass)[0][6:]
 
 
+@pytest.mark.slow
 def test_matrices_are_those_of_the_displacement_fields(whole, condensed):
     """The whole mesh has one class and no shares or copies: stiffness and mass by their definition."""
     classes, static = condensed(whole.mesh)
@@ -178,6 +179,7 @@ def test_corrections_are_worth_many_modes(coarse, coarse_classes, plain, truth):
     assert modal.max() > 10.0 * corrected.max()
 
 
+@pytest.mark.slow
 def test_rigid_end_sections_make_the_free_throw_stiffer(coarse, truth):
     """Each frequency rises, by some per cent at most in the lowest modes."""
     ratio = truth[:6] / free_modes(coarse, STEEL, count=6).frequencies
@@ -232,6 +234,7 @@ def test_supports_hold_unknowns_at_zero(dynamic):
     assert np.count_nonzero(frequencies < 1e-3 * frequencies[-1]) == 2
 
 
+@pytest.mark.slow
 def test_another_solver_gives_the_same(coarse, coarse_classes, dynamic):
     found = dynamic_superelement(coarse, STEEL, coarse_classes, HIGHEST, solver="superlu")
     assert found.frequencies == close(dynamic.frequencies, rel=1e-9)

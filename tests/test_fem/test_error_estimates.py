@@ -258,6 +258,7 @@ def test_corrected_answers_are_reciprocal(any_part, support):
 # ------------------------------------------------------------------------------ against true errors
 
 
+@pytest.mark.slow
 def test_true_errors_give_the_true_answers(dimensions):
     """With energies of the differences to a mesh refined in place its answers come out, to round-off."""
     throw = CrankThrow(**dimensions | {"fillet_radius": 0.0})
@@ -299,6 +300,7 @@ def same_work(load, taken, count):
 # ------------------------------------------------------------------------ plain answers, and the bars
 
 
+@pytest.mark.slow
 def test_answers_stay_plain_where_too_much_is_short(throw, mesh, analysis, monkeypatch, capsys):
     monkeypatch.setattr(correction, "LARGEST_SHARE", 0.01)
     plain = analyze_throw(throw, accuracy=0.1, mesher=on(mesh))

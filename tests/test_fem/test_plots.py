@@ -86,6 +86,7 @@ def test_compliances_over_the_angle(analysis, quantity, value, unit):
     assert f"$10^{{-9}}$ {unit}" in axes.get_ylabel()
 
 
+@pytest.mark.slow
 def test_an_analysis_draws_its_throw(analysis):
     drawn = [text.get_text() for text in analysis.plot().texts]
     assert drawn == [text.get_text() for text in analysis.throw.plot().texts]

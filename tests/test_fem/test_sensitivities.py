@@ -11,8 +11,7 @@ from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.material import STEEL
 from fem.responses import evaluate_throw
-from fem.sensitivities import class_slopes, load_slopes, node_velocities
-from fem.solver import assemble_stiffness
+from fem.sensitivities import class_slopes, node_velocities
 from fem.superelement import combine_classes
 from fem.supports import support_throw
 from geometry.boundary_motion import boundary_motion, bounding_levels, lengths_of, with_length
@@ -55,11 +54,9 @@ def featured():
 
 def slopes_of(mesh, throw, condensed):
     classes, _ = condensed(mesh)
-    stiffness = assemble_stiffness(mesh.points, mesh.elements, STEEL)
     velocities = node_velocities(mesh, boundary_motion(throw, mesh), "auto")
     moving = list(velocities.values())
-    loads = load_slopes(mesh, moving)
-    slopes = [class_slopes(mesh, STEEL, stiffness, part, moving, loads) for part in classes]
+    slopes = class_slopes(mesh, STEEL, classes, moving)
     return velocities, dict(zip(velocities, zip(*slopes, strict=True), strict=True))
 
 
@@ -79,7 +76,7 @@ def test_slopes_are_those_of_the_moved_mesh(mesh, throw, condensed):
             moved[np.abs(mesh.points[:, 0]) < 1e-9, 0] = 0.0
             ends.append(condensed(replace(mesh, points=moved, length=length))[0])
         for low, high, slope in zip(*ends, slopes[path], strict=True):
-            for name in ("stiffness", "pin_loads"):
+            for name in ("stiffness", "pin_loads", "pin_flexibility"):
                 difference = (getattr(high, name) - getattr(low, name)) / (2.0 * step)
                 size = np.abs(getattr(slope, name)).max()
                 assert getattr(slope, name) == close(difference, abs=1e-5 * size)
@@ -136,6 +133,7 @@ def test_a_split_pin_with_oil_holes_scales_with_its_size():
     assert sum(lengths) == close(3.0, abs=5e-3)
 
 
+@pytest.mark.slow
 def test_every_surface_moves_with_its_dimension(featured):
     """A point that follows the motion of its surface stays on it, whatever the dimension."""
     mesh = mesh_throw(featured, 3.0)
@@ -149,6 +147,32 @@ def test_every_surface_moves_with_its_dimension(featured):
         points = mesh.points[motion.nodes] + (step * speeds)[:, None] * motion.normals
         off = np.min([np.abs(level(points)) for level in moved.values()], axis=0)
         assert off.max() < 1e-10
+
+
+# Powers of the size: forces, moments, the pin's compliance.
+POWERS = {"F": 0.0, "M": 1.0, "p": -1.0}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sharp", [False, True])
+def test_reactions_scale_with_the_size_of_the_throw(featured, sharp):
+    """Under the same force: forces stay, moments grow with it; torque and lateral forces by equilibrium."""
+    fillets = dict.fromkeys(("fillet_radius", "pin_fillet_radius"), 0.0)
+    throw = CrankThrow(**FEATURES | fillets) if sharp else featured
+    analysis = analyze_throw(throw, accuracy=0.1)
+    force = (300.0, -1000.0, 0.0)
+    for support in ("pinned", "guided", cf.Neighbors(120.0, 120.0)):
+        for quantity in ("left Fx", "left Fy", "right Fz", "left Mx", "left Mz", "pin_compliance"):
+            if (quantity, support) == ("left Mx", "pinned"):
+                with pytest.raises(InputError, match="zero"):
+                    analysis.sensitivities(quantity, support, pin_force=force)
+                continue
+            shares = analysis.sensitivities(quantity, support, pin_force=force).shares
+            power = POWERS[quantity.split()[-1][0]]
+            total = sum(share for path, share in shares.items() if not path.endswith("angle"))
+            assert total == close(power, abs=3e-3)
+            if quantity == "left Mz":
+                assert shares["crank_radius"] == close(1.0, abs=1e-5)
 
 
 @pytest.mark.slow
@@ -196,8 +220,11 @@ def test_slopes_are_those_between_other_meshes(featured):
         assert slopes[path] == close(np.log(ratio) / np.log(1.03 / 0.97), rel=0.015, abs=0.02)
 
 
+@pytest.mark.slow
 def test_what_has_no_slope_says_why(throw):
     analysis = analyze_throw(throw, accuracy=0.1)
+    with pytest.raises(InputError, match="pin_force"):
+        analysis.sensitivities("pin_compliance", pin_force=(0.0, 0.0, 0.0))
     slopes = analysis.sensitivities("torsional_compliance", "guided")
     assert "zero" in slopes.left_out["pin_bore"]
     for path in ("pin_bore", "wheel_radius"):
@@ -210,6 +237,7 @@ def test_what_has_no_slope_says_why(throw):
         averaged.sensitivities()
 
 
+@pytest.mark.slow
 def test_slopes_as_table_and_picture(throw):
     slopes = analyze_throw(throw, accuracy=0.1).sensitivities()
     frame = slopes.to_pandas()

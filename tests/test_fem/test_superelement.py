@@ -86,6 +86,7 @@ def factorize(matrix):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("support", ["pinned", "guided"])
 def test_direct_solve_with_blocked_length_gives_the_reactions(whole, superelement, support):
     """One solve of the whole throw under pin forces, the end sections supported directly."""

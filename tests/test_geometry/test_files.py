@@ -301,6 +301,7 @@ def mesh(dimensions):
     return mesh_throw(CrankThrow(**dimensions, pin_bore=0.06), 2.0, "full")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", [".vtu", ".vtk", ".inp", ".med", ".msh"])
 def test_solid_formats_keep_nodes_elements_and_surfaces(mesh, tmp_path, ending):
     if ending == ".med":
@@ -322,6 +323,7 @@ def test_sets_of_abaqus_files_have_names(mesh, tmp_path):
         assert f"ELSET={name}" in text.replace(" ", "")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:overflow encountered:RuntimeWarning")  # in meshio's reader
 @pytest.mark.parametrize("ending", [".stl", ".ply", ".obj"])
 def test_surface_formats_enclose_the_volume(mesh, tmp_path, ending):
@@ -332,6 +334,7 @@ def test_surface_formats_enclose_the_volume(mesh, tmp_path, ending):
     assert volume == close(mesh.solid.volume, rel=0.02)
 
 
+@pytest.mark.slow
 def test_values_at_nodes_travel(mesh, tmp_path):
     values = {"displacement": mesh.points * 2.0}
     read = meshio.read(write_mesh(mesh, tmp_path / "throw.vtu", values))

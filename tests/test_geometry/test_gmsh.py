@@ -188,6 +188,7 @@ def process():
     made.close()
 
 
+@pytest.mark.slow
 def test_errors_come_back_as_they_are(dimensions, process):
     with pytest.raises(InputError, match="allowed are auto"):
         mesh_isolated(CrankThrow(**dimensions), 1.0, "eighth", process=process)
@@ -229,6 +230,7 @@ def test_a_disturbed_call_leaves_no_answer_behind(dimensions, process, disturban
     assert process.call("operator:add", 1, 2, time_limit=10.0) == 3
 
 
+@pytest.mark.slow
 def test_a_call_ends_with_an_owner_that_is_killed(own, tmp_path):
     """Even where a library keeps Python's threads from running."""
     begun = tmp_path / "begun"
@@ -243,6 +245,7 @@ def test_a_call_ends_with_an_owner_that_is_killed(own, tmp_path):
     assert owner.end() == ([], [])
 
 
+@pytest.mark.slow
 def test_a_call_that_was_begun_is_made_once(process, tmp_path):
     made = [tmp_path / "first", tmp_path / "second"]
     process.begin("os:mkdir", str(made[0]))
@@ -252,6 +255,7 @@ def test_a_call_that_was_begun_is_made_once(process, tmp_path):
     assert process.call("operator:add", 2, 2, time_limit=10.0) == 4
 
 
+@pytest.mark.slow
 def test_a_crash_costs_one_call(process):
     with pytest.raises(ProcessLostError, match=r"SIGSEGV|code"):
         process.call(
@@ -260,6 +264,7 @@ def test_a_crash_costs_one_call(process):
     assert process.call("operator:add", 1, 2, time_limit=10.0) == 3
 
 
+@pytest.mark.slow
 def test_a_way_of_meshing_that_crashes_is_passed_over(dimensions, monkeypatch):
     """The process dies in the first way; a fresh one goes on with the second, and the mesh says so."""
     throw = CrankThrow(**dimensions)
@@ -291,6 +296,7 @@ def test_if_every_way_hangs_it_is_said(dimensions, monkeypatch):
         mesh_isolated(CrankThrow(**dimensions), 2.0, process=process)
 
 
+@pytest.mark.slow
 def test_the_process_ends_with_its_owner():
     process = IsolatedProcess()
     number = process.call("os:getpid", time_limit=10.0)

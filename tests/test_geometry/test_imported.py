@@ -365,6 +365,7 @@ def test_two_pins_in_any_order(two_pins, folder):
     assert np.hypot(*(second[:, :2] - two_pins.parts.pins[1].axis).T) == close(0.08, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_pin_in_two_faces_of_which_one_is_named(throw, folder):
     def build(gmsh):
         """Two halves, put together without uniting their faces."""
@@ -532,6 +533,7 @@ def test_a_file_that_is_not_there(folder):
         import_throw(folder)
 
 
+@pytest.mark.slow
 def test_a_file_that_takes_the_process_down(imported):
     class Lost(IsolatedProcess):
         def call(self, *_, **__):

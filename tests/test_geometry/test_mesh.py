@@ -127,6 +127,7 @@ def test_sharp_corners_have_no_fillet_surface_and_small_elements(dimensions):
     assert on_corner.sum() > 0.8 * np.pi * corner / (0.05 * throw.web_thickness)
 
 
+@pytest.mark.slow
 def test_bit_identical_wherever_it_runs(dimensions, coarse_mesh):
     throw = CrankThrow(**dimensions)
     spawn = multiprocessing.get_context("spawn")
@@ -238,6 +239,7 @@ def test_a_mesh_that_misses_the_volume_is_made_again_finer(dimensions, monkeypat
     assert mesh.attempts == ("as planned: refused",)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rung", range(len(MESHING_STRATEGIES)))
 def test_every_way_of_meshing_gives_the_same_part(dimensions, rung):
     throw = CrankThrow(**dimensions, pin_bore=0.06)
@@ -247,6 +249,7 @@ def test_every_way_of_meshing_gives_the_same_part(dimensions, rung):
     assert 4.0 * mesh.solid.volume == close(throw.volume, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_hopeless_mesh_is_an_error_that_says_what_was_tried(dimensions, monkeypatch):
     def refuse(*_):
         raise MeshError("refused")
@@ -374,6 +377,7 @@ def test_a_map_replaces_the_planned_sizes(map_throw, coarse_mesh, made):
     assert made.surfaces.keys() == coarse_mesh.surfaces.keys()
 
 
+@pytest.mark.slow
 def test_the_factor_scales_the_map(map_throw, graded):
     expected = mesh_throw(map_throw, sizes=replace(graded, sizes=0.8 * graded.sizes))
     found = mesh_throw(map_throw, 0.8, sizes=graded)
@@ -387,6 +391,7 @@ def test_the_mesh_is_checked_as_others_are(map_throw, made):
     assert volume == close(made.solid.volume, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_map_whose_mesh_is_refused_is_meshed_finer(map_throw, graded, monkeypatch):
     def refuse(*_):
         monkeypatch.undo()
@@ -405,6 +410,7 @@ def test_too_many_unknowns_are_refused_before_meshing(map_throw, graded):
             mesher(map_throw, factor, sizes=graded)
 
 
+@pytest.mark.slow
 def test_an_open_gmsh_session_gets_nothing_left_behind(map_throw, graded, made):
     """Sizes travel as a post-processing view, which does not belong to the model."""
     gmsh.initialize(interruptible=False)

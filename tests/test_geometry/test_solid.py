@@ -95,6 +95,7 @@ def test_masses_are_those_of_the_kept_solid(bored, keeper):
     assert len(built) == 1
 
 
+@pytest.mark.slow
 def test_a_solid_that_could_not_be_meshed_is_not_kept(dimensions, coarse_mesh, keeper, monkeypatch):
     def refuse(*_):
         raise MeshError("refused")
@@ -124,6 +125,7 @@ def test_a_process_of_ours_keeps_the_solid_and_a_fresh_one_builds_it_again(dimen
     assert not gmsh.isInitialized()
 
 
+@pytest.mark.slow
 def test_throws_with_oil_holes_get_the_same_mesh_down_to_model_engines(dimensions):
     """Of a journal of 2.2 mm with a hole of 0.1 mm, rounded and tilted."""
     meshes = []
@@ -277,6 +279,7 @@ def composed(throw):
     return mass, center, inertia
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change", [{}, {"crank_radius": 0.3, "pin_diameter": 0.2}, {"web_thickness": 0.038}]
 )
@@ -342,6 +345,7 @@ ENDS = ShaftEnds(
 SIX = np.deg2rad([0.0, 120.0, 240.0, 240.0, 120.0, 0.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [
@@ -366,6 +370,7 @@ def test_the_whole_solid_weighs_what_its_throws_weigh(dimensions, changes):
     assert inertia == close(expected.inertia, abs=1e-6 * expected.inertia.max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bores", "offsets", "step"),
     [

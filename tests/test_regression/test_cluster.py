@@ -378,6 +378,7 @@ def test_a_process_is_kept_between_designs_and_replaced_when_it_dies(puppets):
     assert all(process.poll() is not None for process in puppets)
 
 
+@pytest.mark.slow
 def test_limits_are_kept_on_the_workers_machine(puppets):
     answer = ProcessPool().compute("run", {"key": "hang"}, Limits(0.3))
     assert answer["lost"] == "took longer than the limit of 0.3 s"

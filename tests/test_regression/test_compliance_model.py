@@ -310,6 +310,7 @@ def light_import():
     return done.stdout.split()
 
 
+@pytest.mark.slow
 def test_import_for_lookups_is_light():
     assert light_import() == []
 
@@ -369,6 +370,7 @@ def test_bands_of_arrays_are_those_of_each_throw(model, gamma):
         model.lookups("influence_coefficient", gamma_deg=gamma, strict=True, **asked)
 
 
+@pytest.mark.slow
 def test_a_million_bands_in_less_than_a_second(model):
     rng = np.random.default_rng(3)
     asked = {name: rng.uniform(*ends, 1_000_000) for name, ends in LOOKUP_BOX.items()}

@@ -280,6 +280,7 @@ def test_levels_that_a_design_does_not_run(choice, levels):
 # ------------------------------------------------------------------------------------- space filling
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=15)
 @given(runs=st.integers(1, 30), seed=st.integers(0, 2**32))
 def test_latin_hypercube_has_one_run_in_each_stratum(runs, seed):

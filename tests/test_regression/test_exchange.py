@@ -118,6 +118,7 @@ def test_factors_that_are_no_fields_have_columns_of_their_own(store, tmp_path):
     assert {float(row["web_width [m]"]) for row in rows[:4]} == {0.27, 0.288}
 
 
+@pytest.mark.slow
 def test_parquet_holds_the_same_table_with_units_as_metadata(store, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     table = run_plan(PLAN, store)
@@ -148,6 +149,7 @@ def test_parquet_without_its_package_and_other_formats(store, tmp_path, monkeypa
 # ------------------------------------------------------------------------------- import of a CSV table
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plan", [PLAN, RATIO], ids=["fields", "ratio and choice"])
 def test_an_exported_table_comes_back_with_all_digits(plan, store, tmp_path):
     table = run_plan(plan, store)
@@ -270,6 +272,7 @@ def test_ratios_beyond_their_range_are_not_fitted(store, tmp_path):
         import_results(RATIO, store, table_of(tmp_path / "bad.csv", *lines))
 
 
+@pytest.mark.slow
 def test_designs_of_another_study_beyond_the_ranges_are_left_out(store, tmp_path):
     wider = plan_of_levels(
         THROW, {"web_width": (0.250, 0.285, 0.310), "pin_length": (0.140, 0.145)}, held_out=1
@@ -357,6 +360,7 @@ WEIGHTED = THROW.model_copy(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factors", [("web_width",), ("web_width", "counterweight.thickness")])
 def test_measured_dimensions_of_parts_are_kept(store, tmp_path, factors):
     ranges = {"web_width": (0.270, 0.300), "counterweight.thickness": (0.04, 0.06)}
@@ -434,6 +438,7 @@ def test_what_is_no_table_is_refused(store, tmp_path, name, content, message):
 # -------------------------------------------------------------------------------- import of a store
 
 
+@pytest.mark.slow
 def test_designs_of_another_store_that_are_the_studys_own_need_no_computing(store, tmp_path):
     other = tmp_path / "other.sqlite"
     part = plan_of_levels(

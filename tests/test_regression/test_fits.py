@@ -103,6 +103,7 @@ def test_constant_response():
     assert found.predict(HELDOUT) == close(np.full(12, 2e-9))
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=30)
 @given(size=st.floats(1e-4, 1e4), response_size=st.floats(1e-12, 1e12), form=st.sampled_from(KINDS))
 def test_unit_invariance(size, response_size, form):

@@ -103,6 +103,7 @@ def test_values_by_hand():
     assert found == close(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 @given(gamma=st.floats(0.0, 180.0))
 def test_angle_is_folded(gamma):
     straight = axial_formulas(MEDIUM_SPEED, gamma)

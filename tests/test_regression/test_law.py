@@ -151,6 +151,7 @@ def test_the_mass_follows_size_and_density_and_knows_no_counterweights():
             mass_law(CrankThrow(**DIMENSIONS, **weighted))
 
 
+@pytest.mark.slow
 def test_the_law_loads_no_mesher_and_no_solver():
     code = (
         "import sys, crankfem as cf; cf.axial_law, cf.torsional_law;"

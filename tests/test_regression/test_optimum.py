@@ -74,6 +74,7 @@ def model():
     )
 
 
+@pytest.mark.slow
 def test_lightest_throw_against_a_grid(model):
     limit = Limit(("axial_compliance",), at_most=1.1e-9, unit="m/N")
     found = find_optimum(model, "mass", [limit])
@@ -106,6 +107,7 @@ def test_lightest_throw_against_a_grid(model):
     )
 
 
+@pytest.mark.slow
 def test_a_frequency_as_a_function_of_the_compliance(model):
     # A mass of 500 kg on the throw's stiffness: f = sqrt(1 / (m e)) / (2 pi).
     def frequency(compliance):
@@ -144,6 +146,7 @@ def test_categories_are_tried_each():
     assert obround.value == close(0.070, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_relations_and_constraints_are_kept():
     x = np.linspace(1.2, 1.9, 5)[:, None]
     box = {"width_ratio": (1.2, 1.9), "web_thickness": (0.04, 0.10)}
@@ -188,6 +191,7 @@ def test_a_throw_that_cannot_be_built_is_told():
     assert found.remarks[0].startswith("this throw cannot be built: throw.")
 
 
+@pytest.mark.slow
 def test_what_cannot_be_kept_is_told_with_how_near_one_comes(model):
     impossible = Limit(("axial_compliance",), at_most=0.5e-9, unit="m/N")
     with pytest.raises(InputError) as caught:
@@ -201,6 +205,7 @@ def test_what_cannot_be_kept_is_told_with_how_near_one_comes(model):
     assert "\n" not in text
 
 
+@pytest.mark.slow
 def test_two_limits_against_each_other(model):
     limits = [Limit(("axial_compliance",), at_most=0.9e-9), Limit(("mass",), at_most=120.0)]
     with pytest.raises(InputError, match=r"axial_compliance <= .*; mass <= "):
@@ -354,6 +359,7 @@ def test_a_region_that_is_the_box_has_the_usual_indices():
         assert usual.first[name] - 0.015 < share < usual.total[name] + 0.015
 
 
+@pytest.mark.slow
 def test_a_thin_region_that_leaves_one_freedom():
     """Where a and b are nearly the same, each tells all alone, nothing is left without it, and they share."""
     sample = region_sample(UNIT[:2], lambda x: np.abs(x[:, 0] - x[:, 1]) < 0.01)

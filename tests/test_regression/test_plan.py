@@ -185,6 +185,7 @@ def test_a_relation_without_a_value_excludes_the_design():
     assert reasons[(2.0,)].startswith("it cannot be built: throw.")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("design", "message"),
     [

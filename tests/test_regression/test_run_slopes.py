@@ -210,6 +210,7 @@ def sizes_plan():
     return StudyPlan(SHARP, (*ratios, thick), design, relations, slopes=True, held_out=10)
 
 
+@pytest.mark.slow
 def test_a_power_law_in_groups_is_exact_with_slopes():
     made = sizes_plan()
     table = table_with_slopes(made)
@@ -235,6 +236,7 @@ def test_a_power_law_in_groups_is_exact_with_slopes():
     assert found.left_out_slopes == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "found"),
     [
@@ -268,6 +270,7 @@ def test_wrong_slopes_are_found_and_left_out(change, found):
     assert any(f"Fitted to {30 - found} slopes" in part for part in shown)
 
 
+@pytest.mark.slow
 def test_further_runs_are_chosen_with_fewer_runs_than_coefficients():
     table = table_with_slopes(plan(runs=8))
     fits = fit_study(table)

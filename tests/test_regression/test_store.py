@@ -40,6 +40,7 @@ def test_keys_do_not_depend_on_the_order_of_fields(record):
     assert content_key({"in": turned}) == content_key({"in": record})
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(records, records)
 def test_keys_differ_with_the_content(first, second):
@@ -53,6 +54,7 @@ def test_keys_see_the_last_digit_and_the_order_of_lists():
     assert content_key({"x": 0.1}) == content_key({"x": 0.1})
 
 
+@pytest.mark.slow
 @given(st.dictionaries(st.text(min_size=1), numbers, min_size=1, max_size=5))
 def test_numbers_come_back_to_the_last_digit(tmp_path_factory, responses):
     with ResultStore(tmp_path_factory.mktemp("store") / "runs.sqlite") as store:

@@ -60,6 +60,7 @@ def rows(path):
         return {row[0]: row for row in connection.execute("SELECT * FROM designs")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("statement", "told"),
     [
@@ -139,6 +140,7 @@ def test_text_that_is_no_text_damages_no_more_than_itself(store):
 # ------------------------------------------------------------------------------------------- claims
 
 
+@pytest.mark.slow
 def test_two_studies_on_one_store_compute_no_design_twice(tmp_path, monkeypatch):
     monkeypatch.setattr(workers, "spawn_worker", lambda: puppet(QUICK))
     path = tmp_path / "runs.sqlite"

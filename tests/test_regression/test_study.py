@@ -201,6 +201,7 @@ def test_workers_that_do_not_fit_into_the_memory_are_refused(tmp_path, monkeypat
         run_plan(plan, tmp_path / "runs.sqlite", workers=4)
 
 
+@pytest.mark.slow
 def test_designs_lost_with_their_workers_are_tried_again_by_the_next_run(tmp_path, monkeypatch):
     puppets(monkeypatch, "next(requests()); sys.exit(9)")
     table = run_plan(SMALL, tmp_path / "runs.sqlite")
@@ -213,6 +214,7 @@ def test_designs_lost_with_their_workers_are_tried_again_by_the_next_run(tmp_pat
     assert again.failures == ()
 
 
+@pytest.mark.slow
 def test_an_interrupted_study_keeps_what_arrived(tmp_path, monkeypatch):
     puppets(monkeypatch, QUICK)
 
@@ -228,6 +230,7 @@ def test_an_interrupted_study_keeps_what_arrived(tmp_path, monkeypatch):
     assert run_plan(SMALL, tmp_path / "runs.sqlite").computed == 3
 
 
+@pytest.mark.slow
 def test_an_import_replaces_lost_designs_and_no_others(tmp_path, monkeypatch):
     puppets(monkeypatch, QUICK)
     run_plan(SMALL, tmp_path / "other.sqlite")
@@ -246,6 +249,7 @@ def test_an_import_replaces_lost_designs_and_no_others(tmp_path, monkeypatch):
     assert after.seconds.tolist() == [0.5, 0.5, 0.75, 0.75, 0.75]
 
 
+@pytest.mark.slow
 def test_a_study_is_read_back_with_the_designs_it_was_run_with(tmp_path, monkeypatch):
     """Also where a later release of numpy or scipy draws other points."""
     puppets(monkeypatch, QUICK)
@@ -320,6 +324,7 @@ def stored_versions(store):
         return sorted(version for _, _, version in results.results())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("other", "new"),
     [
@@ -364,6 +369,7 @@ def test_a_changed_study_computes_what_is_new_and_mixes_nothing(tmp_path, monkey
     assert read.values.tolist() == changed.values.tolist()
 
 
+@pytest.mark.slow
 def test_a_new_model_version_uses_nothing_of_the_old_one(tmp_path, monkeypatch):
     store = tmp_path / "runs.sqlite"
     puppets(monkeypatch, QUICK)

@@ -382,6 +382,7 @@ run_designs(
     assert marked(mark) == []
 
 
+@pytest.mark.slow
 def test_a_worker_ends_when_its_coordinator_is_gone():
     process = workers_module.spawn_worker()
     assert process.poll() is None

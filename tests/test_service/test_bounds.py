@@ -267,6 +267,7 @@ def test_nonsense_on_the_line_is_refused(service):
     assert service.ask("/api/jobs")[0] == 200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "wrong",
     [

@@ -32,6 +32,7 @@ def own_service(serve, tmp_path):
     return serve(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_file_is_checked_before_it_is_run(service):
     status, told = service.json("/api/engines", {"text": STUDY, "name": "study.toml"})
     assert status == 422
@@ -233,6 +234,7 @@ def test_every_follower_gets_every_change_and_the_end(store, monkeypatch):
     assert len(looks) <= 2 + (time.monotonic() - began) / job_store.LOOK  # one for all of them
 
 
+@pytest.mark.slow
 def test_a_store_that_cannot_be_read_for_a_while_ends_no_stream(store, monkeypatch):
     name, looked, full = store.add("study", "mine", {}, 20), store.job, [True]
 
@@ -251,6 +253,7 @@ def test_a_store_that_cannot_be_read_for_a_while_ends_no_stream(store, monkeypat
     assert followed(store, name, change) == [["failed"]]
 
 
+@pytest.mark.slow
 def test_streams_end_with_the_job_s_record_and_with_the_service(store):
     name, ended = store.add("study", "mine", {}, 20), []
 
@@ -411,6 +414,7 @@ def test_what_is_wrong_is_told_until_it_is_over(runner_store, runner, monkeypatc
     ]
 
 
+@pytest.mark.slow
 def test_a_job_that_finds_the_disk_full_waits_for_space(runner_store, runner, workers, monkeypatch):
     monkeypatch.setattr(job_runner, "LONGEST_PAUSE", 0.05)
     tasks = ("full twice", "full", "die", "")
@@ -431,6 +435,7 @@ def test_the_longest_trouble_ends_no_thread(runner):
     runner.start()
 
 
+@pytest.mark.slow
 def test_a_worker_that_always_dies_is_given_up_until_a_job_is_submitted(
     runner_store, runner, workers
 ):

@@ -77,6 +77,7 @@ def test_formulas_are_those_of_the_library(client, throw):
     assert {one.name: one.value for one in found.axial} == {n: v.value for n, v in known.items()}
 
 
+@pytest.mark.slow
 def test_the_law_answers_with_bands_and_reactions(client, throw):
     force = (2e4, -2e5, 0.0)
     asked = {"gamma_deg": 120.0, "pin_force": force, "support": "neighbors"}
@@ -114,6 +115,7 @@ def test_outside_the_law_the_ratio_is_named(client, throw):
         client.law(throw | {"crank_radius": 0.5})
 
 
+@pytest.mark.slow
 def test_what_is_wrong_is_told_at_its_fields(service, throw):
     status, told = service.json(
         "/api/throws/validate", {"throw": throw | {"web_width": "5 kg", "pin_lenght": 1.0}}
@@ -181,6 +183,7 @@ def test_models_are_listed_described_and_looked_up(client, throw):
     assert mixed.responses["axial_compliance"].value == column.value
 
 
+@pytest.mark.slow
 def test_lookups_that_cannot_be_are_refused_in_a_sentence(client):
     for wrong, said in (
         ({"web_thicknes": 0.07}, "unknown dimension"),
@@ -198,6 +201,7 @@ def test_lookups_that_cannot_be_are_refused_in_a_sentence(client):
         client.lookup("seven")
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_rows_are_looked_up(client):
     rows = [0.05 + 4e-7 * place for place in range(100_000)]
     start = time.perf_counter()
@@ -292,6 +296,7 @@ def asked(service, route, kind, path, value):
     return status, answer
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "path", "file"), TEXTS)
 def test_no_field_opens_a_file_that_was_not_sent(service, planted, kind, path, file):
     for value in (str(planted[0]), upwards(planted[-1])):
@@ -308,6 +313,7 @@ def opened():
     return found
 
 
+@pytest.mark.slow
 def test_reading_what_was_sent_opens_nothing_else(planted, opened):
     open(planted[0]).close()
     assert str(planted[0]) in opened
@@ -319,6 +325,7 @@ def test_reading_what_was_sent_opens_nothing_else(planted, opened):
     assert not [place for place in opened if planted[0].parent.name in place]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "path"), FILES)
 def test_no_job_begins_with_a_file_that_was_not_sent(service, planted, kind, path):
     for value in (str(planted[0]), "/proc/self/environ", "/dev/zero", "../jobs.sqlite"):
@@ -328,6 +335,7 @@ def test_no_job_begins_with_a_file_that_was_not_sent(service, planted, kind, pat
             assert "files sent with mine.toml" in answer
 
 
+@pytest.mark.slow
 def test_what_was_sent_is_read_and_named_as_sent(service):
     for kind, path in FILES:
         name = "mine.json" if path == ("vibration", "model") else "mine.csv"

@@ -89,6 +89,7 @@ def test_each_value_that_is_given_leaves_the_list_alone(name, tmp_path):
         assert len(left) == len(before) - len(gone), field
 
 
+@pytest.mark.slow
 def test_choices_of_the_calculation_are_no_assumptions(tmp_path):
     file = File("8l32-42-damper", tmp_path)
     before = set(file.assumed())

@@ -78,6 +78,7 @@ def test_exponents(exponents, figure):
     figure("exponents of the two corners", exponents, (0.5445, 0.711), 5e-4, "", "absolute")
 
 
+@pytest.mark.slow
 def test_refined_mesh_is_the_same_solid():
     mesh = mesh_throw(throw(0.012), 6.0)
     fine, _ = refined(mesh)

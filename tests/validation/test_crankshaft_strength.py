@@ -118,6 +118,7 @@ def test_nominal_stresses_of_a_six_in_line(figure):
     figure("six in line, bending and shear of the web", found, wanted, 1e-3, "Pa")
 
 
+@pytest.mark.slow
 def test_nominal_stresses_of_a_v_engine(figure):
     """8ChN 13/14, rods as two masses: 65 and 105 mm from the left support, 170 mm between supports."""
     slider = {"speed": 2100.0 * math.pi / 30.0, "radius": 0.07, "rod": 0.265, "bore": 0.13}

@@ -93,6 +93,7 @@ def peaks_of_order(criticals, order):
     return np.array(sorted(own)).reshape(-1, 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [4.5, 6.0, 9.0, 12.0])
 def test_the_critical_speeds_are_the_peaks_of_the_torque(order, figure):
     compared = 0
@@ -111,6 +112,7 @@ def test_the_critical_speeds_are_the_peaks_of_the_torque(order, figure):
     assert compared >= len(DAMPERS)
 
 
+@pytest.mark.slow
 def test_the_critical_speeds_are_the_peaks_of_the_free_end(figure):
     weights = np.array([HUB, *[INERTIA] * CYLINDERS, FLYWHEEL])
 
@@ -161,6 +163,7 @@ def test_damped_modes_are_the_eigenvalues_of_the_state_space(damping, figure):
     figure("share of the damper in the damping", share, ring / (ring + oil + steel), 1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", DAMPERS[::3])
 def test_the_parts_of_orders_add_up_to_the_peak(damping, figure):
     speeds = np.linspace(LOW, HIGH, 40)

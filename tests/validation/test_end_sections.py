@@ -194,6 +194,7 @@ def test_throws_in_line(case, figure):
     figure("averaged sections, in line: too soft by", more, expected[1], 0.15)
 
 
+@pytest.mark.slow
 def test_throws_opposite_each_other(case, figure):
     length, quarter, rigid, averaged = case
     stiffer = [opposite_too_stiff(quarter, degree) for degree in (1, 3, 5)]

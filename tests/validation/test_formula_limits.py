@@ -241,6 +241,7 @@ def test_draminsky_2_with_k_4_tends_to_the_frame_at_both_ends_of_the_angle(figur
     assert wrong < 0.0 < frame_compliance(throw, tilt_blocked=True)
 
 
+@pytest.mark.slow
 @given(
     gamma=st.floats(0.0, 180.0),
     R=st.floats(0.05, 1.2),

@@ -46,6 +46,7 @@ def profile(file, point):
     return file.profile(point)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rpm", "kinematics"), [(89, "exact"), (129, "series"), (142, "printed")])
 def test_the_moment_is_potential(file, rpm, kinematics, figure):
     found = file.moment(rpm * np.pi / 30.0, kinematics)
@@ -56,6 +57,7 @@ def test_the_moment_is_potential(file, rpm, kinematics, figure):
     figure("load of constant torque by (5)", found.load, np.mean(gas), 1e-12, "N m")
 
 
+@pytest.mark.slow
 def test_the_hinge_at_its_design_speed(point, profile, figure):
     """Bound: 0.1 % of the fluctuation without the hinge. Found: less than a millionth of it."""
     with_hinge = simulate_hinge(point, profile, samples=720)
@@ -71,6 +73,7 @@ def test_the_hinge_at_its_design_speed(point, profile, figure):
     figure("mean speed with the hinge", found.mean_speed, point.speed, 1e-12, "rad/s")
 
 
+@pytest.mark.slow
 def test_the_series_costs_what_it_leaves_out(file, point, profile):
     """Guides made by the series, in the exact mechanism; the printed sign of the rod costs more."""
     left = {
@@ -102,6 +105,7 @@ def test_all_guides_of_figure_4_can_be_made(file, point):
         assert np.mean(made.compression > 0.0) > 0.97
 
 
+@pytest.mark.slow
 def test_pressure_for_another_speed(file, profile):
     """The paper: 1.95 times the pressure suits 142 1/min, "almost constant" speed. Ours: 2.45 times.
 
@@ -126,6 +130,7 @@ def test_pressure_for_another_speed(file, profile):
     assert with_hinge < 0.1 * flywheel_for(fast, 0.02)
 
 
+@pytest.mark.slow
 def test_proportional_forces(file, point, profile, figure):
     """With the force of 89 1/min times 1.95 at 142 1/min, 1.95 times the pressure, 9.75 MPa, is best.
 

@@ -174,6 +174,7 @@ def test_half_range_of_the_torque_before_the_flywheel(torque, speed, half, figur
     figure(f"half peak-to-peak torque at {speed:g} 1/min", torque(speed)[0], half, 0.01, "N m")
 
 
+@pytest.mark.slow
 def test_plain_sum_of_the_amplitudes_at_its_peak(torque, figure):
     near = SUM_SPEED + np.arange(-30.0, 31.0, 5.0)
     sums = [torque(speed)[1] for speed in near]

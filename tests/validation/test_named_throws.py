@@ -102,6 +102,7 @@ def test_balance_of_the_crankshaft(engine, solids, figure):
     figure("inertia about the shaft", found.inertia_about_shaft, inertia, EXACT, "kg m^2")
 
 
+@pytest.mark.slow
 def test_balance_of_the_mechanism(engine, solids, figure):
     """Its masses stand as complex numbers, +y real, in the sense of rotation, which is against +z here."""
     static, moment, _, inertia = by_hand(solids)

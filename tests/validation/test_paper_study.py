@@ -142,6 +142,7 @@ def family(role):
     return names, x, dimensions, rows
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("response", "unit", "held_out_within", "engine_within"),
     [

@@ -47,6 +47,7 @@ def own_power(engine, pressure, speed):
     return engine.engine.cylinders * work * cycles, work / swept
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OWN)
 def test_indicated_power_is_the_integral_over_the_volume(name, figure):
     engine = cf.load_engine(FOLDER / f"{name}.toml")
@@ -59,6 +60,7 @@ def test_indicated_power_is_the_integral_over_the_volume(name, figure):
     figure("power of the torque", cf.run_mechanism(mechanism).torque.power, power, 1e-5, "W")
 
 
+@pytest.mark.slow
 def test_published_power_and_mean_effective_pressure(figure):
     power = cf.load_mechanism("6s50mc-c").power
     assert power.consistent
@@ -89,6 +91,7 @@ def test_a_propeller_takes_the_cube_of_the_speed(name, figure):
     figure("power of the exciting forces", driven, full * (speeds / rated) ** 3, 1e-4, "W")
 
 
+@pytest.mark.slow
 def test_friction_stays_where_the_rated_power_tells_it(figure):
     engine = cf.load_engine("6s50mc-c")
     rated = engine.engine.rated_speed

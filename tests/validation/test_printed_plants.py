@@ -60,6 +60,7 @@ def fitted(chain, loss_factor=None):
     return least_squares(deviations, np.log(start))
 
 
+@pytest.mark.slow
 def test_container_drive_as_printed(figure):
     chain = load_chain("container-drive").chain
     found = chain.modes().elastic_frequencies[:5]

@@ -66,6 +66,7 @@ def told(record):
 
 
 # Largest difference at the same angle, its angle, and largest difference of the mean [%, deg, %].
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("panel", "length", "inertia", "three_masses", "rigid"),
     [

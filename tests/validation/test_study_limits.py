@@ -102,6 +102,7 @@ def test_throws_inside_are_those_of_the_study(models, throws, form, figure):
         assert models[form].lookup("axial_compliance", **one).inside == expected[place]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_all_throws_in_the_box_of_a_study_without_constraints_are_inside(throws, form, figure):
     table = study(constraints=())
@@ -151,6 +152,7 @@ def test_a_dimension_that_breaks_its_relation_is_refused(models):
                 model.lookups("mass", main_journal_length=length, **asked)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_the_thinnest_web_keeps_the_constraints(models, form, figure):
     limit = Limit(("axial_compliance",), at_most=1.0, unit="m/N")

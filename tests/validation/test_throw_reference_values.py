@@ -56,6 +56,7 @@ def test_calculix_is_a_lower_bound(sharp, bound):
     assert bound < sharp.axial_compliance("pinned") < 1.08 * bound
 
 
+@pytest.mark.slow
 def test_fillets(figure):
     found = analyze_throw(reference_throw(fillet_radius=0.012), accuracy=0.01)
     for support, axial, torsional in (
@@ -68,6 +69,7 @@ def test_fillets(figure):
         figure(what, value, torsional, 0.01, "rad/(N m)")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("thickness", ANGLE_STUDY)
 def test_angles_between_cranks(thickness, figure):
     *published, rho = ANGLE_STUDY[thickness]

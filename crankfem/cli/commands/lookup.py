@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from regression.optimum import Limit, Optimum
 
 
-SUPPORTS = "End sections: pinned ones tilt freely, guided ones do not; a throw in a shaft is between the two."
+ENDS = "End sections: pinned ones tilt freely, guided ones do not; a throw in a shaft is between the two."
 
 
 @with_output(units=True)
@@ -108,7 +108,7 @@ def lookup(
         changed = f" with {', '.join(names)} as given" if names else ""
         parts.append(Main(out.units.text(f"Throw of {throw}{changed}: {', '.join(used)}.")))
     if any(answer.support in ("pinned", "guided") for answer in answers.values()):
-        parts.append(SUPPORTS)
+        parts.append(ENDS)
     if str(model) == LAW:
         parts.append(Main(LAW_BANDS))
     elif banded := _banded(answers, angle is not None):
@@ -152,6 +152,8 @@ def _banded(answers: "dict[str, Lookup]", with_angle: bool) -> list[str]:
 
 def _answer_parts(answers: "dict[str, Lookup]", units: "OutputUnits") -> "Iterator[Table | str]":
     """Return the table of responses, then their remarks, each once."""
+    from crankfem.analyses.study.response_fits import SUPPORTS
+
     shown = _shown(answers)
 
     def cells(row: "tuple[str, Lookup]") -> list[Cell]:
@@ -162,8 +164,8 @@ def _answer_parts(answers: "dict[str, Lookup]", units: "OutputUnits") -> "Iterat
             for value in (answer.value, *ends)
         ]
         unit = values[0].partition(" ")[2]
-        title = _title(name).removesuffix(f" {answer.support}")
-        return [title, answer.support, *(v.removesuffix(f" {unit}") for v in values), unit]
+        title = name.removesuffix(f"_{next(filter(name.endswith, SUPPORTS), '')}")
+        return [_title(title), answer.support, *(v.removesuffix(f" {unit}") for v in values), unit]
 
     yield Table(
         "Values with their bands",
