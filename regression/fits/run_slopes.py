@@ -169,7 +169,7 @@ def _worst(
     matrix: Array, y: Array, rows: NDArray[np.intp], known: NDArray[np.intp], precision: float
 ) -> NDArray[np.intp] | None:
     """Return the places of the slopes that contradict the others most; None if none do."""
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     values = len(rows) - len(known)
     orthogonal, _ = np.linalg.qr(matrix[rows])
@@ -186,7 +186,8 @@ def _worst(
         part = residuals[values + group]
         fall = float(part @ np.linalg.solve(left, part))
         variance = max((total - fall) / rest, precision**2)
-        chance = float(chi2.logsf(fall / variance, len(group)))
+        with np.errstate(divide="ignore"):
+            chance = float(np.log(chdtrc(len(group), fall / variance)))
         if chance < least:
             least, found = chance, group
     return found
