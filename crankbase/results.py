@@ -194,7 +194,7 @@ class Result:
         if not isinstance(content, Mapping):
             raise InputError(f"{cls.__name__}: given {quoted(content)}; allowed is its content.")
         made = object.__new__(cls)
-        for name, (quantity, kind) in _read(cls).items():
+        for name, (quantity, kind) in _read(cast("Any", cls)).items():
             key = quantity.key_of(name)
             if key not in content and not (quantity.flat or quantity.left_out):
                 raise InputError(
@@ -347,6 +347,8 @@ def _is_input(value: Any) -> bool:
 
 def plain(value: Any) -> Any:
     """Return a value as JSON content: arrays and complex numbers as lists, infinities as None."""
+    if value is None or type(value) in (str, int, bool):  # most are; what follows takes its time
+        return value
     if isinstance(value, Result):
         record: dict[str, Any] = {}
         for name, (quantity, _) in contents(type(value)).items():
@@ -412,6 +414,8 @@ def units(
         Unit declared for the value.
     """
     known: dict[str, str] = {}
+    if value is None or isinstance(value, str | float | int):
+        return known
     if isinstance(value, Result):
         around = (value, *around)
         for name, (quantity, kind) in contents(type(value)).items():
@@ -476,6 +480,7 @@ def _told(unit: str, around: tuple[Result, ...]) -> Any:
     return unit if known else getattr(owner, unit[1:])
 
 
+@cache
 def _has_results(kind: Any) -> bool:
     """Return whether a type is of results, or holds them."""
     return _is_result(kind) or any(map(_has_results, get_args(kind)))
