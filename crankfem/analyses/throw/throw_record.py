@@ -312,16 +312,17 @@ class ThrowResults(Result):
             main=True,
         )
 
-    def slope_words(self) -> str:
-        """State how well the slopes are known, and which dimensions have none."""
+    def slope_words(self, *, left_out: bool = True) -> str:
+        """State what the slopes are of and how well they are known; and which dimensions have none."""
         slope = (self.slopes or ())[0]
         words = [
             "P and Mx: reactions of the right and the left end to a radial force on the first pin; slopes of "
             f"the mesh's answer, whose correction of {percent(slope.error)} % of e_n is not differentiated"
         ]
-        if zero := [path for path, reason in slope.left_out.items() if reason == ZERO]:
+        reasons = slope.left_out if left_out else {}
+        if zero := [path for path, reason in reasons.items() if reason == ZERO]:
             words.append(f"no slope where a dimension is zero ({', '.join(zero)})")
-        words += [f"{path}: {why}" for path, why in slope.left_out.items() if path not in zero]
+        words += [f"{path}: {why}" for path, why in reasons.items() if path not in zero]
         return f"{'; '.join(words)}."
 
     def time_table(self) -> Table:
