@@ -6,7 +6,7 @@ Slopes that contradict values and other slopes are found by what the sum of squa
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,13 +66,6 @@ class RunSlopes:
         runs, factors = self.known.T
         values: Array = (self.values * self.weights)[runs, factors] * sizes[runs]
         return values
-
-    def without(self, doubted: Sequence[tuple[int, int]]) -> "RunSlopes":
-        """Leave out the slopes of some runs and factors."""
-        values = self.values.copy()
-        for run, factor in doubted:
-            values[run, factor] = np.nan
-        return replace(self, values=values)
 
 
 def joint_rows(
