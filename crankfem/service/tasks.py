@@ -162,6 +162,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
             pin_force=asked.pin_force,
             gamma_deg=asked.gamma_deg,
             left_gamma_deg=asked.left_gamma_deg,
+            slopes=True,
         ),
         "formulas": formulas_of(
             throw, material, 180.0 if asked.gamma_deg is None else asked.gamma_deg

@@ -154,6 +154,10 @@ def test_the_axial_reaction_is_that_of_the_compliances():
 def test_reactions_need_a_force_across_the_shaft():
     with pytest.raises(InputError, match=r"pin_force: given .*; allowed are three numbers"):
         law_reactions(THROW, (0.0, 0.0, 1.0))
+    with pytest.raises(
+        InputError, match=r"^throw: given one of unequal webs; allowed for reactions"
+    ):
+        law_reactions(THROW.changed(left_web=Web(thickness=0.08)), (0.0, -1.0, 0.0))
 
 
 def test_the_mass_follows_size_and_density_and_knows_no_counterweights():
