@@ -433,6 +433,15 @@ def fields(mesh, throw):
     return stress_fields(mesh, throw, STEEL)
 
 
+@pytest.mark.slow
+def test_exits_of_oil_holes_are_places_of_stress(throw):
+    drilled = throw.changed(oil_holes=({"part": "pin", "diameter": 0.03},))
+    sites = stress_fields(mesh_throw(drilled, 3.0), drilled, STEEL).sites
+    exits = [site for site in sites if site.kind == "oil hole"]
+    assert exits
+    assert {(site.diameter, site.radius) for site in exits} == {(throw.pin_diameter, 0.015)}
+
+
 def test_loads_out_of_balance_are_refused(fields):
     ends = np.zeros(12)
     ends[1] = 1.0

@@ -9,6 +9,7 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
+from fem.end_reactions import END_LOADS
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from fem.sensitivities import class_slopes, node_velocities
@@ -225,6 +226,10 @@ def test_what_has_no_slope_says_why(throw):
     analysis = analyze_throw(throw, accuracy=0.1)
     with pytest.raises(InputError, match="pin_force"):
         analysis.sensitivities("pin_compliance", pin_force=(0.0, 0.0, 0.0))
+    with pytest.raises(
+        InputError, match="which is zero under this force; allowed are reactions that"
+    ):
+        analysis.sensitivities(END_LOADS[0])
     slopes = analysis.sensitivities("torsional_compliance", "guided")
     assert "zero" in slopes.left_out["pin_bore"]
     for path in ("pin_bore", "wheel_radius"):
