@@ -201,7 +201,7 @@ def test_without_any_critical_speed_that_is_said(results, page):
 @pytest.mark.parametrize(
     ("status", "said", "shown"),
     [
-        ("fine", "Fine from 200 to 515 1/min", "fine"),
+        ("fine", "Acceptable from 200 to 515 1/min", "fine"),
         ("barred range needed", "Barred range needed, 400 to 450 1/min", "barred"),
         ("not acceptable", "Not acceptable", "bad"),
     ],

@@ -52,7 +52,7 @@ def test_fine_tells_the_worst_of_all_with_its_numbers_and_source():
     assert verdict.checks[0].limit is TORQUE
     assert verdict.checks[0].margin == close(0.05)
     assert verdict.sentence == (
-        "Fine from 286.5 to 954.9 1/min: torque of coupling, shaft 6 - 7: at most 1900 N m at "
+        "Acceptable from 286.5 to 954.9 1/min: torque of coupling, shaft 6 - 7: at most 1900 N m at "
         "573 1/min, 95 % of the permitted 2000 N m (maker's sheet 7)."
     )
 
