@@ -65,17 +65,18 @@ def _of_vibration(vibration: EngineVibration) -> str:
     assessment, status = vibration.assessment, verdict_status(vibration)
     if assessment is None:
         return VERDICTS[status]
-    words = assessment.verdict.headline
+    words, end = assessment.verdict.headline, ""
     if status == "undecided":
-        words = f"{VERDICTS[status]}; with the values used, {words[0].lower()}{words[1:]}"
+        words = f"{words} with the values used"
+        end = f"; {VERDICTS[status].lower()}, as some that decide are assumed"
     misfiring = misfiring_decides(vibration)
     if assessment.verdict.status == "not acceptable":
-        return f"{words}, also while a cylinder misfires" if misfiring else words
+        return f"{words}{', also while a cylinder misfires' if misfiring else ''}{end}"
     if misfiring:
         normal = " with all cylinders firing" if assessment.verdict.status == "fine" else ""
         words = f"{words}{normal}; limits are exceeded while a cylinder misfires"
     unjudged = status == "fine" and not _axial_judged(assessment)
-    return f"{words}; axial vibration is not judged" if unjudged else words
+    return f"{words}{'; axial vibration is not judged' if unjudged else ''}{end}"
 
 
 def misfiring_decides(vibration: EngineVibration) -> bool:
@@ -394,6 +395,8 @@ class Remedy:
         That make the resonances.
     undamped : str
         Remark that there is no damper.
+    speed : str
+        At which it is.
     """
 
     resonant: str
@@ -402,6 +405,7 @@ class Remedy:
     enough: bool
     modes: str
     undamped: str
+    speed: str
 
     @property
     def sentence(self) -> str:
@@ -421,8 +425,8 @@ class Remedy:
                 "the shaft."
             )
         return (
-            f"More damping{self.undamped}, or another frequency of {self.modes}, may be sufficient at this "
-            "speed."
+            f"More damping{self.undamped}, or another frequency of {self.modes}, may be sufficient at "
+            f"{self.speed}."
         )
 
 
@@ -445,7 +449,8 @@ def _remedy(results: "RunResults", worst: LimitCheck) -> Remedy | None:
     modes = sorted({(part.kind, part.mode) for part in resonant if part.contribution > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     enough = left.value <= worst.permitted
-    return Remedy(together, rest, permitted, enough, named, _undamped(modes, results))
+    speed = f"{significant(worst.worst_speed * RPM, DIGITS)} 1/min"
+    return Remedy(together, rest, permitted, enough, named, _undamped(modes, results), speed)
 
 
 def _undamped(modes: Sequence[tuple[str, int]], results: "RunResults") -> str:

@@ -141,7 +141,8 @@ def _first_frequencies(vibration: EngineVibration) -> Tile:
             # Of a mode that is divided the part most alike; all stand with the mode shapes.
             known.append(f"whole crankshaft {swept.partition(' and ')[0]}")
         if known:
-            details.append(f"{kind} {'; '.join(known)}")
+            number = f" mode {mode.number}" if mode is not None and mode.number > 1 else ""
+            details.append(f"{kind}{number} {'; '.join(known)}")
     label = "First torsional / axial frequency"
     return label, f"{' / '.join(values)} Hz", details, "modes", ""
 
