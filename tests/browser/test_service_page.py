@@ -201,3 +201,20 @@ def test_nothing_leaves_this_machine(open_service, served):
     page.wait_for_selector(".solid.plot-drawn", timeout=60_000)
     others = [url for url in page.asked if not url.startswith((served.address, "data:", "blob:"))]
     assert others == []
+
+
+def test_on_a_phone_the_results_stay_while_a_slider_moves(open_service):
+    page = open_service(390, 844)
+    for name in ("crank_radius", "web_thickness", "fillet_radius"):
+        slider = page.locator(f"#a-{name} ~ input[type=range]")
+        slider.scroll_into_view_if_needed()
+        slider.focus()
+        page.keyboard.press("ArrowRight")
+        seen = page.locator(".numbers thead").bounding_box()
+        results, at = page.locator(".live").bounding_box(), slider.bounding_box()
+        assert 0 <= seen["y"] < seen["y"] + seen["height"] <= 844
+        assert at["y"] >= results["y"] + results["height"] - 1
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    page.click("#help summary")
+    assert page.locator("#help p:visible").count() > 0
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390

@@ -4,6 +4,7 @@ import { ask, askJson, askText, follow, ProblemError, save } from "./api.js";
 import { Sliders } from "./sliders.js";
 import { fill, fillFormulas, rowsOf } from "./numbers.js";
 
+const LOAD = "Reactions are to 100 kN on the pin towards the shaft, ends pinned.";
 let drawing = null;
 
 /* Load the scripts of the interactive view, plotly first. */
@@ -113,12 +114,13 @@ export class Panel {
 
   showNumbers() {
     const estimate = this.estimate?.refused ? null : this.estimate;
-    fill(this.find(".numbers tbody"), rowsOf(estimate, this.elements?.throw), this.settings.sourceName());
+    fill(this.find(".numbers tbody"), rowsOf(estimate, this.elements?.throw));
     const known = this.elements?.throw.supports.pinned;
+    this.find(".numbers").classList.toggle("calculated", Boolean(known));
     const values = estimate?.values || {};
     this.find(".numbers caption").textContent = known
-      ? "Steel. ± is the estimated error of the finite elements."
-      : "Steel. Calculate gives the values by finite elements.";
+      ? `Steel. ${LOAD} ± is the estimated error of the finite elements.`
+      : `Steel. ${LOAD} Calculate gives the values by finite elements.`;
     this.find(".ratio").textContent = known ? "Ratio to FE" : `Ratio to ${this.settings.source}`;
     fillFormulas(this.find(".formulas tbody"), this.formulas, {
       axial: known?.axial_compliance ?? values.axial_compliance_pinned?.value,
