@@ -10,8 +10,8 @@ Run by hand (a minute or two for each whole run)::
 Each run begins with an empty folder: study, report and pictures are included. What counts is the time of
 the processor, user's and system's, of the run and of all processes that it starts, so that other work on the
 machine matters little; the clock's is shown beside it. ``quarter`` and ``whole`` are analyses of a throw to
-4 % in a process that has made one before, on a mesh made before. Checkouts take turns; ratios are those of
-the medians.
+4 % in a process that has made one before, on a mesh made before. Checkouts take turns, each with its own
+engine file, as its study may name what the other does not know; ratios are those of the medians.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from pathlib import Path
 from statistics import median
 
 HERE = Path(__file__).resolve().parent.parent
-ENGINE = HERE / "data" / "engines" / "6chn25-34.toml"
+ENGINE = Path("data", "engines", "6chn25-34.toml")
 ANALYSIS = """
 import sys, time
 from statistics import median
@@ -74,7 +74,7 @@ def seconds_of(part: str, checkout: Path, engine: Path) -> tuple[float, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("parts", nargs="*", default=["run"], help=", ".join(PARTS))
-    parser.add_argument("--engine", type=Path, default=ENGINE)
+    parser.add_argument("--engine", type=Path, default=ENGINE, help="in each checkout, or a path")
     parser.add_argument("--beside", type=Path, help="another checkout")
     parser.add_argument("--rounds", type=int, default=1)
     given = parser.parse_args()
@@ -83,7 +83,7 @@ def main() -> None:
         taken: dict[Path, list[tuple[float, float]]] = {checkout: [] for checkout in checkouts}
         for _ in range(given.rounds):
             for checkout in checkouts:
-                taken[checkout].append(seconds_of(part, checkout, given.engine.resolve()))
+                taken[checkout].append(seconds_of(part, checkout, checkout / given.engine))
         middle = [[median(kind) for kind in zip(*taken[one], strict=True)] for one in checkouts]
         for checkout, (processor, clock) in zip(checkouts, middle, strict=True):
             print(

@@ -194,10 +194,8 @@ class Result:
         if not isinstance(content, Mapping):
             raise InputError(f"{cls.__name__}: given {quoted(content)}; allowed is its content.")
         made = object.__new__(cls)
-        for name, (quantity, kind) in contents(cls).items():
+        for name, (quantity, kind) in _read(cast("Any", cls)).items():
             key = quantity.key_of(name)
-            if isinstance(inspect.getattr_static(cls, name, None), property):
-                continue
             if key not in content and not (quantity.flat or quantity.left_out):
                 raise InputError(
                     f"{cls.__name__}: the result has no {key}; it is not of this release."
@@ -297,6 +295,16 @@ def _contents(cls: Any) -> dict[str, tuple[Quantity, Any]]:
     return {name: entry for name, entry in known.items() if entry[0] is not INTERNAL}
 
 
+@cache
+def _read(cls: Any) -> dict[str, tuple[Quantity, Any]]:
+    """Return the contents that are read from JSON: all but properties that follow from the others."""
+    return {
+        name: entry
+        for name, entry in contents(cls).items()
+        if not isinstance(inspect.getattr_static(cls, name, None), property)
+    }
+
+
 def _entry(place: str, kind: Any) -> tuple[Quantity, Any]:
     if quantity := _quantity(kind):
         return quantity, kind
@@ -339,6 +347,8 @@ def _is_input(value: Any) -> bool:
 
 def plain(value: Any) -> Any:
     """Return a value as JSON content: arrays and complex numbers as lists, infinities as None."""
+    if value is None or type(value) in (str, int, bool):  # most are; what follows takes its time
+        return value
     if isinstance(value, Result):
         record: dict[str, Any] = {}
         for name, (quantity, _) in contents(type(value)).items():
@@ -404,6 +414,8 @@ def units(
         Unit declared for the value.
     """
     known: dict[str, str] = {}
+    if value is None or isinstance(value, str | float | int):
+        return known
     if isinstance(value, Result):
         around = (value, *around)
         for name, (quantity, kind) in contents(type(value)).items():
@@ -468,6 +480,7 @@ def _told(unit: str, around: tuple[Result, ...]) -> Any:
     return unit if known else getattr(owner, unit[1:])
 
 
+@cache
 def _has_results(kind: Any) -> bool:
     """Return whether a type is of results, or holds them."""
     return _is_result(kind) or any(map(_has_results, get_args(kind)))

@@ -108,8 +108,12 @@ class Client:
         gamma_deg: float | None = None,
         left_gamma_deg: float | None = None,
         material: Values | None = None,
+        ranges: bool = False,
     ) -> Law:
-        """Evaluate the law: compliances, c and, with a force on the pin, reactions; no finite elements."""
+        """Evaluate the law: compliances, c and, with a force on the pin, reactions; no finite elements.
+
+        With `ranges` also the law's range in each dimension, the others kept.
+        """
         return self._post(
             Law,
             "throws/law",
@@ -119,6 +123,7 @@ class Client:
             gamma_deg=gamma_deg,
             left_gamma_deg=left_gamma_deg,
             material=material,
+            ranges=ranges,
         )
 
     def analyze_throw(self, throw: Values, **options: Any) -> Job:

@@ -17,7 +17,7 @@ from crankbase.quantity import (
 SpeedRanges = Sequence[tuple[float, float]]
 # What a verdict is called; "undecided" and "not judged" are those of a run, not of a `Verdict`.
 VERDICTS = {
-    "fine": "Fine",
+    "fine": "Acceptable",
     "barred range needed": "Barred range needed",
     "not acceptable": "Not acceptable",
     "undecided": "Undecided",
@@ -88,7 +88,7 @@ def barred_sentence(
         return f"{passed}, without the full load of this calculation, so it is not judged"
     if position == "below":
         return f"{passed}{', too severely' if why else ''}{why}"
-    return f"{shown} {'cannot' if why else 'may'} be barred{why}"
+    return f"{shown} {'cannot' if why else 'can'} be barred{why}"
 
 
 # Why a range cannot be barred or passed, and what is not known of it.
@@ -214,13 +214,16 @@ def orders_named(runs: Sequence[tuple[float, float]], state: str, mode: str) -> 
 
 def shares_of_peak(speed: float, shares: Iterable[tuple[str, float]]) -> str:
     """State which orders make most of a peak at a speed [rad/s], with their shares."""
+    shares = list(shares)
     named = "; ".join(f"{orders}: {100.0 * share:.0f} %" for orders, share in shares)
-    return f"At {significant(speed * RPM, 3)} 1/min, {named} of the amplitude."
+    more = round(100.0 * (sum(share for _, share in shares) - 1.0))
+    less = f"; all others subtract {more} %" if more > 0 else ""
+    return f"At {significant(speed * RPM, 3)} 1/min, {named} of the amplitude{less}."
 
 
 def barring(low: float, high: float, allowed: bool) -> str:
     """State whether running speeds [rad/s] may be barred."""
-    return f"{shown_range(low, high)} {'may' if allowed else 'cannot'} be barred."
+    return f"{shown_range(low, high)} {'can' if allowed else 'cannot'} be barred."
 
 
 def restricted_while_misfiring(remaining: SpeedRanges) -> str:

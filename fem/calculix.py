@@ -18,6 +18,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.choices import check_kind
 from crankbase.errors import InputError
 from crankbase.outputs import write_errors, write_text
 from fem.end_reactions import MOTIONS
@@ -204,16 +205,12 @@ def write_calculix(
     InputError
         If the mesh is not of a whole throw, a load case does not fit it, or the file cannot be written.
     """
-    if not isinstance(mesh, ThrowMesh):
-        raise InputError(
-            f"mesh: given a {type(mesh).__name__}; allowed is a ThrowMesh, as mesh_throw returns."
-        )
-    if not isinstance(path, str | os.PathLike):
-        raise InputError(f"path: given {path!r}; allowed is the name of a file ending in '.inp'.")
-    if cases is not None and not (
-        isinstance(cases, list | tuple) and all(isinstance(case, LoadCase) for case in cases)
-    ):
-        raise InputError(f"cases: given {cases!r}; allowed is a list of LoadCase.")
+    check_kind("mesh", mesh, ThrowMesh, "a ThrowMesh, as mesh_throw returns")
+    check_kind("path", path, str | os.PathLike, "the name of a file ending in '.inp'")
+    if cases is not None:
+        check_kind("cases", cases, list | tuple, "a list of LoadCase")
+        for place, case in enumerate(cases):
+            check_kind(f"cases[{place}]", case, LoadCase, "a LoadCase")
     path = Path(path)
     if path.suffix != ".inp":
         raise InputError(

@@ -21,6 +21,7 @@ smallest rotation that aligns the normals.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -495,9 +496,14 @@ class LoadedThrow:
     solver: str
     end_sections: str
 
-    def displacement(self, image: MirrorImage) -> Array:
-        """Displacements (n, 3, k) of an image of the meshed part [m]."""
-        total = sum(symmetry.parity(image) * field for symmetry, field in self.shares)
+    @cached_property
+    def whole(self) -> "WholeNodes":
+        """Numbers of the whole throw's nodes."""
+        return whole_nodes(self.mesh)
+
+    def displacement(self, image: MirrorImage, loads: slice = slice(None)) -> Array:
+        """Displacements (n, 3, k) of an image of the meshed part under all or some of the loads [m]."""
+        total = sum(symmetry.parity(image) * field[..., loads] for symmetry, field in self.shares)
         return np.asarray(image.signs[:, None] * total)
 
     def stresses(self, images: Sequence[MirrorImage]) -> list[Array]:
@@ -770,7 +776,7 @@ def reading_quality(loaded: LoadedThrow, node: int, load: int, *, shear: bool) -
     """
     measure = largest_shear if shear else von_mises
     shares, spreads = [], []
-    for corner in _corners(loaded.mesh, whole_nodes(loaded.mesh), node):
+    for corner in _corners(loaded.mesh, loaded.whole, node):
         every = _single_stresses(loaded, corner, load)
         mean = every.mean(axis=0)
         sizes = np.abs(principal_stresses(mean))
@@ -789,7 +795,7 @@ def _corners(mesh: ThrowMesh, whole: WholeNodes, node: int) -> Integers:
 
 def _single_stresses(loaded: LoadedThrow, node: int, load: int) -> Array:
     """Stress (e, 6) at a corner node of the whole throw by each element round it."""
-    mesh, whole = loaded.mesh, whole_nodes(loaded.mesh)
+    mesh, whole = loaded.mesh, loaded.whole
     _, gradients = shapes_at_nodes()
     singles = []
     for image, numbers in zip(whole.images, whole.numbers, strict=True):
@@ -797,7 +803,7 @@ def _single_stresses(loaded: LoadedThrow, node: int, load: int) -> Array:
         stress = stresses_at(
             image.points(mesh.points),
             mesh.elements[element],
-            loaded.displacement(image)[:, :, load],
+            loaded.displacement(image, slice(load, load + 1))[..., 0],
             loaded.material,
             gradients,
         )
@@ -864,7 +870,7 @@ def fillet_surface(loaded: LoadedThrow) -> FilletSurface:
     """
     mesh = loaded.mesh
     facets, on_fillet = _facets_at_fillets(mesh)
-    whole = whole_nodes(mesh)
+    whole = loaded.whole
     points = whole.collect([image.points(mesh.points) for image in whole.images])
     displacement = whole.collect([loaded.displacement(image) for image in whole.images])
     stresses = surface_stress(

@@ -501,13 +501,14 @@ def _sizes_within_budget(
 
 def _too_small(sites: Sequence[Site]) -> InputError:
     smallest = min(sites, key=lambda site: site.radius)
-    field = "fillet_radius"
+    field, radius = "fillet_radius", smallest.radius
     if isinstance(smallest, DrillingExit):
         hole = smallest.drilling
+        radius = hole.exit_radius or hole.radius
         kind, what = ("exit_radius", "") if hole.exit_radius else ("diameter", " (its radius)")
         field = f"oil_holes[{hole.number - 1}].{kind}{what}"
     return InputError(
-        f"{field}: given {format_quantity(smallest.radius, 'm')}; allowed are larger ones, because elements "
+        f"{field}: given {format_quantity(radius, 'm')}; allowed are larger ones, because elements "
         f"small enough for its stress would make more than {MOST_UNKNOWNS:,} unknowns."
     )
 

@@ -172,6 +172,11 @@ def free_motions(ends: Array, support: str) -> NDArray[np.int64]:
     return np.flatnonzero(~held & ~rigid)
 
 
+@cache
+def _free_ends(support: str) -> NDArray[np.int64]:
+    return free_motions(np.eye(12), support)
+
+
 def end_motions(throw: Superelement, support: Support, pin_loads: Array | None = None) -> Array:
     """Mean motions (12, 2 + m) of a throw's end sections under unit loads; see `all_end_motions`."""
     return all_end_motions(throw, support, pin_loads)[:12]
@@ -212,7 +217,7 @@ def all_end_motions(throw: Superelement, support: Support, pin_loads: Array | No
             "Neighbors(left_deg, right_deg), because the compliance depends on it severalfold."
         )
     loads = np.column_stack([STRETCH, TWIST, pin_loads[:12]])
-    free = free_motions(np.eye(12), support)
+    free = _free_ends(support)
     motions = np.zeros_like(loads)
     motions[free] = np.linalg.solve(throw.stiffness[np.ix_(free, free)], loads[free])
     return motions

@@ -109,12 +109,11 @@ def boundary_motion(
         raise MeshError("the mesh has facets on none of the throw's surfaces.")
     held = on_level[nearest, np.arange(len(facets))] & known[:, None]
     # Beside the facets' surfaces, the ends of what a pin's loads act on, which nodes may not cross.
-    at_edges = [facets[on_level[number] & on_level[number - 1]] for number in edges]
-    numbers = np.concatenate(
-        [np.repeat(nearest, 6)[held.ravel()], np.repeat(edges, [len(at) for at in at_edges])]
-    )
-    pairs = np.column_stack([numbers, np.concatenate([facets[held], *at_edges])])
-    numbers, nodes = np.unique(pairs, axis=0).T
+    pairs = [np.column_stack([np.repeat(nearest, 6)[held.ravel()], facets[held]])]
+    for number in edges:
+        nodes = facets[on_level[number] & on_level[number - 1]]
+        pairs.append(np.column_stack([np.full(len(nodes), number), nodes]))
+    numbers, nodes = np.unique(np.concatenate(pairs), axis=0).T
     normals = _normals(list(levels.values()), numbers, mesh.points[nodes], mesh.length * STEP)
     speeds, beside, left_out = {}, {}, {}
     for path, value in lengths_of(throw).items():

@@ -105,7 +105,7 @@ def _throw_results(computed: RunComputation) -> dict[str, NamedThrow]:
                 if throw_name == name
             ),
             throw=replace(
-                throw_results(throw.analysis, _radial_force(computed.inputs)),
+                throw_results(throw.analysis, _radial_force(computed.inputs), slopes=True),
                 reciprocity=reciprocity(throw.analysis),
             ),
             formulas=_formulas(computed, name, throw.analysis),

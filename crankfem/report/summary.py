@@ -151,7 +151,10 @@ def _worst_critical(vibration: EngineVibration) -> Tile:
     lines = [line for kind in KINDS for line in critical_lines(vibration, kind) if line.speed]
     if not lines:
         return label, "none", ["in the running range"], "campbell", ""
-    worst = max(lines, key=lambda line: line.strength)
+    # One without a margin to the running speeds, if any.
+    worst = max(
+        lines, key=lambda line: (line.margin is not None and not line.margin.margin, line.strength)
+    )
     assert worst.speed is not None
     modes = ", ".join(map(str, worst.modes))
     details = [f"{worst.vibration}, order {worst.order:g}, mode {modes}"]
@@ -178,7 +181,8 @@ def _misfiring(vibration: EngineVibration) -> Tile | None:
     if misfiring.exceeded:
         count, span = len(misfiring.exceeded), (misfiring.exceeded[0][0], misfiring.exceeded[-1][1])
         parts = f"in {count} ranges " if count > 1 else ""
-        details[1:] = [f"limits are exceeded {parts}from {with_three_digits(shown_range(*span))}"]
+        ends = with_three_digits(shown_range(*span))
+        details[1:] = [f"at {_rpm(reached.speed)}; limits are exceeded {parts}from {ends}"]
     over = "" if misfiring.passed else "over"
     return label, f"{format_usage(reached.used)} of a limit", details, "limits", over
 
@@ -193,7 +197,8 @@ def _whole(vibration: EngineVibration, assessment: Assessment) -> Tile | None:
         return label, "the same", ["the lumped models (chains) are adequate"], "whole", ""
     details = [f"the lumped model (chain) is inadequate: {' and '.join(inadequate)}"]
     if judged is None:
-        return label, "other frequencies", details, "whole", ""
+        value = f"{' and '.join(inadequate)} differ{'s' * (len(inadequate) == 1)}"
+        return label, value, [*details, "limits are judged by the chain"], "whole", ""
     worst = judged.checks[0]
     same = judged.status == assessment.verdict.status
     details = [

@@ -128,6 +128,15 @@ class Reactions(Answer):
     right: EndReaction
 
 
+class LawRange(Answer):
+    """Range of a dimension in the law [m] with the others kept, and the ratio that ends it on each side."""
+
+    low: float
+    low_limit: str
+    high: float
+    high_limit: str
+
+
 class Law(Answer):
     """Compliances by the law, each by response and support; reactions where a force was given."""
 
@@ -136,6 +145,7 @@ class Law(Answer):
     reactions: Reactions | None
     tier: str
     nearest_limit: str
+    ranges: dict[str, LawRange] | None
     remarks: list[str]
 
 
@@ -190,6 +200,7 @@ class CheckedText(Answer):
     remarks: list[str]
     warnings: list[str]
     dimensions: list[dict[str, Any]] | None
+    throw: dict[str, Any] | None
     record: dict[str, Any]
 
 

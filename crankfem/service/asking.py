@@ -123,6 +123,7 @@ class OutlineQuestion(ThrowQuestion):
     """A throw and from where to look at it."""
 
     view: Literal["side", "front"] = Field("side", description="from where to look")
+    letters: bool = Field(False, description="whether dimensions are drawn, with their letters")
 
 
 def _angle(default: float | None, meaning: str = "angle between neighboring cranks [deg]") -> Any:
@@ -181,6 +182,11 @@ class ReactionsQuestion(NeighborsQuestion):
 
 class LawQuestion(ThrowQuestion, ReactionsQuestion):
     """A throw; with a force on its pin, the reactions are reported too."""
+
+    ranges: bool = Field(
+        False,
+        description="whether the range of the law is wanted in each dimension, the others kept",
+    )
 
 
 class AnalysisQuestion(ThrowQuestion, NeighborsQuestion):

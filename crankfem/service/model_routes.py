@@ -51,7 +51,7 @@ from fem.supports import Neighbors
 from geometry.plots.throw_plot import outline_svg
 from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
-from regression.law.throw_law import throw_laws
+from regression.law.throw_law import dimension_ranges, throw_laws
 from regression.models.compliance_model import ComplianceModel
 from regression.models.lookup import ReactionLookup
 
@@ -284,6 +284,12 @@ def _dimensions(model: ComplianceModel, query: Mapping[str, Any]) -> dict[str, A
 
 
 SVG = "image/svg+xml"
+# Symbols of dimensions.
+LETTERS = {
+    name: letter
+    for name, info in CrankThrow.model_fields.items()
+    if (letter := field_extra(info, "symbol"))
+}
 routes = APIRouter(prefix="/api/throws", tags=["throws"])
 
 
@@ -311,7 +317,11 @@ async def evaluate_law(request: Request) -> Response:
         elif asked.pin_force is not None:
             reactions = reactions_record(law_reactions(throw, asked.pin_force, support, **rigidity))
         shared = attributes(axial, "ratio", "tier", "nearest_limit")
-        return answer(shared | {"values": values, "reactions": reactions, "remarks": remarks})
+        ranges = dimension_ranges(throw) if asked.ranges else None
+        return answer(
+            shared
+            | {"values": values, "reactions": reactions, "ranges": ranges, "remarks": remarks}
+        )
 
     # A chain of throws takes long enough to hold others up.
     return await to_thread.run_sync(evaluated) if isinstance(support, Neighbors) else evaluated()
@@ -336,7 +346,8 @@ async def validate_throw(request: Request) -> Response:
 async def outline_throw(request: Request) -> Response:
     """Draw the side or front view of a throw to scale."""
     asked = await read_question(request, OutlineQuestion)
-    return Response(outline_svg(asked.read_throw().parts, asked.view), media_type=SVG)
+    letters = LETTERS if asked.letters else None
+    return Response(outline_svg(asked.read_throw().parts, asked.view, letters), media_type=SVG)
 
 
 @routes.post("/formulas", **described(Formulas, FormulasQuestion))

@@ -68,7 +68,7 @@ def _check_name(field: str, name: str, endings: tuple[str, ...]) -> None:
 
 
 RESULT, SOLID, MODEL = "result.json", "throw.step", "model.json"
-REPORT = "results/report.html"
+REPORT, FIRST_SCREEN = "results/report.html", "first_screen.json"
 # A medium-speed engine's throw [m], the first one of the page.
 EXAMPLE = {
     "crank_radius": 0.170,
@@ -162,6 +162,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, reporter: ToldP
             pin_force=asked.pin_force,
             gamma_deg=asked.gamma_deg,
             left_gamma_deg=asked.left_gamma_deg,
+            slopes=True,
         ),
         "formulas": formulas_of(
             throw, material, 180.0 if asked.gamma_deg is None else asked.gamma_deg
@@ -213,10 +214,14 @@ def _engine(
 ) -> None:
     from crankfem.jobs.pipeline import run_engine
     from crankfem.jobs.run_files import results_text
+    from crankfem.report.summary import summary
 
     content = _kept_upload(question, folder)
     made = run_engine(content, folder / "results", workers=workers, progress=reporter)
     write_text(folder / RESULT, results_text(made.results), "results")
+    first = summary(made.results)
+    shown = {name: first[name] for name in ("status", "headline", "tiles", "findings", "plot")}
+    write_text(folder / FIRST_SCREEN, json_text(shown), "results")
 
 
 def _write(folder: Path, content: dict[str, Any] | Result) -> None:
@@ -237,8 +242,12 @@ def check_upload(question: Mapping[str, Any]) -> dict[str, Any]:
     """Read and check an uploaded file, and return its interpretation."""
     from crankfem.analyses.file_check import check_file, check_record
 
-    record = check_record(check_file(read_upload(question)))
+    checked = check_file(read_upload(question))
+    record, throw = check_record(checked), checked.throw
     return {
         name: record[name]
         for name in ("kind", "valid", "commands", "remarks", "warnings", "dimensions")
-    } | {"record": record}
+    } | {
+        "throw": None if throw is None else throw.model_dump(mode="json", exclude_defaults=True),
+        "record": record,
+    }

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.array_checks import ComplexArray, FloatArray
-from crankbase.choices import is_whole_within
+from crankbase.choices import check_kind, is_whole_within
 from crankbase.diagrams import (
     BLUE,
     ORANGE,
@@ -389,10 +389,7 @@ def coupled_response(
     InputError
         If pins or damping do not fit.
     """
-    if not isinstance(crankshaft, CrankshaftSystem):
-        raise InputError(
-            f"crankshaft: given {crankshaft!r}; allowed is a CrankshaftSystem, as crankshaft_system makes."
-        )
+    check_kind("crankshaft", crankshaft, CrankshaftSystem, "what crankshaft_system makes")
     system = crankshaft.system
     if modal_damping is not None:
         system = system.with_modal_damping(modal_damping)

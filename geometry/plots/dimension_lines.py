@@ -234,19 +234,18 @@ class View:
 
     def arrow(self, tip: Point, towards: Point, length: float = ARROW) -> None:
         """Draw an arrowhead that points in a direction, `length` in points."""
-        from matplotlib.patches import Polygon
-
         direction = np.array(towards) / math.hypot(*towards)
         across = np.array([-direction[1], direction[0]])
         back = np.array(tip) - length * self.point * direction
         wing = ARROW_HALF_WIDTH / ARROW * length * self.point * across
+        self.head(np.array([tip, back + wing, back - wing]))
+
+    def head(self, corners: Array) -> None:
+        """Fill the triangle of an arrowhead."""
+        from matplotlib.patches import Polygon
+
         self.axes.add_patch(
-            Polygon(
-                np.array([tip, back + wing, back - wing]),
-                facecolor=DIMENSION["color"],
-                linewidth=0.0,
-                zorder=ABOVE_SURFACES,
-            )
+            Polygon(corners, facecolor=DIMENSION["color"], linewidth=0.0, zorder=ABOVE_SURFACES)
         )
 
     def write(
@@ -258,16 +257,20 @@ class View:
         ]
         free = [i for i, box in enumerate(boxes) if not any(_meet(box, b) for b in self._taken)]
         chosen = free[0] if free else len(places) - 1
-        x, y, side = places[chosen]
+        self.put(text, places[chosen], upright, paper, style)
+        self._taken.append(boxes[chosen])
+        self._reach(np.reshape(boxes[chosen], (2, 2)))
+        return chosen
+
+    def put(self, text: str, at: Place, upright: bool, paper: str, style: Style) -> None:
+        """Write at a place, whatever is there."""
+        x, y, side = at
         look: dict[str, Any] = {"fontsize": TEXT_SIZE, "color": INK, "family": FONT, **style}
         background = {"facecolor": paper, "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
         self.axes.text(
             x, y, text, ha=side, va="center", rotation=90.0 if upright else 0.0,
             zorder=ABOVE_LINES, linespacing=1.15, bbox=background, **look,
         )  # fmt: skip
-        self._taken.append(boxes[chosen])
-        self._reach(np.reshape(boxes[chosen], (2, 2)))
-        return chosen
 
     def stack(self, dimensions: Sequence[Linear], axis: int, side: int) -> None:
         """Draw distances along an axis in lanes outside all that is drawn, on side +1 or -1."""

@@ -13,7 +13,19 @@ from crankbase.choices import check_choice
 from crankbase.diagrams import GRAY, new_axes, write_title
 from crankbase.errors import InputError
 from geometry.parts import Cylinder, Point, Sector, Slope, ThrowParts, WebPlate
-from geometry.plots.dimension_lines import CENTER, INK, JOURNAL_COLOR, OUTLINE, Place, Style, View
+from geometry.plots.dimension_lines import (
+    CENTER,
+    DIMENSION,
+    INK,
+    JOURNAL_COLOR,
+    OUTLINE,
+    TEXT_SIZE,
+    Callout,
+    Linear,
+    Place,
+    Style,
+    View,
+)
 from geometry.plots.views import draw_end, draw_side
 
 if TYPE_CHECKING:
@@ -199,20 +211,52 @@ DRAWINGS: dict[str, tuple[Callable[[View, ThrowParts, bool], None], str]] = {
     "front": (draw_end, "Front view of the throw, from its left end"),
 }
 # A point on paper stands for this share of the throw's length.
-POINT = 1.0 / 300.0
+POINT, LETTERED_POINT = 1.0 / 300.0, 1.0 / 200.0
 MARGIN = 6.0  # points
 DIGITS = 5  # of a coordinate, in the thousandth part of a millimeter for a throw of a hundred
 
 
 class _SvgView(View):
-    """A view that is written as SVG at once, without matplotlib; it takes no dimensions."""
+    """A view that is written as SVG at once, without matplotlib; of dimensions it has the letters."""
 
-    def __init__(self, point: float) -> None:
+    def __init__(self, point: float, letters: Mapping[str, str]) -> None:
         nobody: Any = None
-        super().__init__(nobody, point)
+        super().__init__(nobody, point, lettered=True)
+        self._letters = letters
+        self._fields: dict[str, str] = {}
         self._shapes: list[tuple[float, str]] = []
 
+    def label(self, size: str, field: str) -> str:  # noqa: ARG002 - what it measures follows the sliders
+        """Return the letter of a dimension, "" if it has none."""
+        name, half, _ = field.strip().partition(" / 2")
+        letter = self._letters.get(name, "")
+        if letter:
+            letter += half.replace(" ", "")
+            self._fields[letter] = name
+        return letter
+
+    def stack(self, dimensions: Sequence[Linear], axis: int, side: int) -> None:
+        """Draw distances that have letters."""
+        super().stack([distance for distance in dimensions if distance.text], axis, side)
+
+    def callouts(self, texts: Sequence[Callout]) -> None:
+        """Write letters beside the view."""
+        super().callouts([callout for callout in texts if callout.text])
+
+    def leader(self, tip: Point, step: Point, text: str) -> None:
+        """Draw a leader to a letter."""
+        if text:
+            super().leader(tip, step, text)
+
+    def angle(self, *_: Any) -> None:
+        """Leave out angles, which have no letters."""
+
+    def head(self, corners: Array) -> None:
+        """Fill the triangle of an arrowhead."""
+        self._add(corners, 3.0, f'fill="{DIMENSION["color"]}"', closed=True)
+
     def stroke(self, points: ArrayLike, style: Style = OUTLINE, closed: bool = False) -> None:
+        """Draw a line through points."""
         path = np.asarray(points, dtype=float)
         dashes = ""
         if "dashes" in style:
@@ -225,27 +269,39 @@ class _SvgView(View):
         )
 
     def surface(self, points: ArrayLike, color: str, edge: float = 1.0) -> None:
+        """Fill a polygon that later ones cover."""
         stroke = f' stroke="{INK}" stroke-width="{edge * OUTLINE["linewidth"]:g}"' if edge else ""
         self._add(np.asarray(points, dtype=float), 1.0, f'fill="{color}"{stroke}', closed=True)
 
-    def write(
-        self,
-        text: str,
-        *places: Place,
-        upright: bool = False,  # noqa: ARG002 - names of pins stand level
-        paper: str = "white",  # noqa: ARG002 - and on their pins
-        **style: Any,
-    ) -> int:
-        x, y, _ = places[0]
-        size = style.get("fontsize", 8.0) * self.point
+    def write(self, text: str, *places: Place, upright: bool = False, **style: Any) -> int:
+        """Write at the first place that is clear; without letters at the first."""
+        if self._letters:
+            return super().write(text, *places, upright=upright, **style)
+        self.put(text, places[0], upright, "", style)
+        return 0
+
+    def put(self, text: str, at: Place, upright: bool, paper: str, style: Style) -> None:  # noqa: ARG002
+        """Write at a place; a letter has the name of its field."""
+        x, y, side = at
+        size = style.get("fontsize", TEXT_SIZE) * self.point
+        letter = max(
+            (known for known in self._fields if text.startswith(known)), key=len, default=""
+        )
+        base, _, index = letter.partition("_")
+        shown = escape(text)
+        if index:
+            small = f'<tspan dy=".25em" font-size="70%">{index}</tspan>'
+            shown = f"{base}{small}{escape(text.removeprefix(letter))}"
+        anchor = {"left": "start", "center": "middle", "right": "end"}[side]
+        turned = f' transform="rotate(-90 {x:.{DIGITS}g} {-y:.{DIGITS}g})"' if upright else ""
+        of = f' data-field="{self._fields[letter]}"' if letter else ""
         self._shapes.append(
             (
                 5.0,
-                f'<text x="{x:.{DIGITS}g}" y="{-y:.{DIGITS}g}" font-size="{size:.3g}" '
-                f'text-anchor="middle" font-family="sans-serif">{escape(text)}</text>',
+                f'<text x="{x:.{DIGITS}g}" y="{-y:.{DIGITS}g}" font-size="{size:.3g}" dy=".35em" '
+                f'text-anchor="{anchor}" font-family="sans-serif"{turned}{of}>{shown}</text>',
             )
         )
-        return 0
 
     def _add(self, path: Any, layer: float, look: str, closed: bool) -> None:
         self._reach(path)
@@ -274,13 +330,18 @@ class _SvgView(View):
         )
 
 
-def outline_svg(parts: ThrowParts, view: OutlineView = "side") -> str:
-    """Draw one view of a throw to scale, without dimensions.
+def outline_svg(
+    parts: ThrowParts, view: OutlineView = "side", letters: Mapping[str, str] | None = None
+) -> str:
+    """Draw one view of a throw to scale.
 
     Parameters
     ----------
     view : {"side", "front"}
         From the side, z to the right and y up; or from the left end, where x points to the left.
+    letters : mapping of str to str, optional
+        Symbols by field of the throw, such as "D_km": dimensions that have one are drawn with it, and its
+        text has the attribute ``data-field``. Without them no dimensions are drawn.
 
     Returns
     -------
@@ -294,8 +355,8 @@ def outline_svg(parts: ThrowParts, view: OutlineView = "side") -> str:
     """
     check_choice("view", view, DRAWINGS, "a throw is drawn from these two")
     draw, name = DRAWINGS[view]
-    drawn = _SvgView(POINT * parts.length)
-    draw(drawn, parts, False)
+    drawn = _SvgView((LETTERED_POINT if letters else POINT) * parts.length, letters or {})
+    draw(drawn, parts, bool(letters))
     return drawn.text(name)
 
 

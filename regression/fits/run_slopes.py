@@ -6,7 +6,7 @@ Slopes that contradict values and other slopes are found by what the sum of squa
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,13 +66,6 @@ class RunSlopes:
         runs, factors = self.known.T
         values: Array = (self.values * self.weights)[runs, factors] * sizes[runs]
         return values
-
-    def without(self, doubted: Sequence[tuple[int, int]]) -> "RunSlopes":
-        """Leave out the slopes of some runs and factors."""
-        values = self.values.copy()
-        for run, factor in doubted:
-            values[run, factor] = np.nan
-        return replace(self, values=values)
 
 
 def joint_rows(
@@ -169,7 +162,7 @@ def _worst(
     matrix: Array, y: Array, rows: NDArray[np.intp], known: NDArray[np.intp], precision: float
 ) -> NDArray[np.intp] | None:
     """Return the places of the slopes that contradict the others most; None if none do."""
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     values = len(rows) - len(known)
     orthogonal, _ = np.linalg.qr(matrix[rows])
@@ -186,7 +179,8 @@ def _worst(
         part = residuals[values + group]
         fall = float(part @ np.linalg.solve(left, part))
         variance = max((total - fall) / rest, precision**2)
-        chance = float(chi2.logsf(fall / variance, len(group)))
+        with np.errstate(divide="ignore"):
+            chance = float(np.log(chdtrc(len(group), fall / variance)))
         if chance < least:
             least, found = chance, group
     return found

@@ -320,7 +320,8 @@ def _drop(
     np.put_along_axis(taking_part, left_out, 0.0, axis=1)
     residuals = taking_part * (y - (inverses @ y) @ matrix.T)
     leverage = np.einsum("np,mpn->mn", matrix, inverses)
-    divides = np.array([[divisor in divisors(term) for term in terms] for divisor in terms])
+    proper = [divisors(term) for term in terms]
+    divides = np.array([[divisor in known for known in proper] for divisor in terms])
     high = np.array([len(term) > 1 for term in terms])
     kept = np.ones((fits, len(terms)), dtype=bool)
     press = _press(residuals, 1.0 - leverage)

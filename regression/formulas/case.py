@@ -333,17 +333,6 @@ def check_youngs_modulus(youngs_modulus: object) -> None:
         )
 
 
-def shear_modulus(youngs_modulus: float, poisson_ratio: float) -> float:
-    """G = E / (2 (1 + nu)) [Pa]; `InputError` if E is not positive, or nu not within -1 < nu <= 0.5."""
-    check_youngs_modulus(youngs_modulus)
-    if not (is_number(poisson_ratio) and -1.0 < poisson_ratio <= 0.5):
-        raise InputError(
-            f"poisson_ratio: given {quoted(poisson_ratio)}; allowed is above -1 up to 0.5, the range of "
-            "an isotropic material."
-        )
-    return youngs_modulus / (2.0 * (1.0 + poisson_ratio))
-
-
 @dataclass(frozen=True)
 class FormulaConstant:
     """One open constant of a published formula, its default, and the reason for it."""

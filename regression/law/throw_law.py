@@ -263,6 +263,54 @@ def check_range(shape: Ratios) -> None:
             )
 
 
+def dimension_ranges(throw: CrankThrow) -> dict[str, dict[str, float | str]]:
+    """Range of the law in each dimension of a throw, the others kept.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+        Within the law.
+
+    Returns
+    -------
+    dict of str to dict
+        By field that is not zero, "low" and "high" [m], and with "_limit" the ratio that ends it there.
+        Walls of bores may end earlier.
+
+    Raises
+    ------
+    InputError
+        As `throw_dimensions`.
+    """
+    dimensions = throw_dimensions(throw)
+    shape = ratios(dimensions)
+    ends: dict[str, dict[str, float | str]] = {}
+    for field in (*PLAIN_FIELDS, *MORE_FIELDS):
+        value = dimensions[field]
+        if not value:
+            continue
+        doubled = ratios({**dimensions, field: 2.0 * value})
+        sides: dict[bool, list[tuple[float, str]]] = {False: [], True: []}
+        for name, limits in RANGES.items():
+            power = round(math.log2(doubled[name] / shape[name]), 6) if shape[name] else 0.0
+            if power not in (-1.0, 1.0):  # the ratio has it not, or as a term of a sum
+                continue
+            for least, limit in zip((True, False), limits, strict=True):
+                if limit or power > 0.0:
+                    end = value * (limit / shape[name]) ** power
+                    text = f"{ratio_text(name)} = {limit:g}"
+                    sides[least is (power > 0.0)].append((end, text))
+        if sides[True] and sides[False]:
+            (low, low_limit), (high, high_limit) = max(sides[True]), min(sides[False])
+            ends[field] = {
+                "low": low,
+                "low_limit": low_limit,
+                "high": high,
+                "high_limit": high_limit,
+            }
+    return ends
+
+
 def ratio_text(name: str) -> str:
     """Name of a ratio in sentences.
 

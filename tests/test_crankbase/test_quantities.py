@@ -23,6 +23,12 @@ from crankbase.quantity import (
 )
 
 
+@pytest.mark.parametrize("text", [f"{'m ' * 200}", "ym^40"])
+def test_units_too_long_or_of_no_size_are_none(text):
+    with pytest.raises(quantity.NoUnitError, match=r"too (long|small or large)"):
+        quantity.unit_quantity(text)
+
+
 def test_the_same_length_in_any_unit_is_the_same_number():
     assert {parse_quantity(text, "m", "field") for text in ("254 mm", "0.254 m", "10 in")} == {
         0.254

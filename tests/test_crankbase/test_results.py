@@ -86,6 +86,8 @@ def test_a_nan_is_refused_by_its_name():
 def test_content_without_a_value_is_refused_by_its_key():
     """What is missing is neither unbounded nor None."""
     content = peak().to_record()
+    known = Peak.from_record(content)
+    assert Peak.from_record(known) is known
     with pytest.raises(InputError, match="cylinder"):
         Peak.from_record(content | {"cylinder": "second"})
     del content["load"]

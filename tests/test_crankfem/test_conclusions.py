@@ -264,9 +264,9 @@ def test_misfiring_that_fails_is_in_the_headline(results):
     results["vibration"]["misfiring"] = misfiring()
     # Where limits are exceeded with all cylinders firing, the largest figure is that of normal firing.
     assert headline(*verdict_parts(results)) == "Not acceptable"
-    results["vibration"]["assessment"] |= {"status": "fine", "headline": "Fine"}
+    results["vibration"]["assessment"] |= {"status": "fine", "headline": "Acceptable"}
     assert headline(*verdict_parts(results)).startswith(
-        "Fine with all cylinders firing; limits are exceeded"
+        "Acceptable with all cylinders firing; limits are exceeded"
     )
     assert ". With all cylinders firing: torsional stress of crankshaft" in verdict_line(
         *verdict_parts(results)
@@ -282,7 +282,7 @@ def test_a_crankshaft_too_weak_is_in_the_headline(results):
     said = {"throws": [throw], "by_elements": False, "warning": "", "source": ""}
     results["strength"] = said | {key: [] for key in ("remarks", "left_out", "unsafe")}
     assert headline(*verdict_parts(results)) == "Not acceptable"
-    results["vibration"]["assessment"] |= {"status": "fine", "headline": "Fine"}
+    results["vibration"]["assessment"] |= {"status": "fine", "headline": "Acceptable"}
     assert headline(*verdict_parts(results)).endswith(
         "; the crankshaft is not strong enough by UR M53"
     )

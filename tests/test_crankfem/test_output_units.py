@@ -34,7 +34,7 @@ def test_without_a_wish_everything_stays_in_si():
         assert units == SI
         assert all(units.of(name).name == name and not units.of(name).wished for name in UNITS)
     assert SI.quantity(1.27e-9, "m/N", 4) == "1.27e-9 m/N"
-    assert SI.of("um").number(None) == "unbounded"
+    assert SI.of("um").number(None) == SI.of("um").with_name(None) == "unbounded"
     assert SI.text("280 mm") == "280 mm"
 
 

@@ -201,7 +201,7 @@ def test_without_any_critical_speed_that_is_said(results, page):
 @pytest.mark.parametrize(
     ("status", "said", "shown"),
     [
-        ("fine", "Fine from 200 to 515 1/min", "fine"),
+        ("fine", "Acceptable from 200 to 515 1/min", "fine"),
         ("barred range needed", "Barred range needed, 400 to 450 1/min", "barred"),
         ("not acceptable", "Not acceptable", "bad"),
     ],
@@ -661,6 +661,29 @@ def test_speeds_at_which_cylinders_act_together_are_marked(results, page):
         "axial 300 5 1 15.0 0.51",
         "axial 300 6 1 15.0 1.00",
     ]
+
+
+def test_slopes_are_told_of_the_five_dimensions_that_count_most(results, page):
+    assert "Slopes" not in page(results).section("throw")
+    shares = {f"size_{number}": (-1.0) ** number * number / 10.0 for number in range(7)}
+    slope = {"support": "pinned", "shares": shares, "left_out": {}, "error": 0.01}
+    results["throw"]["slopes"] = [
+        slope | {"quantity": "axial_compliance"},
+        slope | {"quantity": "left Mx", "shares": dict.fromkeys(shares, 9.0)},
+    ]
+    found = page(results)
+    texts = [text for _, text in found.all("tr") if re.match(r"size \d ", text)]
+    assert [re.findall(r"size (\d) (\S+)", text)[0] for text in texts] == [
+        ("6", "0.600"),
+        ("5", "-0.500"),
+        ("4", "0.400"),
+        ("3", "-0.300"),
+        ("2", "0.200"),
+    ]
+    bars = [own for own, _ in found.all("rect") if "fill" not in own]
+    starts, widths = (np.array([float(own[name]) for own in bars]) for name in ("x", "width"))
+    assert widths == close([100.0, 83.3, 66.7, 50.0, 33.3], abs=0.05)
+    assert starts == close(starts[0] - np.array([0.0, 1.0, 0.0, 1.0, 0.0]) * widths, abs=0.05)
 
 
 def test_fillets_of_a_throw_that_is_its_mirror_image_stand_once(results, page):

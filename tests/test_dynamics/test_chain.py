@@ -137,6 +137,10 @@ def test_unusable_chains_are_refused(inertia, stiffness, ground, message):
     with pytest.raises(InputError, match=message) as raised:
         Chain(inertia, stiffness, ground)
     assert "\n" not in str(raised.value)
+    with pytest.raises(
+        InputError, match=r"connections\[0\]: given .* allowed are two node numbers"
+    ):
+        Chain([1.0, 1.0], [1.0], connections=[(0, 1, 1)])
 
 
 def test_chain_keeps_its_own_values():

@@ -25,6 +25,7 @@ from dynamics.crankshaft.chain_comparison import (
     match_modes,
     matching_modes,
     matching_response,
+    mode_likeness,
 )
 from dynamics.crankshaft.coupled_response import (
     coupled_response,
@@ -303,11 +304,22 @@ def test_rotation_ratio():
             "stiff",
         ),
         (lambda: crankshaft_system(shaft_of(CRANKS), -5.0), "highest_frequency"),
+        (lambda: shaft_of(range(101)), "throws"),
+        (lambda: ShaftThrow(STIFFNESS, MASS, PIN[None], [0.0, 1.0, 0.0], 1.0), "pins"),
+        (lambda: ShaftThrow(STIFFNESS, MASS, PIN, [[0.0, 1.0, 0.0]], 1.0), "pin_loads"),
+        (lambda: ShaftThrow(STIFFNESS[:6, :6], MASS, PIN[None], [[0, 1, 0]], 1.0), "stiffness"),
+        (lambda: ChainVerdict(()), "modes"),
+        (lambda: mode_likeness(shaft_of(CRANKS), None, chains()[0], [1]), "chain"),
     ],
 )
 def test_refused(make, field):
     with pytest.raises(InputError, match=rf"^{field}.*given .*; allowed .*because"):
         make()
+
+
+def test_an_assembled_shaft_alone_has_no_response():
+    with pytest.raises(InputError, match=r"^crankshaft: given .*; allowed is"):
+        coupled_response(shaft_of([0.0]), None)
 
 
 SPRING_RADIUS, SPRING_LENGTH = 0.15, 0.4

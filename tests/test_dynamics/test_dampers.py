@@ -203,11 +203,16 @@ def test_ring_gets_no_force_and_loads_become_stresses():
         ({"ring_inertia": (0.2, 0.1)}, "the least and then the largest value"),
         ({"ring_inertia": -1.0}, "ring_inertia: given -1 kg m"),
         ({"ring_inertia": 0.1, "damping": (0.0, 1.0)}, "damping.0.: given 0 N m s/rad"),
+        ({"ring_inertia": 0.1, "chain": Chain([1.0], [])}, "chain: given one of 1 rigid motions"),
     ],
 )
 def test_impossible_ranges_are_refused(options, message):
     with pytest.raises(InputError, match=message):
-        size_viscous_damper(SIZING_MAIN, 0, node_amplitude(UNIT, 0), limit(5.0), **options)
+        size_viscous_damper(
+            **{"chain": SIZING_MAIN, "node": 0, "result": node_amplitude(UNIT, 0)}
+            | {"limit": limit(5.0)}
+            | options
+        )
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 """Excitation of engines: cylinders' forces and torque on chains."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,10 +23,16 @@ from dynamics.excitation.chain_excitation import (
     torque_excitation,
     torsion_influence,
 )
-from dynamics.excitation.cylinders import cylinder_forces, cylinder_harmonics, forces_at_speeds
+from dynamics.excitation.cylinders import (
+    cylinder_forces,
+    cylinder_harmonics,
+    forces_at_speeds,
+    torque_harmonics,
+)
 from dynamics.excitation.pressure_map import propeller_load
 from dynamics.gas.gas_cycle import gas_cycle, usual_gas_cycle
 from dynamics.gas.pressure import cylinder_volume, gas_pressure, motored_from_compression
+from dynamics.harmonics import harmonics
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
 from parts_in_a_line import cylinder as made_cylinder
@@ -163,6 +170,22 @@ def test_what_does_not_fit_is_refused():
         torque_excitation(FORCES, AXIAL)
     with pytest.raises(InputError, match="given one of 2 throws for cylinders on 3"):
         torque_excitation(FORCES, torsional_chain([1e-7] * 2, [0.2] * 2, 20.0))
+    torsion = forced_response(TORSIONAL.chain, torque_excitation(FORCES, TORSIONAL))
+    with pytest.raises(InputError, match=r"influence: given an array of shape \(3, 3\) for 3"):
+        axial_excitation_of_torsion(torsion, TORSIONAL, AXIAL, E_THROWS, np.ones((3, 3)))
+    endless = replace(torsion, unbounded=np.ones_like(torsion.unbounded))
+    with pytest.raises(InputError, match="response: given one that is unbounded"):
+        axial_excitation_of_torsion(endless, TORSIONAL, AXIAL, E_THROWS, np.ones((3, 4)))
+    with pytest.raises(InputError, match=r"tangential: given an array of shape \(2, 3\)"):
+        tangential_towards_flywheel(np.ones((2, 3)), np.ones(3), 0.1)
+    with pytest.raises(InputError, match=r"throws: given \[0, 2\]; allowed is one for each of 2"):
+        torque_harmonics(
+            harmonics(np.ones(8), 4),
+            1.0,
+            firing_angles_deg=[0, 360],
+            crank_radius=0.1,
+            throws=[0, 2],
+        )
     with pytest.raises(InputError, match=r"influence: given an array of shape \(2,\)"):
         axial_throw_forces(FORCES, E_THROWS, np.ones(2))
     with pytest.raises(InputError, match="pins: given"):
@@ -293,6 +316,8 @@ def test_motored_pressure_from_a_fired_diagram():
     assert found.pressure[closed] == close(cold.pressure[closed], rel=1e-9)
     assert np.max(np.abs(found.pressure - cold.pressure)) < 1e-3 * fired.peak_pressure
     assert f"exponent {cycle.heat_capacity_ratio:.4g}" in found.remarks[-1]
+    with pytest.raises(InputError, match="fit_from_deg: given a range with"):
+        motored_from_compression(fired, volume, fit_from_deg=-40.1)
     with pytest.raises(InputError, match="below 0, because the gas is compressed there"):
         motored_from_compression(fired, volume, fit_to_deg=12.0)
     lagging = gas_pressure(np.roll(fired.pressure, 600), angles_deg=fired.angles_deg)

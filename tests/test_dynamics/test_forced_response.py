@@ -12,7 +12,7 @@ from crankbase.errors import InputError
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import AmplitudeCurve, given_limit, worst_use
-from dynamics.assessment.response_curves import largest_amplitude, speeds_above
+from dynamics.assessment.response_curves import largest_amplitude, speeds_above, with_resonances
 from dynamics.assessment.verdict import judge
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.editing import join_chains
@@ -27,6 +27,7 @@ from dynamics.response.linear_system import EngineMagnifier, chain_system, dampe
 from dynamics.response.loads import (
     alternating_stress,
     element_loads,
+    named_quantity,
     power_balance,
     section_modulus,
 )
@@ -163,6 +164,25 @@ def test_excitation_refused(orders, speeds, forces, words):
             r"sections\[0\]: given 0",
         ),
         (lambda: section_modulus("torsional", 0.05, 0.05), "bore: given 0.05 m"),
+        (lambda: section_modulus("torsional", 0.0), "diameter: given 0 m"),
+        (
+            lambda: alternating_stress(
+                element_loads(forced_response(TWO, excitation())), [1.0] * 2
+            ),
+            "sections: given 2 values for 1 elements",
+        ),
+        (
+            lambda: named_quantity(forced_response(TWO, excitation()), "crank"),
+            "place: given 'crank'; allowed are elements",
+        ),
+        (
+            lambda: with_resonances(excitation(), Chain([1.0], [])),
+            "excitation: given forces on 2 nodes; allowed are up to 1",
+        ),
+        (
+            lambda: Variation(torque=(0.0, 9.0), stiffness=(1.0, 2.0)).of(2e4),
+            "variation.at_torque: missing; allowed is the torque",
+        ),
         (lambda: resonances(forced_response(TWO, excitation()), "crank"), "node: given 'crank'"),
         (
             lambda: resonances(forced_response(TWO, excitation()), speed_range=(150.0, 50.0)),

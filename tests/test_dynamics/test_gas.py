@@ -283,6 +283,10 @@ def test_mean_effective_pressure_is_work_over_swept_volume():
         (lambda: indicated_work([], []), "volume_slope: given 0 values for 0"),
         (lambda: indicated_work([1.0, np.inf], [1.0, 1.0]), r"pressure\[1\]: given inf"),
         (lambda: indicated_work([1.0], [1.0], 3), "strokes: given 3"),
+        (
+            lambda: pressure_map([(100.0, 0.5, diagram(100.0, 0.5))]).weights([]),
+            "speeds: given none; allowed is one or more",
+        ),
     ],
 )
 def test_unusable_arrays_are_refused(call, message):

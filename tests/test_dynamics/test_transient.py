@@ -9,9 +9,10 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.vibration.plots import plot_transient, plot_transient_over_speed
-from dynamics.chains.chain import Chain, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.engine_chains import EngineChain
+from dynamics.chains.varying import Variation, Varying
 from dynamics.engine.layout import EngineCylinder, EngineLayout
 from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.chain_excitation import torque_excitation
@@ -166,6 +167,16 @@ BAD = {
     "speeds[1]: given 0 rad/s": lambda: SpeedCurve([0.0, 1.0], [10.0, 0.0]),
     "speeds[0]: given nan": lambda: SpeedCurve([0.0, 1.0], [np.nan, 1.0]),
     "times[1]: given -1 s after 0 s": lambda: SpeedCurve([0.0, -1.0], [10.0, 20.0]),
+    "times: given 3 for 2 speeds": lambda: SpeedCurve([0.0, 1.0, 2.0], [10.0, 20.0]),
+    "angle_deg: given 90 to 90": lambda: SpeedCurve.constant(1.0, 1.0).time_at(angle_deg=90.0),
+    "time: given 2 to 2 s": lambda: SpeedCurve.constant(1.0, 1.0).speed(2.0),
+    "turns: given 3": lambda: envelope_over(*3 * [np.arange(5.0)], *2 * [np.ones((5, 1))], 3),
+    "start: given 'steady'": lambda: transient_motion(
+        Chain([1.0, 1.0, 1.0], [300.0, 300.0]), at_first_node(30.0), SpeedCurve.constant(30.0, 1.0)
+    ),
+    "chain: given springs that vary": lambda: viscous_system(
+        row(varying=[Varying(0, Variation(speed=(0.0, 9.0), stiffness=(1.0, 2.0)).of(9e4))])
+    ),
     "end_speed: given 10 rad/s": lambda: SpeedCurve.ramp(10.0, 10.0, duration=1.0),
     "acceleration: given None": lambda: SpeedCurve.ramp(10.0, 20.0),
     "speed: given -80 rad/s": lambda: steady_motion(row(), excitation(4), -80.0),
@@ -363,61 +374,69 @@ def test_interrupted_and_stopping_runs_keep_what_is_finished():
     assert braked.energy_error < 1e-8
 
 
-def bad(message):
-    chain, forces = turning(gas=pressure(), damping=30.0)
-    own, ends = engine(), small_chain()
-    heavy = EngineChain(Chain([0.1, 2.0, 9.0], [6e4, 2e4]), "torsional", throw_nodes=(0, 1))
-    held = EngineChain(Chain([2.0, 2.0, 9.0], [6e4, 2e4], {2: 5.0}), "torsional", (0, 1))
-    fewer = EngineChain(ends.chain, "torsional", throw_nodes=(0,))
-    return {
-        "mean_speed: given 0": lambda: steady_cycle(chain, 0.0),
-        "speeds[1]: given inf": lambda: chain.mean_speed(np.array([1.0, np.inf, 1.0])),
-        "speeds: given an array of shape (2,)": lambda: chain.mean_speed(np.ones(2)),
-        "method: given 'Euler'": lambda: steady_cycle(chain, SPEED, method="Euler"),
-        "start_speed: given -1": lambda: turn_under_gas(chain, -1.0, 1.0),
-        "duration: given 0": lambda: turn_under_gas(chain, 1.0, 0.0),
-        "load: given a moment of nan": lambda: turn_under_gas(
-            chain, 9.0, 1.0, load=lambda *_: np.nan
-        ),
-        "changes[0]: given a time of 2 s": lambda: turn_under_gas(
-            chain, 9.0, 1.0, changes=((2.0, chain),)
-        ),
-        "engine_chain: given 0.1 kg m^2": lambda: turning_chain(own, heavy, forces),
-        "engine_chain: given torsional, held": lambda: turning_chain(own, held, forces),
-        "engine_chain: given 1 throws": lambda: turning_chain(own, fewer, forces),
-        "gas: given forces that hold": lambda: turning_chain(
-            own, ends, cylinder_forces(own, [SPEED], HIGHEST)
-        ),
-        "load_node: given": lambda: turning_chain(own, ends, forces, load_node=3),
-    }[message]
+def turning_of(chain, throws=(0, 1), gas=True, **options):
+    own = engine()
+    forces = cylinder_forces(own, [SPEED], HIGHEST, inertia=not gas)
+    return turning_chain(own, EngineChain(chain, "torsional", throws), forces, **options)
 
 
-@pytest.mark.parametrize(
-    "message",
-    [
-        "mean_speed: given 0",
-        "speeds[1]: given inf",
-        "speeds: given an array of shape (2,)",
-        "method: given 'Euler'",
-        "start_speed: given -1",
-        "duration: given 0",
-        "load: given a moment of nan",
-        "changes[0]: given a time of 2 s",
-        "engine_chain: given 0.1 kg m^2",
-        "engine_chain: given torsional, held",
-        "engine_chain: given 1 throws",
-        "gas: given forces that hold",
-        "load_node: given",
-    ],
-)
+ENDS, SPRINGS = [2.0, 2.0, 9.0], [6e4, 2e4]
+LOOSE = {"connections": [(0, 1), (1, 2)], "gears": [Gear(3, 4, 2.0)]}
+BAD_TURNING = {
+    "mean_speed: given 0": lambda chain: steady_cycle(chain, 0.0),
+    "speeds[1]: given inf": lambda chain: chain.mean_speed(np.array([1.0, np.inf, 1.0])),
+    "speeds: given an array of shape (2,)": lambda chain: chain.mean_speed(np.ones(2)),
+    "method: given 'Euler'": lambda chain: steady_cycle(chain, SPEED, method="Euler"),
+    "start_speed: given -1": lambda chain: turn_under_gas(chain, -1.0, 1.0),
+    "duration: given 0": lambda chain: turn_under_gas(chain, 1.0, 0.0),
+    "duration: given 100000 s": lambda chain: turn_under_gas(chain, 1.0, 1e5),
+    "duration: given 1000 s": lambda chain: turn_under_gas(chain, 1e3, 1e3),
+    "load: given a moment of nan": lambda chain: turn_under_gas(
+        chain, 9.0, 1.0, load=lambda *_: np.nan
+    ),
+    "changes[0]: given a time of 2 s": lambda chain: turn_under_gas(
+        chain, 9.0, 1.0, changes=((2.0, chain),)
+    ),
+    "changes[0]: given a chain of other": lambda chain: turn_under_gas(
+        chain, 9.0, 1.0, changes=((0.5, turning_of(Chain(ENDS, [6e4, 3e4]))),)
+    ),
+    "engine_chain: given 0.1 kg m^2": lambda _: turning_of(Chain([0.1, 2.0, 9.0], SPRINGS)),
+    "engine_chain: given torsional, held": lambda _: turning_of(Chain(ENDS, SPRINGS, {2: 5.0})),
+    "engine_chain: given 1 throws": lambda _: turning_of(Chain(ENDS, SPRINGS), (0,)),
+    "engine_chain: given a chain without springs": lambda _: turning_of(
+        Chain([2.0, 2.0], [], connections=[], gears=[Gear(0, 1, 1.0)])
+    ),
+    "engine_chain: given throws that turn [1.0, 2.0]": lambda _: turning_of(
+        Chain(ENDS, [2e4], connections=[(1, 2)], gears=[Gear(0, 1, 2.0)])
+    ),
+    "engine_chain: given parts that dashpots hold": lambda _: turning_of(
+        Chain(
+            [*ENDS, 1.0, 1.0], SPRINGS, dashpots=[Dashpot(2, 3, 5.0), Dashpot(2, 4, 5.0)], **LOOSE
+        )
+    ),
+    "gas: given forces that hold": lambda _: turning_of(Chain(ENDS, SPRINGS), gas=False),
+    "load_node: given": lambda _: turning_of(Chain(ENDS, SPRINGS), load_node=3),
+}
+
+
+@pytest.mark.parametrize("message", BAD_TURNING)
 def test_bad_input_is_refused_in_one_sentence_turning(message):
-    act = bad(message)
+    chain, _ = turning(gas=pressure(), damping=30.0)
     with pytest.raises(InputError) as error:
-        act()
+        BAD_TURNING[message](chain)
     text = str(error.value)
     assert text.startswith(message)
     assert "allowed" in text
     assert "because" in text
+
+
+def test_a_chain_that_turns_evenly_has_that_speed_and_gas_may_change_within_a_run():
+    chain, _ = turning(gas=pressure(), damping=30.0)
+    assert chain.mean_speed(SPEED * chain.even) == close(SPEED)
+    alone, changed = (
+        turn_under_gas(chain, SPEED, 0.1, changes=changes) for changes in ((), ((0.04, chain),))
+    )
+    assert changed.shaft_speed[-1] == close(alone.shaft_speed[-1], rel=1e-6)
 
 
 def test_a_cycle_that_takes_too_many_evaluations_is_given_up(monkeypatch):

@@ -119,6 +119,13 @@ def test_samples_of_any_result():
     endless = function_samples(lambda f: np.inf if f[0] > 1.2 else f[0], spreads, samples=100)
     assert np.isinf(endless.highest)
     assert np.isfinite(endless.percentile(50))
+    with pytest.raises(InputError, match="percent: given 101; allowed are 0 to 100"):
+        endless.percentile(101)
+    never = function_samples(lambda _: np.inf, spreads, samples=2)
+    with pytest.raises(InputError, match="place: given 0, where all samples are unbounded"):
+        never.plot()
+    with pytest.raises(InputError, match="samples: given 100001; allowed is up to"):
+        function_samples(np.sum, spreads, samples=100_001)
 
 
 def test_separation_margin():

@@ -12,6 +12,7 @@ from dynamics.assessment.barred_ranges import BarredRangeRule, barred_ranges, ex
 from dynamics.assessment.limit_rules import (
     CRANKSHAFT_RULES,
     crankshaft_limit,
+    crankshaft_material_factors,
     generator_set_limit,
     propulsion_shaft_limit,
 )
@@ -51,7 +52,7 @@ def test_fine_tells_the_worst_of_all_with_its_numbers_and_source():
     assert verdict.checks[0].limit is TORQUE
     assert verdict.checks[0].margin == close(0.05)
     assert verdict.sentence == (
-        "Fine from 286.5 to 954.9 1/min: torque of coupling, shaft 6 - 7: at most 1900 N m at "
+        "Acceptable from 286.5 to 954.9 1/min: torque of coupling, shaft 6 - 7: at most 1900 N m at "
         "573 1/min, 95 % of the permitted 2000 N m (maker's sheet 7)."
     )
 
@@ -283,6 +284,8 @@ def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so(
     assert carbon.continuous.at(speed) == capped.continuous.at(speed)
     assert "650 MPa enters the rule as 600 MPa" in carbon.remark
     assert capped.remark == ""
+    keyed = propulsion_shaft_limit(600e6, 0.3, 10.0, feature="tapered keyway")
+    assert "a speed range is barred" in keyed.remark
     alloy = propulsion_shaft_limit(650e6, 0.3, 10.0, alloy=True)
     assert alloy.continuous.at(speed) == close(capped.continuous.at(speed) * 810 / 760)
     tail = propulsion_shaft_limit(650e6, 0.3, 10.0, alloy=True, feature="propeller shaft")
@@ -297,6 +300,10 @@ def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so(
         (lambda: crankshaft_limit(100.0, strokes=3), "strokes: given 3; allowed are 2 and 4"),
         (lambda: generator_set_limit(100.0, part="pump"), "part: given 'pump'; allowed are"),
         (lambda: BarredRangeRule(10.0).bounds(20.0), "allowed is less than twice the rated speed"),
+        (
+            lambda: crankshaft_material_factors(5e8, 6e8, alloy=True),
+            "yield_strength: given 600 MPa above a tensile strength of 500 MPa",
+        ),
     ],
 )
 def test_what_a_rule_does_not_cover_is_refused(call, message):
@@ -312,6 +319,9 @@ def test_what_a_rule_does_not_cover_is_refused(call, message):
     ],
 )
 def test_a_steel_beyond_the_end_of_the_formula_counts_as_one_at_its_end(alloy, most, said):
+    # By the rule 1 + 2/3 (T / 440 - 1) and Y / 225, and weak steel does not lower a limit.
+    assert crankshaft_material_factors(550e6, 450e6, alloy=alloy) == close((7.0 / 6.0, 2.0))
+    assert crankshaft_material_factors(400e6, 200e6, alloy=alloy) == (1.0, 1.0)
     speeds = np.linspace(20.0, 100.0, 5)
     for rule in CRANKSHAFT_RULES.values():
         strong, at_end = (

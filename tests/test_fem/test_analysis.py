@@ -240,6 +240,8 @@ def test_throws_without_symmetry_are_refused():
     unequal = THROW.model_copy(update={"right_web": Web(thickness=0.080)})
     found = analyze_throw(unequal, accuracy=0.1)
     assert not is_symmetric(found.superelement)
+    twice = np.repeat(found.superelement.pin_loads, 2, axis=0)
+    assert not is_symmetric(replace(found.superelement, pin_loads=twice))
     with pytest.raises(InputError, match="equal webs only"):
         angle_law(found.superelement)
 

@@ -228,6 +228,14 @@ def test_bad_input(full_mesh, tmp_path):
         calculix_deck(full_mesh, None, CASES)
     with pytest.raises(InputError, match="cases: given none"):
         calculix_deck(full_mesh, STEEL, [])
+    for field, given in (
+        ("mesh", ("throw", STEEL, "a.inp")),
+        ("path", (full_mesh, STEEL, 3)),
+        ("cases", (full_mesh, STEEL, "a.inp", "axial")),
+        (r"cases\[1\]", (full_mesh, STEEL, "a.inp", [axial_case(), "axial"])),
+    ):
+        with pytest.raises(InputError, match=rf"^{field}: given .*; allowed is"):
+            write_calculix(*given)
     with pytest.raises(InputError, match="forces on 2 pins; allowed is 1"):
         calculix_deck(full_mesh, STEEL, [pin_case(2 * RADIAL, blocked=True)])
 

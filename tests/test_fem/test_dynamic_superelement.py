@@ -300,6 +300,7 @@ def test_all_polynomials_and_no_more(motions):
 
 def test_another_ring_is_an_exact_change_of_motions(motions):
     other = replace(motions, radius=0.09, bore=0.02)
+    assert np.array_equal(motions.amplitudes_of(motions), np.eye(motions.count))
     amplitudes = motions.amplitudes_of(other)
     assert motions.fields(PLACES) @ amplitudes == close(other.fields(PLACES), abs=1e-8)
     assert amplitudes[:, :6] == close(np.eye(motions.count)[:, :6], abs=1e-8)

@@ -343,10 +343,20 @@ def test_refuses_what_is_no_throw_of_dimensions():
         fillet_stresses("throw")
 
 
-def test_refuses_fillets_too_small_for_the_budget(monkeypatch, dimensions):
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"fillet_radius": 0.003}, r"fillet_radius: given 3 mm; allowed are larger .*"),
+        (
+            {"oil_holes": [{"part": "pin", "diameter": 0.012, "exit_radius": 0.002}]},
+            r"oil_holes\[0\]\.exit_radius: given 2 mm; allowed are larger .*",
+        ),
+    ],
+)
+def test_refuses_fillets_too_small_for_the_budget(monkeypatch, dimensions, changes, message):
     monkeypatch.setattr(fillet_stress, "MOST_UNKNOWNS", 15_000)
-    with pytest.raises(InputError, match=r"fillet_radius: given 3 mm; allowed are larger .*"):
-        fillet_stresses(CrankThrow(**dimensions | {"fillet_radius": 0.003}), mesher=mesh_throw)
+    with pytest.raises(InputError, match=message):
+        fillet_stresses(CrankThrow(**dimensions | changes), mesher=mesh_throw)
 
 
 @pytest.mark.further
@@ -421,6 +431,15 @@ def test_a_rule_mesh_beyond_the_budget_is_refused(monkeypatch, dimensions):
 @pytest.fixture(scope="module")
 def fields(mesh, throw):
     return stress_fields(mesh, throw, STEEL)
+
+
+@pytest.mark.slow
+def test_exits_of_oil_holes_are_places_of_stress(throw):
+    drilled = throw.changed(oil_holes=({"part": "pin", "diameter": 0.03},))
+    sites = stress_fields(mesh_throw(drilled, 3.0), drilled, STEEL).sites
+    exits = [site for site in sites if site.kind == "oil hole"]
+    assert exits
+    assert {(site.diameter, site.radius) for site in exits} == {(throw.pin_diameter, 0.015)}
 
 
 def test_loads_out_of_balance_are_refused(fields):

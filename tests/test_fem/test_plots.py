@@ -11,6 +11,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import AxialAnalysis, ThrowAnalysis
+from fem.end_reactions import EndReaction, Reactions
 from fem.fillet_peaks import FilletPeak, FilletStresses, ReadingQuality, throw_fillets, unit_loads
 from fem.material import STEEL
 from fem.modes import DynamicSuperelement, ThrowModes
@@ -141,6 +142,13 @@ def test_the_axial_answers_alone(analysis, mesh, classes):
     )
     frame = alone.to_pandas()
     assert frame.loc["guided", "axial_compliance"] == alone.axial_compliance("guided")
+    plain = alone.discrete
+    assert plain.axial_compliance() == close(analysis.discrete.axial_compliance(), rel=1e-10)
+    assert plain.error_estimate == 1.0 - plain.axial_compliance() / alone.axial_compliance()
+    with pytest.raises(
+        InputError, match="plot: given the analysis of a CAD part; allowed is that of"
+    ):
+        replace(analysis, throw=None).plot()
 
 
 def test_the_angle_law(analysis):
@@ -162,6 +170,9 @@ def test_loads_and_motions_as_tables(analysis):
     reactions = analysis.reactions((0.0, -1e5, 0.0))
     frame = reactions.to_pandas()
     assert frame.loc["left", "Fy"] == reactions.left.force[1]
+    two = EndReaction(np.zeros((2, 3)), np.zeros((2, 3)))
+    with pytest.raises(InputError, match="plot: given reactions of 2 throws; allowed are those of"):
+        Reactions(two, two).plot()
     assert frame.loc["right", "Mx"] == reactions.right.moment[0]
     assert frame.attrs["units"] == {"place": ""} | dict.fromkeys(("Fx", "Fy", "Fz"), "N") | (
         dict.fromkeys(("Mx", "My", "Mz"), "N m")
@@ -215,6 +226,9 @@ def test_frequencies():
         rigid_frequencies=np.zeros(6),
         solver="superlu",
     )
+    many = replace(modes, frequencies=np.arange(1.0, 25.0), symmetries=(symmetry,) * 24)
+    many = replace(many, names=modes.names * 12)
+    assert len(many.plot().get_xticks()) < 24  # the axis has no room for every number
     axes = modes.plot()
     assert [line.get_ydata()[0] for line in axes.lines] == [700.0, 1100.0]
     assert [line.get_label() for line in axes.lines] == ["bending in the crank plane", "torsion"]

@@ -9,6 +9,7 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
+from fem.end_reactions import END_LOADS
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from fem.sensitivities import class_slopes, node_velocities
@@ -149,6 +150,32 @@ def test_every_surface_moves_with_its_dimension(featured):
         assert off.max() < 1e-10
 
 
+# Powers of the size: forces, moments, the pin's compliance.
+POWERS = {"F": 0.0, "M": 1.0, "p": -1.0}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sharp", [False, True])
+def test_reactions_scale_with_the_size_of_the_throw(featured, sharp):
+    """Under the same force: forces stay, moments grow with it; torque and lateral forces by equilibrium."""
+    fillets = dict.fromkeys(("fillet_radius", "pin_fillet_radius"), 0.0)
+    throw = CrankThrow(**FEATURES | fillets) if sharp else featured
+    analysis = analyze_throw(throw, accuracy=0.1)
+    force = (300.0, -1000.0, 0.0)
+    for support in ("pinned", "guided", cf.Neighbors(120.0, 120.0)):
+        for quantity in ("left Fx", "left Fy", "right Fz", "left Mx", "left Mz", "pin_compliance"):
+            if (quantity, support) == ("left Mx", "pinned"):
+                with pytest.raises(InputError, match="zero"):
+                    analysis.sensitivities(quantity, support, pin_force=force)
+                continue
+            shares = analysis.sensitivities(quantity, support, pin_force=force).shares
+            power = POWERS[quantity.split()[-1][0]]
+            total = sum(share for path, share in shares.items() if not path.endswith("angle"))
+            assert total == close(power, abs=3e-3)
+            if quantity == "left Mz":
+                assert shares["crank_radius"] == close(1.0, abs=1e-5)
+
+
 @pytest.mark.slow
 def test_volumes_change_as_the_parts_say(featured):
     analysis = analyze_throw(featured, accuracy=0.1)
@@ -197,6 +224,12 @@ def test_slopes_are_those_between_other_meshes(featured):
 @pytest.mark.slow
 def test_what_has_no_slope_says_why(throw):
     analysis = analyze_throw(throw, accuracy=0.1)
+    with pytest.raises(InputError, match="pin_force"):
+        analysis.sensitivities("pin_compliance", pin_force=(0.0, 0.0, 0.0))
+    with pytest.raises(
+        InputError, match="which is zero under this force; allowed are reactions that"
+    ):
+        analysis.sensitivities(END_LOADS[0])
     slopes = analysis.sensitivities("torsional_compliance", "guided")
     assert "zero" in slopes.left_out["pin_bore"]
     for path in ("pin_bore", "wheel_radius"):

@@ -197,6 +197,8 @@ def test_unreadable_files(tmp_path):
     binary.write_bytes(b"\x80\xfe\x00\x80")
     with pytest.raises(InputError, match="cannot be read as text"):
         ComplianceModel.load(binary)
+    with pytest.raises(InputError, match="given a folder; allowed is a file to write, because"):
+        MODEL.save(tmp_path)
 
 
 def test_contradictory_content_is_refused():
@@ -204,6 +206,7 @@ def test_contradictory_content_is_refused():
     for change, match in (
         ({"coefficients": (1.0, 2.0)}, "coefficients: given 2 values; allowed are 10"),
         ({"lowest": (0.27,)}, "lowest: given 1 numbers"),
+        ({"factors": (good["factors"][0],) * 3}, "factors: given .*; each is allowed once"),
         ({"lowest": (0.27, 0.2, 0.12)}, "lowest, highest: given 0.2 and 0.098 for web_thickness"),
         ({"half_range": (0.0, 1.0, 1.0)}, "half_range: given"),
         ({"terms": ((3,), *good["terms"][1:])}, r"terms: given \[3\]"),

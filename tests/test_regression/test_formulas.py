@@ -403,5 +403,7 @@ def test_what_a_formula_does_not_know_is_said(dimensions):
             assert any("several pins" in remark for remark in value.remarks)
         unequal = formulas(CrankThrow(**dimensions, right_web=Web(thickness=0.09)))
         assert all(any("webs differ" in text for text in v.remarks) for v in unequal.values())
+        bored = formulas(CrankThrow(**dimensions, oil_holes=({"part": "pin", "diameter": 0.02},)))
+        assert all(any("oil holes" in text for text in v.remarks) for v in bored.values())
         thin = formulas(CrankThrow(**dimensions, web_tip_thickness=0.05))
         assert all(any("tapered" in text for text in v.remarks) for v in thin.values())

@@ -1,3 +1,4 @@
+import re
 import subprocess
 import sys
 
@@ -13,6 +14,7 @@ from regression.law.superelement import law_reactions
 from regression.law.throw_law import (
     axial_law,
     axial_laws,
+    dimension_ranges,
     mass_law,
     throw_laws,
     torsional_law,
@@ -36,6 +38,26 @@ def test_all_lengths_scaled_scale_compliances_exactly(scale):
     np.testing.assert_allclose(of_scaled.ratio, axial.ratio, rtol=1e-12)
     twists = torsional_law(THROW).pinned, torsional_law(scaled).pinned * scale**3
     np.testing.assert_allclose(*twists, rtol=1e-12)
+
+
+@pytest.mark.parametrize("more", [{}, {"main_journal_bore": 0.06, "pin_bore": 0.05}])
+def test_the_law_ends_where_the_range_of_a_dimension_does(more):
+    known = {**DIMENSIONS, **more}
+    ranges = dimension_ranges(CrankThrow(**known))
+    assert set(ranges) == set(known)
+    for name, ends in ranges.items():
+        assert ends["low"] < known[name] < ends["high"]
+        for end, beyond in (("low", 0.999), ("high", 1.001)):
+            if not ends[end] or (
+                name.endswith("_bore") and end == "high"
+            ):  # the wall ends it earlier
+                continue
+            axial_law(CrankThrow(**known | {name: ends[end]}))
+            # The ratio that is told is that which is refused beyond.
+            with pytest.raises(
+                InputError, match=re.escape(ends[f"{end}_limit"].partition(" = ")[0])
+            ):
+                axial_law(CrankThrow(**known | {name: beyond * ends[end]}))
 
 
 def test_youngs_modulus_enters_exactly():
@@ -132,6 +154,10 @@ def test_the_axial_reaction_is_that_of_the_compliances():
 def test_reactions_need_a_force_across_the_shaft():
     with pytest.raises(InputError, match=r"pin_force: given .*; allowed are three numbers"):
         law_reactions(THROW, (0.0, 0.0, 1.0))
+    with pytest.raises(
+        InputError, match=r"^throw: given one of unequal webs; allowed for reactions"
+    ):
+        law_reactions(THROW.changed(left_web=Web(thickness=0.08)), (0.0, -1.0, 0.0))
 
 
 def test_the_mass_follows_size_and_density_and_knows_no_counterweights():

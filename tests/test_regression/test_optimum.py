@@ -253,6 +253,14 @@ def test_unusable_limits(arguments, match):
         Limit(**arguments)
 
 
+def test_a_box_of_one_throw_is_that_throw_and_limits_may_take_fixed_dimensions(model):
+    only = {name: np.mean(ends) for name, ends in BOX.items()}
+    limit = Limit(("mass", "crank_radius"), at_most=1e4, function=lambda m, r: m * r, name="moment")
+    found = find_optimum(model, "mass", [limit], fixed=only)
+    assert found.value == close(mass(np.array([[*only.values()]]))[0], rel=1e-6)
+    assert found.limits[0].value == close(found.value * FIXED["crank_radius"])
+
+
 def test_a_function_without_a_value_is_refused(model):
     limit = Limit(("mass",), at_most=1.0, function=lambda _: float("nan"), name="f")
     with pytest.raises(InputError, match="f: given a function that returns nan"):

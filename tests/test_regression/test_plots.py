@@ -198,6 +198,10 @@ def test_formulas_as_a_table_and_as_bars(dimensions):
     assert [bar.get_width() for bar in axes.patches] == [1.0, 2.0]
     assert len({bar.get_facecolor() for bar in axes.patches}) == 2
     assert axes.lines[0].get_xdata()[0] == 1.5
+    alone = pyplot.figure().add_subplot()
+    draw_formula_bars(alone, ["one"], np.array([1.0]), [True], "e [1]", None)
+    assert [text.get_text() for text in alone.get_legend().texts] == ["applies to the throw"]
+    assert not alone.lines
 
 
 def test_words_for_people():

@@ -28,7 +28,7 @@ from regression.runs import study as study_module
 from regression.runs import workers as workers_module
 from regression.runs.exchange import export_table
 from regression.runs.store import ResultStore
-from regression.runs.study import import_results, read_study, run_plan
+from regression.runs.study import StoreCheck, StudyCheck, import_results, read_study, run_plan
 
 ROOT = Path(__file__).resolve().parents[2]
 THROW = FILLETED
@@ -291,6 +291,21 @@ def test_stores_without_a_study(tmp_path):
         pass
     with pytest.raises(InputError, match=r"^study: none named; .* holds no study yet"):
         read_study(tmp_path / "empty.sqlite")
+
+
+def test_a_check_of_a_store_tells_studies_and_the_first_damaged_rows():
+    rows = {str(number): "no number" for number in range(12)}
+    told = list(StoreCheck("a.sqlite", damaged_rows=rows).parts())
+    assert told[0] == "a.sqlite: no design computed; 12 damaged."
+    assert told[-2:-1] == ["... and 2 more; --json has them all."]
+    assert told[-1].startswith("It holds no study: run one from its file")
+    for check, sentence in (
+        (StudyCheck("abcdefgh"), "Study abcdef: of another version of the finite element model."),
+        (StudyCheck("abcdefgh", "its plan"), "Study abcdef: its plan is damaged; run it from"),
+        (StudyCheck("abcdefgh", None, 5, 2), "Study abcdef: 5 designs, 2 without a result."),
+    ):
+        assert check.sentence.startswith(sentence)
+        assert check.sentence in list(StoreCheck("a.sqlite", studies=(check,)).parts())
 
 
 def test_several_studies_in_one_store_are_told_apart(tmp_path):

@@ -49,6 +49,14 @@ def test_a_throw_in_numbers_and_in_texts_is_the_same(client, throw):
     assert client.outline(throw) == client.outline(texts)
 
 
+def test_dimensions_on_the_outline_have_the_letters_of_their_fields(service, throw):
+    lettered = ""
+    for view in ("side", "front"):
+        asked = {"throw": throw, "view": view, "letters": True}
+        lettered += service.ask("/api/throws/outline", asked)[2].decode()
+    assert set(re.findall(r'data-field="(\w+)"', lettered)) == set(throw)
+
+
 def test_the_file_of_a_throw_says_the_same(client, throw, tmp_path):
     given = throw | {
         "web_outline": "rectangle",
@@ -94,6 +102,7 @@ def test_the_law_answers_with_bands_and_reactions(client, throw):
     assert found.reactions.right.moment == close(known.right.moment.tolist())
     assert found.reactions.left.force_band[2] == close(known.band.left.force[2])
     assert client.law(throw).reactions is None
+    assert client.law(throw, ranges=True).ranges["pin_diameter"].high == close(0.22)
     unequal = client.law(throw, **asked, left_gamma_deg=240.0).reactions
     known = law_reactions(CrankThrow(**throw), force, Neighbors(240.0, 120.0))
     assert unequal.right.moment == close(known.right.moment.tolist())

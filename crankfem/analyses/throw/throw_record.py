@@ -5,12 +5,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 from crankbase.array_checks import FloatArray
 from crankbase.choices import check_choice
 from crankbase.diagrams import COLORS, figure, legend_below, write_title
-from crankbase.errors import InputError
+from crankbase.errors import InputError, MeshError
 from crankbase.quantity import percent
 from crankbase.results import Number, Quantity, Result, made_from, result
 from crankbase.table import SI, Column, Main, OutputUnits, Table
@@ -19,7 +19,6 @@ from fem.analysis import ThrowAnalysis, axial_correction
 from fem.end_reactions import Reactions
 from fem.material import Material
 from fem.modes import ThrowModes
-from fem.plots import Compliance
 from fem.sensitivities import Sensitivities
 from fem.solver import asymmetry
 from fem.superelement import superelement_of_end_forces
@@ -293,8 +292,11 @@ class ThrowResults(Result):
             main=True,
         )
 
-    def slope_table(self) -> Table:
-        """Return the changes in per cent for one per cent of each dimension, those of e_n falling."""
+    def slope_table(self, most: int | None = None) -> Table:
+        """Return the changes in per cent for one per cent of each dimension, those of e_n falling.
+
+        Of all dimensions, or of the first so many.
+        """
         slopes = self.slopes or ()
         heads = [
             f"{SYMBOLS.get(slope.quantity, slope.quantity)} {slope.support}" for slope in slopes
@@ -306,17 +308,21 @@ class ThrowResults(Result):
                 Column("dimension", words=True),
                 *(Column(head.strip(), decimals=3) for head in heads),
             ],
-            [[path.replace("_", " "), *(slope[path] for slope in slopes)] for path in paths],
+            [[path.replace("_", " "), *(slope[path] for slope in slopes)] for path in paths[:most]],
             main=True,
         )
 
-    def slope_words(self) -> str:
-        """State how well the slopes are known, and which dimensions have none."""
+    def slope_words(self, *, left_out: bool = True) -> str:
+        """State what the slopes are of and how well they are known; and which dimensions have none."""
         slope = (self.slopes or ())[0]
-        words = [f"Slopes of the mesh's answer, without its correction of {percent(slope.error)} %"]
-        if zero := [path for path, reason in slope.left_out.items() if reason == ZERO]:
+        words = [
+            "P and Mx: reactions of the right and the left end to a radial force on the first pin; slopes of "
+            f"the mesh's answer, whose correction of {percent(slope.error)} % of e_n is not differentiated"
+        ]
+        reasons = slope.left_out if left_out else {}
+        if zero := [path for path, reason in reasons.items() if reason == ZERO]:
             words.append(f"no slope where a dimension is zero ({', '.join(zero)})")
-        words += [f"{path}: {why}" for path, why in slope.left_out.items() if path not in zero]
+        words += [f"{path}: {why}" for path, why in reasons.items() if path not in zero]
         return f"{'; '.join(words)}."
 
     def time_table(self) -> Table:
@@ -443,6 +449,7 @@ def throw_results(
     further_pin_forces: Sequence[Sequence[float]] = (),
     gamma_deg: float | None = None,
     left_gamma_deg: float | None = None,
+    slopes: bool = False,
 ) -> ThrowResults:
     """Compliances, reactions and masses of a throw.
 
@@ -458,10 +465,18 @@ def throw_results(
         Angle to equal neighbors, for one more support [deg].
     left_gamma_deg : float, optional
         Angle to the left neighbor, if different [deg].
+    slopes : bool
+        Whether also the slopes over the dimensions; a remark says why there are none.
     """
     x, y, z = (0.0, -radial_force, 0.0) if pin_force is None else pin_force
     further = [(right, up, along) for right, up, along in further_pin_forces]
     mesh, masses, sections = analysis.mesh, analysis.masses, analysis.sections
+    remarks = (*analysis.throw.remarks, *(() if analysis.corrected else (NOT_CORRECTED,)))
+    sloped = None
+    try:
+        sloped = throw_slopes(analysis) if slopes else None
+    except (InputError, MeshError) as error:
+        remarks = (*remarks, f"There are no slopes over the dimensions: {error}")
     return made_from(
         analysis,
         ThrowResults,
@@ -486,8 +501,9 @@ def throw_results(
         axial_correction=axial_correction(analysis.superelement, analysis.discrete.superelement),
         unknowns=mesh.unknowns,
         model=f"{mesh.part}, second-order tetrahedra, end sections {analysis.end_sections}",
-        remarks=(*analysis.throw.remarks, *(() if analysis.corrected else (NOT_CORRECTED,))),
+        remarks=remarks,
         further_pin_forces=tuple(further) or None,
+        slopes=sloped,
         meshing_attempts=mesh.attempts,
         mended_elements=mesh.mended_elements,
     )
@@ -546,20 +562,29 @@ def reciprocity(analysis: ThrowAnalysis) -> Reciprocity:
     )
 
 
-SYMBOLS = {"axial_compliance": "e_n", "torsional_compliance": "e_t", "influence_coefficient": "c"}
-# Whose slopes a command prints, besides that of the mass.
-SLOPED: tuple[tuple[Compliance, Literal["pinned", "guided"]], ...] = (
+SYMBOLS = {
+    "axial_compliance": "e_n",
+    "torsional_compliance": "e_t",
+    "influence_coefficient": "c",
+    "right Fz": "P",
+    "left Mx": "Mx",
+}
+# Whose slopes are told; reactions are those to a radial force on the first pin.
+SLOPED: tuple[tuple[str, Support], ...] = (
     ("axial_compliance", "pinned"),
     ("axial_compliance", "guided"),
     ("torsional_compliance", "pinned"),
     ("influence_coefficient", "pinned"),
+    ("right Fz", "pinned"),
+    ("left Mx", "guided"),
+    ("mass", "pinned"),
+    ("inertia", "pinned"),
 )
 
 
 def throw_slopes(analysis: ThrowAnalysis) -> tuple[Sensitivities, ...]:
     """Return how the main answers change with each dimension."""
-    chosen = [analysis.sensitivities(quantity, support) for quantity, support in SLOPED]
-    return (*chosen, analysis.sensitivities("mass"), analysis.sensitivities("inertia"))
+    return tuple(analysis.sensitivities(*answer) for answer in SLOPED)
 
 
 def free_modes(modes: ThrowModes) -> tuple[FreeMode, ...]:

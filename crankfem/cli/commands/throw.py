@@ -108,7 +108,6 @@ def throw(
         free_modes,
         picture_reactions,
         throw_results,
-        throw_slopes,
     )
     from crankfem.cli.arguments import parse_gamma, parse_pin_force
     from crankfem.files.reading.data_files import input_path
@@ -154,6 +153,7 @@ def throw(
             pin_force=forces[0] if forces else None,
             further_pin_forces=forces[1:],
             gamma_deg=angle,
+            slopes=slopes,
         ),
         law=law,
     )
@@ -162,8 +162,6 @@ def throw(
         free = free_modes(analysis.free_modes(modes))
         seconds = dict(results.seconds) | {"modes": time.perf_counter() - start}
         results = replace(results, free_modes=free, seconds=seconds)
-    if slopes:
-        results = replace(results, slopes=throw_slopes(analysis))
     made = None if folder is None else picture_reactions(results, folder)
     if out.json:
         pictures_made = {} if made is None else {"pictures": [str(made)]}

@@ -78,3 +78,35 @@ export function save(name, content, type) {
   link.click();
   setTimeout(() => URL.revokeObjectURL(place), 1000);
 }
+
+let drawing = null;
+
+/* Load the scripts of the interactive view, plotly first. */
+export function loadDrawing() {
+  drawing ??= ["plotly.js", "interactive.js"].reduce(
+    (before, name) =>
+      before.then(
+        () =>
+          new Promise((resolve, reject) => {
+            const script = document.createElement("script");
+            script.src = `/page/${name}`;
+            script.onload = resolve;
+            script.onerror = reject;
+            document.head.append(script);
+          })
+      ),
+    Promise.resolve()
+  );
+  return drawing;
+}
+
+/* Draw an interactive plot in a figure, as reports do. */
+export async function drawPlot(place, name, content, label) {
+  await loadDrawing();
+  const data = Object.assign(document.createElement("script"), { type: "application/json", id: `plot-${name}`, textContent: content });
+  const holder = Object.assign(document.createElement("div"), { className: "interactive", hidden: true });
+  Object.assign(holder.dataset, { plot: name, label });
+  place.replaceChildren(data, holder);
+  place.hidden = false;
+  window.drawInteractivePlot(holder);
+}

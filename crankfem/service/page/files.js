@@ -1,9 +1,10 @@
 /* Engine files: dropped, checked field by field, run; and the jobs of this service, found again. */
 
-import { ask, askJson, follow, ProblemError } from "./api.js";
+import { ask, askJson, askText, drawPlot, follow, ProblemError } from "./api.js";
 
 const byId = (id) => document.getElementById(id);
 const following = new Set();
+const FIRST_SCREEN = "first_screen.json";
 
 function made(name, properties = {}, ...children) {
   const element = Object.assign(document.createElement(name), properties);
@@ -53,9 +54,12 @@ async function check(files) {
   const question = { name: engine.name, text: await engine.text(), tables };
   try {
     const found = await askJson("/api/files/check", question);
-    const kinds = [["run", "/api/engines", "Run"], ["doe", "/api/studies", "Run the study alone"]];
+    const kinds = [["run", "/api/engines", "Run: vibration, verdict, report"], ["doe", "/api/studies", "Run the study alone"]];
+    if (found.throw) {
+      document.dispatchEvent(new CustomEvent("throw-read", { detail: found.throw }));
+    }
     place.replaceChildren(
-      made("p", { textContent: `${engine.name} is a valid ${found.kind} file.` }),
+      made("p", { textContent: `${engine.name} is a valid ${found.kind} file.${found.throw ? " The sliders have its throw." : ""}` }),
       ...[...found.warnings, ...found.remarks].map((remark) => made("p", { className: "remarks", textContent: remark })),
       made(
         "div",
@@ -85,12 +89,40 @@ function refuse(place, name, error) {
 
 async function run(path, question) {
   try {
-    await ask(path, question);
-    byId("checked").textContent = `${question.name} is queued: see Jobs below.`;
+    const job = await askJson(path, question);
+    const place = byId("checked");
+    place.textContent = `${question.name} is queued: see Jobs below.`;
     await listJobs();
+    await follow(job.id, (now) => (place.textContent = `${question.name}: ${words(now)}`));
+    const done = await askJson(`/api/jobs/${job.id}`);
+    if (done.files.includes(FIRST_SCREEN)) {
+      await showVerdict(done);
+    }
   } catch (error) {
     refuse(byId("checked"), question.name, error);
   }
+}
+
+/* The first screen of an engine's report: verdict, tiles, what decides. */
+async function showVerdict(job) {
+  const first = await askJson(`/api/jobs/${job.id}/files/${FIRST_SCREEN}`);
+  const cards = first.tiles.map(({ label, value, details, mark }) =>
+    made("div", { className: `card ${mark}` },
+      made("dt", { textContent: label }), made("dd", { className: "value", textContent: value }),
+      ...details.map((line) => made("dd", { textContent: line }))));
+  const findings = first.findings.map(([label, , line]) => made("li", {}, made("b", { textContent: `${label}: ` }), line));
+  const figure = made("figure", { className: "deciding" });
+  byId("verdict").replaceChildren(
+    made("h2", { id: "verdict-title", className: first.status, textContent: `${job.title}: ${first.headline}` }),
+    made("div", { className: "first" }, made("dl", { className: "cards" }, ...cards), figure),
+    made("ul", {}, ...findings)
+  );
+  byId("verdict").hidden = false;
+  const plot = first.plot.map((name) => `results/pictures/${name}.json`).find((name) => job.files.includes(name));
+  if (plot) {
+    await drawPlot(figure, "deciding", await askText(`/api/jobs/${job.id}/files/${plot}`), "what decides, over the speed");
+  }
+  byId("verdict").scrollIntoView({ block: "start" });
 }
 
 let listing = null;
@@ -143,6 +175,9 @@ function parts(job, row) {
     if (job.files.includes(file)) {
       found.push(made("a", { href: `/api/jobs/${job.id}/${name === "Report" ? "report" : `files/${file}`}`, target: "_blank", rel: "noopener", textContent: name, ariaLabel: `${name} of ${job.title}, ${when}` }));
     }
+  }
+  if (job.files.includes(FIRST_SCREEN)) {
+    found.push(button("Verdict", () => showVerdict(job)));
   }
   found.push(
     button("Remove", async () => {

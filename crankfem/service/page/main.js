@@ -10,8 +10,11 @@ const FIRST = {
   crank_radius: 0.17, main_journal_diameter: 0.22, pin_diameter: 0.18, main_journal_length: 0.12,
   pin_length: 0.139, web_width: 0.285, web_thickness: 0.068, fillet_radius: 0.012,
 };
+/* Of a counterweight where none is given: a sector that reaches into the web. */
+const WEIGHT = { outer_radius: 1.5 * FIRST.crank_radius, angle: (2 * Math.PI) / 3 };
 const FORCE = [0, -1e5, 0]; // on the pin, towards the shaft [N]
 const panels = [];
+const described = {};
 let fields = [];
 
 const settings = {
@@ -21,7 +24,7 @@ const settings = {
   /* Values with their bands by the law, or by a model. */
   async estimate(question) {
     if (settings.source === "law") {
-      return askJson("/api/throws/law", { ...question, pin_force: FORCE });
+      return askJson("/api/throws/law", { ...question, pin_force: FORCE, ranges: true });
     }
     const path = `/api/models/${settings.source}/lookup`;
     // A model may know compliances without reactions.
@@ -32,14 +35,24 @@ const settings = {
       values[one.support === "pinned" && !name.endsWith("_pinned") ? `${name}_pinned` : name] = one;
       one.remarks.forEach((remark) => remarks.add(remark));
     }
-    return { values, remarks: [...remarks], reactions: found.reactions };
+    const { ranges } = await (described[settings.source] ??= askJson(`/api/models/${settings.source}`));
+    const limit = (name, end) => `${name} of the throws of this model's study, ${end}`;
+    const ends = Object.entries(ranges).map(([name, [low, high]]) => [
+      name, { low, low_limit: limit("the least", low), high, high_limit: limit("the largest", high) },
+    ]);
+    return { values, remarks: [...remarks], reactions: found.reactions, ranges: Object.fromEntries(ends) };
   },
 };
 
-/* The fields of a throw from the description of the API; its parts are left to files. */
+/* The fields of a throw and of its counterweights from the description of the API; other parts are left to files. */
 async function readFields() {
-  const api = await askJson("/api/openapi.json");
-  const record = api.components.schemas.CrankThrow;
+  const { CrankThrow } = (await askJson("/api/openapi.json")).components.schemas;
+  const sector = CrankThrow.properties.counterweight.anyOf.find((kind) => kind.properties);
+  const weight = fieldsOf(sector, "counterweight.", WEIGHT).map((field) => ({ ...field, required: false }));
+  return [...fieldsOf(CrankThrow, "", FIRST), ...weight];
+}
+
+function fieldsOf(record, before, usual) {
   const found = [];
   for (const [name, field] of Object.entries(record.properties)) {
     const kinds = field.anyOf.flatMap((kind) => kind.anyOf || [kind]);
@@ -49,13 +62,15 @@ async function readFields() {
       continue;
     }
     found.push({
-      name,
-      symbol: number ? field.title : "",
-      meaning: field.description.replace(/ \[m\]$/, ""),
+      name: before + name,
+      symbol: (number && field.title) || "",
+      meaning: field.description.replace(/ \[(m|rad)\]$/, ""),
+      angle: field.description.endsWith("[rad]"),
       required: record.required.includes(name),
       minimum: number?.minimum,
       maximum: number?.maximum,
-      usual: FIRST[name] ?? FIRST.crank_radius / 2,
+      usual: usual[name] ?? FIRST.crank_radius / 2,
+      start: usual[name],
       choices,
     });
   }
@@ -70,7 +85,7 @@ function readLink() {
     if (field && (name === "a" || name === "b")) {
       const number = Number(text);
       throws[name] ??= {};
-      throws[name][field] = text.trim() && Number.isFinite(number) ? number : text;
+      throws[name][field] = text.trim() && Number.isFinite(number) ? number : /^[[{]/.test(text) ? JSON.parse(text) : text;
     }
   }
   if (METERS[given.get("unit")]) {
@@ -90,7 +105,7 @@ function linkOf() {
   const given = new URLSearchParams();
   for (const panel of panels) {
     for (const [field, value] of Object.entries(panel.sliders.throw())) {
-      given.set(`${panel.name}.${field}`, value);
+      given.set(`${panel.name}.${field}`, typeof value === "object" ? JSON.stringify(value) : value);
     }
   }
   given.set("unit", settings.unit);
@@ -122,7 +137,7 @@ function startSettings() {
   });
   byId("compare").addEventListener("click", () => {
     if (panels.length === 1) {
-      add("b", panels[0].sliders.values);
+      add("b", panels[0].sliders.throw());
     } else {
       panels.pop().root.remove();
       byId("throws").classList.remove("two");
@@ -165,6 +180,8 @@ async function start() {
   document.body.dataset.ready = "yes";
 }
 
+/* The throw of a file that was dropped. */
+document.addEventListener("throw-read", (event) => panels[0]?.sliders.set(event.detail));
 document.addEventListener("key-needed", () => {
   byId("session").hidden = false;
 });

@@ -35,7 +35,7 @@ export function rowsOf(estimate, elements) {
     const off = found?.force_band?.[2] / 1000;
     const known = elements?.supports?.pinned?.reactions?.[side];
     rows.push({
-      title: `Axial reaction, ${side} end`,
+      title: `Axial reaction, ${side} end, to 100 kN on the pin towards the shaft`,
       unit: "kN",
       estimate: found ? { value: axial, lower: axial - off, upper: axial + off } : null,
       value: known && known.force[2] / 1000,
@@ -44,17 +44,25 @@ export function rowsOf(estimate, elements) {
   return rows;
 }
 
-function cell(text) {
-  return Object.assign(document.createElement("td"), { textContent: text });
+/* Cells with labels of their own, shown where the table's head has no room. */
+function cell(text, label) {
+  const made = Object.assign(document.createElement("td"), { textContent: text });
+  made.dataset.label = label;
+  return made;
 }
 
-export function fill(body, rows) {
+export function fill(body, rows, by) {
   body.replaceChildren(
     ...rows.map((row) => {
       const made = document.createElement("tr");
       const unit = (TINY[row.unit] || [1, row.unit])[1];
       const head = Object.assign(document.createElement("th"), { scope: "row", textContent: `${row.title} [${unit}]` });
-      made.append(head, cell(bare(row.estimate?.value, row.unit)), cell(band(row.estimate, row.unit)), cell(withError(row)));
+      made.append(
+        head,
+        cell(bare(row.estimate?.value, row.unit), by),
+        cell(band(row.estimate, row.unit), "Band"),
+        cell(withError(row), "Finite elements")
+      );
       return made;
     })
   );
@@ -93,7 +101,7 @@ export function fillFormulas(body, formulas, reference) {
         known ? (one.value / known).toFixed(2) : "–",
         one.valid ? "yes" : "no",
       ];
-      made.append(...texts.map(cell));
+      made.append(...texts.map((text) => cell(text, "")));
       made.title = [...one.remarks, one.source].join(" ");
       return made;
     })

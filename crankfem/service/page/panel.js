@@ -1,30 +1,8 @@
 /* One throw: its sliders, views and numbers, and its finite-element results. */
 
-import { ask, askJson, askText, follow, ProblemError, save } from "./api.js";
+import { ask, askJson, askText, drawPlot, follow, loadDrawing, ProblemError, save } from "./api.js";
 import { Sliders } from "./sliders.js";
-import { fill, fillFormulas, rowsOf } from "./numbers.js";
-
-const LOAD = "Reactions are to 100 kN on the pin towards the shaft, ends pinned.";
-let drawing = null;
-
-/* Load the scripts of the interactive view, plotly first. */
-function loadDrawing() {
-  drawing ??= ["plotly.js", "interactive.js"].reduce(
-    (before, name) =>
-      before.then(
-        () =>
-          new Promise((resolve, reject) => {
-            const script = document.createElement("script");
-            script.src = `/page/${name}`;
-            script.onload = resolve;
-            script.onerror = reject;
-            document.head.append(script);
-          })
-      ),
-    Promise.resolve()
-  );
-  return drawing;
-}
+import { fill, fillFormulas, quantity, rowsOf } from "./numbers.js";
 
 export class Panel {
   constructor(name, title, fields, values, settings, told) {
@@ -38,10 +16,15 @@ export class Panel {
     this.find("h2").textContent = title;
     this.find("h2").id = `title-${name}`;
     this.root.setAttribute("aria-labelledby", `title-${name}`);
-    this.sliders = new Sliders(
-      name, fields, this.find("fieldset.main"), this.find("fieldset.more"), values, settings.unit,
-      () => this.change()
-    );
+    const places = { main: this.find("fieldset.main"), more: this.find("fieldset.more"), weight: this.find("fieldset.weight") };
+    this.sliders = new Sliders(name, fields, places, values, settings.unit, () => this.change(), (field) => this.light(field));
+    this.find(".views").addEventListener("click", (event) => {
+      const letter = event.target.closest("[data-field]");
+      if (letter) {
+        this.sliders.rows[letter.dataset.field].box.focus();
+      }
+    });
+    this.find(".weights").addEventListener("change", (event) => this.sliders.weigh(event.target.checked));
     this.estimate = null;
     this.elements = null;
     this.job = null;
@@ -52,6 +35,15 @@ export class Panel {
     this.find(".step").addEventListener("click", () => this.saveFile("throw.step"));
     this.find(".report").addEventListener("click", () => window.open(`/api/jobs/${this.job}/report`));
     setTimeout(loadDrawing, 500);
+  }
+
+  /* Light the letter of a dimension on the drawing; by default that of the field in which one types. */
+  light(field) {
+    this.lit = field;
+    const shown = field || this.root.querySelector(".dimension:focus-within")?.dataset.dimension;
+    for (const letter of this.root.querySelectorAll("[data-field]")) {
+      letter.classList.toggle("lit", letter.dataset.field === shown);
+    }
   }
 
   /* A dimension has changed: finite-element results are of another throw. */
@@ -81,7 +73,7 @@ export class Panel {
 
   async refresh() {
     const question = { throw: this.sliders.throw() };
-    const views = ["side", "front"].map((view) => askText("/api/throws/outline", { ...question, view }));
+    const views = ["side", "front"].map((view) => askText("/api/throws/outline", { ...question, view, letters: true }));
     const formulas = askJson("/api/throws/formulas", question);
     const estimate = this.settings.estimate(question).catch((error) => ({ refused: error.message }));
     try {
@@ -105,6 +97,9 @@ export class Panel {
   show(side, front, formulas, estimate) {
     this.find(".side").innerHTML = side;
     this.find(".front").innerHTML = front;
+    this.light(this.lit);
+    this.find(".weights").checked = Boolean(this.sliders.throw().counterweight);
+    this.sliders.limit(estimate.ranges ?? {});
     this.estimate = estimate;
     this.formulas = formulas;
     this.find(".by").textContent = this.settings.sourceName();
@@ -114,13 +109,14 @@ export class Panel {
 
   showNumbers() {
     const estimate = this.estimate?.refused ? null : this.estimate;
-    fill(this.find(".numbers tbody"), rowsOf(estimate, this.elements?.throw));
+    fill(this.find(".numbers tbody"), rowsOf(estimate, this.elements?.throw), this.settings.sourceName());
     const known = this.elements?.throw.supports.pinned;
-    this.find(".numbers").classList.toggle("calculated", Boolean(known));
     const values = estimate?.values || {};
+    const [axial, torsional] = ["axial", "torsional"].map((kind) => values[`${kind}_compliance_pinned`]);
+    this.find(".brief").textContent = axial ? `Ends pinned: axial ${quantity(axial.value, axial.unit)}, torsional ${torsional ? quantity(torsional.value, torsional.unit) : "–"}` : "";
     this.find(".numbers caption").textContent = known
-      ? `Steel. ${LOAD} ± is the estimated error of the finite elements.`
-      : `Steel. ${LOAD} Calculate gives the values by finite elements.`;
+      ? "Steel. ± is the estimated error of the finite elements."
+      : "Steel. Calculate gives the values by finite elements.";
     this.find(".ratio").textContent = known ? "Ratio to FE" : `Ratio to ${this.settings.source}`;
     fillFormulas(this.find(".formulas tbody"), this.formulas, {
       axial: known?.axial_compliance ?? values.axial_compliance_pinned?.value,
@@ -173,23 +169,11 @@ export class Panel {
 
   /* Draw the throw in three dimensions, as in reports. */
   async turn(id) {
-    const [figure] = await Promise.all([askText(`/api/jobs/${id}/files/throw_view.json`), loadDrawing()]);
+    const figure = await askText(`/api/jobs/${id}/files/throw_view.json`);
     if (id !== this.job) {
       return;
     }
-    const place = this.find(".solid");
-    const data = document.createElement("script");
-    data.type = "application/json";
-    data.id = `plot-view-${this.name}`;
-    data.textContent = figure;
-    const holder = document.createElement("div");
-    holder.className = "interactive";
-    holder.hidden = true;
-    holder.dataset.plot = `view-${this.name}`;
-    holder.dataset.label = "the throw in three dimensions";
-    place.replaceChildren(data, holder);
-    place.hidden = false;
-    window.drawInteractivePlot(holder);
+    await drawPlot(this.find(".solid"), `view-${this.name}`, figure, "the throw in three dimensions");
   }
 
   async cancel() {

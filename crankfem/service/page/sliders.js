@@ -1,31 +1,79 @@
 /* The dimensions of one throw: a slider and a field each, with units; errors are shown at their fields. */
 
 export const METERS = { mm: 0.001, cm: 0.01, m: 1, in: 0.0254 };
-const SPAN = 2.5; // a slider reaches from a part of its first value to a multiple of it
+const DEGREES = { deg: Math.PI / 180 };
+const SPAN = 2.5; // without a known range a slider reaches from a part of its value to a multiple of it
 const STEPS = 400;
 const QUANTITY = /^\s*([-+]?[\d.]+(?:e[-+]?\d+)?)\s*([a-z]*)\s*$/i;
 
-export function shown(value, unit) {
-  return String(Number((value / METERS[unit]).toPrecision(6)));
-}
+const scales = (field) => (field.angle ? DEGREES : METERS);
 
-/* Lengths are in meters here; null is not given. */
+/* Lengths are in meters and angles in radians here; null is not given. */
 export class Sliders {
-  constructor(name, fields, place, more, values, unit, changed) {
+  constructor(name, fields, places, values, unit, changed, lit) {
     this.name = name;
-    this.values = { ...values };
     this.unit = unit;
     this.changed = changed;
+    this.lit = lit;
     this.rows = {};
+    this.split(fields, values);
     for (const field of fields) {
-      this.add(field, field.required || field.name === "fillet_radius" ? place : more);
+      const main = field.required || field.name === "fillet_radius";
+      this.add(field, field.name.includes(".") ? places.weight : main ? places.main : places.more);
     }
+  }
+
+  /* Values by the names of the sliders, and the parts of a throw that have none. */
+  split(fields, values) {
+    const known = new Set(fields.map((field) => field.name));
+    this.values = {};
+    this.parts = {};
+    for (const [name, value] of Object.entries(values)) {
+      if (known.has(name) || typeof value !== "object" || value === null) {
+        this.values[name] = value;
+      } else if (fields.some((field) => field.name.startsWith(`${name}.`))) {
+        Object.entries(value).forEach(([part, number]) => (this.values[`${name}.${part}`] = number));
+      } else {
+        this.parts[name] = value;
+      }
+    }
+  }
+
+  /* Take over a throw. */
+  set(values) {
+    this.split(Object.values(this.rows).map((row) => row.field), values);
+    for (const [name, row] of Object.entries(this.rows)) {
+      Object.assign(row, { text: null, range: null });
+      this.show(name);
+      this.center(name);
+      if (this.values[name] && !row.field.required) {
+        row.box.closest("details")?.setAttribute("open", "");
+      }
+    }
+    this.changed();
+  }
+
+  /* Add counterweights, or take them away. */
+  weigh(added) {
+    const weights = Object.values(this.rows).filter(({ field }) => field.name.includes("."));
+    const usual = weights.map(({ field }) => [field.name, field.start]);
+    this.set({ ...this.throw(), counterweight: null, ...(added ? Object.fromEntries(usual) : {}) });
+  }
+
+  unitOf(field) {
+    return field.angle ? "deg" : this.unit;
+  }
+
+  shown(name) {
+    const { field } = this.rows[name];
+    return String(Number((this.values[name] / scales(field)[this.unitOf(field)]).toPrecision(6)));
   }
 
   add(field, place) {
     const id = `${this.name}-${field.name}`;
     const row = document.createElement("div");
     row.className = "dimension";
+    row.dataset.dimension = field.name;
     const label = document.createElement("label");
     label.htmlFor = id;
     label.textContent = field.meaning;
@@ -36,8 +84,8 @@ export class Sliders {
       letter.append(small);
       label.append(letter);
     }
-    const wrong = document.createElement("p");
-    wrong.id = `${id}-wrong`;
+    const wrong = Object.assign(document.createElement("p"), { id: `${id}-wrong` });
+    const edge = Object.assign(document.createElement("p"), { id: `${id}-edge`, className: "edge" });
     let box;
     let slider = null;
     if (field.choices) {
@@ -59,39 +107,59 @@ export class Sliders {
       slider.addEventListener("input", () => this.slide(field.name, Number(slider.value)));
     }
     box.id = id;
-    box.setAttribute("aria-describedby", wrong.id);
-    row.append(label, box, ...(slider ? [slider] : []), wrong);
+    box.setAttribute("aria-describedby", `${wrong.id} ${edge.id}`);
+    row.append(label, box, ...(slider ? [slider] : []), edge, wrong);
+    for (const [event, name] of Object.entries({ pointerenter: field.name, focusin: field.name, pointerleave: "", focusout: "" })) {
+      row.addEventListener(event, () => this.lit(name));
+    }
     place.append(row);
-    this.rows[field.name] = { field, box, slider, wrong, text: null };
+    this.rows[field.name] = { field, box, slider, wrong, edge, range: null, text: null };
     this.show(field.name);
     this.center(field.name);
   }
 
-  /* Set the slider's range around the present value. */
+  /* Set the slider's range: that of the law or model, else around the present value. */
   center(name) {
-    const { slider, field } = this.rows[name];
+    const { slider, field, range } = this.rows[name];
     if (!slider) {
       return;
     }
-    const about = this.values[name] || field.usual || 0;
-    const low = this.values[name] && field.minimum > 0 ? about / SPAN : Math.max(0, field.minimum);
+    const about = Math.abs(this.values[name] || field.usual || 0);
+    const low = this.values[name] && field.minimum > 0 ? about / SPAN : Math.max(-about * SPAN, field.minimum);
     const high = Math.max(about * SPAN, field.usual ?? 0);
-    slider.min = Math.max(field.minimum, low);
-    slider.max = Math.min(field.maximum, high);
+    slider.min = range?.low ?? Math.max(field.minimum, low);
+    slider.max = range?.high ?? Math.min(field.maximum, high);
     slider.step = (slider.max - slider.min) / STEPS;
     slider.value = this.values[name] ?? 0;
     this.describe(name);
   }
 
+  /* Take over the ranges of the law or model; sliders at an end say what ends them there. */
+  limit(ranges) {
+    for (const [name, row] of Object.entries(this.rows)) {
+      const range = ranges[name] ?? null;
+      const value = this.values[name];
+      if (row.slider && JSON.stringify(range) !== JSON.stringify(row.range)) {
+        row.range = range;
+        this.center(name);
+      }
+      const near = range && typeof value === "number" ? 0.002 * (range.high - range.low) : NaN;
+      row.edge.textContent =
+        value <= range?.low + near ? `Ends here: ${range.low_limit}.` : value >= range?.high - near ? `Ends here: ${range.high_limit}.` : "";
+    }
+  }
+
   describe(name) {
-    const { slider, box } = this.rows[name];
-    slider?.setAttribute("aria-valuetext", box.value ? `${box.value} ${this.unit}` : "not given");
+    const { slider, box, field } = this.rows[name];
+    slider?.setAttribute("aria-valuetext", box.value ? `${box.value} ${this.unitOf(field)}` : "not given");
   }
 
   slide(name, value) {
-    const rounded = METERS[this.unit] * Number((value / METERS[this.unit]).toPrecision(4));
+    const { field, range } = this.rows[name];
+    const scale = scales(field)[this.unitOf(field)];
+    const rounded = scale * Number((value / scale).toPrecision(4));
     this.rows[name].text = null;
-    this.values[name] = rounded;
+    this.values[name] = range ? Math.min(Math.max(rounded, range.low), range.high) : rounded;
     this.show(name);
     this.changed();
   }
@@ -100,13 +168,13 @@ export class Sliders {
   type(name, text) {
     const row = this.rows[name];
     const found = QUANTITY.exec(text);
-    const unit = found && (found[2] || this.unit);
+    const scale = found && scales(row.field)[found[2] || this.unitOf(row.field)];
     if (!text.trim()) {
       row.text = null;
       this.values[name] = null;
-    } else if (found && METERS[unit]) {
+    } else if (scale) {
       row.text = null;
-      this.values[name] = Number(found[1]) * METERS[unit];
+      this.values[name] = Number(found[1]) * scale;
       row.slider.value = this.values[name];
     } else {
       row.text = text;
@@ -124,7 +192,7 @@ export class Sliders {
     const { box, slider } = this.rows[name];
     const value = this.values[name];
     if (slider) {
-      box.value = typeof value === "number" ? shown(value, this.unit) : "";
+      box.value = typeof value === "number" ? this.shown(name) : "";
       this.describe(name);
     } else if (value) {
       box.value = value;
@@ -140,11 +208,13 @@ export class Sliders {
 
   /* The throw for a request. */
   throw() {
-    const found = {};
+    const found = { ...this.parts };
     for (const [name, { text }] of Object.entries(this.rows)) {
       const value = text ?? this.values[name];
       if (value !== null && value !== undefined && value !== "") {
-        found[name] = typeof value === "number" ? Number(value.toPrecision(12)) : value;
+        const [part, field] = name.split(".");
+        const place = field ? (found[part] ??= {}) : found;
+        place[field ?? part] = typeof value === "number" ? Number(value.toPrecision(12)) : value;
       }
     }
     return found;

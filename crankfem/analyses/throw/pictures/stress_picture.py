@@ -91,7 +91,7 @@ def stretched_surface(analysis: ThrowAnalysis) -> ThrowSurface:
 def stressed_surface(stresses: FilletStresses) -> ThrowSurface:
     """Return the surface of the whole throw with equivalent stresses (von Mises) under all loads."""
     loaded, mesh = stresses.loaded, stresses.loaded.mesh
-    whole = whole_nodes(mesh)
+    whole = loaded.whole
     equivalent = whole.collect([von_mises(part) for part in loaded.stresses(whole.images)])
     # Where it is known better.
     equivalent[stresses.surface.nodes] = von_mises(stresses.surface.stress)
@@ -178,7 +178,7 @@ def picture_arrays(stresses: FilletStresses) -> dict[str, NDArray[Any]]:
     """Content of the pictures: nodes and facets of the whole throw and of its half, stresses, texts."""
     loaded = stresses.loaded
     mesh = loaded.mesh
-    whole, surface = whole_nodes(mesh), stressed_surface(stresses)
+    whole, surface = loaded.whole, stressed_surface(stresses)
     on_cut = six_node_triangles(mesh, mesh.surfaces.get(CRANK_PLANE, np.empty((0, 3), int)))
     here = [not image.across_crank for image in whole.images]
     both = np.concatenate([outside_facets(mesh), on_cut])

@@ -8,12 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from crankbase.diagrams import STYLE
 
 Array = NDArray[np.float64]
 
 LINE_COLOR, LINE_WIDTH = "#2a3644", 2.5
+SAMPLES = 2  # along each side of a pixel, for smooth edges: faster than VTK's own
 SHARP = 30.0  # an angle between faces that makes an edge [deg]
 MARGIN = 0.02  # of the longer side
 # Directions from which light falls, seen by the eye (right, up, towards it), and how much.
@@ -77,10 +79,10 @@ class Scene:
         self._extent = high - low + 2.0 * MARGIN * self.longer
         self._pixels = np.ceil(pixels * self._extent / self._extent.max()).astype(int)
         self._plotter = pyvista.Plotter(
-            off_screen=True, window_size=self._pixels.tolist(), lighting="none"
+            off_screen=True, window_size=(SAMPLES * self._pixels).tolist(), lighting="none"
         )
         self._plotter.set_background("white")
-        self._plotter.enable_anti_aliasing("ssaa")
+        self._plotter.disable_anti_aliasing()
         for place, intensity in LIGHTS:
             self._plotter.add_light(
                 pyvista.Light(position=place, light_type="camera light", intensity=intensity)
@@ -122,7 +124,8 @@ class Scene:
             self._solid.mapper.array_name = field
         self._plotter.renderer.reset_camera_clipping_range()
         self._plotter.render()
-        return np.array(self._plotter.screenshot(return_img=True)[:, :, :3])
+        rendered = self._plotter.screenshot(return_img=True)[:, :, :3]
+        return np.asarray(Image.fromarray(np.ascontiguousarray(rendered)).reduce(SAMPLES))
 
     def close(self) -> None:
         """End it."""
@@ -293,7 +296,7 @@ def _compose(
         left = side
         for view, (across, high) in zip(views, spans, strict=True):
             axes = axes_at(left, bottom + 0.5 * (VIEWS_HEIGHT - high), across, high)
-            axes.imshow(view.pixels, interpolation="lanczos", aspect="auto")
+            axes.imshow(view.pixels, interpolation="hanning", aspect="auto")
             axes.set_axis_off()
             write(view.name, left + 0.5 * across, 0.28, ha="center", color=QUIET)
             for mark, symbol in zip(view.marks, SYMBOLS, strict=False):
