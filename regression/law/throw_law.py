@@ -274,7 +274,7 @@ def dimension_ranges(throw: CrankThrow) -> dict[str, dict[str, float | str]]:
     Returns
     -------
     dict of str to dict
-        By field that alone sets a ratio, "low" and "high" [m], and with "_limit" the ratio that ends it there.
+        By field that alone sets a ratio, "low" and "high" [m], with "_limit" the ratio that ends it there.
         Walls of bores may end earlier.
 
     Raises

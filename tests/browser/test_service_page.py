@@ -199,6 +199,21 @@ def test_a_dropped_engine_sets_the_sliders_and_shows_its_verdict(open_service, t
     assert page.complaints == []
 
 
+@pytest.mark.parametrize("width", [1400, 390])
+def test_letters_stand_inside_the_drawing(open_service, width):
+    page = open_service(width)
+    page.click('summary:has-text("Counterweights")')
+    page.check(".weights")
+    page.wait_for_selector('[data-field="counterweight.outer_radius"]')
+    for view in (".side", ".front"):
+        sheet = page.locator(f"{view} svg").bounding_box()
+        for letter in page.locator(f"{view} [data-field]").all():
+            box = letter.bounding_box()
+            for place, size in (("x", "width"), ("y", "height")):
+                assert sheet[place] - 4 <= box[place]
+                assert box[place] + box[size] <= sheet[place] + sheet[size] + 4
+
+
 def test_letters_light_with_their_sliders_and_bring_one_to_them(open_service):
     page = open_service()
     page.focus("#a-web_width")
