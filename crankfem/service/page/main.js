@@ -2,7 +2,7 @@
 
 import { ask, askJson, ProblemError } from "./api.js";
 import { startFiles, listJobs } from "./files.js";
-import { METERS } from "./sliders.js";
+import { METERS, shown } from "./sliders.js";
 import { Panel } from "./panel.js";
 
 const byId = (id) => document.getElementById(id);
@@ -35,11 +35,16 @@ const settings = {
       values[one.support === "pinned" && !name.endsWith("_pinned") ? `${name}_pinned` : name] = one;
       one.remarks.forEach((remark) => remarks.add(remark));
     }
-    const { ranges } = await (described[settings.source] ??= askJson(`/api/models/${settings.source}`));
-    const limit = (name, end) => `${name} of the throws of this model's study, ${end}`;
-    const ends = Object.entries(ranges).map(([name, [low, high]]) => [
-      name, { low, low_limit: limit("the least", low), high, high_limit: limit("the largest", high) },
-    ]);
+    const { ranges, fixed } = await (described[settings.source] ??= askJson(`/api/models/${settings.source}`));
+    const told = (value, end) => `${shown(value, METERS, settings.unit)} ${settings.unit} is ${end} of its study`;
+    const ends = [
+      ...Object.entries(ranges).map(([name, [low, high]]) => [
+        name, { low, low_limit: told(low, "the least"), high, high_limit: told(high, "the largest") },
+      ]),
+      ...Object.entries(fixed).map(([name, value]) => [
+        name, { low: value, low_limit: told(value, "the only one"), high: value, high_limit: "" },
+      ]),
+    ];
     return { values, remarks: [...remarks], reactions: found.reactions, ranges: Object.fromEntries(ends) };
   },
 };

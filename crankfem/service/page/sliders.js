@@ -8,6 +8,10 @@ const QUANTITY = /^\s*([-+]?[\d.]+(?:e[-+]?\d+)?)\s*([a-z]*)\s*$/i;
 
 const scales = (field) => (field.angle ? DEGREES : METERS);
 
+export function shown(value, scale, unit) {
+  return String(Number((value / scale[unit]).toPrecision(6)));
+}
+
 /* Lengths are in meters and angles in radians here; null is not given. */
 export class Sliders {
   constructor(name, fields, places, values, unit, changed, lit) {
@@ -66,7 +70,7 @@ export class Sliders {
 
   shown(name) {
     const { field } = this.rows[name];
-    return String(Number((this.values[name] / scales(field)[this.unitOf(field)]).toPrecision(6)));
+    return shown(this.values[name], scales(field), this.unitOf(field));
   }
 
   add(field, place) {
@@ -135,7 +139,7 @@ export class Sliders {
   }
 
   /* Take over the ranges of the law or model; sliders at an end say what ends them there. */
-  limit(ranges) {
+  limit(ranges, by) {
     for (const [name, row] of Object.entries(this.rows)) {
       const range = ranges[name] ?? null;
       const value = this.values[name];
@@ -145,7 +149,7 @@ export class Sliders {
       }
       const near = range && typeof value === "number" ? 0.002 * (range.high - range.low) : NaN;
       row.edge.textContent =
-        value <= range?.low + near ? `Ends here: ${range.low_limit}.` : value >= range?.high - near ? `Ends here: ${range.high_limit}.` : "";
+        value <= range?.low + near ? `${by} ends here: ${range.low_limit}.` : value >= range?.high - near ? `${by} ends here: ${range.high_limit}.` : "";
     }
   }
 
