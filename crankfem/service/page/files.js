@@ -189,9 +189,6 @@ function parts(job, row) {
   if (job.files.includes(FIRST_SCREEN)) {
     found.push(button("Verdict", () => showVerdict(job)));
   }
-  if (job.files.includes(FIRST_SCREEN)) {
-    found.push(button("Verdict", () => showVerdict(job)));
-  }
   found.push(
     button("Remove", async () => {
       await ask(`/api/jobs/${job.id}`, undefined, { method: "DELETE" }).catch(() => null);
