@@ -68,7 +68,7 @@ def _of_vibration(vibration: EngineVibration) -> str:
     words, end = assessment.verdict.headline, ""
     if status == "undecided":
         words = f"{words} with the values used"
-        end = f"; {VERDICTS[status].lower()}, as some that decide are assumed"
+        end = f"; {VERDICTS[status].lower()}"
     misfiring = misfiring_decides(vibration)
     if assessment.verdict.status == "not acceptable":
         return f"{words}{', also while a cylinder misfires' if misfiring else ''}{end}"
