@@ -204,6 +204,11 @@ def _measures(results: "RunResults", assessment: Assessment) -> str:
     return " ".join(told)
 
 
+def speed_shown(speed: float) -> str:
+    """Write a speed [rad/s] with the digits of a report."""
+    return f"{significant(speed * RPM, DIGITS)} 1/min"
+
+
 def reached_and_permitted(use: LimitUse, unit: str) -> tuple[str, str]:
     """Write what is reached and what is permitted with three digits, or as many as tell them apart.
 
@@ -238,14 +243,12 @@ def _cause(assessment: Assessment) -> str:
     worst = assessment.verdict.worst
     if worst.cause is None:
         return ""
-    return sentence(
-        f"at {significant(worst.worst_speed * RPM, DIGITS)} 1/min, {worst.cause.reasons}"
-    )
+    return sentence(f"at {speed_shown(worst.worst_speed)}, {worst.cause.reasons}")
 
 
 def _share(use: LimitUse, unit: str) -> str:
     reached, permitted = reached_and_permitted(use, unit)
-    at = f"{reached} at {significant(use.speed * RPM, DIGITS)} 1/min"
+    at = f"{reached} at {speed_shown(use.speed)}"
     if math.isinf(use.used):
         return f"{at}, permitted is {permitted}"
     return f"{at}, {format_usage(use.used)} of the permitted {permitted}"
@@ -449,8 +452,8 @@ def _remedy(results: "RunResults", worst: LimitCheck) -> Remedy | None:
     modes = sorted({(part.kind, part.mode) for part in resonant if part.contribution > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     enough = left.value <= worst.permitted
-    speed = f"{significant(worst.worst_speed * RPM, DIGITS)} 1/min"
-    return Remedy(together, rest, permitted, enough, named, _undamped(modes, results), speed)
+    undamped, speed = _undamped(modes, results), speed_shown(worst.worst_speed)
+    return Remedy(together, rest, permitted, enough, named, undamped, speed)
 
 
 def _undamped(modes: Sequence[tuple[str, int]], results: "RunResults") -> str:
