@@ -41,16 +41,18 @@ from fem.superelement import (
     CondensedClass,
     Superelement,
     combine_classes,
-    measured_sections,
     nodes_on,
+    section_ring,
     unit_end_motions,
 )
 from fem.supports import Support, pin_compliance, reactions, support_throw
 from fem.symmetry import (
     RIGID,
     NodalLoads,
+    SectionMotions,
     axial_class,
     end_sections,
+    end_surface,
     mirror_images,
     pin_surfaces,
     radial_directions,
@@ -260,6 +262,7 @@ def dimension_changes(
     moving = list(velocities.values())
     by_class, masses = class_slopes(mesh, material, plain, moving), mass_slopes(mesh, moving)
     sizes, changes = lengths_of(solved), {}
+    discs = [end_surface(mesh, section) for section in end_sections(axial_class(mesh.part))]
     for path, slopes, (mass, inertia) in zip(
         velocities, zip(*by_class, strict=True), masses, strict=True
     ):
@@ -279,7 +282,8 @@ def dimension_changes(
             if made.bending:
                 # What is held of a section that bends is its mean motion, over a ring that changes.
                 points = mesh.points + step * velocities[path]
-                ring = measured_sections(replace(mesh, points=points), made.bending.sections.degree)
+                surfaces = [disc.at(points[disc.nodes], disc.images) for disc in discs]
+                ring = SectionMotions(made.bending.sections.degree, *section_ring(surfaces, points))
                 made = replace(made, bending=made.bending.shared_with(ring))
             ends.append(made)
         changes[path] = DimensionChange(
