@@ -77,6 +77,8 @@ CACHED = 60_000
 MANY = 2
 # Differences of loads and prescribed motions, which are smooth, in lengths of the throw.
 SHIFT = 1e-7
+# A ring whose size grows less than so many per cent for one per cent of a dimension does not change with it.
+SAME_RING = 1e-3
 # Answers with slopes, besides mass and inertia.
 SLOPED = (
     *("axial_compliance", "torsional_compliance", "influence_coefficient", "pin_compliance"),
@@ -263,6 +265,7 @@ def dimension_changes(
     by_class, masses = class_slopes(mesh, material, plain, moving), mass_slopes(mesh, moving)
     sizes, changes = lengths_of(solved), {}
     discs = [end_surface(mesh, section) for section in end_sections(axial_class(mesh.part))]
+    rings = section_ring(discs, mesh.points)
     for path, slopes, (mass, inertia) in zip(
         velocities, zip(*by_class, strict=True), masses, strict=True
     ):
@@ -283,8 +286,10 @@ def dimension_changes(
                 # What is held of a section that bends is its mean motion, over a ring that changes.
                 points = mesh.points + step * velocities[path]
                 surfaces = [disc.at(points[disc.nodes], disc.images) for disc in discs]
-                ring = SectionMotions(made.bending.sections.degree, *section_ring(surfaces, points))
-                made = replace(made, bending=made.bending.shared_with(ring))
+                ring = section_ring(surfaces, points)
+                if not np.allclose(ring, rings, rtol=SAME_RING * STEP, atol=0.0):
+                    sections = SectionMotions(made.bending.sections.degree, *ring)
+                    made = replace(made, bending=made.bending.shared_with(sections))
             ends.append(made)
         changes[path] = DimensionChange(
             motion.beside[path], (ends[0], ends[1]), sizes[path] * mass, sizes[path] * inertia
