@@ -167,7 +167,9 @@ def test_a_plant_that_cannot_be_one(tmp_path, old, new, said):
 
 @pytest.fixture(scope="module")
 def plant(coarse_throw):
-    engine, analysis = coarse_throw("5rt-flex50d")  # whose chain has none of the throw's compliances
+    engine, analysis = coarse_throw(
+        "5rt-flex50d"
+    )  # whose chain has none of the throw's compliances
     return engine_vibration(engine, analysis=analysis)
 
 
