@@ -744,7 +744,7 @@ def test_new_files_are_read_without_warnings(tmp_path, cylinders, strokes, v_ang
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("cylinders", "strokes", "v_angle"), [(9, 4, None), (10, 2, "even")])
-def test_new_files_have_a_verdict(call, tmp_path, cylinders, strokes, v_angle):
+def test_new_files_have_a_verdict(call, coarsely, tmp_path, cylinders, strokes, v_angle):
     path = tmp_path / "new.toml"
     path.write_text(engine_template(path.name, cylinders, strokes, v_angle), encoding="utf-8")
     assert call("vibration", path, "--json").json()["assessment"]["status"]
