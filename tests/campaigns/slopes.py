@@ -1,6 +1,7 @@
 """Slopes of random throws over all dimensions: their sums, and some against other meshes.
 
-Run by hand: ``python tests/campaigns/slopes.py [COUNT] [FIRST SEED] [ACCURACY] [MESHES]``; its figures are in
+Run by hand: ``python tests/campaigns/slopes.py [COUNT] [FIRST SEED] [ACCURACY] [MESHES]``; with ``remeshed
+SEED ...`` all slopes of these throws are compared with differences between meshes. The figures are in
 docs/accuracy.md. A throw of f times the size has 1/f of the axial, 1/f^3 of the torsional compliance and f^3
 of the mass, and under the same force the same reactions and f times their moments, so the slopes over all
 lengths add up to -1, -3, 3, 0 and 1: nothing in their calculation makes them. Of a throw all of whose lengths
@@ -9,12 +10,14 @@ have slopes, one is also changed by 3 % either way, so many times with other ele
 
 import sys
 import time
+from collections.abc import Sequence
 
 import numpy as np
 from random_throws import random_throw
 
 from crankbase.errors import InputError, MeshError
-from fem.analysis import analyze_throw
+from fem.analysis import ThrowAnalysis, analyze_throw
+from fem.sensitivities import sloped_answer
 from fem.supports import Neighbors, Support
 from geometry.boundary_motion import ZERO, lengths_of, with_length
 from geometry.throw import CrankThrow
@@ -36,15 +39,51 @@ ANSWERS: dict[tuple[str, Support], float] = {
 STEP, ACCURACIES = 0.03, (0.006, 0.005, 0.004)
 
 
-def between_meshes(throw: CrankThrow, path: str, meshes: int) -> list[float]:
-    """Return d ln(e_n) / d ln(dimension) between throws on both sides, of so many accuracies."""
+def between_meshes(
+    throw: CrankThrow, path: str, meshes: int, answers: Sequence[tuple[str, Support]]
+) -> np.ndarray:
+    """Return d ln(answer) / d ln(dimension) between throws on both sides, a row for each accuracy."""
     size = lengths_of(throw)[path]
     ends = [with_length(throw, path, size * (1.0 + step)) for step in (-STEP, STEP)]
     slopes = []
     for accuracy in ACCURACIES[:meshes]:
-        low, high = (analyze_throw(end, accuracy=accuracy).axial_compliance() for end in ends)
-        slopes.append(float(np.log(high / low) / np.log((1.0 + STEP) / (1.0 - STEP))))
-    return slopes
+        low, high = (analyze_throw(end, accuracy=accuracy) for end in ends)
+        ratios = [value(high, *answer) / value(low, *answer) for answer in answers]
+        slopes.append(np.log(ratios) / np.log((1.0 + STEP) / (1.0 - STEP)))
+    return np.array(slopes)
+
+
+def value(analysis: ThrowAnalysis, quantity: str, support: Support) -> float:
+    """Return an answer of a throw."""
+    if quantity in ("mass", "inertia"):
+        return analysis.mass if quantity == "mass" else analysis.masses.inertia_about_shaft
+    return sloped_answer(quantity, support, 0, None)(analysis.superelement)
+
+
+def remeshed(seeds: Sequence[int]) -> None:
+    """Print every slope of some throws that is not within 1.5 % or 0.005 of differences between meshes."""
+    answers = [*ANSWERS]
+    for seed in seeds:
+        throw = random_throw(seed)
+        analysis = analyze_throw(throw, accuracy=ACCURACIES[1])
+        slopes = [analysis.sensitivities(*answer).shares for answer in answers]
+        compared = within = 0
+        for path in slopes[0]:
+            try:
+                differences = between_meshes(throw, path, len(ACCURACIES), answers)
+            except (InputError, MeshError):
+                continue
+            means, scatter = differences.mean(axis=0), differences.std(axis=0)
+            for answer, shares, mean, spread in zip(answers, slopes, means, scatter, strict=True):
+                compared += 1
+                if abs(shares[path] - mean) <= max(0.005, 0.015 * abs(mean)):
+                    within += 1
+                    continue
+                name = f"{answer[0]} {answer[1]}, {path}"
+                print(f"  {name}: {shares[path]:+.4f}, {mean:+.4f} +- {spread:.4f}", flush=True)
+        print(
+            f"seed {seed}, {analysis.mesh.part}: {within} of {compared} slopes within", flush=True
+        )
 
 
 def main(count: int = 100, first: int = 1, accuracy: float = 0.01, meshes: int = 3) -> None:
@@ -75,10 +114,10 @@ def main(count: int = 100, first: int = 1, accuracy: float = 0.01, meshes: int =
               flush=True)  # fmt: skip
         path = lengths[seed % len(lengths)]
         try:
-            meshed = between_meshes(throw, path, meshes)
+            meshed = between_meshes(throw, path, meshes, [("axial_compliance", "pinned")])[:, 0]
         except (InputError, MeshError):
             continue
-        if meshed:
+        if meshed.size:
             slope, scatter = slopes["axial_compliance", "pinned"][path], float(np.std(meshed))
             apart.append(slope - float(np.mean(meshed)))
             print(f"  {path}: {slope:+.4f}, between meshes {np.mean(meshed):+.4f} +- {scatter:.4f}",
@@ -95,5 +134,8 @@ def main(count: int = 100, first: int = 1, accuracy: float = 0.01, meshes: int =
 
 
 if __name__ == "__main__":
-    kinds = (int, int, float, int)
-    main(*(kind(text) for kind, text in zip(kinds, sys.argv[1:], strict=False)))
+    if sys.argv[1:2] == ["remeshed"]:
+        remeshed([int(text) for text in sys.argv[2:]])
+    else:
+        kinds = (int, int, float, int)
+        main(*(kind(text) for kind, text in zip(kinds, sys.argv[1:], strict=False)))
