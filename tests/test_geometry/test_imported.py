@@ -14,7 +14,7 @@ from fem.superelement import condense
 from fem.supports import class_axial_compliances
 from fem.symmetry import axial_class, unit_pin_loads
 from geometry.gmsh_session import IsolatedProcess, gmsh_session
-from geometry.imported import import_throw
+from geometry.imported import NODES_PER_FACE, import_throw
 from geometry.mass import mass_properties
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.shapes import element_volumes
@@ -319,6 +319,17 @@ BORED = {
     "pin_bore_offset": 0.01,
     "main_journal_bore_offset": -0.005,
 }
+
+
+def test_a_larger_finely_meshed_surface_takes_more_unknowns(imported):
+    zone = replace(imported.plan.zones[0], size=0.99 * imported.plan.bulk)
+    counts = []
+    for area in (0.1, 0.2):
+        plan = replace(imported.plan, zones=(replace(zone, area=area * imported.area),))
+        counts.append(replace(imported, plan=plan).expected_unknowns(1.0))
+    # Almost as coarse as all else, it takes as many a square meter, within the layers beside it.
+    faces = 0.1 * imported.area / zone.size**2
+    assert counts[1] - counts[0] == close(3.0 * NODES_PER_FACE * faces, rel=0.1)
 
 
 @pytest.fixture(scope="module")
