@@ -3,15 +3,23 @@
 import math
 import sys
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import ConfigDict, Field, FiniteFloat, model_validator
+from pydantic import (
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel
 from crankbase.results import made_from
 from regression.fits.forms import FittedForm, code
+from regression.fits.gaussian_process import GaussianProcess
 from regression.throw_values import format_value
 
 if TYPE_CHECKING:  # a lookup needs no fits
@@ -80,6 +88,8 @@ class ResponseModel(InputModel):
         Largest estimate of the relative error of the finite element values themselves.
     too_small : bool
         Whether this error makes them too small only; corrected ones err either way.
+    process : GaussianProcess, optional
+        What is added to the equation's polynomial.
     dropped_terms : tuple of str
         Terms of the form that the selection left out.
     equation : str
@@ -121,8 +131,15 @@ class ResponseModel(InputModel):
     band_designs: int = Field(default=0, ge=0, description="a number of designs")
     largest_fe_error: Share | None = None
     too_small: Literal[False] = False
+    process: GaussianProcess | None = None
     dropped_terms: tuple[str, ...] = ()
     equation: str
+
+    @model_serializer(mode="wrap")
+    def _as_written_before(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave the process out where there is none, so that earlier releases read the model."""
+        content: dict[str, Any] = serialize(self)
+        return content if self.process else {k: v for k, v in content.items() if k != "process"}
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -172,7 +189,9 @@ class ResponseModel(InputModel):
 
     def _check_size(self) -> None:
         """Refuse coefficients that give impossible values even at the runs."""
-        size = sum(map(abs, self.coefficients)) if self.logarithmic else self.largest_value
+        size = self.largest_value
+        if self.logarithmic or self.process is not None:
+            size = sum(map(abs, self.coefficients))
         if not size <= (LARGEST_LOGARITHM if self.logarithmic else sys.float_info.max):
             of = "the response's logarithm" if self.logarithmic else "the response"
             raise InputError(
@@ -183,8 +202,8 @@ class ResponseModel(InputModel):
 
     @property
     def largest_value(self) -> float:
-        """An upper bound of the equation's values in its range; inf for a logarithmic one."""
-        if self.logarithmic:
+        """An upper bound of the equation's values in its range; inf for a logarithmic one or a process."""
+        if self.logarithmic or self.process is not None:
             return math.inf
         fitted = self.fitted
         reach = np.max(
@@ -213,7 +232,7 @@ class ResponseModel(InputModel):
     @property
     def fitted(self) -> FittedForm:
         """The equation as a function of its columns."""
-        return made_from(self, FittedForm)
+        return made_from(self, FittedForm, process=self.process)
 
     @classmethod
     def from_fit(
