@@ -3,17 +3,10 @@
 import math
 import sys
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import (
-    ConfigDict,
-    Field,
-    FiniteFloat,
-    SerializerFunctionWrapHandler,
-    model_serializer,
-    model_validator,
-)
+from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel
@@ -134,12 +127,6 @@ class ResponseModel(InputModel):
     process: GaussianProcess | None = None
     dropped_terms: tuple[str, ...] = ()
     equation: str
-
-    @model_serializer(mode="wrap")
-    def _as_written_before(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave the process out where there is none, so that earlier releases read the model."""
-        content: dict[str, Any] = serialize(self)
-        return content if self.process else {k: v for k, v in content.items() if k != "process"}
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

@@ -1,7 +1,8 @@
 """What a study found: its designs, and every fitted equation with its errors and the effects of factors."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, Self
+from functools import partial
+from typing import Annotated, Self
 
 import numpy as np
 
@@ -79,13 +80,10 @@ class FittedEquation(Result):
         """Describe a fit of a response."""
         statistics, form = fit.statistics, fit.fitted
         count, inflation = len(form.terms), fit.variance_inflation
-
-        def known(name: str) -> Any:
-            return None if statistics is None else getattr(statistics, name)
-
+        known = partial(getattr, statistics)  # None where there are none
         errors, t_values = (
-            [None] * count if numbers is None else numbers.tolist()
-            for numbers in (known("standard_errors"), known("t_values"))
+            [None] * count if (numbers := known(name, None)) is None else numbers.tolist()
+            for name in ("standard_errors", "t_values")
         )
         unit = "1" if form.logarithmic or fit.basis == "groups" else response.unit or "1"
         columns = [
@@ -99,7 +97,7 @@ class FittedEquation(Result):
         coefficients = fit.coefficients
         by_term = [f"({unit})/({term})" if term else unit for term in terms]
         return cls(
-            **{name: known(name) for name in ("f_value", "aic", "bic", "condition_number")},
+            **{name: known(name, None) for name in ("f_value", "aic", "bic", "condition_number")},
             errors=fit,
             equation=response.equation(fit),
             coefficients=coefficients,

@@ -18,11 +18,7 @@ def fit(
     model: Annotated[Path, typer.Option(help="Model file to write.")] = Path("model.json"),
     study: StudyOption = None,
     form: Annotated[
-        str | None,
-        typer.Option(
-            help="Form to use for every response in place of the chosen ones; Gaussian process is fitted "
-            "only on request."
-        ),
+        str | None, typer.Option(help="Form in place of the chosen ones, such as Gaussian process.")
     ] = None,
     response: Annotated[
         str | None,
