@@ -230,7 +230,9 @@ def test_limits_on_a_coupling_and_a_damper_behind_the_flywheel(six, coupled_vibr
         names=["flange", "input", "pinion", "wheel", "propeller", "line damper"],
     )
     limits = {"elements": [{"element": place, "torque": 3e3, "heat": 2e3} for place in places]}
-    engine_file = replace(plain.changed(limits=limits), shaft_lines={"torsional": line})
+    bearings = {"stiffness": plain.main_bearings.stiffness}
+    engine_file = plain.changed(limits=limits, bearings=bearings, misfire={"cylinders": [1]})
+    engine_file = replace(engine_file, shaft_lines={"torsional": line})
     refuse_limits(engine_file)
     forces = coupled_vibration("6chn25-34").forced_torsional.forces
     run = engine_vibration(engine_file, analysis=analysis)
