@@ -528,13 +528,13 @@ def calculated(lightly_stressed, monkeypatch, vibration_as_run):
     put_everywhere(monkeypatch, engine_vibration, lambda *_, **__: vibration_as_run())
 
 
-# Commands that take more than a second each.
+# Commands that take more than half a second each.
 LONG = ("vibration", "vibration pictures", "stress", "export deck", "fit --plots")
 
 
 @pytest.fixture(
     params=[
-        pytest.param(name, marks=[pytest.mark.slow] if name in LONG else []) for name in COMMANDS
+        pytest.param(name, marks=[pytest.mark.further] if name in LONG else []) for name in COMMANDS
     ]
 )
 def line(request, tmp_path, calculated):
