@@ -346,6 +346,10 @@ def test_a_missing_field_is_told_once_with_file_and_section(call, tmp_path):
     assert answer.err.count("firing_order") == 1
     assert answer.err.startswith("Error: engine.firing_order: missing; give cylinder numbers in")
     assert answer.err.endswith("(mine.toml, section [engine], line 6).\n")
+    part = tmp_path / "part.toml"
+    part.write_text('[throw]\npin_diameter = "70 mm"\n', encoding="utf-8")
+    for sentence in call("check", str(part)).err.splitlines():
+        assert sentence.count("part.toml") == 1
 
 
 UNEQUAL = Path(__file__).parents[1] / "data" / "unequal-three.toml"
