@@ -239,6 +239,15 @@ def real_ranges() -> dict[str, tuple[float, float]]:
 
 
 RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(real_ranges())
+# What may come near an end of them, that end, their width, and what counts as nothing of it: no end is near
+# without a bore, or with the usual shape of a web.
+NEARNESS = [
+    (name, end, sign / (high - low), usual)
+    for name, (low, high) in RANGES.items()
+    for *_, usual in [FEATURES.get(name, (math.nan,))]
+    for end, sign in ((low, 1.0), (high, -1.0))
+    if name != "rectangle" and end != usual and (end or name not in FILLETS)
+]
 
 
 def check_range(shape: Ratios) -> None:
@@ -971,13 +980,13 @@ def _given(dimensions: Mapping[str, ArrayLike]) -> dict[str, Any]:
 
 
 def _nearest(shape: Mapping[str, Any]) -> str:
-    """The ratio nearest to an end of its range relative to its width, among lengths over D."""
-    name, low, high = min(
-        ((name, *RANGES[name]) for name in shape if name in PLAIN_FIELDS),
-        key=lambda limit: (
-            min(shape[limit[0]] - limit[1], limit[2] - shape[limit[0]]) / (limit[2] - limit[1])
-        ),
+    """The ratio nearest to an end of its range relative to its width."""
+    _, name = min(
+        ((shape[name] - end) * scale, name)
+        for name, end, scale, usual in NEARNESS
+        if shape[name] != usual
     )
+    low, high = RANGES[name]
     return f"{ratio_text(name)} = {shape[name]:.3g} of {low:g} to {high:g}"
 
 

@@ -79,11 +79,12 @@ def test_the_law_ends_where_the_range_of_a_dimension_does(more):
                 name.endswith("_bore") and end == "high"
             ):  # the wall ends it earlier
                 continue
-            axial_law(CrankThrow(**known | {name: ends[end]}))
-            # The ratio that is told is that which is refused beyond.
-            with pytest.raises(
-                InputError, match=re.escape(ends[f"{end}_limit"].partition(" = ")[0])
-            ):
+            # The ratio that is told is the nearest there, and refused beyond.
+            ratio = ends[f"{end}_limit"].partition(" = ")[0]
+            assert axial_law(CrankThrow(**known | {name: ends[end]})).nearest_limit.startswith(
+                ratio
+            )
+            with pytest.raises(InputError, match=re.escape(ratio)):
                 axial_law(CrankThrow(**known | {name: beyond * ends[end]}))
 
 
@@ -92,7 +93,9 @@ def test_dimensions_that_are_not_given_have_the_ranges_of_the_law_too():
     assert ranges["pin_bore"]["low"] == 0.0
     for name in ("pin_bore", "main_journal_bore", "web_pin_end", "web_tip_thickness"):
         assert name not in DIMENSIONS
-        axial_law(CrankThrow(**DIMENSIONS, **{name: ranges[name]["high"]}))
+        law = axial_law(CrankThrow(**DIMENSIONS, **{name: ranges[name]["high"]}))
+        # A full tip is what every throw without a slope has: no limit.
+        assert law.nearest_limit.startswith(name) == (name != "web_tip_thickness")
         with pytest.raises(InputError):
             axial_law(CrankThrow(**DIMENSIONS, **{name: 1.001 * ranges[name]["high"]}))
 
