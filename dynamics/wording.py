@@ -212,9 +212,8 @@ def orders_named(runs: Sequence[tuple[float, float]], state: str, mode: str) -> 
     return f"order{'s' if many else ''} {listed}, {STATES[state].format(mode or 'several modes')}"
 
 
-def shares_of_peak(speed: float, shares: Iterable[tuple[str, float]]) -> str:
+def shares_of_peak(speed: float, shares: Sequence[tuple[str, float]]) -> str:
     """State which orders make most of a peak at a speed [rad/s], with their shares."""
-    shares = list(shares)
     named = "; ".join(f"{orders}: {100.0 * share:.0f} %" for orders, share in shares)
     more = round(100.0 * (sum(share for _, share in shares) - 1.0))
     less = f"; all others subtract {more} %" if more > 0 else ""

@@ -9,7 +9,7 @@ from crankbase.table import SI, Column, OutputUnits, Table
 # Stands for a space at which no line ends.
 TIED = "\u00a0"
 WITH_UNIT = re.compile(
-    r"(?<=\d) (?=%|1/min|[munkMG]?(?:m|g|N|Pa|W|Hz|deg|rad)\b)|(?<=\d N) (?=m\b)"
+    r"(?<=\d) (?=%|1/min|[munkMG\N{MICRO SIGN}]?(?:m|g|N|Pa|W|Hz|deg|rad)\b)|(?<=\d N) (?=m\b)"
 )
 # A line and its style.
 Line = tuple[str, str]

@@ -65,17 +65,18 @@ def _of_vibration(vibration: EngineVibration) -> str:
     assessment, status = vibration.assessment, verdict_status(vibration)
     if assessment is None:
         return VERDICTS[status]
-    words = assessment.verdict.headline
+    words, end = assessment.verdict.headline, ""
     if status == "undecided":
-        words = f"{VERDICTS[status]}; with the values used, {words[0].lower()}{words[1:]}"
+        words = f"{words} with the values used"
+        end = f"; {VERDICTS[status].lower()}"
     misfiring = misfiring_decides(vibration)
     if assessment.verdict.status == "not acceptable":
-        return f"{words}, also while a cylinder misfires" if misfiring else words
+        return f"{words}{', also while a cylinder misfires' if misfiring else ''}{end}"
     if misfiring:
         normal = " with all cylinders firing" if assessment.verdict.status == "fine" else ""
         words = f"{words}{normal}; limits are exceeded while a cylinder misfires"
     unjudged = status == "fine" and not _axial_judged(assessment)
-    return f"{words}; axial vibration is not judged" if unjudged else words
+    return f"{words}{'; axial vibration is not judged' if unjudged else ''}{end}"
 
 
 def misfiring_decides(vibration: EngineVibration) -> bool:
@@ -203,6 +204,11 @@ def _measures(results: "RunResults", assessment: Assessment) -> str:
     return " ".join(told)
 
 
+def speed_shown(speed: float) -> str:
+    """Write a speed [rad/s] with the digits of a report."""
+    return f"{significant(speed * RPM, DIGITS)} 1/min"
+
+
 def reached_and_permitted(use: LimitUse, unit: str) -> tuple[str, str]:
     """Write what is reached and what is permitted with three digits, or as many as tell them apart.
 
@@ -237,14 +243,12 @@ def _cause(assessment: Assessment) -> str:
     worst = assessment.verdict.worst
     if worst.cause is None:
         return ""
-    return sentence(
-        f"at {significant(worst.worst_speed * RPM, DIGITS)} 1/min, {worst.cause.reasons}"
-    )
+    return sentence(f"at {speed_shown(worst.worst_speed)}, {worst.cause.reasons}")
 
 
 def _share(use: LimitUse, unit: str) -> str:
     reached, permitted = reached_and_permitted(use, unit)
-    at = f"{reached} at {significant(use.speed * RPM, DIGITS)} 1/min"
+    at = f"{reached} at {speed_shown(use.speed)}"
     if math.isinf(use.used):
         return f"{at}, permitted is {permitted}"
     return f"{at}, {format_usage(use.used)} of the permitted {permitted}"
@@ -394,6 +398,8 @@ class Remedy:
         That make the resonances.
     undamped : str
         Remark that there is no damper.
+    speed : str
+        At which it is.
     """
 
     resonant: str
@@ -402,6 +408,7 @@ class Remedy:
     enough: bool
     modes: str
     undamped: str
+    speed: str
 
     @property
     def sentence(self) -> str:
@@ -421,8 +428,8 @@ class Remedy:
                 "the shaft."
             )
         return (
-            f"More damping{self.undamped}, or another frequency of {self.modes}, may be sufficient at this "
-            "speed."
+            f"More damping{self.undamped}, or another frequency of {self.modes}, may be sufficient at "
+            f"{self.speed}."
         )
 
 
@@ -445,7 +452,8 @@ def _remedy(results: "RunResults", worst: LimitCheck) -> Remedy | None:
     modes = sorted({(part.kind, part.mode) for part in resonant if part.contribution > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     enough = left.value <= worst.permitted
-    return Remedy(together, rest, permitted, enough, named, _undamped(modes, results))
+    undamped, speed = _undamped(modes, results), speed_shown(worst.worst_speed)
+    return Remedy(together, rest, permitted, enough, named, undamped, speed)
 
 
 def _undamped(modes: Sequence[tuple[str, int]], results: "RunResults") -> str:

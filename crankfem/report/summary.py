@@ -20,6 +20,7 @@ from crankfem.report.conclusions import (
     main_findings,
     misfiring_decides,
     reached_and_permitted,
+    speed_shown,
     too_weak,
 )
 from crankfem.report.text_filters import quantity, with_three_digits
@@ -114,18 +115,14 @@ def _worst_use(assessment: Assessment) -> Tile:
     reached, permitted = reached_and_permitted(worst.at_worst, worst.limit.unit)
     details = [
         limit_at(worst.limit.name, worst.place),
-        f"{reached} at {_rpm(worst.worst_speed)}, permitted {permitted}",
+        f"{reached} at {speed_shown(worst.worst_speed)}, permitted {permitted}",
     ]
     if most.worst_speed != worst.worst_speed and not most.in_running_range:
         details.append(
-            f"above the running range {format_usage(most.used)} at {_rpm(most.worst_speed)}"
+            f"above the running range {format_usage(most.used)} at {speed_shown(most.worst_speed)}"
         )
     over = "" if all(check.passed for check in assessment.verdict.checks) else "over"
     return "Worst use of a limit", format_usage(worst.used), details, "limits", over
-
-
-def _rpm(speed: float) -> str:
-    return f"{significant(speed * RPM, 3)} 1/min"
 
 
 def _first_frequencies(vibration: EngineVibration) -> Tile:
@@ -141,7 +138,8 @@ def _first_frequencies(vibration: EngineVibration) -> Tile:
             # Of a mode that is divided the part most alike; all stand with the mode shapes.
             known.append(f"whole crankshaft {swept.partition(' and ')[0]}")
         if known:
-            details.append(f"{kind} {'; '.join(known)}")
+            number = f" mode {mode.number}" if mode is not None and mode.number > 1 else ""
+            details.append(f"{kind}{number} {'; '.join(known)}")
     label = "First torsional / axial frequency"
     return label, f"{' / '.join(values)} Hz", details, "modes", ""
 
@@ -162,10 +160,10 @@ def _worst_critical(vibration: EngineVibration) -> Tile:
     if peak is not None and np.isfinite(peak.limit_used):
         details.append(f"this order alone: {format_usage(peak.limit_used)} of a limit")
     if margin is not None:
-        reach = f"uncertainty range {_rpm(margin.low).partition(' ')[0]} to {_rpm(margin.high)}"
+        reach = f"uncertainty range {speed_shown(margin.low).partition(' ')[0]} to {speed_shown(margin.high)}"
         left = f"margin {significant(100.0 * margin.margin, 2)} %" if margin.margin else "no margin"
         details.append(f"{left}; {reach}")
-    return label, _rpm(worst.speed), details, "campbell", ""
+    return label, speed_shown(worst.speed), details, "campbell", ""
 
 
 def _misfiring(vibration: EngineVibration) -> Tile | None:
@@ -176,13 +174,13 @@ def _misfiring(vibration: EngineVibration) -> Tile | None:
     reached = most.misfiring
     details = [
         f"{cylinders_named(most.cylinders)}: {limit_at(most.quantity, reached.place)}",
-        f"at {_rpm(reached.speed)}; all cylinders firing {format_usage(most.normal.used)}",
+        f"at {speed_shown(reached.speed)}; all cylinders firing {format_usage(most.normal.used)}",
     ]
     if misfiring.exceeded:
         count, span = len(misfiring.exceeded), (misfiring.exceeded[0][0], misfiring.exceeded[-1][1])
         parts = f"in {count} ranges " if count > 1 else ""
         ends = with_three_digits(shown_range(*span))
-        details[1:] = [f"at {_rpm(reached.speed)}; limits are exceeded {parts}from {ends}"]
+        details[1:] = [f"at {speed_shown(reached.speed)}; limits are exceeded {parts}from {ends}"]
     over = "" if misfiring.passed else "over"
     return label, f"{format_usage(reached.used)} of a limit", details, "limits", over
 
@@ -202,7 +200,7 @@ def _whole(vibration: EngineVibration, assessment: Assessment) -> Tile | None:
     worst = judged.checks[0]
     same = judged.status == assessment.verdict.status
     details = [
-        f"at {_rpm(worst.worst_speed)}, {worst.place}; {'the same' if same else 'another'} verdict",
+        f"at {speed_shown(worst.worst_speed)}, {worst.place}; {'the same' if same else 'another'} verdict",
         *details,
     ]
     over = "" if worst.passed else "over"

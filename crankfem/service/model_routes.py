@@ -50,6 +50,7 @@ from crankfem.service.tasks import MODEL
 from fem.supports import Neighbors
 from geometry.plots.throw_plot import outline_svg
 from geometry.throw import CrankThrow
+from geometry.throw_dimensions import Counterweight
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import dimension_ranges, throw_laws
 from regression.models.compliance_model import ComplianceModel
@@ -284,10 +285,11 @@ def _dimensions(model: ComplianceModel, query: Mapping[str, Any]) -> dict[str, A
 
 
 SVG = "image/svg+xml"
-# Symbols of dimensions.
+# Symbols of dimensions, also of the counterweight.
 LETTERS = {
-    name: letter
-    for name, info in CrankThrow.model_fields.items()
+    f"{before}{name}": letter
+    for before, record in (("", CrankThrow), ("counterweight.", Counterweight))
+    for name, info in record.model_fields.items()
     if (letter := field_extra(info, "symbol"))
 }
 routes = APIRouter(prefix="/api/throws", tags=["throws"])

@@ -243,7 +243,8 @@ def check_upload(question: Mapping[str, Any]) -> dict[str, Any]:
     from crankfem.analyses.file_check import check_file, check_record
 
     checked = check_file(read_upload(question))
-    record, throw = check_record(checked), checked.throw
+    record = check_record(checked)
+    throw = checked.throw or next(iter(checked.throws.values()), None)
     return {
         name: record[name]
         for name in ("kind", "valid", "commands", "remarks", "warnings", "dimensions")

@@ -205,8 +205,12 @@ class View:
         self._angles: list[tuple[str, list[Place]]] = []
 
     def label(self, size: str, field: str) -> str:
-        """Return the text of a dimension: its size, or the name of its field."""
-        return field if self.lettered else size
+        """Return the text of a dimension: its size, or what its field is called."""
+        return self.named(field) if self.lettered else size
+
+    def named(self, field: str) -> str:
+        """Return what the field of a dimension is called on the drawing."""
+        return field
 
     def stroke(self, points: ArrayLike, style: Style = OUTLINE, closed: bool = False) -> None:
         """Draw a line through points, above the surfaces unless the style says otherwise."""
@@ -257,19 +261,19 @@ class View:
         ]
         free = [i for i, box in enumerate(boxes) if not any(_meet(box, b) for b in self._taken)]
         chosen = free[0] if free else len(places) - 1
-        self.put(text, places[chosen], upright, paper, style)
+        background = {"facecolor": paper, "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+        self.put(text, places[chosen], upright, {**style, "bbox": background})
         self._taken.append(boxes[chosen])
         self._reach(np.reshape(boxes[chosen], (2, 2)))
         return chosen
 
-    def put(self, text: str, at: Place, upright: bool, paper: str, style: Style) -> None:
+    def put(self, text: str, at: Place, upright: bool, style: Style) -> None:
         """Write at a place, whatever is there."""
         x, y, side = at
         look: dict[str, Any] = {"fontsize": TEXT_SIZE, "color": INK, "family": FONT, **style}
-        background = {"facecolor": paper, "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
         self.axes.text(
             x, y, text, ha=side, va="center", rotation=90.0 if upright else 0.0,
-            zorder=ABOVE_LINES, linespacing=1.15, bbox=background, **look,
+            zorder=ABOVE_LINES, linespacing=1.15, **look,
         )  # fmt: skip
 
     def stack(self, dimensions: Sequence[Linear], axis: int, side: int) -> None:

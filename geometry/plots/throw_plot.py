@@ -226,7 +226,7 @@ class _SvgView(View):
         self._fields: dict[str, str] = {}
         self._shapes: list[tuple[float, str]] = []
 
-    def label(self, size: str, field: str) -> str:  # noqa: ARG002 - what it measures follows the sliders
+    def named(self, field: str) -> str:
         """Return the letter of a dimension, "" if it has none."""
         name, half, _ = field.strip().partition(" / 2")
         letter = self._letters.get(name, "")
@@ -235,17 +235,21 @@ class _SvgView(View):
             self._fields[letter] = name
         return letter
 
+    def _letter(self, text: str) -> str:
+        """Return the letter with which a text begins, "" for others, such as names of webs alone."""
+        return max((known for known in self._fields if text.startswith(known)), key=len, default="")
+
     def stack(self, dimensions: Sequence[Linear], axis: int, side: int) -> None:
         """Draw distances that have letters."""
-        super().stack([distance for distance in dimensions if distance.text], axis, side)
+        super().stack([one for one in dimensions if self._letter(one.text)], axis, side)
 
     def callouts(self, texts: Sequence[Callout]) -> None:
         """Write letters beside the view."""
-        super().callouts([callout for callout in texts if callout.text])
+        super().callouts([callout for callout in texts if self._letter(callout.text)])
 
     def leader(self, tip: Point, step: Point, text: str) -> None:
         """Draw a leader to a letter."""
-        if text:
+        if self._letter(text):
             super().leader(tip, step, text)
 
     def angle(self, *_: Any) -> None:
@@ -277,16 +281,14 @@ class _SvgView(View):
         """Write at the first place that is clear; without letters at the first."""
         if self._letters:
             return super().write(text, *places, upright=upright, **style)
-        self.put(text, places[0], upright, "", style)
+        self.put(text, places[0], upright, style)
         return 0
 
-    def put(self, text: str, at: Place, upright: bool, paper: str, style: Style) -> None:  # noqa: ARG002
+    def put(self, text: str, at: Place, upright: bool, style: Style) -> None:
         """Write at a place; a letter has the name of its field."""
         x, y, side = at
         size = style.get("fontsize", TEXT_SIZE) * self.point
-        letter = max(
-            (known for known in self._fields if text.startswith(known)), key=len, default=""
-        )
+        letter = self._letter(text)
         base, _, index = letter.partition("_")
         shown = escape(text)
         if index:

@@ -274,7 +274,7 @@ def dimension_ranges(throw: CrankThrow) -> dict[str, dict[str, float | str]]:
     Returns
     -------
     dict of str to dict
-        By field that is not zero, "low" and "high" [m], and with "_limit" the ratio that ends it there.
+        By field that alone sets a ratio, "low" and "high" [m], with "_limit" the ratio that ends it there.
         Walls of bores may end earlier.
 
     Raises
@@ -283,12 +283,11 @@ def dimension_ranges(throw: CrankThrow) -> dict[str, dict[str, float | str]]:
         As `throw_dimensions`.
     """
     dimensions = throw_dimensions(throw)
-    shape = ratios(dimensions)
     ends: dict[str, dict[str, float | str]] = {}
     for field in (*PLAIN_FIELDS, *MORE_FIELDS):
-        value = dimensions[field]
-        if not value:
-            continue
+        # What is not given, or zero, is tried with any length.
+        value = dimensions[field] or dimensions["main_journal_diameter"]
+        shape = ratios({**dimensions, field: value})
         doubled = ratios({**dimensions, field: 2.0 * value})
         sides: dict[bool, list[tuple[float, str]]] = {False: [], True: []}
         for name, limits in RANGES.items():

@@ -16,6 +16,8 @@ from plotly.offline import get_plotlyjs
 
 from comparing import close
 from crankfem.analyses.throw.formula_records import formulas_over_angle
+from crankfem.files.engine.new_file import engine_template
+from crankfem.jobs.pipeline import run_engine
 from crankfem.report.interactive.mechanism import polar_load
 from crankfem.report.interactive.style import diagram_figure
 from dynamics.engine.forces import LoadDiagram
@@ -273,3 +275,15 @@ def test_on_paper_the_static_pictures_stand(report, open_page, tmp_path):
     assert hidden == []
     pdf = page.pdf(format="A4", path=str(tmp_path / "report.pdf"))
     assert 5 < len(re.findall(rb"/Type\s*/Page\b", pdf)) < 60
+
+
+@pytest.mark.parametrize("engine", ["7l32-40-set", "v12"])
+def test_reports_of_other_engines_fit_are_accessible_and_print(engine, open_page, tmp_path):
+    if engine == "v12":
+        (tmp_path / "v12.toml").write_text(engine_template("v12.toml", 12, 4, "60 deg"))
+        engine = tmp_path / "v12.toml"
+    report = run_engine(engine, tmp_path / "results").report
+    test_the_report_is_one_file_of_ordinary_size(report)
+    test_on_a_telephone_everything_is_read_without_moving_sideways(report, open_page)
+    test_the_report_is_accessible(report, open_page, 400)
+    test_on_paper_the_static_pictures_stand(report, open_page, tmp_path)

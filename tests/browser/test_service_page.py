@@ -56,6 +56,16 @@ def open_service(browser, served):
         context.close()
 
 
+def serious(page):
+    """Return what axe finds that is serious."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    return [
+        f"{v['impact']}: {v['help']}: {v['nodes'][0]['html'][:200]}"
+        for v in axe.Axe().run(page).response["violations"]
+        if v["impact"] in SERIOUS
+    ]
+
+
 def number(page, row, column):
     """Return a number of the table by the words of its row."""
     text = page.locator(f".numbers tr:has-text({row!r}) td").nth(column).inner_text()
@@ -178,8 +188,30 @@ def test_a_dropped_engine_sets_the_sliders_and_shows_its_verdict(open_service, t
     page.wait_for_selector(".deciding.plot-drawn")
     assert float(page.locator("#a-web_width").input_value()) == close(290.0, 1e-6)
     assert page.locator("#verdict .card").count() >= 4
+    assert serious(page) == []
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.wait_for_timeout(500)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    page.reload()
+    page.click('#job-list li:has-text("mine (engine"):has-text("done") button:has-text("Verdict")')
+    page.wait_for_selector(".deciding.plot-drawn")
     assert page.locator("#verdict h2").inner_text().startswith("mine: ")
     assert page.complaints == []
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_letters_stand_inside_the_drawing(open_service, width):
+    page = open_service(width)
+    page.click('summary:has-text("Counterweights")')
+    page.check(".weights")
+    page.wait_for_selector('[data-field="counterweight.outer_radius"]')
+    for view in (".side", ".front"):
+        sheet = page.locator(f"{view} svg").bounding_box()
+        for letter in page.locator(f"{view} [data-field]").all():
+            box = letter.bounding_box()
+            for place, size in (("x", "width"), ("y", "height")):
+                assert sheet[place] - 4 <= box[place]
+                assert box[place] + box[size] <= sheet[place] + sheet[size] + 4
 
 
 def test_letters_light_with_their_sliders_and_bring_one_to_them(open_service):
@@ -225,22 +257,70 @@ def test_on_a_phone_the_answer_stays_in_view_while_a_slider_moves(open_service):
     assert "axial" in told
     box = page.locator(".brief").bounding_box()
     assert 0.0 <= box["y"] < 844.0 - box["height"]
+    for name in ("crank_radius", "web_thickness", "fillet_radius"):
+        slider = page.locator(f"#a-{name} ~ input[type=range]")
+        slider.focus()
+        page.keyboard.press("ArrowRight")
+        views = page.locator(".views").bounding_box()
+        assert 0.0 <= views["y"] < slider.bounding_box()["y"] - views["height"] + 1.0
+        page.wait_for_selector(f'.lit[data-field="{name}"]')
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+# A file dropped anywhere on the page, as a person does it.
+DROP = """([name, bytes]) => {
+    const given = new DataTransfer();
+    given.items.add(new File([new Uint8Array(bytes)], name));
+    for (const kind of ["dragover", "drop"]) {
+        document.querySelector("h1").dispatchEvent(
+            new DragEvent(kind, { dataTransfer: given, bubbles: true, cancelable: true }));
+    }
+}"""
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("note.txt", b"hello", "note.txt"),
+        ("picture.toml", b"\x89PNG\x00\xff", "picture.toml"),
+        ("mine.toml", b"[engine", "mine.toml"),
+    ],
+)
+def test_a_wrong_file_gets_one_sentence_and_leaves_the_sliders(open_service, name, content, told):
+    page = open_service()
+    before = page.locator("#a-web_width").input_value()
+    page.evaluate(DROP, [name, list(content)])
+    page.wait_for_selector('#checked:has-text("given")')
+    assert told in page.locator("#checked").inner_text()
+    assert page.locator("#checked button").count() == 0
+    assert page.locator("#a-web_width").input_value() == before
+    assert page.complaints == []
+
+
+def test_an_engine_dropped_anywhere_sets_the_sliders_and_offers_its_run(open_service):
+    page = open_service()
+    text = engine_template("mine.toml", 3, 4).replace(
+        'web_width = { value = "285 mm"', 'web_width = { value = "290 mm"'
+    )
+    page.evaluate(DROP, ["mine.toml", list(text.encode())])
+    page.wait_for_selector('#checked button:has-text("Run:")')
+    assert float(page.locator("#a-web_width").input_value()) == close(290.0, 1e-6)
+
+
+def test_fixed_dimensions_of_a_model_say_so(open_service):
+    page = open_service()
+    page.select_option("#source", "six")
+    page.wait_for_selector('#a-pin_length-edge:has-text("The model ends here: 139 mm")')
 
 
 @pytest.mark.parametrize("width", [1400, 390])
 def test_the_page_is_accessible_and_fits(open_service, width):
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     page = open_service(width)
     page.click("#compare")
     page.fill("#a-web_width", "wide")
     page.wait_for_selector('#a-web_width[aria-invalid="true"]')
     page.click(".formulas summary >> nth=1")
-    told = [
-        f"{v['impact']}: {v['help']}: {v['nodes'][0]['html'][:200]}"
-        for v in axe.Axe().run(page).response["violations"]
-        if v["impact"] in SERIOUS
-    ]
-    assert told == []
+    assert serious(page) == []
     assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 

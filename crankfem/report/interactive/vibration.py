@@ -396,7 +396,7 @@ VIBRATION: Plots[EngineVibration] = Plots(
             "deciding",
             "What uses most of its limit, over the speed",
             "What uses most of its limit, over the speed: all orders over the cycle, the limit, and the "
-            "orders that contribute most where most is used.",
+            "largest contribution by order where most is used.",
             _deciding,
             lambda run: limit_at(_worst(run).limit.name, _worst(run).place),
             needs="forced",

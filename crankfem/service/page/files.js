@@ -19,17 +19,20 @@ function button(text, act) {
 }
 
 export function startFiles() {
-  const drop = byId("drop");
-  drop.addEventListener("dragover", (event) => {
-    event.preventDefault();
-    drop.classList.add("over");
-  });
-  drop.addEventListener("dragleave", () => drop.classList.remove("over"));
-  drop.addEventListener("drop", (event) => {
-    event.preventDefault();
-    drop.classList.remove("over");
-    check([...event.dataTransfer.files]);
-  });
+  // Anywhere on the page, where a browser would else leave it for the file.
+  for (const kind of ["dragover", "dragleave", "drop"]) {
+    document.addEventListener(kind, (event) => {
+      if (!event.dataTransfer.types.includes("Files")) {
+        return; // text goes into the field where it is dropped
+      }
+      event.preventDefault();
+      byId("drop").classList.toggle("over", kind === "dragover");
+      if (kind === "drop") {
+        byId("engine").scrollIntoView({ block: "nearest" });
+        check([...event.dataTransfer.files]);
+      }
+    });
+  }
   byId("file").addEventListener("change", () => {
     const files = [...byId("file").files];
     byId("file").value = ""; // the same file, changed, can be chosen again
@@ -42,7 +45,8 @@ async function check(files) {
   const place = byId("checked");
   const engines = files.filter((file) => file.name.endsWith(".toml"));
   if (engines.length !== 1) {
-    place.textContent = `Choose one TOML file and the tables that it names; given were ${engines.length} TOML files.`;
+    const names = files.map((file) => file.name).join(", ");
+    place.textContent = `Given: ${names || "no file"}; allowed is one engine file, which ends in .toml, with the tables that it names.`;
     return;
   }
   const [engine] = engines;
@@ -52,14 +56,20 @@ async function check(files) {
     tables[file.name] = await file.text();
   }
   const question = { name: engine.name, text: await engine.text(), tables };
+  if (/[\0\uFFFD]/.test(question.text)) {
+    place.textContent = `${engine.name}: given a file that is no text in UTF-8; allowed is an engine file, which is TOML.`;
+    return;
+  }
   try {
     const found = await askJson("/api/files/check", question);
     const kinds = [["run", "/api/engines", "Run: vibration, verdict, report"], ["doe", "/api/studies", "Run the study alone"]];
     if (found.throw) {
       document.dispatchEvent(new CustomEvent("throw-read", { detail: found.throw }));
     }
+    const several = Object.keys(found.record.throws ?? {}).length > 1;
+    const taken = found.throw ? ` The sliders have its ${several ? "first " : ""}throw.` : "";
     place.replaceChildren(
-      made("p", { textContent: `${engine.name} is a valid ${found.kind} file.${found.throw ? " The sliders have its throw." : ""}` }),
+      made("p", { textContent: `${engine.name} is a valid ${found.kind} file.${taken}` }),
       ...[...found.warnings, ...found.remarks].map((remark) => made("p", { className: "remarks", textContent: remark })),
       made(
         "div",

@@ -2,7 +2,7 @@
 
 import { ask, askJson, ProblemError } from "./api.js";
 import { startFiles, listJobs } from "./files.js";
-import { METERS } from "./sliders.js";
+import { METERS, shown, unitOf } from "./sliders.js";
 import { Panel } from "./panel.js";
 
 const byId = (id) => document.getElementById(id);
@@ -35,12 +35,14 @@ const settings = {
       values[one.support === "pinned" && !name.endsWith("_pinned") ? `${name}_pinned` : name] = one;
       one.remarks.forEach((remark) => remarks.add(remark));
     }
-    const { ranges } = await (described[settings.source] ??= askJson(`/api/models/${settings.source}`));
-    const limit = (name, end) => `${name} of the throws of this model's study, ${end}`;
-    const ends = Object.entries(ranges).map(([name, [low, high]]) => [
-      name, { low, low_limit: limit("the least", low), high, high_limit: limit("the largest", high) },
-    ]);
-    return { values, remarks: [...remarks], reactions: found.reactions, ranges: Object.fromEntries(ends) };
+    const { ranges, fixed } = await (described[settings.source] ??= askJson(`/api/models/${settings.source}`));
+    const ends = {};
+    for (const field of fields.filter(({ name }) => name in ranges || name in fixed)) {
+      const [low, high] = ranges[field.name] ?? [fixed[field.name], fixed[field.name]];
+      const told = (value, end) => `${shown(value, field, settings.unit)} ${unitOf(field, settings.unit)} is ${end} of its study`;
+      ends[field.name] = { low, low_limit: told(low, low < high ? "the least" : "the only one"), high, high_limit: told(high, "the largest") };
+    }
+    return { values, remarks: [...remarks], reactions: found.reactions, ranges: ends };
   },
 };
 
@@ -77,6 +79,15 @@ function fieldsOf(record, before, usual) {
   return found;
 }
 
+/* A part of a throw in a link, such as its counterweight; the service says what is wrong with any other text. */
+function partOf(text) {
+  try {
+    return /^[[{]/.test(text) ? JSON.parse(text) : text;
+  } catch {
+    return text;
+  }
+}
+
 function readLink() {
   const given = new URLSearchParams(location.hash.slice(1));
   const throws = { a: {}, b: null };
@@ -85,7 +96,7 @@ function readLink() {
     if (field && (name === "a" || name === "b")) {
       const number = Number(text);
       throws[name] ??= {};
-      throws[name][field] = text.trim() && Number.isFinite(number) ? number : /^[[{]/.test(text) ? JSON.parse(text) : text;
+      throws[name][field] = text.trim() && Number.isFinite(number) ? number : partOf(text);
     }
   }
   if (METERS[given.get("unit")]) {

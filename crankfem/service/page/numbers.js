@@ -80,6 +80,21 @@ function band(estimate, unit) {
   return `${bare(estimate.lower, unit)} to ${bare(estimate.upper, unit)}`;
 }
 
+/* The answers that stay in view on a narrow screen. */
+export function briefly(estimate) {
+  const found = estimate?.values || {};
+  return ["axial", "torsional"]
+    .map((kind) => [kind, found[`${kind}_compliance_pinned`]])
+    .filter(([, one]) => one)
+    .map(([kind, one]) => {
+      const line = document.createElement("span");
+      const value = document.createElement("b");
+      value.textContent = quantity(one.value, one.unit);
+      line.append(`${kind}, pinned `, value, ` (${band(one, one.unit)})`);
+      return line;
+    });
+}
+
 /* Errors have two digits. */
 function withError(row) {
   const value = bare(row.value, row.unit);

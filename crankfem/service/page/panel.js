@@ -2,7 +2,7 @@
 
 import { ask, askJson, askText, drawPlot, follow, loadDrawing, ProblemError, save } from "./api.js";
 import { Sliders } from "./sliders.js";
-import { fill, fillFormulas, quantity, rowsOf } from "./numbers.js";
+import { briefly, fill, fillFormulas, rowsOf } from "./numbers.js";
 
 export class Panel {
   constructor(name, title, fields, values, settings, told) {
@@ -99,7 +99,7 @@ export class Panel {
     this.find(".front").innerHTML = front;
     this.light(this.lit);
     this.find(".weights").checked = Boolean(this.sliders.throw().counterweight);
-    this.sliders.limit(estimate.ranges ?? {});
+    this.sliders.limit(estimate.ranges ?? {}, this.settings.source === "law" ? "The law" : "The model");
     this.estimate = estimate;
     this.formulas = formulas;
     this.find(".by").textContent = this.settings.sourceName();
@@ -112,8 +112,7 @@ export class Panel {
     fill(this.find(".numbers tbody"), rowsOf(estimate, this.elements?.throw), this.settings.sourceName());
     const known = this.elements?.throw.supports.pinned;
     const values = estimate?.values || {};
-    const [axial, torsional] = ["axial", "torsional"].map((kind) => values[`${kind}_compliance_pinned`]);
-    this.find(".brief").textContent = axial ? `Ends pinned: axial ${quantity(axial.value, axial.unit)}, torsional ${torsional ? quantity(torsional.value, torsional.unit) : "–"}` : "";
+    this.find(".brief").replaceChildren(...briefly(estimate));
     this.find(".numbers caption").textContent = known
       ? "Steel. ± is the estimated error of the finite elements."
       : "Steel. Calculate gives the values by finite elements.";

@@ -8,6 +8,12 @@ const QUANTITY = /^\s*([-+]?[\d.]+(?:e[-+]?\d+)?)\s*([a-z]*)\s*$/i;
 
 const scales = (field) => (field.angle ? DEGREES : METERS);
 
+export const unitOf = (field, unit) => (field.angle ? "deg" : unit);
+
+export function shown(value, field, unit) {
+  return String(Number((value / scales(field)[unitOf(field, unit)]).toPrecision(6)));
+}
+
 /* Lengths are in meters and angles in radians here; null is not given. */
 export class Sliders {
   constructor(name, fields, places, values, unit, changed, lit) {
@@ -58,15 +64,6 @@ export class Sliders {
     const weights = Object.values(this.rows).filter(({ field }) => field.name.includes("."));
     const usual = weights.map(({ field }) => [field.name, field.start]);
     this.set({ ...this.throw(), counterweight: null, ...(added ? Object.fromEntries(usual) : {}) });
-  }
-
-  unitOf(field) {
-    return field.angle ? "deg" : this.unit;
-  }
-
-  shown(name) {
-    const { field } = this.rows[name];
-    return String(Number((this.values[name] / scales(field)[this.unitOf(field)]).toPrecision(6)));
   }
 
   add(field, place) {
@@ -135,7 +132,7 @@ export class Sliders {
   }
 
   /* Take over the ranges of the law or model; sliders at an end say what ends them there. */
-  limit(ranges) {
+  limit(ranges, by) {
     for (const [name, row] of Object.entries(this.rows)) {
       const range = ranges[name] ?? null;
       const value = this.values[name];
@@ -145,18 +142,18 @@ export class Sliders {
       }
       const near = range && typeof value === "number" ? 0.002 * (range.high - range.low) : NaN;
       row.edge.textContent =
-        value <= range?.low + near ? `Ends here: ${range.low_limit}.` : value >= range?.high - near ? `Ends here: ${range.high_limit}.` : "";
+        value <= range?.low + near ? `${by} ends here: ${range.low_limit}.` : value >= range?.high - near ? `${by} ends here: ${range.high_limit}.` : "";
     }
   }
 
   describe(name) {
     const { slider, box, field } = this.rows[name];
-    slider?.setAttribute("aria-valuetext", box.value ? `${box.value} ${this.unitOf(field)}` : "not given");
+    slider?.setAttribute("aria-valuetext", box.value ? `${box.value} ${unitOf(field, this.unit)}` : "not given");
   }
 
   slide(name, value) {
     const { field, range } = this.rows[name];
-    const scale = scales(field)[this.unitOf(field)];
+    const scale = scales(field)[unitOf(field, this.unit)];
     const rounded = scale * Number((value / scale).toPrecision(4));
     this.rows[name].text = null;
     this.values[name] = range ? Math.min(Math.max(rounded, range.low), range.high) : rounded;
@@ -168,7 +165,7 @@ export class Sliders {
   type(name, text) {
     const row = this.rows[name];
     const found = QUANTITY.exec(text);
-    const scale = found && scales(row.field)[found[2] || this.unitOf(row.field)];
+    const scale = found && scales(row.field)[found[2] || unitOf(row.field, this.unit)];
     if (!text.trim()) {
       row.text = null;
       this.values[name] = null;
@@ -192,7 +189,7 @@ export class Sliders {
     const { box, slider } = this.rows[name];
     const value = this.values[name];
     if (slider) {
-      box.value = typeof value === "number" ? this.shown(name) : "";
+      box.value = typeof value === "number" ? shown(value, this.rows[name].field, this.unit) : "";
       this.describe(name);
     } else if (value) {
       box.value = value;
