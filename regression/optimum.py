@@ -139,9 +139,6 @@ class Searched(Protocol):
     def constraints(self) -> Sequence[str] | None:
         """What the dimensions keep."""
 
-    def lookup(self, name: str, /, **dimensions: Any) -> Lookup:
-        """One response."""
-
 
 def check_minimized(model: Searched, name: str, argument: str = "minimize") -> None:
     """Refuse to minimize what is no number of the model (`InputError` on `argument`)."""
@@ -518,6 +515,11 @@ class Problem:
         """Factors at a place of the box."""
         return {**self.space.exact_numbers(place), **self.labels}
 
+    def lookups(self, factors: Mapping[str, Any]) -> dict[str, Lookup]:
+        """All responses of some factors."""
+        assert isinstance(self.model, ComplianceModel)
+        return {name: self.model.lookup(name, **factors) for name in self.model.responses}
+
     def objective(self, places: Array) -> Array:
         """Values of what is minimized, (n,)."""
         if places.size == 0:  # differential evolution asks so where no design keeps the limits
@@ -714,7 +716,6 @@ def make_optimum(problem: Problem, best: SearchResult, *found: str) -> Optimum:
     points = problem.points(best.place)
     known = model.family.completed(factors)
     throw, remarks = space.throw(known)
-    asked: dict[str, Any] = dict(factors)
     return Optimum(
         minimized=problem.minimized,
         value=float(points.band(problem.minimized)[0]),
@@ -723,7 +724,7 @@ def make_optimum(problem: Problem, best: SearchResult, *found: str) -> Optimum:
         factors=factors,
         limits=_checks(problem, points),
         at_ends=space.at_ends(best.place),
-        lookups={name: model.lookup(name, **asked) for name in model.responses},
+        lookups=problem.lookups(factors),
         throw=throw,
         remarks=(*remarks, *found),
         evaluations=best.evaluations,
@@ -759,5 +760,5 @@ def infeasible(
     band = " at the worst end of the error band" if problem.margins else ""
     return (
         f"limits: given ones that {none} keeps; allowed are weaker ones, because the "
-        f" nearest design ({at}) misses: {shown}{band}."
+        f"nearest design ({at}) misses: {shown}{band}."
     )

@@ -1,8 +1,8 @@
 """The best throw of an engine under limits, by finite elements and their slopes.
 
-Sequential quadratic programming over the dimensions: each place is a throw that is analyzed, and the next one
-follows from its values and slopes (`fem.sensitivities`). No study is needed. The optimum is a local one;
-the search begins at the engine's own dimensions, and again in the middle of the ranges.
+Each place of the search is a throw that is analyzed; the next one is the best that its slopes
+(`fem.sensitivities`) predict within some reach: powers of the dimensions, with curvatures that follow from the
+slopes of the other throws. No study is needed. The optimum is a local one.
 """
 
 import math
@@ -28,10 +28,9 @@ from crankfem.files.sections.crank_throws import PLAIN
 from fem.analysis import ThrowAnalysis, analyze_throw
 from fem.angle_law import compliance
 from fem.responses import RESPONSES, ResponseKind
-from fem.sensitivities import DimensionChange, dimension_changes
+from fem.sensitivities import dimension_changes
 from fem.superelement import Superelement, shaft_compliances
 from fem.supports import Neighbors, Support
-from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.boundary_motion import STEP
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record
@@ -42,29 +41,37 @@ from regression.optimum import (
     Limit,
     Optimum,
     Problem,
+    SearchResult,
     best_of,
     check_minimized,
     infeasible,
     make_optimum,
     nearest,
     polished,
-    search,
     search_space,
 )
-from regression.plans.factors import rounded
 from regression.throw_values import check_dimension, field_unit, throw_values
 
 Array = NDArray[np.float64]
+# A quantity, and the angle to the neighbors if it is between them.
+Asked = tuple[str, float | None]
+Factors = Mapping[str, float]
 
-# Meshes scatter by some 0.03 %: what limits keep at places that are aimed at, what a limit has left that the
-# optimum stands at, and the least gain that a step is worth.
+# Answers scatter by some 0.03 % from mesh to mesh. Shares that aims keep of limits, that a limit has left
+# which the optimum stands at, and the least gain that an analysis is worth.
 SPARE, ACTIVE, PRECISION = 5e-4, 2e-3, 1e-3
-# How far slopes are followed at once, as a share of a dimension, and the least worth an analysis.
-REACH, LEAST_REACH = 0.3, 2e-3
+# In logarithms of dimensions: how far slopes are followed at once, and the least that is worth it; throws that
+# are nearer than the last show scatter, no curvature.
+REACH, LEAST_REACH, NEAR = 0.3, 0.004, 0.02
+# The least share of limits that a search comes nearer to them by.
+NEARER = 1e-4
+# A step that gains less than this share of its promise was too long.
+POOR = 0.25
 # Of a violated limit, in shares of what is minimized.
-PRICE = 5.0
-# Slopes need throws beside one: a dimension ("" for none), and the factor that it is changed by.
-Side = tuple[str, float]
+PRICE = 3.0
+MOST_ANALYSES = 30
+HALVINGS = 12
+# Slopes need throws beside one.
 ROOM = 4.0 * STEP
 
 _COMPLIANCES = {
@@ -74,102 +81,244 @@ _COMPLIANCES = {
 }
 _FREQUENCIES = {f"first_{kind}_frequency": kind for kind in ("axial", "torsional")}
 # By the names that models of studies have: pinned ones without their support.
-QUANTITIES = {
-    f"{name}{suffix}": RESPONSES[f"{name}_{support}"]
-    for support, suffix in (("pinned", ""), ("guided", "_guided"))
-    for name in _COMPLIANCES
-} | {
-    "mass": RESPONSES["mass"],
-    "first_axial_frequency": ResponseKind("f_a", "Hz", "first axial frequency of the crankshaft"),
-    "first_torsional_frequency": ResponseKind("f_t", "Hz", "first torsional frequency of it"),
-}
+QUANTITIES = (
+    {
+        f"{name}{suffix}": RESPONSES[f"{name}_{support}"]
+        for support, suffix in (("pinned", ""), ("guided", "_guided"))
+        for name in _COMPLIANCES
+    }
+    | {"mass": RESPONSES["mass"]}
+    | {
+        name: ResponseKind(f"f_{kind[0]}", "Hz", f"first {kind} frequency of the crankshaft")
+        for name, kind in _FREQUENCIES.items()
+    }
+)
 
 
 @dataclass(frozen=True, eq=False)
-class AnalyzedThrow:
-    """A throw of the search, analyzed by finite elements.
+class SlopedThrow:
+    """A throw of the search: its varied dimensions [SI], and answers.
 
     Attributes
     ----------
-    factors : dict
-        The varied dimensions [SI]; the others are in `fixed`.
-    changes : dict
-        Its change with each of the varied dimensions.
+    bands : mapping
+        Value of each dimension and response [SI], of these with the ends of the error band.
+    slopes : mapping
+        d ln(response) / d ln(dimension), (dimensions,), of those that are searched by.
+    """
+
+    factors: Factors
+    bands: Mapping[Asked, tuple[float, ...]]
+    slopes: Mapping[Asked, Array]
+
+    def band(self, name: str, gamma_deg: float | None = None) -> tuple[float, ...]:
+        """Value of a quantity, and the ends of its error band if it has one."""
+        return self.bands[name, gamma_deg]
+
+    def moves(self, factors: Mapping[str, Any]) -> Array:
+        """Logarithms of other dimensions divided by its own."""
+        return np.array([math.log(factors[name] / own) for name, own in self.factors.items()])
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Local(Problem):
+    """A search beside one analyzed throw, by its slopes and those of others."""
+
+    here: SlopedThrow
+    others: Sequence[SlopedThrow]
+
+    @cached_property
+    def curvatures(self) -> dict[Asked, Array]:
+        """Second derivatives of responses in logarithms: the least ones by which slopes differ."""
+        moves = {other: self.here.moves(other.factors) for other in self.others}
+        sizes = {other: float(np.linalg.norm(move)) for other, move in moves.items()}
+        far = [other for other, size in sizes.items() if size > NEAR]
+        if not far:
+            return {asked: np.zeros((len(own),) * 2) for asked, own in self.here.slopes.items()}
+        # Directions that hardly two throws differ in are left flat.
+        inverse = np.linalg.pinv([moves[other] / sizes[other] for other in far], rcond=0.1)
+        found = {}
+        for asked, own in self.here.slopes.items():
+            half = inverse @ [(other.slopes[asked] - own) / sizes[other] for other in far]
+            found[asked] = 0.5 * (half + half.T)
+        return found
+
+    def place(self, factors: Factors) -> Array:
+        """Place of a throw in the box."""
+        ends = zip(factors.values(), self.space.ranges.values(), strict=True)
+        return np.array([(own - low) / ((high - low) or 1.0) for own, (low, high) in ends])
+
+    def points(self, places: Array) -> Banded:
+        factors = cast(Factors, self.factors(places))
+        move, bands = self.here.moves(factors), dict(self.here.bands)
+        for asked, slopes in self.here.slopes.items():
+            growth = math.exp(move @ slopes + 0.5 * move @ self.curvatures[asked] @ move)
+            bands[asked] = tuple(value * growth for value in bands[asked])
+        own = {(name, None): (value,) for name, value in factors.items()}
+        return SlopedThrow(factors, bands | own, {})
+
+    def lookups(self, factors: Mapping[str, Any]) -> dict[str, Lookup]:
+        found = {}
+        for name, kind in QUANTITIES.items():
+            value, lower, upper = self.points(self.place(factors)).band(name)
+            found[name] = Lookup(
+                value=value,
+                lower=lower,
+                upper=upper,
+                unit=kind.unit,
+                symbol=kind.symbol,
+                support="" if kind.unit in ("kg", "Hz") else str(_quantity(name, None)[1]),
+                inside=True,
+                remarks=(),
+                error=None,
+                fe_error=abs(upper / value - 1.0),
+                band="the finite elements' own error estimate",
+                equation="",
+            )
+        return found
+
+
+def _quantity(name: str, gamma_deg: float | None) -> tuple[str, Support]:
+    quantity = name.removesuffix("_guided")
+    if gamma_deg is not None:
+        return quantity, Neighbors(gamma_deg, gamma_deg)
+    return quantity, "pinned" if quantity == name else "guided"
+
+
+@dataclass(frozen=True, eq=False)
+class ThrowFamily:
+    """The throws among which an engine's is sought: some dimensions vary, the others stay.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+        All its cranks are one throw.
+    ranges : mapping
+        Dimension ("web_width", "counterweight.thickness") to its least and largest value [SI].
+
+    Raises
+    ------
+    InputError
+        If the engine has several throws, or a dimension is unknown, absent from the throw, or outside its
+        range.
     """
 
     engine_file: EngineFile
-    factors: Mapping[str, float]
-    fixed: Mapping[str, float]
-    analysis: ThrowAnalysis
-    changes: Mapping[str, DimensionChange]
-    _bands: dict[tuple[str, float | None], tuple[float, ...]] = field(default_factory=dict)
-    _shares: dict[tuple[str, float | None], dict[str, float]] = field(default_factory=dict)
+    ranges: Mapping[str, tuple[float, float]]
+    constraints: tuple[str, ...] = ()
 
-    def band(self, name: str, gamma_deg: float | None = None) -> tuple[float, ...]:
-        """Value of a quantity, and the ends of its error band; of a dimension the value alone."""
-        if name in self.factors or name in self.fixed:
-            return (self.factors[name] if name in self.factors else self.fixed[name],)
-        if (name, gamma_deg) not in self._bands:
-            self._bands[name, gamma_deg] = self._band(name, gamma_deg)
-        return self._bands[name, gamma_deg]
+    responses = QUANTITIES
 
-    def _band(self, name: str, gamma_deg: float | None) -> tuple[float, ...]:
-        of = self.analysis
-        inertia = of.masses.inertia_about_shaft
-        value = self._answer(name, gamma_deg, of.throw, of.superelement, of.mass, inertia)
-        if name in _FREQUENCIES:
-            # No frequency changes more than with the root of the throws' compliances.
-            kind = _FREQUENCIES[name]
-            errors = [
-                getattr(of.error_bars(support), kind) / abs(getattr(of.supported(support), kind))
-                for support in cast(tuple[Support, ...], ("pinned", "guided"))
-            ]
-            share = min(max(errors), 0.5)
-            return value, value / math.sqrt(1.0 + share), value / math.sqrt(1.0 - share)
-        if name == "mass":
-            error = abs(value - of.material.density * cast(CrankThrow, of.throw).volume)
-        else:
-            quantity, support = _quantity(name, gamma_deg)
-            error = abs(getattr(of.error_bars(support), _COMPLIANCES[quantity]))
-        return value, value - error, value + error
-
-    def shares(self, name: str, gamma_deg: float | None = None) -> dict[str, float]:
-        """Return d ln(quantity) / d ln(dimension) over each of the varied dimensions."""
-        if (name, gamma_deg) not in self._shares:
-            self._shares[name, gamma_deg] = {
-                path: self._share(name, gamma_deg, path) for path in self.factors
-            }
-        return self._shares[name, gamma_deg]
-
-    def _share(self, name: str, gamma_deg: float | None, path: str) -> float:
-        if name in self.factors or name in self.fixed:
-            return float(name == path)
-        change = self.changes[path]
-        if name == "mass":
-            return change.mass
-        of, sides = self.analysis, (-STEP, STEP)
-        low, high = (
-            self._answer(
-                name,
-                gamma_deg,
-                throw,
-                end,
-                of.mass * (1.0 + side * change.mass),
-                of.masses.inertia_about_shaft * (1.0 + side * change.inertia),
+    def __post_init__(self) -> None:
+        check_one_throw(self.engine_file)
+        if not self.ranges:
+            raise InputError(
+                "vary: given no dimension; allowed are one or more, each with a range."
             )
-            for side, throw, end in zip(sides, change.throws, change.ends, strict=True)
-        )
-        return (high - low) / (0.5 * (high + low)) / (2.0 * STEP)
+        own = self.own
+        lengths = [name for name, value in own.items() if isinstance(value, float) and value]
+        for name, ends in self.ranges.items():
+            unit = field_unit(name) or ""
+            if name not in lengths or not unit:
+                raise InputError(
+                    f"vary: given {name!r}; {did_you_mean(name, lengths)}allowed are the throw's dimensions, "
+                    f"{', '.join(lengths)}, because slopes are over what is there."
+                )
+            for end in ends:
+                check_dimension(f"vary: {name}", name, end)
+            (low, high), at = ends, float(own[name])
+            if not low < high or low * high <= 0.0 or not low <= at <= high:
+                shown = " to ".join(format_quantity(end, unit) for end in ends)
+                raise InputError(
+                    f"vary: given {name} from {shown}; allowed is a lower end, then a higher one, on one side of "
+                    f"zero and around the engine's own {format_quantity(at, unit)}, where the search begins."
+                )
 
-    def _answer(
-        self,
-        name: str,
-        gamma_deg: float | None,
-        throw: Any,
-        element: Superelement,
-        mass: float,
-        inertia: float,
+    @cached_property
+    def own(self) -> dict[str, Any]:
+        """The dimensions and labels of the engine's throw."""
+        return throw_values(self.engine_file.throw, spelled_out=True)
+
+    @cached_property
+    def throw(self) -> dict[str, Any]:
+        """Record of the engine's throw."""
+        return self.engine_file.throw.model_dump(mode="json")
+
+    @cached_property
+    def family(self) -> Family:
+        """The dimensions that vary, and the others."""
+        rest = {name: value for name, value in self.own.items() if name not in self.ranges}
+        labels = {name: value for name, value in rest.items() if isinstance(value, str)}
+        fixed = {name: value for name, value in rest.items() if name not in labels}
+        return Family(ranges=self.ranges, fixed=fixed, labels=labels)
+
+    def build(self, factors: Factors) -> CrankThrow:
+        """Return the throw of some dimensions; `InputError` if it cannot be built."""
+        return CrankThrow(**changed_record(self.throw, dict(factors)))
+
+    def refusal(self, factors: Factors) -> str:
+        """Say why a throw, or one beside it, cannot be built; "" if it can."""
+        beside = [
+            {name: factors[name] * (1.0 + side)} for name in factors for side in (-ROOM, ROOM)
+        ]
+        try:
+            for change in ({}, *beside):
+                self.build({**factors, **change})
+        except InputError as error:
+            return str(error)
+        return ""
+
+    def analyzed(self, factors: Factors, asked: Sequence[Asked], accuracy: float) -> SlopedThrow:
+        """Analyze a throw, with slopes of what is asked.
+
+        Raises
+        ------
+        InputError, MeshError, SolveError
+            If it cannot be built, meshed or solved, or a dimension has no slope.
+        """
+        of = analyze_throw(self.build(factors), self.engine_file.material, accuracy)
+        joined = any(name in _FREQUENCIES or gamma is not None for name, gamma in asked)
+        changes, left_out = dimension_changes(
+            of.throw, of.mesh, of.material, of.classes, joined=joined, paths=self.ranges
+        )
+        for path, reason in left_out.items():
+            if path in self.ranges:
+                raise InputError(f"{path} has no slope here: {reason}")
+        mass, inertia = of.mass, of.masses.inertia_about_shaft
+        values = {
+            each: self.answer(each, of.throw, of.superelement, mass, inertia)
+            for each in dict.fromkeys([*((name, None) for name in QUANTITIES), *asked])
+        }
+        slopes = {}
+        for each in asked:
+            shares = []
+            for change in (changes[path] for path in self.ranges):
+                low, high = (
+                    self.answer(
+                        each,
+                        throw,
+                        end,
+                        mass * (1.0 + side * change.mass),
+                        inertia * (1.0 + side * change.inertia),
+                    )
+                    for side, throw, end in zip(
+                        (-STEP, STEP), change.throws, change.ends, strict=True
+                    )
+                )
+                shares.append((high - low) / (0.5 * (high + low)) / (2.0 * STEP))
+            slopes[each] = np.array(shares)
+        bands: dict[Asked, tuple[float, ...]] = {
+            each: (value, *_ends(of, each, value)) for each, value in values.items()
+        }
+        dimensions = {**self.family.fixed, **factors}
+        bands |= {(name, None): (value,) for name, value in dimensions.items()}
+        return SlopedThrow(factors, bands, slopes)
+
+    def answer(
+        self, asked: Asked, throw: Any, element: Superelement, mass: float, inertia: float
     ) -> float:
+        """A quantity of a throw [SI]."""
+        name, gamma_deg = asked
         if name == "mass":
             return mass
         if name not in _FREQUENCIES:
@@ -187,27 +336,23 @@ class AnalyzedThrow:
         return first_frequency(engine_torsional_chain(changed, shaft.torsional, inertias))
 
 
-@dataclass(frozen=True, eq=False)
-class _Beside:
-    """Throws beside an analyzed one by its slopes: powers of the dimensions."""
-
-    throw: AnalyzedThrow
-    factors: Mapping[str, Any]
-
-    def band(self, name: str, gamma_deg: float | None = None) -> tuple[float, ...]:
-        throw = self.throw
-        shares = throw.shares(name, gamma_deg)
-        change = math.prod(
-            (value / throw.factors[path]) ** shares[path] for path, value in self.factors.items()
-        )
-        return tuple(value * change for value in throw.band(name, gamma_deg))
-
-
-def _quantity(name: str, gamma_deg: float | None) -> tuple[str, Support]:
-    quantity = name.removesuffix("_guided")
-    if gamma_deg is not None:
-        return quantity, Neighbors(gamma_deg, gamma_deg)
-    return quantity, "pinned" if quantity == name else "guided"
+def _ends(of: ThrowAnalysis, asked: Asked, value: float) -> tuple[float, float]:
+    """Ends of the error band of a quantity."""
+    name, gamma_deg = asked
+    if name in _FREQUENCIES:
+        # No frequency changes more than with the root of the throws' compliances.
+        kind, supports = _FREQUENCIES[name], cast(tuple[Support, ...], ("pinned", "guided"))
+        shares = [
+            getattr(of.error_bars(s), kind) / abs(getattr(of.supported(s), kind)) for s in supports
+        ]
+        share = min(max(shares), 0.5)
+        return value / math.sqrt(1.0 + share), value / math.sqrt(1.0 - share)
+    if name == "mass":
+        error = abs(value - of.material.density * cast(CrankThrow, of.throw).volume)
+    else:
+        quantity, support = _quantity(name, gamma_deg)
+        error = abs(getattr(of.error_bars(support), _COMPLIANCES[quantity]))
+    return value - error, value + error
 
 
 def engine_with(engine_file: EngineFile, throw: CrankThrow) -> EngineFile:
@@ -222,246 +367,172 @@ def engine_with(engine_file: EngineFile, throw: CrankThrow) -> EngineFile:
     return engine_file.changed(**sections)
 
 
+class SearchInterrupted(KeyboardInterrupt):
+    """An interrupt of a search; `best` is the best throw so far, None if none keeps the limits."""
+
+    def __init__(self, best: Optimum | None) -> None:
+        super().__init__()
+        self.best = best
+
+
 @dataclass(frozen=True, eq=False)
-class ThrowFamily:
-    """The throws between which an engine's is sought: some dimensions vary, the others stay.
+class ThrowSearch:
+    """A search that follows slopes.
 
     Parameters
     ----------
-    engine_file : EngineFile
-        All its cranks are one throw.
-    ranges : mapping
-        Dimension ("web_width", "counterweight.thickness") to its least and largest value [SI].
-
-    Raises
-    ------
-    InputError
-        If the engine has several throws, or a dimension is unknown, absent from the throw or has no range.
+    whole : Problem
+        Over the whole ranges.
+    analyze : callable
+        Returns the throw of some dimensions; InputError, MeshError or SolveError if there is none.
+    refusal : callable
+        Says why one cannot be built, or "".
+    told : callable
+        Hears a sentence before each analysis.
     """
 
-    engine_file: EngineFile
-    ranges: Mapping[str, tuple[float, float]]
-    accuracy: float = 0.01
-    # Sentences of throws that could not be built or analyzed; throws by their place.
+    whole: Problem
+    analyze: Callable[[Factors], SlopedThrow]
+    refusal: Callable[[Factors], str]
+    told: Callable[[str], None]
+    found: list[SlopedThrow] = field(default_factory=list)
+    # Sentences of throws that could not be analyzed, and of the last that could not be built.
     refused: list[str] = field(default_factory=list)
-    found: dict[tuple[float, ...], AnalyzedThrow | None] = field(default_factory=dict)
-    constraints: tuple[str, ...] = ()
 
-    responses = QUANTITIES
+    def local(self, here: SlopedThrow, ranges: Mapping[str, tuple[float, float]]) -> _Local:
+        """Return the search beside a throw."""
+        space = replace(self.whole.space, ranges=dict(ranges))
+        return _Local(**{**vars(self.whole), "space": space}, here=here, others=self.found)
 
-    def __post_init__(self) -> None:
-        check_one_throw(self.engine_file)
-        COMPLIANCE_ACCURACY.checked("accuracy", self.accuracy)
-        if not self.ranges:
-            raise InputError(
-                "vary: given no dimension; allowed are one or more, each with a range."
-            )
-        own = self.own
-        for name, (low, high) in self.ranges.items():
-            if not field_unit(name) or not isinstance(own.get(name), float):
-                names = [each for each, value in own.items() if not isinstance(value, str)]
-                raise InputError(
-                    f"vary: given {name!r}; {did_you_mean(name, names)}allowed are the throw's dimensions, "
-                    f"{', '.join(names)}, because slopes are over what is there."
-                )
-            if not low < high:
-                raise InputError(
-                    f"vary: given {name} from {format_quantity(low, field_unit(name) or '')} to "
-                    f"{format_quantity(high, field_unit(name) or '')}; allowed is a lower end first."
-                )
-            for end in (low, high):
-                check_dimension(f"vary: {name}", name, end)
+    def rated(self, here: SlopedThrow) -> SearchResult:
+        """Rate a throw by its own answers."""
+        alone = replace(self.local(here, self.whole.space.ranges), others=())
+        return best_of(alone, [alone.place(here.factors)], len(self.found))
 
     @property
-    def own(self) -> dict[str, Any]:
-        """The dimensions and labels of the engine's throw."""
-        return throw_values(self.engine_file.throw, spelled_out=True)
+    def best(self) -> tuple[SlopedThrow, SearchResult]:
+        """The best throw that keeps the limits, else the nearest."""
+        rated = [(one, self.rated(one)) for one in self.found]
+        kept = [one for one in rated if one[1].broken <= SPARE]
+        if kept:
+            return min(kept, key=lambda one: one[1].objective)
+        return min(rated, key=lambda one: one[1].broken)
 
-    @cached_property
-    def throw(self) -> dict[str, Any]:
-        """Record of the engine's throw."""
-        return self.engine_file.throw.model_dump(mode="json")
+    def gain(self, here: SlopedThrow | SearchResult, there: SearchResult) -> float:
+        """How much better a throw is, as a share; beside one that misses limits, how much nearer to them."""
+        now = self.rated(here) if isinstance(here, SlopedThrow) else here
+        if now.broken > SPARE:
+            return now.broken - max(there.broken, 0.0)
+        saved = (now.objective - there.objective) / (abs(now.objective) or 1.0)
+        return saved - PRICE * max(there.broken - SPARE, 0.0)
 
-    @cached_property
-    def family(self) -> Family:
-        """The dimensions that vary, and the others."""
-        rest = {name: value for name, value in self.own.items() if name not in self.ranges}
-        return Family(
-            ranges=self.ranges,
-            fixed={name: value for name, value in rest.items() if not isinstance(value, str)},
-            labels={name: value for name, value in rest.items() if isinstance(value, str)},
-        )
-
-    def build(self, factors: Mapping[str, Any]) -> CrankThrow:
-        """Return the throw of some dimensions; `InputError` if it cannot be built."""
-        return CrankThrow(**changed_record(self.throw, factors))
-
-    def refused_sides(
-        self, factors: Mapping[str, Any], sides: Sequence[Side] | None = None
-    ) -> list[Side]:
-        """Throws that cannot be built: this one, or with a dimension a little smaller or larger."""
-        refused = []
-        beside = [(name, 1.0 + way * ROOM) for name in self.ranges for way in (-1.0, 1.0)]
-        for side in [("", 1.0), *beside] if sides is None else sides:
-            try:
-                self.build({n: v * side[1] if n == side[0] else v for n, v in factors.items()})
-            except InputError:
-                refused.append(side)
-        return refused
-
-    def analyzed(self, factors: Mapping[str, float]) -> AnalyzedThrow | None:
-        """Return the throw of some dimensions, each analyzed once; None if that is impossible."""
-        key = tuple(rounded(factors[name]) for name in self.ranges)
-        if key not in self.found:
-            self.found[key] = None
-            try:
-                throw = self.build(factors)
-                engine_file = engine_with(self.engine_file, throw)
-                of = analyze_throw(throw, engine_file.material, self.accuracy)
-                changes, left_out = dimension_changes(
-                    throw, of.mesh, of.material, of.classes, joined=True, paths=self.ranges
-                )
-                if left_out := {path: left_out[path] for path in self.ranges if path in left_out}:
-                    path, reason = next(iter(left_out.items()))
-                    raise InputError(f"{path} has no slope here: {reason}")
-                self.found[key] = AnalyzedThrow(
-                    engine_file, dict(factors), self.family.fixed, of, changes
-                )
-            except (InputError, MeshError, SolveError) as error:
-                self.refused.append(str(error))
-        return self.found[key]
-
-    @property
-    def count(self) -> int:
-        """How many throws are analyzed."""
-        return sum(throw is not None for throw in self.found.values())
-
-    def lookup(self, name: str, /, **factors: Any) -> Lookup:
-        """One response at analyzed dimensions, with its error bar."""
-        throw = self.analyzed({each: factors[each] for each in self.ranges})
-        assert throw is not None
-        value, lower, upper = throw.band(name)
-        kind = QUANTITIES[name]
-        return Lookup(
-            value=value,
-            lower=lower,
-            upper=upper,
-            unit=kind.unit,
-            symbol=kind.symbol,
-            support="" if kind.unit in ("kg", "Hz") else str(_quantity(name, None)[1]),
-            inside=True,
-            remarks=(),
-            error=None,
-            fe_error=abs(upper / value - 1.0),
-            band="the finite elements' own error estimate",
-            equation="",
-        )
-
-
-@dataclass(frozen=True)
-class _LocalProblem(Problem):
-    """A search beside one analyzed throw, by its slopes; among throws that can be built on some sides."""
-
-    throw: AnalyzedThrow | None = None
-    sides: tuple[Side, ...] = ()
-
-    def points(self, places: Array) -> Banded:
-        assert self.throw is not None
-        near = self.factors(places) if places.ndim == 1 else self.space.numbers(places)
-        return _Beside(self.throw, near)
-
-    def excess(self, places: Array) -> Array:
-        violations = super().excess(places)
-        if not self.sides:
-            return violations
-        throws = cast(ThrowFamily, self.model)
-        columns = map(self.factors, places.reshape(len(places), -1).T)
-        row = np.array([float(len(throws.refused_sides(one, self.sides))) for one in columns])
-        return np.concatenate([violations, row.reshape(1, *places.shape[1:])])
-
-
-@dataclass(frozen=True)
-class _AnalyzedProblem(Problem):
-    """A search whose every place is analyzed; `told` hears of each new one."""
-
-    told: Callable[[str], None] | None = None
-
-    @property
-    def throws(self) -> ThrowFamily:
-        return cast(ThrowFamily, self.model)
-
-    def analyzed(self, factors: Mapping[str, float]) -> AnalyzedThrow | None:
-        known = self.throws.count
-        throw = self.throws.analyzed(factors)
-        if throw is not None and self.told is not None and self.throws.count > known:
-            value, most = self.judged(throw)
-            shown = f"{self.minimized.replace('_', ' ')} {format_quantity(value, self.unit, 5)}"
-            missed = "kept" if most <= 0.0 else f"missed by {100.0 * most:.2g} %"
-            limits = f", limits {missed}" if self.limits else ""
-            self.told(f"analysis {known + 1}: {shown}{limits}")
-        return throw
-
-    def points(self, places: Array) -> AnalyzedThrow:
-        throw = self.throws.analyzed(cast(dict[str, float], self.factors(places)))
-        assert throw is not None
-        return throw
-
-    def judged(self, throw: AnalyzedThrow) -> tuple[float, float]:
-        """Value of what is minimized, and the largest violation of a limit."""
-        violations = self.excess(self.place(throw)) - self.spare
-        return float(throw.band(self.minimized)[0]), float(np.max(violations, initial=-1.0))
-
-    def place(self, throw: AnalyzedThrow) -> Array:
-        lows, highs = np.array([*self.space.ranges.values()]).T
-        return np.asarray((np.array([*throw.factors.values()]) - lows) / (highs - lows))
-
-    def merit(self, throw: AnalyzedThrow, size: float) -> float:
-        """What a step must make smaller: the value, and violations at a price."""
-        value, broken = self.judged(throw)
-        return value / size + PRICE * max(broken, 0.0)
-
-    def searched(self, start: Mapping[str, float]) -> AnalyzedThrow | None:
-        """Follow the slopes from a throw; None if it cannot be analyzed."""
-        here, reach = self.analyzed(start), REACH
-        if here is None:
+    def analyzed(self, factors: Factors) -> SlopedThrow | None:
+        """Analyze a throw of the search; None if that is impossible."""
+        best = ""
+        if self.found:
+            value = format_quantity(self.best[1].objective, self.whole.unit, 5)
+            kept = "best so far" if self.best[1].broken <= SPARE else "limits missed so far at"
+            best = f", {kept} {self.whole.minimized.replace('_', ' ')} {value}"
+        self.told(f"Analysis {len(self.found) + 1}{best}")
+        try:
+            self.found.append(self.analyze(factors))
+        except (InputError, MeshError, SolveError) as error:
+            self.refused.append(str(error))
             return None
-        size = abs(here.band(self.minimized)[0]) or 1.0
-        while reach > LEAST_REACH:
-            aim = self._aim(here, reach)
-            if np.allclose([*aim.values()], [*here.factors.values()], rtol=SPARE):
-                break
-            there = self.analyzed(aim)
-            if there is None or self.merit(there, size) > self.merit(here, size) - PRECISION:
-                reach *= 0.5
-            else:
-                here = there
-        return here
+        return self.found[-1]
 
-    def _aim(self, here: AnalyzedThrow, reach: float) -> dict[str, float]:
-        """Return the best dimensions within reach by the slopes of a throw."""
-        ranges = {
-            name: (max(low, value * (1.0 - reach)), min(high, value * (1.0 + reach)))
-            for (name, (low, high)), value in zip(
-                self.space.ranges.items(), here.factors.values(), strict=True
-            )
+    def buildable(self, here: Factors, change: Factors) -> Factors:
+        """Return the farthest throw on the way to a change of some dimensions that can be built."""
+        if not self.refusal({**here, **change}):
+            return {**here, **change}
+        low, high = 0.0, 1.0
+        for _ in range(HALVINGS):
+            share = 0.5 * (low + high)
+            part = {name: here[name] + share * (aim - here[name]) for name, aim in change.items()}
+            low, high = (low, share) if self.refusal({**here, **part}) else (share, high)
+        return {
+            **here,
+            **{name: here[name] + low * (aim - here[name]) for name, aim in change.items()},
         }
-        space = replace(self.space, ranges=ranges)
-        shared = (self.model, self.minimized, self.limits, self.margins, space)
-        local = _LocalProblem(*shared, spare=self.spare, throw=here)
-        lows, highs = np.array([*ranges.values()]).T
-        start = (np.array([*here.factors.values()]) - lows) / (highs - lows)
-        places = [polished(local, start)]
-        if self.limits:
-            near = nearest(local, start)
-            places += [near, polished(local, near)]
-        aim = cast(dict[str, float], local.factors(best_of(local, places, 0).place))
-        # Where throws end is known by trying alone: first the throw itself, then those beside it.
-        sides: list[Side] = []
-        while refused := [side for side in self.throws.refused_sides(aim) if side not in sides]:
-            sides += refused if sides else refused[:1]
-            edge = search(replace(local, sides=tuple(sides)))
-            aim = cast(dict[str, float], local.factors(edge.place))
-        return aim
+
+    def aim(self, here: SlopedThrow, reach: float) -> tuple[SearchResult, Factors, str]:
+        """Return what slopes promise at best within reach, at which dimensions, and what cannot be built."""
+        ranges: dict[str, tuple[float, float]] = {}
+        refusals: dict[tuple[str, float], str] = {}
+        for name, (low, high) in self.whole.space.ranges.items():
+            ends = sorted(here.factors[name] * math.exp(way) for way in (-reach, reach))
+            ranges[name] = max(low, ends[0]), min(high, ends[1])
+        while True:
+            local = self.local(here, ranges)
+            start = local.place(here.factors)
+            places = [start, polished(local, start)]
+            if local.limits:
+                near = nearest(local, start)
+                places += [near, polished(local, near)]
+            found = best_of(local, places, 0)
+            factors = cast(Factors, local.factors(found.place))
+            refusal, before = self.refusal(factors), len(refusals)
+            if refusal:
+                # Where throws end is known by trying alone: by one dimension, else on the way.
+                for name, value in factors.items():
+                    last = self.buildable(here.factors, {name: value})[name]
+                    if last != value:
+                        low, high = ranges[name]
+                        ranges[name] = (last, high) if value < last else (low, last)
+                        refusals[name, last] = refusal
+                if len(refusals) > before:
+                    continue
+                factors = self.buildable(here.factors, factors)
+                found = best_of(local, [local.place(factors)], 0)
+            at = [each for (name, last), each in refusals.items() if factors[name] == last]
+            return found, factors, next(iter(at), refusal)
+
+    def follow(self, start: Factors) -> None:
+        """Follow slopes from a throw, until they promise no more."""
+        here, reach = self.analyzed(start), REACH
+        while here is not None and reach > LEAST_REACH and len(self.found) < MOST_ANALYSES:
+            found, factors, _ = self.aim(here, reach)
+            promise = self.gain(here, found)
+            if promise < (NEARER if self.rated(here).broken > SPARE else PRECISION):
+                break
+            there = self.analyzed(factors)
+            gained = -math.inf if there is None else self.gain(here, self.rated(there))
+            far = float(np.abs(here.moves(factors)).max())
+            reach = min(2.0 * reach, REACH) if gained > POOR * promise else 0.5 * min(reach, far)
+            if there is not None and gained > 0.0:
+                here = there
+
+    def result(self, *found: str) -> Optimum:
+        """Describe the best throw, with what is known of it; `InputError` if none keeps the limits."""
+        here, now = self.best
+        local = self.local(here, self.whole.space.ranges)
+        if now.broken > SPARE:
+            raise InputError(infeasible(local, now, "no throw of this search"))
+        aim, _, refusal = self.aim(here, REACH)
+        promise, remarks = self.gain(now, aim), list(found)
+        if local.limits:
+            band = (
+                "at the worst end of the finite elements' error bars"
+                if local.margins
+                else "without margin for errors"
+            )
+            remarks.append(f"the limits are kept {band}, by an analysis of this very throw")
+        remarks.append(
+            f"{len(self.found)} analyses; slopes at this throw promise "
+            + (
+                f"no gain above {100.0 * PRECISION:g} %"
+                if promise < PRECISION
+                else f"{100.0 * promise:.2g} % more"
+            )
+            + f" within {100.0 * math.expm1(REACH):.0f} % of each dimension"
+        )
+        if refusal:
+            remarks.append(f"better throws cannot be built: {refusal}")
+        if self.refused:
+            remarks.append(
+                f"{len(self.refused)} throws could not be analyzed, the last because: {self.refused[-1]}"
+            )
+        return make_optimum(local, now, *remarks)
 
 
 def best_throw(
@@ -472,12 +543,13 @@ def best_throw(
     *,
     margins: bool = True,
     accuracy: float = 0.01,
-    told: Callable[[str], None] | None = None,
+    told: Callable[[str], None] = lambda _: None,
 ) -> Optimum:
     """Find the throw of an engine with the smallest value of a dimension or response that keeps limits.
 
-    Every throw of the search is analyzed by finite elements, about a second each, ten to thirty in all; an
-    interrupt ends the search with the best throw so far. The optimum is a local one.
+    Every throw of the search is analyzed by finite elements, about a second each. The optimum is a local one:
+    the search follows slopes from the engine's own throw, and from the middle of the ranges if it finds
+    none that keeps the limits.
 
     Parameters
     ----------
@@ -495,20 +567,22 @@ def best_throw(
     accuracy : float
         Of each analysis, as for `analyze_throw`.
     told : callable, optional
-        Hears a sentence about each throw analyzed.
+        Hears a sentence before each analysis.
 
     Raises
     ------
     InputError
         If a name is unknown, a range is impossible, or no throw found keeps the limits; the message then
         states the nearest one.
+    SearchInterrupted
+        On an interrupt; with the best throw so far.
     """
-    family = ThrowFamily(engine_file, vary, accuracy)
+    family = ThrowFamily(engine_file, vary)
     check_minimized(family, minimize)
     for limit in limits:
         for name in limit.quantities:
             check_minimized(family, name, f"limit on {limit.name}")
-    problem = _AnalyzedProblem(
+    whole = Problem(
         family,
         minimize,
         tuple(limits),
@@ -516,54 +590,29 @@ def best_throw(
         search_space(family, {}),
         spare=SPARE,
         active=ACTIVE,
-        told=told,
     )
-    own = {name: float(family.own[name]) for name in vary}
-    starts = [
-        {name: min(max(own[name], low), high) for name, (low, high) in vary.items()},
-        {name: 0.5 * (low + high) for name, (low, high) in vary.items()},
+    asked = [
+        (minimize, None),
+        *((name, limit.gamma_deg) for limit in limits for name in limit.quantities),
     ]
-    ends, interrupted = [], False
+    asked = [each for each in dict.fromkeys(asked) if each[0] in QUANTITIES]
+    search = ThrowSearch(
+        whole, lambda factors: family.analyzed(factors, asked, accuracy), family.refusal, told
+    )
+    own = throw_values(engine_file.throw, spelled_out=True)
+    middle = {name: 0.5 * (low + high) for name, (low, high) in vary.items()}
     try:
-        ends = [end for start in starts if (end := problem.searched(start)) is not None]
+        search.follow({name: float(own[name]) for name in vary})
+        if not search.found or search.best[1].broken > SPARE:
+            search.follow(middle)
     except KeyboardInterrupt:
-        interrupted = True
-    throws = [throw for throw in family.found.values() if throw is not None]
-    if not throws:
-        if interrupted:
-            raise KeyboardInterrupt
-        raise InputError(f"vary: given ranges where no search can begin: {family.refused[0]}")
-    best = best_of(problem, [problem.place(throw) for throw in throws], family.count)
-    if best.broken > SPARE:
-        raise InputError(infeasible(problem, best, "no throw of this search"))
-    return make_optimum(problem, best, *_remarks(problem, ends, interrupted))
-
-
-def _remarks(
-    problem: _AnalyzedProblem, ends: Sequence[AnalyzedThrow], interrupted: bool
-) -> list[str]:
-    """State what is known about the optimum."""
-    remarks, refused = [], problem.throws.refused
-    if problem.limits:
-        band = "at the worst end of the finite elements' error bars"
-        remarks.append(
-            f"the limits are kept {band if problem.margins else 'without margin for errors'}, by an "
-            "analysis of this very throw"
+        kept = search.found and search.best[1].broken <= SPARE
+        best = (
+            search.result("the search was interrupted: this is the best throw so far")
+            if kept
+            else None
         )
-    if interrupted:
-        remarks.append("the search was interrupted: this is the best throw so far")
-    else:
-        values = [
-            format_quantity(value, problem.unit, 5)
-            for value, broken in map(problem.judged, ends)
-            if broken <= 0.0
-        ]
-        remarks.append(
-            "a local optimum: the searches from the engine's throw and from the middle of the ranges ended "
-            f"at {' and '.join(values)}"
-        )
-    if refused:
-        remarks.append(
-            f"{len(refused)} of the throws could not be built or analyzed, the last because: {refused[-1]}"
-        )
-    return remarks
+        raise SearchInterrupted(best) from None
+    if not search.found:
+        raise InputError(f"vary: given ranges where no search can begin: {search.refused[0]}")
+    return search.result()
