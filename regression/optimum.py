@@ -183,9 +183,7 @@ class Points:
         `InputError` if the model knows no such quantity, or its band is open on one side.
         """
         if gamma_deg is not None and name in ANGLE_LAWS:
-            parts = [self.band(part) for part in self.model.angle_law(name)]
-            corners = [between_values(gamma_deg, corner) for corner in itertools.product(*parts)]
-            return corners[0], np.min(corners, axis=0), np.max(corners, axis=0)
+            return angle_band(self, self.model.angle_law(name), gamma_deg)
         if name not in self.model.responses:
             return (self.dimension(name),)
         band = error_band(self.model.responses[name])
@@ -196,6 +194,13 @@ class Points:
             )
         values = self.model.answer(name, self.factors).values
         return values, values * band.lower, values * band.upper
+
+
+def angle_band(points: Banded, parts: Sequence[str], gamma_deg: float) -> tuple[Any, ...]:
+    """Value between neighbors and the ends of its error band, from those of the angle law's parts."""
+    bands = [points.band(part) for part in parts]
+    corners = [between_values(gamma_deg, corner) for corner in itertools.product(*bands)]
+    return corners[0], np.min(corners, axis=0), np.max(corners, axis=0)
 
 
 def worst_values(limit: Limit, points: Banded, margins: bool) -> Any:

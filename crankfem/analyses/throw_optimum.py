@@ -1,8 +1,8 @@
 """The best throw of an engine under limits, by finite elements and their slopes.
 
 Each place of the search is a throw that is analyzed; the next one is the best that its slopes
-(`fem.sensitivities`) predict within some reach: powers of the dimensions, with curvatures that follow from the
-slopes of the other throws. No study is needed. The optimum is a local one.
+(`fem.sensitivities`) predict within some reach: powers of the dimensions, with curvatures that follow from
+the slopes of the other throws. No study is needed. The optimum is a local one.
 """
 
 import math
@@ -25,12 +25,9 @@ from crankfem.analyses.shaft.chains import (
 )
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.crank_throws import PLAIN
-from fem.analysis import ThrowAnalysis, analyze_throw
-from fem.angle_law import compliance
-from fem.responses import RESPONSES, ResponseKind
-from fem.sensitivities import dimension_changes
+from fem.responses import RESPONSES, ResponseKind, evaluate_throw
 from fem.superelement import Superelement, shaft_compliances
-from fem.supports import Neighbors, Support
+from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.boundary_motion import STEP
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record
@@ -42,6 +39,7 @@ from regression.optimum import (
     Optimum,
     Problem,
     SearchResult,
+    angle_band,
     best_of,
     check_minimized,
     infeasible,
@@ -50,18 +48,17 @@ from regression.optimum import (
     polished,
     search_space,
 )
+from regression.response_kinds import ANGLE_LAWS
 from regression.throw_values import check_dimension, field_unit, throw_values
 
 Array = NDArray[np.float64]
-# A quantity, and the angle to the neighbors if it is between them.
-Asked = tuple[str, float | None]
 Factors = Mapping[str, float]
 
 # Answers scatter by some 0.03 % from mesh to mesh. Shares that aims keep of limits, that a limit has left
 # which the optimum stands at, and the least gain that an analysis is worth.
 SPARE, ACTIVE, PRECISION = 5e-4, 2e-3, 1e-3
-# In logarithms of dimensions: how far slopes are followed at once, and the least that is worth it; throws that
-# are nearer than the last show scatter, no curvature.
+# In logarithms of dimensions: how far slopes are followed at once, and the least that is worth it; throws
+# that are nearer than the last show scatter, no curvature.
 REACH, LEAST_REACH, NEAR = 0.3, 0.004, 0.02
 # The least share of limits that a search comes nearer to them by.
 NEARER = 1e-4
@@ -74,46 +71,40 @@ HALVINGS = 12
 # Slopes need throws beside one.
 ROOM = 4.0 * STEP
 
-_COMPLIANCES = {
-    "axial_compliance": "axial",
-    "torsional_compliance": "torsional",
-    "influence_coefficient": "influence",
+FREQUENCIES = {
+    f"first_{kind}_frequency": ResponseKind(f"f_{kind[0]}", "Hz", f"first {kind} frequency")
+    for kind in ("axial", "torsional")
 }
-_FREQUENCIES = {f"first_{kind}_frequency": kind for kind in ("axial", "torsional")}
-# By the names that models of studies have: pinned ones without their support.
-QUANTITIES = (
-    {
-        f"{name}{suffix}": RESPONSES[f"{name}_{support}"]
-        for support, suffix in (("pinned", ""), ("guided", "_guided"))
-        for name in _COMPLIANCES
-    }
-    | {"mass": RESPONSES["mass"]}
-    | {
-        name: ResponseKind(f"f_{kind[0]}", "Hz", f"first {kind} frequency of the crankshaft")
-        for name, kind in _FREQUENCIES.items()
-    }
-)
+
+
+def _named(answers: Mapping[str, Any]) -> dict[str, Any]:
+    """Name answers as models of studies do: pinned ones without their support."""
+    return {name.removesuffix("_pinned"): value for name, value in answers.items()}
+
+
+QUANTITIES: dict[str, ResponseKind] = FREQUENCIES | {
+    name: kind
+    for name, kind in _named(RESPONSES).items()
+    if "compliance" in name or "coefficient" in name or name == "mass"
+}
 
 
 @dataclass(frozen=True, eq=False)
 class SlopedThrow:
-    """A throw of the search: its varied dimensions [SI], and answers.
+    """A throw of the search: its varied dimensions [SI], and its responses.
 
     Attributes
     ----------
-    bands : mapping
-        Value of each dimension and response [SI], of these with the ends of the error band.
+    values, errors : mapping
+        Of each response [SI], and its relative error.
     slopes : mapping
-        d ln(response) / d ln(dimension), (dimensions,), of those that are searched by.
+        d ln(response) / d ln(dimension), (dimensions,).
     """
 
     factors: Factors
-    bands: Mapping[Asked, tuple[float, ...]]
-    slopes: Mapping[Asked, Array]
-
-    def band(self, name: str, gamma_deg: float | None = None) -> tuple[float, ...]:
-        """Value of a quantity, and the ends of its error band if it has one."""
-        return self.bands[name, gamma_deg]
+    values: Mapping[str, float]
+    errors: Mapping[str, float]
+    slopes: Mapping[str, Array]
 
     def moves(self, factors: Mapping[str, Any]) -> Array:
         """Logarithms of other dimensions divided by its own."""
@@ -128,20 +119,22 @@ class _Local(Problem):
     others: Sequence[SlopedThrow]
 
     @cached_property
-    def curvatures(self) -> dict[Asked, Array]:
-        """Second derivatives of responses in logarithms: the least ones by which slopes differ."""
+    def differences(self) -> tuple[list[tuple[float, SlopedThrow]], Any]:
+        """Throws that are not near with their distance, and what makes curvatures of their slopes."""
         moves = {other: self.here.moves(other.factors) for other in self.others}
         sizes = {other: float(np.linalg.norm(move)) for other, move in moves.items()}
-        far = [other for other, size in sizes.items() if size > NEAR]
-        if not far:
-            return {asked: np.zeros((len(own),) * 2) for asked, own in self.here.slopes.items()}
+        far = [(size, other) for other, size in sizes.items() if size > NEAR]
         # Directions that hardly two throws differ in are left flat.
-        inverse = np.linalg.pinv([moves[other] / sizes[other] for other in far], rcond=0.1)
-        found = {}
-        for asked, own in self.here.slopes.items():
-            half = inverse @ [(other.slopes[asked] - own) / sizes[other] for other in far]
-            found[asked] = 0.5 * (half + half.T)
-        return found
+        return far, far and np.linalg.pinv([moves[one] / size for size, one in far], rcond=0.1)
+
+    def growth(self, name: str, move: Array) -> float:
+        """Change of a response's logarithm: its slopes, with the least curvatures by which slopes differ."""
+        own, (far, inverse) = self.here.slopes[name], self.differences
+        bent = 0.0
+        if far:
+            changes = [(other.slopes[name] - own) / size for size, other in far]
+            bent = 0.5 * float(move @ (inverse @ changes) @ move)
+        return float(move @ own) + bent
 
     def place(self, factors: Factors) -> Array:
         """Place of a throw in the box."""
@@ -149,40 +142,45 @@ class _Local(Problem):
         return np.array([(own - low) / ((high - low) or 1.0) for own, (low, high) in ends])
 
     def points(self, places: Array) -> Banded:
-        factors = cast(Factors, self.factors(places))
-        move, bands = self.here.moves(factors), dict(self.here.bands)
-        for asked, slopes in self.here.slopes.items():
-            growth = math.exp(move @ slopes + 0.5 * move @ self.curvatures[asked] @ move)
-            bands[asked] = tuple(value * growth for value in bands[asked])
-        own = {(name, None): (value,) for name, value in factors.items()}
-        return SlopedThrow(factors, bands | own, {})
+        return _Beside(self, cast(Factors, self.factors(places)))
 
     def lookups(self, factors: Mapping[str, Any]) -> dict[str, Lookup]:
         found = {}
-        for name, kind in QUANTITIES.items():
+        for name in (each for each in QUANTITIES if each in self.here.values):
             value, lower, upper = self.points(self.place(factors)).band(name)
             found[name] = Lookup(
                 value=value,
                 lower=lower,
                 upper=upper,
-                unit=kind.unit,
-                symbol=kind.symbol,
-                support="" if kind.unit in ("kg", "Hz") else str(_quantity(name, None)[1]),
+                unit=QUANTITIES[name].unit,
+                symbol=QUANTITIES[name].symbol,
+                support="",
                 inside=True,
                 remarks=(),
                 error=None,
-                fe_error=abs(upper / value - 1.0),
+                fe_error=self.here.errors[name],
                 band="the finite elements' own error estimate",
                 equation="",
             )
         return found
 
 
-def _quantity(name: str, gamma_deg: float | None) -> tuple[str, Support]:
-    quantity = name.removesuffix("_guided")
-    if gamma_deg is not None:
-        return quantity, Neighbors(gamma_deg, gamma_deg)
-    return quantity, "pinned" if quantity == name else "guided"
+@dataclass(frozen=True)
+class _Beside:
+    """A throw beside an analyzed one, as predicted."""
+
+    local: _Local
+    factors: Factors
+
+    def band(self, name: str, gamma_deg: float | None = None) -> tuple[Any, ...]:
+        if gamma_deg is not None and name in ANGLE_LAWS:
+            return angle_band(self, ANGLE_LAWS[name], gamma_deg)
+        known = {**self.local.model.family.fixed, **self.factors}
+        if name in known:
+            return (known[name],)
+        here = self.local.here
+        value = here.values[name] * math.exp(self.local.growth(name, here.moves(self.factors)))
+        return value, value * (1.0 - here.errors[name]), value * (1.0 + here.errors[name])
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,8 +228,9 @@ class ThrowFamily:
             if not low < high or low * high <= 0.0 or not low <= at <= high:
                 shown = " to ".join(format_quantity(end, unit) for end in ends)
                 raise InputError(
-                    f"vary: given {name} from {shown}; allowed is a lower end, then a higher one, on one side of "
-                    f"zero and around the engine's own {format_quantity(at, unit)}, where the search begins."
+                    f"vary: given {name} from {shown}; allowed is a lower end, then a higher one, on "
+                    f"one side of zero and around the engine's own {format_quantity(at, unit)}, where the "
+                    "search begins."
                 )
 
     @cached_property
@@ -268,103 +267,51 @@ class ThrowFamily:
             return str(error)
         return ""
 
-    def analyzed(self, factors: Factors, asked: Sequence[Asked], accuracy: float) -> SlopedThrow:
-        """Analyze a throw, with slopes of what is asked.
-
-        Raises
-        ------
-        InputError, MeshError, SolveError
-            If it cannot be built, meshed or solved, or a dimension has no slope.
-        """
-        of = analyze_throw(self.build(factors), self.engine_file.material, accuracy)
-        joined = any(name in _FREQUENCIES or gamma is not None for name, gamma in asked)
-        changes, left_out = dimension_changes(
-            of.throw, of.mesh, of.material, of.classes, joined=joined, paths=self.ranges
+    def analyzed(self, factors: Factors, accuracy: float, frequencies: bool) -> SlopedThrow:
+        """Analyze a throw, with slopes; `InputError`, `MeshError` or `SolveError` if it has none."""
+        material, further = self.engine_file.material, self.frequencies if frequencies else _none
+        found = evaluate_throw(
+            self.build(factors), material, accuracy, slopes=self.ranges, further=further
         )
-        for path, reason in left_out.items():
-            if path in self.ranges:
-                raise InputError(f"{path} has no slope here: {reason}")
-        mass, inertia = of.mass, of.masses.inertia_about_shaft
-        values = {
-            each: self.answer(each, of.throw, of.superelement, mass, inertia)
-            for each in dict.fromkeys([*((name, None) for name in QUANTITIES), *asked])
+        missing = [path for path in self.ranges if path not in found.slopes["mass"]]
+        if missing:
+            raise InputError(
+                f"vary: given {missing[0]}, which has no slope where the throw's shape turns into another."
+            )
+        slopes = {
+            name: np.array([of_paths[path] for path in self.ranges])
+            for name, of_paths in found.slopes.items()
         }
-        slopes = {}
-        for each in asked:
-            shares = []
-            for change in (changes[path] for path in self.ranges):
-                low, high = (
-                    self.answer(
-                        each,
-                        throw,
-                        end,
-                        mass * (1.0 + side * change.mass),
-                        inertia * (1.0 + side * change.inertia),
-                    )
-                    for side, throw, end in zip(
-                        (-STEP, STEP), change.throws, change.ends, strict=True
-                    )
-                )
-                shares.append((high - low) / (0.5 * (high + low)) / (2.0 * STEP))
-            slopes[each] = np.array(shares)
-        bands: dict[Asked, tuple[float, ...]] = {
-            each: (value, *_ends(of, each, value)) for each, value in values.items()
-        }
-        dimensions = {**self.family.fixed, **factors}
-        bands |= {(name, None): (value,) for name, value in dimensions.items()}
-        return SlopedThrow(factors, bands, slopes)
+        return SlopedThrow(factors, _named(found.values), _named(found.errors), _named(slopes))
 
-    def answer(
-        self, asked: Asked, throw: Any, element: Superelement, mass: float, inertia: float
-    ) -> float:
-        """A quantity of a throw [SI]."""
-        name, gamma_deg = asked
-        if name == "mass":
-            return mass
-        if name not in _FREQUENCIES:
-            quantity, support = _quantity(name, gamma_deg)
-            return compliance(element, cast(Any, quantity), support)
-        changed = engine_with(self.engine_file, throw)
+    def frequencies(
+        self, throw: CrankThrow, element: Superelement, mass: float, inertia: float
+    ) -> dict[str, float]:
+        """First frequencies of the crankshaft with a throw [Hz]; its stroke follows the crank radius."""
+        names = self.engine_file.named_throws
+        sections: dict[str, Any] = (
+            {"throw": throw} if PLAIN in names else {"throws": dict.fromkeys(names, throw)}
+        )
+        if "crank_radius" in self.ranges:
+            share = throw.crank_radius / self.engine_file.throw.crank_radius
+            sections["engine"] = {"stroke": self.engine_file.engine.stroke * share}
+        changed = self.engine_file.changed(**sections)
         shaft = shaft_compliances(
             [element] * len(changed.throw_angles_deg),
             crank_angles_deg=changed.throw_angles_deg,
             bearing_stiffness=changed.main_bearings.stiffness,
         )
-        if _FREQUENCIES[name] == "axial":
-            return first_frequency(engine_axial_chain(changed, shaft.axial, mass))
-        inertias = engine_throw_inertias(changed, inertia)
-        return first_frequency(engine_torsional_chain(changed, shaft.torsional, inertias))
+        chains = (
+            engine_axial_chain(changed, shaft.axial, mass),
+            engine_torsional_chain(
+                changed, shaft.torsional, engine_throw_inertias(changed, inertia)
+            ),
+        )
+        return dict(zip(FREQUENCIES, map(first_frequency, chains), strict=True))
 
 
-def _ends(of: ThrowAnalysis, asked: Asked, value: float) -> tuple[float, float]:
-    """Ends of the error band of a quantity."""
-    name, gamma_deg = asked
-    if name in _FREQUENCIES:
-        # No frequency changes more than with the root of the throws' compliances.
-        kind, supports = _FREQUENCIES[name], cast(tuple[Support, ...], ("pinned", "guided"))
-        shares = [
-            getattr(of.error_bars(s), kind) / abs(getattr(of.supported(s), kind)) for s in supports
-        ]
-        share = min(max(shares), 0.5)
-        return value / math.sqrt(1.0 + share), value / math.sqrt(1.0 - share)
-    if name == "mass":
-        error = abs(value - of.material.density * cast(CrankThrow, of.throw).volume)
-    else:
-        quantity, support = _quantity(name, gamma_deg)
-        error = abs(getattr(of.error_bars(support), _COMPLIANCES[quantity]))
-    return value - error, value + error
-
-
-def engine_with(engine_file: EngineFile, throw: CrankThrow) -> EngineFile:
-    """Return the engine with another throw in place of its own; its stroke follows the crank radius."""
-    names = engine_file.named_throws
-    sections: dict[str, Any] = (
-        {"throw": throw} if PLAIN in names else {"throws": dict.fromkeys(names, throw)}
-    )
-    if throw.crank_radius != engine_file.throw.crank_radius:
-        share = throw.crank_radius / engine_file.throw.crank_radius
-        sections["engine"] = {"stroke": engine_file.engine.stroke * share}
-    return engine_file.changed(**sections)
+def _none(*_: object) -> dict[str, float]:
+    return {}
 
 
 class SearchInterrupted(KeyboardInterrupt):
@@ -430,9 +377,9 @@ class ThrowSearch:
         """Analyze a throw of the search; None if that is impossible."""
         best = ""
         if self.found:
-            value = format_quantity(self.best[1].objective, self.whole.unit, 5)
-            kept = "best so far" if self.best[1].broken <= SPARE else "limits missed so far at"
-            best = f", {kept} {self.whole.minimized.replace('_', ' ')} {value}"
+            of, value = self.best[1], self.best[1].objective
+            best = f", {'best' if of.broken <= SPARE else 'limits missed'} so far: "
+            best += format_quantity(value, self.whole.unit, 5)
         self.told(f"Analysis {len(self.found) + 1}{best}")
         try:
             self.found.append(self.analyze(factors))
@@ -502,37 +449,29 @@ class ThrowSearch:
             if there is not None and gained > 0.0:
                 here = there
 
-    def result(self, *found: str) -> Optimum:
+    def result(self, *remarks: str) -> Optimum:
         """Describe the best throw, with what is known of it; `InputError` if none keeps the limits."""
         here, now = self.best
         local = self.local(here, self.whole.space.ranges)
         if now.broken > SPARE:
-            raise InputError(infeasible(local, now, "no throw of this search"))
+            raise InputError(infeasible(local, now, f"none of {len(self.found)} throws analyzed"))
         aim, _, refusal = self.aim(here, REACH)
-        promise, remarks = self.gain(now, aim), list(found)
-        if local.limits:
-            band = (
-                "at the worst end of the finite elements' error bars"
-                if local.margins
-                else "without margin for errors"
-            )
-            remarks.append(f"the limits are kept {band}, by an analysis of this very throw")
-        remarks.append(
-            f"{len(self.found)} analyses; slopes at this throw promise "
-            + (
-                f"no gain above {100.0 * PRECISION:g} %"
-                if promise < PRECISION
-                else f"{100.0 * promise:.2g} % more"
-            )
-            + f" within {100.0 * math.expm1(REACH):.0f} % of each dimension"
+        promise = self.gain(now, aim)
+        gain = (
+            "no gain above 0.1 %" if promise < PRECISION else f"a gain of {100.0 * promise:.2g} %"
         )
+        told = [
+            f"throws analyzed: {len(self.found)}; the slopes of this one promise {gain} within "
+            f"{100.0 * math.expm1(REACH):.0f} % of each dimension"
+        ]
+        if local.limits:
+            band = "the worst end of the error bars" if local.margins else "values without margin"
+            told.insert(0, f"the limits are kept at {band} of this throw's own finite elements")
         if refusal:
-            remarks.append(f"better throws cannot be built: {refusal}")
+            told.append(f"beyond it throws cannot be built: {refusal}")
         if self.refused:
-            remarks.append(
-                f"{len(self.refused)} throws could not be analyzed, the last because: {self.refused[-1]}"
-            )
-        return make_optimum(local, now, *remarks)
+            told.append(f"{len(self.refused)} could not be analyzed, the last: {self.refused[-1]}")
+        return make_optimum(local, now, *remarks, *told)
 
 
 def best_throw(
@@ -578,41 +517,27 @@ def best_throw(
         On an interrupt; with the best throw so far.
     """
     family = ThrowFamily(engine_file, vary)
+    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)
     check_minimized(family, minimize)
+    asked = {minimize, *(name for limit in limits for name in limit.quantities)}
     for limit in limits:
         for name in limit.quantities:
             check_minimized(family, name, f"limit on {limit.name}")
-    whole = Problem(
-        family,
-        minimize,
-        tuple(limits),
-        margins,
-        search_space(family, {}),
-        spare=SPARE,
-        active=ACTIVE,
-    )
-    asked = [
-        (minimize, None),
-        *((name, limit.gamma_deg) for limit in limits for name in limit.quantities),
-    ]
-    asked = [each for each in dict.fromkeys(asked) if each[0] in QUANTITIES]
+    space, frequencies = search_space(family, {}), bool(asked & FREQUENCIES.keys())
     search = ThrowSearch(
-        whole, lambda factors: family.analyzed(factors, asked, accuracy), family.refusal, told
+        Problem(family, minimize, tuple(limits), margins, space, spare=SPARE, active=ACTIVE),
+        lambda factors: family.analyzed(factors, accuracy, frequencies),
+        family.refusal,
+        told,
     )
-    own = throw_values(engine_file.throw, spelled_out=True)
-    middle = {name: 0.5 * (low + high) for name, (low, high) in vary.items()}
     try:
-        search.follow({name: float(own[name]) for name in vary})
+        search.follow({name: float(family.own[name]) for name in vary})
         if not search.found or search.best[1].broken > SPARE:
-            search.follow(middle)
+            search.follow({name: 0.5 * (low + high) for name, (low, high) in vary.items()})
     except KeyboardInterrupt:
         kept = search.found and search.best[1].broken <= SPARE
-        best = (
-            search.result("the search was interrupted: this is the best throw so far")
-            if kept
-            else None
-        )
-        raise SearchInterrupted(best) from None
+        stopped = "the search was interrupted: this is the best throw so far"
+        raise SearchInterrupted(search.result(stopped) if kept else None) from None
     if not search.found:
         raise InputError(f"vary: given ranges where no search can begin: {search.refused[0]}")
     return search.result()

@@ -320,8 +320,7 @@ def optimum(
                     f"{option}: given with --vary; allowed is one of them, because the search changes the "
                     f"throw of {source} itself."
                 )
-        varied, best = _varied(source, vary, minimize, limits or [], bounds, not no_margin, out)
-        _show_optimum(varied, best, out)
+        _show_varied(source, vary, minimize, limits or [], bounds, not no_margin, out)
         return
     loaded = ComplianceModel.load(Path(source))
     check_minimized(loaded, minimize, "--minimize")
@@ -347,7 +346,7 @@ def _show_optimum(model: "Searched", best: "Optimum", out: Output) -> None:
     out.show(parts, f"Smallest {best.minimized}: {value}")
 
 
-def _varied(
+def _show_varied(
     engine: str,
     vary: list[str],
     minimize: str,
@@ -355,9 +354,9 @@ def _varied(
     bounds: "dict[Kind, str | None]",
     margins: bool,
     out: Output,
-) -> "tuple[Searched, Optimum]":
-    """Search among the throws of an engine by finite elements."""
-    from crankfem.analyses.throw_optimum import ThrowFamily, best_throw
+) -> None:
+    """Search among the throws of an engine by finite elements; an interrupt ends with the best so far."""
+    from crankfem.analyses.throw_optimum import SearchInterrupted, ThrowFamily, best_throw
     from crankfem.cli.arguments import parse_bound, parse_limit, parse_range
     from crankfem.files.engine.engine_file import load_engine
     from regression.optimum import Limit, check_minimized
@@ -371,10 +370,18 @@ def _varied(
         if text is not None:
             least = parse_bound(f"--first-{kind}-frequency", text)
             wanted.append(Limit((f"first_{kind}_frequency",), at_least=least, unit="Hz"))
-    with console.RunProgress(out.quiet) as progress:
-        best = best_throw(read, ranges, minimize, wanted, margins=margins, told=progress.step)
-        progress.finish()
-    return family, best
+    stopped = False
+    try:
+        with console.RunProgress(out.quiet) as progress:
+            best = best_throw(read, ranges, minimize, wanted, margins=margins, told=progress.step)
+            progress.finish()
+    except SearchInterrupted as interrupt:
+        if interrupt.best is None:
+            raise
+        best, stopped = interrupt.best, True
+    _show_optimum(family, best, out)
+    if stopped:
+        console.exit_interrupted("Stopped. The best throw so far is shown.")
 
 
 def _frequency_limits(
