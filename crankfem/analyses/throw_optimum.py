@@ -49,7 +49,7 @@ from regression.optimum import (
     search_space,
 )
 from regression.response_kinds import ANGLE_LAWS
-from regression.throw_values import check_dimension, field_unit, throw_values
+from regression.throw_values import check_dimension, field_unit, same_dimension, throw_values
 
 Array = NDArray[np.float64]
 Factors = Mapping[str, float]
@@ -225,7 +225,8 @@ class ThrowFamily:
             for end in ends:
                 check_dimension(f"vary: {name}", name, end)
             (low, high), at = ends, float(own[name])
-            if not low < high or low * high <= 0.0 or not low <= at <= high:
+            around = low <= at <= high or any(same_dimension(at, end) for end in ends)
+            if not low < high or low * high <= 0.0 or not around:
                 shown = " to ".join(format_quantity(end, unit) for end in ends)
                 raise InputError(
                     f"vary: given {name} from {shown}; allowed is a lower end, then a higher one, on "

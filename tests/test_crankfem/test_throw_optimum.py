@@ -28,13 +28,13 @@ RANGES = {"web_width": (0.24, 0.36), "web_thickness": (0.05, 0.09)}
 ERROR = 0.004
 
 
-def mass(width, thickness):
-    return 90.0 + 5000.0 * width * thickness
+def mass(web_width, web_thickness):
+    return 90.0 + 5000.0 * web_width * web_thickness
 
 
-def axial(width, thickness):
+def axial(web_width, web_thickness):
     """Least mass under a limit of it lies inside the ranges: narrow webs become soft."""
-    return 1.1e-9 * (thickness / 0.068) ** -1.4 + 0.2e-9 * (width / 0.285) ** -4.0
+    return 1.1e-9 * (web_thickness / 0.068) ** -1.4 + 0.2e-9 * (web_width / 0.285) ** -4.0
 
 
 RESPONSES = {"mass": mass, "axial_compliance": axial}
@@ -69,6 +69,7 @@ def least_mass(bound, narrowest=0.0):
     return mass(widths, thicknesses)[kept].min()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bound", [1.1e-9, 1.3e-9, 1.5e-9])
 def test_the_search_finds_what_a_fine_grid_finds(bound):
     search = searched(bound)
@@ -82,6 +83,7 @@ def test_the_search_finds_what_a_fine_grid_finds(bound):
     assert any("promise no gain" in remark for remark in found.remarks)
 
 
+@pytest.mark.slow
 def test_it_stops_at_throws_that_cannot_be_built():
     def refusal(factors):
         return "too narrow" if factors["web_width"] < 0.28 else ""
@@ -92,16 +94,20 @@ def test_it_stops_at_throws_that_cannot_be_built():
     assert "beyond it throws cannot be built: too narrow" in found.remarks
 
 
+@pytest.mark.slow
 def test_throws_that_cannot_be_meshed_are_passed_by():
+    asked = []
+
     def analyze(factors):
-        if factors["web_width"] < 0.25:
+        asked.append(factors)
+        if len(asked) == 2:
             raise MeshError("no mesh")
         return analytic(factors)
 
     search = searched(1.5e-9, analyze)
-    assert search.refused
+    assert search.refused == ["no mesh"]
     found = search.result()
-    assert found.value < mass(ENGINE.throw.web_width, ENGINE.throw.web_thickness)
+    assert found.value == close(least_mass(1.5e-9), rel=2e-3)
     assert "no mesh" in found.remarks[-1]
 
 
@@ -113,6 +119,7 @@ def test_where_nothing_can_be_gained_one_analysis_is_enough():
     assert search.result().at_ends == ("web_width", "web_thickness")
 
 
+@pytest.mark.slow
 def test_limits_that_cannot_be_kept_name_the_nearest_throw():
     search = searched(0.5e-9)
     with pytest.raises(InputError, match=r"web_width 360 mm, web_thickness 90 mm.*comes to"):
@@ -202,11 +209,11 @@ def test_the_best_throw_is_an_analyzed_one():
         Limit(("first_torsional_frequency",), at_least=84.0, unit="Hz"),
     ]
     told = []
-    found = best_throw(ENGINE, RANGES, "mass", limits, told=told.append)
-    again = analyze_throw(found.throw, ENGINE.material, 0.01)
+    found = best_throw(ENGINE, RANGES, "mass", limits, told=told.append, accuracy=0.02)
+    again = analyze_throw(found.throw, ENGINE.material, 0.02)
     assert found.limits[0].value == close(again.axial_compliance("pinned"), rel=1e-9)
     assert found.value == close(again.mass, rel=1e-9)
-    assert found.value < analyze_throw(ENGINE.throw, ENGINE.material, 0.01).mass
+    assert found.value < analyze_throw(ENGINE.throw, ENGINE.material, 0.02).mass
     assert all(check.limit.excess(check.worst) <= 0.0 for check in found.limits)
     assert found.lookups["mass"].value == found.value
     assert len(told) == found.evaluations <= 12
@@ -220,9 +227,9 @@ def test_an_interrupt_brings_the_best_throw_so_far():
 
     limit = Limit(("axial_compliance",), at_most=1.4e-9, unit="m/N")
     with pytest.raises(SearchInterrupted) as stopped:
-        best_throw(ENGINE, RANGES, "mass", [limit], told=told)
+        best_throw(ENGINE, RANGES, "mass", [limit], told=told, accuracy=0.05)
     assert stopped.value.best.factors["web_width"] == ENGINE.throw.web_width
     limit = Limit(("axial_compliance",), at_most=1.2e-9, unit="m/N")
     with pytest.raises(SearchInterrupted) as stopped:
-        best_throw(ENGINE, RANGES, "mass", [limit], told=told)
+        best_throw(ENGINE, RANGES, "mass", [limit], told=told, accuracy=0.05)
     assert stopped.value.best is None
