@@ -40,10 +40,10 @@ def check_sizes(field: str, array: FloatArray | ComplexArray, largest: float = L
     array : ndarray of any shape
     """
     with np.errstate(over="ignore"):  # of complex numbers
-        wrong = ~(np.abs(array) <= largest)
-    if not np.any(wrong):
+        allowed = np.abs(array) <= largest
+    if allowed.all():
         return
-    place = np.argwhere(wrong)[0]
+    place = np.argwhere(~allowed)[0]
     index = "".join(f"[{number}]" for number in place)
     value = array[tuple(place)]
     why = (

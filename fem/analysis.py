@@ -610,7 +610,8 @@ class ThrowAnalysis(SolvedSuperelement):
         """
         from fem.sensitivities import Sensitivities, sloped_answer
 
-        joined = isinstance(support, Neighbors)
+        # Those in the shaft, once known, hold what the throw alone needs.
+        joined = isinstance(support, Neighbors) or "changes_in_shaft" in vars(self)
         changes, left_out = self.changes_in_shaft if joined else self._changes_alone
         if quantity in ("mass", "inertia"):
             shares = {path: getattr(change, quantity) for path, change in changes.items()}

@@ -41,16 +41,18 @@ from fem.superelement import (
     CondensedClass,
     Superelement,
     combine_classes,
-    measured_sections,
     nodes_on,
+    section_ring,
     unit_end_motions,
 )
 from fem.supports import Support, pin_compliance, reactions, support_throw
 from fem.symmetry import (
     RIGID,
     NodalLoads,
+    SectionMotions,
     axial_class,
     end_sections,
+    end_surface,
     mirror_images,
     pin_surfaces,
     radial_directions,
@@ -75,6 +77,8 @@ CACHED = 60_000
 MANY = 2
 # Differences of loads and prescribed motions, which are smooth, in lengths of the throw.
 SHIFT = 1e-7
+# A ring whose size grows less than so many per cent for one per cent of a dimension does not change with it.
+SAME_RING = 1e-3
 # Answers with slopes, besides mass and inertia.
 SLOPED = (
     *("axial_compliance", "torsional_compliance", "influence_coefficient", "pin_compliance"),
@@ -260,6 +264,8 @@ def dimension_changes(
     moving = list(velocities.values())
     by_class, masses = class_slopes(mesh, material, plain, moving), mass_slopes(mesh, moving)
     sizes, changes = lengths_of(solved), {}
+    discs = [end_surface(mesh, section) for section in end_sections(axial_class(mesh.part))]
+    rings = section_ring(discs, mesh.points)
     for path, slopes, (mass, inertia) in zip(
         velocities, zip(*by_class, strict=True), masses, strict=True
     ):
@@ -279,8 +285,11 @@ def dimension_changes(
             if made.bending:
                 # What is held of a section that bends is its mean motion, over a ring that changes.
                 points = mesh.points + step * velocities[path]
-                ring = measured_sections(replace(mesh, points=points), made.bending.sections.degree)
-                made = replace(made, bending=made.bending.shared_with(ring))
+                surfaces = [disc.at(points[disc.nodes], disc.images) for disc in discs]
+                ring = section_ring(surfaces, points)
+                if not np.allclose(ring, rings, rtol=SAME_RING * STEP, atol=0.0):
+                    sections = SectionMotions(made.bending.sections.degree, *ring)
+                    made = replace(made, bending=made.bending.shared_with(sections))
             ends.append(made)
         changes[path] = DimensionChange(
             motion.beside[path], (ends[0], ends[1]), sizes[path] * mass, sizes[path] * inertia

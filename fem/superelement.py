@@ -34,6 +34,7 @@ from fem.symmetry import (
     KEPT,
     RADIAL,
     RIGID,
+    LoadedSurface,
     NodalLoads,
     SectionMotions,
     Sections,
@@ -296,14 +297,19 @@ def measured_sections(mesh: ThrowMesh, degree: int) -> SectionMotions:
     """
     if degree == 0:
         return RIGID
+    surfaces = [end_surface(mesh, section) for section in end_sections(axial_class(mesh.part))]
+    return SectionMotions(degree, *section_ring(surfaces, mesh.points))
+
+
+def section_ring(surfaces: Sequence[LoadedSurface], points: Array) -> tuple[float, float]:
+    """Radius of the wider one of end sections, and that of its bore [m], from a mesh's points (n, 3)."""
     rings = []
-    for section in end_sections(axial_class(mesh.part)):
-        surface = end_surface(mesh, section)
-        radius = float(np.hypot(*mesh.points[surface.nodes, :2].T).max())
+    for surface in surfaces:
+        radius = float(np.hypot(*points[surface.nodes, :2].T).max())
         area = len(surface.images) * float(np.linalg.norm(surface.areas, axis=1).sum())
         rings.append((radius, 1.0 - area / (np.pi * radius**2)))
     radius, hollow = max(rings)
-    return SectionMotions(degree, radius, radius * math.sqrt(hollow) if hollow > HOLLOW else 0.0)
+    return radius, radius * math.sqrt(hollow) if hollow > HOLLOW else 0.0
 
 
 def _end_unknowns(mesh: ThrowMesh, symmetry: SymmetryClass) -> NDArray[np.int64]:

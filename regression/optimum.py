@@ -192,8 +192,8 @@ class Points:
                 f"{name}: given a model whose error reaches 100 %; allowed is a better one, because "
                 "with this no limit can be promised."
             )
-        values = self.model.answer(name, self.factors).values
-        return values, values * band.lower, values * band.upper
+        answer = self.model.answer(name, self.factors)
+        return answer.values, *band.around(answer.values, True, answer.errors)
 
 
 def angle_band(points: Banded, parts: Sequence[str], gamma_deg: float) -> tuple[Any, ...]:

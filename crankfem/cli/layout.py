@@ -34,9 +34,9 @@ def short_ways(text: str) -> str:
     return WAY.sub(lambda found: short_places(found[0]), text)
 
 
-def wrapped(text: str, width: int) -> list[str]:
-    """Break a text at spaces alone, none before a unit; what follows "- " or "1. " is indented."""
-    listed = LISTED.match(text)
+def wrapped(text: str, width: int, hanging: bool = True) -> list[str]:
+    """Break a text at spaces alone, none before a unit; what follows "- " or "1. " may be indented."""
+    listed = LISTED.match(text) if hanging else None
     lines = textwrap.wrap(
         WITH_UNIT.sub(TIED, text),
         width,
@@ -117,7 +117,7 @@ def _in_columns(
         return None
 
     def written(row: Sequence[str], bottom: bool = False) -> list[str]:
-        parts = [wrapped(cell, own) for cell, own in zip(row, widths, strict=True)]
+        parts = [wrapped(cell, own, False) for cell, own in zip(row, widths, strict=True)]
         most = max(map(len, parts))
         filled = [
             [""] * (most - len(part)) + part if bottom else part + [""] * (most - len(part))

@@ -21,11 +21,11 @@ from crankbase.quantity import (
     tiny,
 )
 from crankbase.table import Table
-from crankfem.analyses.mechanism.mechanism_results import BearingLoad
 from crankfem.analyses.shaft.chains import MOTION
 from dynamics.assessment.barred_ranges import BarredRange
 
 if TYPE_CHECKING:
+    from crankfem.analyses.mechanism.mechanism_results import BearingLoad
     from crankfem.analyses.run_results import Check
 
 # What the sources of compliances are called in results.json, and in words.
@@ -139,7 +139,7 @@ def _figure(value: float | None, unit: str) -> str:
     return f"{value:g} {unit}".strip()
 
 
-def loaded_most(bearings: Sequence[BearingLoad]) -> list[BearingLoad]:
+def loaded_most(bearings: Sequence["BearingLoad"]) -> list["BearingLoad"]:
     """Return the bearings with the largest load; several where they are alike but for round-off."""
     largest = max(bearing.largest for bearing in bearings)
     return [bearing for bearing in bearings if bearing.largest > (1.0 - ALIKE) * largest]

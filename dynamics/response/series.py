@@ -94,10 +94,8 @@ LARGEST_DENOMINATOR = 1000
 SAME_ORDER = 1e-9
 # Most cycles of the highest order in one period of the sum.
 MOST_CYCLES = 20_000
-# Samples to each cycle of the highest order; the bound on the error follows from it.
-SAMPLES_PER_CYCLE = 16
-# No sampled peak is lower than its true one by more than this share: see `synthesis`.
-PEAK_ERROR_BOUND = 1.0 - float(np.cos(np.pi / SAMPLES_PER_CYCLE))
+# Samples to each cycle of the highest order.
+SAMPLES_PER_CYCLE = 8
 # Newton steps from a sample to the peak beside it, each within one step of the samples.
 NEWTON_STEPS = 6
 # A step of less than this share of the samples' changes no digit of a peak.
@@ -163,7 +161,7 @@ def synthesis(
     (Ehlich, Zeller, Mathematische Zeitschrift 86, 1964, 41-44). After subtracting the middle of the extreme
     samples, the same holds for half the distance of the extremes, as no other constant gives a
     smaller largest value than the true middle: the error of the sampled amplitude is below
-    1 - cos(pi N / m), 1.9 % with the 16 samples to a cycle of the highest order used here. Every
+    1 - cos(pi N / m), 8 % with the 8 samples to a cycle of the highest order used here. Every
     sample that may be next to the true extreme is then followed to the peak by Newton's method,
     which leaves only round-off.
     """

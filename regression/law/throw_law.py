@@ -239,6 +239,15 @@ def real_ranges() -> dict[str, tuple[float, float]]:
 
 
 RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(real_ranges())
+# What may come near an end of them, that end, their width, and what counts as nothing of it: no end is near
+# without a bore, or with the usual shape of a web.
+NEARNESS = [
+    (name, end, sign / (high - low), usual)
+    for name, (low, high) in RANGES.items()
+    for *_, usual in [FEATURES.get(name, (math.nan,))]
+    for end, sign in ((low, 1.0), (high, -1.0))
+    if name != "rectangle" and end != usual and (end or name not in FILLETS)
+]
 
 
 def check_range(shape: Ratios) -> None:
@@ -747,6 +756,30 @@ def throw_laws(
     return AxialLaw(**axial), TorsionalLaw(**torsional)
 
 
+def axial_law_slopes(throw: CrankThrow, poisson_ratio: float = POISSON_RATIO) -> dict[str, float]:
+    """Change of the pinned axial compliance in per cent for one per cent of each dimension, by the law.
+
+    Differences over +-1 %, of one side at an end of the law's range. What is zero or no length of the law's
+    has none. Errors as of `axial_law`.
+    """
+
+    def pinned(name: str, share: float) -> float | None:
+        try:
+            changed = throw.changed(**{name: getattr(throw, name) * share})
+            return float(axial_law(changed, poisson_ratio=poisson_ratio).pinned)
+        except InputError:
+            return None
+
+    here, slopes = axial_law(throw, poisson_ratio=poisson_ratio).pinned, {}
+    for name in (*PLAIN_FIELDS, *MORE_FIELDS):
+        shares = (1.01, 0.99) if getattr(throw, name, None) else ()
+        ends = [(value, share) for share in shares if (value := pinned(name, share))]
+        if ends:
+            (high, more), (low, less) = ends[0], ends[1] if len(ends) > 1 else (here, 1.0)
+            slopes[name] = math.log(high / low) / math.log(more / less)
+    return slopes
+
+
 def axial_laws(
     *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO, **dimensions: ArrayLike
 ) -> AxialLaw:
@@ -947,13 +980,13 @@ def _given(dimensions: Mapping[str, ArrayLike]) -> dict[str, Any]:
 
 
 def _nearest(shape: Mapping[str, Any]) -> str:
-    """The ratio nearest to an end of its range relative to its width, among lengths over D."""
-    name, low, high = min(
-        ((name, *RANGES[name]) for name in shape if name in PLAIN_FIELDS),
-        key=lambda limit: (
-            min(shape[limit[0]] - limit[1], limit[2] - shape[limit[0]]) / (limit[2] - limit[1])
-        ),
+    """The ratio nearest to an end of its range relative to its width."""
+    _, name = min(
+        ((shape[name] - end) * scale, name)
+        for name, end, scale, usual in NEARNESS
+        if shape[name] != usual
     )
+    low, high = RANGES[name]
     return f"{ratio_text(name)} = {shape[name]:.3g} of {low:g} to {high:g}"
 
 

@@ -346,6 +346,10 @@ def test_a_missing_field_is_told_once_with_file_and_section(call, tmp_path):
     assert answer.err.count("firing_order") == 1
     assert answer.err.startswith("Error: engine.firing_order: missing; give cylinder numbers in")
     assert answer.err.endswith("(mine.toml, section [engine], line 6).\n")
+    part = tmp_path / "part.toml"
+    part.write_text('[throw]\npin_diameter = "70 mm"\n', encoding="utf-8")
+    for sentence in call("check", str(part)).err.splitlines():
+        assert sentence.count("part.toml") == 1
 
 
 UNEQUAL = Path(__file__).parents[1] / "data" / "unequal-three.toml"
@@ -641,9 +645,9 @@ def test_check_accepts_and_refuses_what_a_run_does(monkeypatch, tmp_path):
 
 @pytest.mark.further
 def test_check_accepts_and_refuses_what_a_run_does_of_every_engine(monkeypatch, tmp_path):
-    counts = compare(monkeypatch, tmp_path, WHOLE, 400)
-    assert counts[True] >= 100
-    assert counts[False] >= 50
+    counts = compare(monkeypatch, tmp_path, WHOLE, 250)
+    assert counts[True] >= 60
+    assert counts[False] >= 30
 
 
 TEMPLATE = engine_template()
@@ -744,7 +748,7 @@ def test_new_files_are_read_without_warnings(tmp_path, cylinders, strokes, v_ang
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("cylinders", "strokes", "v_angle"), [(9, 4, None), (10, 2, "even")])
-def test_new_files_have_a_verdict(call, tmp_path, cylinders, strokes, v_angle):
+def test_new_files_have_a_verdict(call, coarsely, tmp_path, cylinders, strokes, v_angle):
     path = tmp_path / "new.toml"
     path.write_text(engine_template(path.name, cylinders, strokes, v_angle), encoding="utf-8")
     assert call("vibration", path, "--json").json()["assessment"]["status"]

@@ -12,7 +12,11 @@ ENGINE = "yamz-5340"
 
 @pytest.fixture(scope="module")
 def run():
-    return cf.engine_vibration(ENGINE)
+    """Bearings, steel and the failing cylinder are given: no others are tried beside them."""
+    engine = cf.load_engine(ENGINE)
+    known = {"stiffness": engine.main_bearings.stiffness}
+    settled = {"limits": {"tensile_strength": 8e8}, "misfire": {"cylinders": [1]}}
+    return cf.engine_vibration(engine.changed(bearings=known, **settled))
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +37,7 @@ def test_an_inertia_lowers_a_frequency_by_half_of_its_share_of_the_kinetic_energ
         assert getattr(slopes[field], vibration.kind) == close(-0.5 * share, rel=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_slopes_are_those_between_engines_made_anew(run, slopes):
     """Engines with an input 1 or 2 % smaller and larger, their throws meshed again.
 
@@ -41,7 +45,8 @@ def test_slopes_are_those_between_engines_made_anew(run, slopes):
     """
 
     def answers(**changed):
-        other = cf.engine_vibration(run.engine_file.changed(**changed))
+        same = None if "throw" in changed else run.analysis
+        other = cf.engine_vibration(run.engine_file.changed(**changed), analysis=same)
         check = next(
             check
             for check in other.assessment.verdict.checks

@@ -29,7 +29,7 @@ STRESS = ("stress", "vw-tdi", "--pictures", "made")
         (EXPORT, "SIGTERM"),
         pytest.param(DRAW, "SIGINT", marks=pytest.mark.slow),
         pytest.param(DRAW, "SIGTERM", marks=pytest.mark.slow),
-        pytest.param(STRESS, "SIGTERM", marks=pytest.mark.slow),
+        pytest.param(STRESS, "SIGTERM", marks=pytest.mark.further),
     ],
 )
 def test_a_command_that_is_ended_leaves_nothing_behind(own, command, number):

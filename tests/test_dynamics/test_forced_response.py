@@ -35,7 +35,6 @@ from dynamics.response.order_excitation import OrderExcitation, at_angles, phaso
 from dynamics.response.peak_cause import peak_cause
 from dynamics.response.resonance import refined_speeds, resonances
 from dynamics.response.series import (
-    PEAK_ERROR_BOUND,
     OrderSeries,
     common_order,
     extreme_angles,
@@ -417,14 +416,6 @@ def test_against_dense_samples():
         half = 0.5 * (dense.max() - dense.min())
         assert found.amplitude[0, place] == close(half, rel=2e-6)
     assert np.all(found.amplitude < found.plain_sum)
-
-
-def test_bound_of_the_samples_alone():
-    """The worst case of the bound: a single wave whose peaks lie between the samples."""
-    size = 16
-    worst = np.cos(2.0 * np.pi * np.arange(size) / size - np.pi / size)
-    assert 1.0 - worst.max() == close(PEAK_ERROR_BOUND, rel=1e-12)
-    assert PEAK_ERROR_BOUND < 0.02
 
 
 def test_plain_sum_is_reached_where_peaks_meet_and_rest_is_rest():

@@ -163,7 +163,7 @@ def test_times_are_told(analysis):
     ("radius", "accuracies", "finest"),
     [
         (None, (0.02, 0.005), 0.0012),
-        (0.040, (0.02, 0.005), 0.0012),
+        pytest.param(0.040, (0.02, 0.005), 0.0012, marks=pytest.mark.further),
         pytest.param(0.0, (0.02, 0.006), 0.003, marks=pytest.mark.further),
     ],
     ids=["usual", "large", "sharp"],

@@ -6,6 +6,7 @@ the chain's first frequency are those of an eigenproblem in the test.
 """
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -32,15 +33,28 @@ def nominal(engine, analysis):
     return cf.engine_vibration(engine, analysis=analysis)
 
 
-def test_used_shares_are_those_of_full_calculations(engine, analysis, nominal, figure):
+@pytest.fixture(scope="module")
+def alone(engine, analysis, nominal):
+    """The engine with one stiffness of the range, by its place there."""
+
+    @cache
+    def calculated(place):
+        stiffness = float(nominal.bearings.stiffness[place])
+        return cf.engine_vibration(
+            engine.changed(bearings={"stiffness": stiffness}), analysis=analysis
+        )
+
+    return calculated
+
+
+def test_used_shares_are_those_of_full_calculations(alone, nominal, figure):
     own = nominal.bearings
     (used,) = own.used.values()
     for place in (0, 1, 5, 6):
-        one = engine.changed(bearings={"stiffness": float(own.stiffness[place])})
-        alone = cf.engine_vibration(one, analysis=analysis)
-        assert alone.bearings is None
-        assert alone.assessment.verdict.status == own.statuses[place]
-        figure("used share of the limit", used[place], alone.worst_check.used, 0.03)
+        one = alone(place)
+        assert one.bearings is None
+        assert one.assessment.verdict.status == own.statuses[place]
+        figure("used share of the limit", used[place], one.worst_check.used, 0.03)
     assert used[3] == close(nominal.worst_check.used)
 
 
@@ -92,24 +106,22 @@ def test_bounds_hold_over_the_range(engine, analysis, nominal, figure):
 
 
 def test_bounds_of_critical_speeds_are_peaks_in_the_softest_and_the_stiffest_bearings(
-    engine, analysis, nominal, figure
+    alone, nominal, figure
 ):
     """Of the damped response there, at the full grid; the compliances' spread moves it as the frequency."""
     found = nominal.assessment.torsional
     (spread,) = found.spreads
     peaks = {}
-    for place in (0, -1):
-        one = engine.changed(bearings={"stiffness": float(nominal.bearings.stiffness[place])})
-        alone = cf.engine_vibration(one, analysis=analysis)
-        own = alone.torsional_chain.modes().elastic_frequencies[0]
-        bounds = alone.assessment.torsional.frequencies[0]
+    for place in (0, 6):
+        own = alone(place).torsional_chain.modes().elastic_frequencies[0]
+        bounds = alone(place).assessment.torsional.frequencies[0]
         shift = (bounds.highest if place else bounds.lowest) / own
-        for peak in alone.forced_torsional.peaks:
+        for peak in alone(place).forced_torsional.peaks:
             peaks.setdefault((peak.mode, peak.order), {})[place] = shift * peak.speed
     assert spread.low < 1.0 < spread.high
     judged = [one for one in found.critical if len(peaks.get((one.mode, one.order), {})) == 2]
     assert len(judged) > 3
     for one in judged:
-        softest, stiffest = (peaks[one.mode, one.order][place] for place in (0, -1))
+        softest, stiffest = (peaks[one.mode, one.order][place] for place in (0, 6))
         figure(f"lowest critical speed of order {one.order:g}", one.low, softest, 1e-4, "rad/s")
         figure(f"highest critical speed of order {one.order:g}", one.high, stiffest, 1e-4, "rad/s")

@@ -198,7 +198,19 @@ def _bands(model: "ComplianceModel", names: list[str]) -> Iterator[str]:
     from regression.fits.selection import COVERAGE
     from regression.models.response_query import FEWEST, equation_error, percent
 
-    used = {name: model.responses[name] for name in names}
+    every = {name: model.responses[name] for name in names}
+    processes = [one for one in every.values() if one.process]
+    used = {name: response for name, response in every.items() if not response.process}
+    if processes:
+        most = max(one.process.band for one in processes if one.process)
+        enough = min(one.band_designs for one in processes) >= FEWEST
+        yield Main(
+            f"Bands of Gaussian processes: up to {most:.3g} standard deviations at the throw, which hold "
+            f"{f'{100.0 * COVERAGE:g} % of' if enough else 'the few'} designs not used in the fit, and the "
+            "finite elements' own estimate."
+        )
+    if not used:
+        return
 
     def span(errors: list[float]) -> str:
         ends = dict.fromkeys(percent(error) for error in (min(errors), max(errors)))

@@ -426,9 +426,10 @@ class TomlFile:
     def _with_line(self, sentence: str) -> str:
         """Add to a sentence about a field in which line of the file it is."""
         place = place_of(self.text, sentence.partition(":")[0])
-        if place is None:
+        told = f" ({self.path.name}, {place})."
+        if place is None or sentence.endswith(told):
             return sentence
-        return f"{sentence.removesuffix('.')} ({self.path.name}, {place})."
+        return sentence.removesuffix(".") + told
 
     def required(self, section: str, kind: type[Model]) -> Model:
         """Validate one required section."""
