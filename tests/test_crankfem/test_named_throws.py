@@ -480,7 +480,6 @@ def test_help_says_which_sections_throws_are(call):
 
 
 OLDER = ("6chn25-34", "yamz-5340")
-SECTIONS = {n: read_toml(input_path(n)).sections for n in shipped_names("engine")}
 CYLINDER_PITCH = re.compile(r"cylinder pitch of ([\d.]+) mm")
 
 
