@@ -109,10 +109,11 @@ class Client:
         left_gamma_deg: float | None = None,
         material: Values | None = None,
         ranges: bool = False,
+        slopes: bool = False,
     ) -> Law:
         """Evaluate the law: compliances, c and, with a force on the pin, reactions; no finite elements.
 
-        With `ranges` also the law's range in each dimension, the others kept.
+        With `ranges` also the law's range in each dimension, the others kept; with `slopes` those of e_n.
         """
         return self._post(
             Law,
@@ -124,6 +125,7 @@ class Client:
             left_gamma_deg=left_gamma_deg,
             material=material,
             ranges=ranges,
+            slopes=slopes,
         )
 
     def analyze_throw(self, throw: Values, **options: Any) -> Job:

@@ -10,7 +10,10 @@ from matplotlib.figure import Figure
 
 import crankfem as cf
 from crankbase.errors import MissingLibraryError
+from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.run_results import RunResults
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.files.hinge_file import load_hinge
 from fem import fillet_stress
 from fem.analysis import analyze_throw
 from fem.modes import dynamic_superelement
@@ -19,9 +22,11 @@ from fem.modes import dynamic_superelement
 COARSE_STRESSES = {"BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2}
 PACKAGES = ("crankfem", "geometry", "fem", "regression", "dynamics")
 
+calculated_hinge = cache(lambda: run_hinge(load_hinge("crosshead-30-100")))
 analyzed = cache(analyze_throw)
 stressed = cache(fillet_stress.fillet_stresses)
 condensed = {}  # by mesh and frequency, beside the mesh, which has no hash
+vibrations = {}  # by the engine's file and whether with the whole crankshaft
 
 
 def condensed_once(mesh, material, classes, highest_frequency, **options):
@@ -71,6 +76,23 @@ def lighten(monkeypatch):
         put_everywhere(monkeypatch, kind, NotRendered)
     for name, value in COARSE_STRESSES.items():
         monkeypatch.setattr(fillet_stress, name, value)
+
+
+def calculate_hinge_once(monkeypatch):
+    """Let commands that look at the shipped hinge calculate it once."""
+    put_everywhere(monkeypatch, run_hinge, lambda *_: calculated_hinge())
+
+
+def calculate_vibration_once(monkeypatch):
+    """Let commands that look at the same engine share its vibration."""
+
+    def once(engine, *, coupled=False, **options):
+        key = engine.path, coupled
+        if key not in vibrations:
+            vibrations[key] = engine_vibration(engine, coupled=coupled, **options)
+        return vibrations[key]
+
+    put_everywhere(monkeypatch, engine_vibration, once)
 
 
 def analyze_coarsely(monkeypatch):

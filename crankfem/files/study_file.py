@@ -15,6 +15,7 @@ from crankfem.files.sections.crank_throws import Throws, throw_of_name
 from fem.material import Material
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.throw import CrankThrow
+from regression.fits.forms import form_named
 from regression.plans.designs import (
     LARGEST_DESIGN,
     ROMAN,
@@ -213,6 +214,10 @@ class StudySection(InputModel):
         StudyPlan.slopes,
         description="whether the runs have slopes of their responses, which are fitted as well",
     )
+    form: str | None = Field(
+        None,
+        description="form of all equations, like Gaussian process; by default the best of each",
+    )
     constraints: tuple[Any, ...] = Field(
         default_factory=tuple,
         description='comparisons that every design fulfills, like "web_thickness >= 0.25 * pin_diameter"',
@@ -316,6 +321,7 @@ def study_plan(
         accuracy=section.accuracy,
         stresses=section.stresses,
         slopes=section.slopes,
+        form=None if section.form is None else form_named(section.form, "study.form").name,
     )
 
 

@@ -138,7 +138,10 @@ class LawRange(Answer):
 
 
 class Law(Answer):
-    """Compliances by the law, each by response and support; reactions where a force was given."""
+    """Compliances by the law, each by response and support; reactions where a force was given.
+
+    Slopes are per cent of e_n, ends pinned, for one per cent of each dimension, where they were wanted.
+    """
 
     values: dict[str, Banded]
     ratio: float
@@ -146,6 +149,7 @@ class Law(Answer):
     tier: str
     nearest_limit: str
     ranges: dict[str, LawRange] | None
+    slopes: dict[str, float] | None
     remarks: list[str]
 
 

@@ -187,6 +187,9 @@ class LawQuestion(ThrowQuestion, ReactionsQuestion):
         False,
         description="whether the range of the law is wanted in each dimension, the others kept",
     )
+    slopes: bool = Field(
+        False, description="whether the change of e_n, ends pinned, with each dimension is wanted"
+    )
 
 
 class AnalysisQuestion(ThrowQuestion, NeighborsQuestion):

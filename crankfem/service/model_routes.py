@@ -52,7 +52,7 @@ from geometry.plots.throw_plot import outline_svg
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight
 from regression.law.superelement import law_reactions
-from regression.law.throw_law import dimension_ranges, throw_laws
+from regression.law.throw_law import axial_law_slopes, dimension_ranges, throw_laws
 from regression.models.compliance_model import ComplianceModel
 from regression.models.lookup import ReactionLookup
 
@@ -320,10 +320,9 @@ async def evaluate_law(request: Request) -> Response:
             reactions = reactions_record(law_reactions(throw, asked.pin_force, support, **rigidity))
         shared = attributes(axial, "ratio", "tier", "nearest_limit")
         ranges = dimension_ranges(throw) if asked.ranges else None
-        return answer(
-            shared
-            | {"values": values, "reactions": reactions, "ranges": ranges, "remarks": remarks}
-        )
+        slopes = axial_law_slopes(throw, **rigidity) if asked.slopes else None
+        found = {"values": values, "reactions": reactions, "ranges": ranges, "slopes": slopes}
+        return answer(shared | found | {"remarks": remarks})
 
     # A chain of throws takes long enough to hold others up.
     return await to_thread.run_sync(evaluated) if isinstance(support, Neighbors) else evaluated()

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from regression.fits.forms import Basis, FittedForm, Term, design_matrix, term_name
+from regression.fits.gaussian_process import GaussianProcess
 from regression.response_kinds import SCALES
 from regression.throw_values import FactorLabel as FactorLabel
 from regression.throw_values import factor_label as factor_label
@@ -29,11 +30,15 @@ def equation_text(fitted: FittedForm, *, symbol: str, unit: str, basis: Basis = 
     Evaluated by hand it gives the prediction within 1e-4 of its value over the box of the runs: numbers
     have 6 digits, or more if necessary. On groups it gives the dimensionless response.
 
+    A Gaussian process has none: it is described.
+
     Forms: ``e_n = 1e-9 * (6.1 - 0.0583 B + ...) m/N, lengths in mm``; in logarithms ``ln(e_n / (1e-9
     m/N)) = 7.2 - 1.1 ln(B/mm) + ...``, of the first degree ``e_n = 7.2e-6 m/N * (B/mm)^-1.1
     (h/mm)^-0.9``; on groups ``ln(e_n E D_shm) = 3.1 + 0.9 ln(R/h) + ...``. A category is ``[web_outline
     = rectangle]``, 1 if it applies and 0 otherwise.
     """
+    if fitted.process is not None:
+        return _process_text(fitted, fitted.process, symbol)
     if basis == "groups":
         symbol, unit, size = SCALES[unit].symbol.format(symbol), "", 1.0
         shown = [_group_label(name) for name in fitted.factors]
@@ -68,6 +73,19 @@ def term_symbols(fitted: FittedForm) -> tuple[str, ...]:
         for name, logged in zip(symbols, fitted.log_factors, strict=True)
     ]
     return tuple(term_name(term, names, " ") for term in fitted.terms)
+
+
+def _process_text(fitted: FittedForm, process: GaussianProcess, symbol: str) -> str:
+    labels = [factor_label(name).symbol for name in fitted.factors]
+    scales = zip(labels, process.scales, strict=True)
+    deviation, *noises = np.sqrt(process.variance * np.array([1.0, *process.noises]))
+    slopes = len(process.weights) - process.values
+    return (
+        f"no equation can be written; the model evaluates {symbol} by {process.values} values and {slopes} "
+        f"slopes. Standard deviation of {'ln ' * fitted.logarithmic}{symbol} {deviation:.3g}, noise "
+        f"{noises[0]:.2g} of values{f', {noises[1]:.2g} of slopes' * bool(slopes)}; length scales in halves "
+        f"of the ranges: {', '.join(f'{label} {scale:.3g}' for label, scale in scales)}"
+    )
 
 
 def _group_label(name: str) -> FactorLabel:

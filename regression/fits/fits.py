@@ -19,6 +19,7 @@ from crankbase.results import Internal, result
 from regression.fits.equation_text import term_effects
 from regression.fits.forms import (
     FORMS,
+    GAUSSIAN_PROCESS,
     FittedForm,
     Form,
     Term,
@@ -26,12 +27,21 @@ from regression.fits.forms import (
     design_matrix,
     determined_terms,
     form_named,
+    form_terms,
     group_named,
     is_indicator,
     polynomial_terms,
     term_name,
 )
+from regression.fits.gaussian_process import (
+    NORMAL,
+    Rows,
+    correlations,
+    likeliest,
+    process_of,
+)
 from regression.fits.run_slopes import (
+    DOUBT,
     LACK_OF_FIT,
     RunSlopes,
     doubtful_slopes,
@@ -95,7 +105,7 @@ class Fit(FitErrors):
         The equation.
     statistics : LeastSquares
         Of the polynomial in coded variables; in a form in logarithms of the response, of its
-        logarithm.
+        logarithm. None of a Gaussian process.
     runs, heldout_runs : int
         Numbers of runs fitted and held out.
     lowest, highest : tuple of float
@@ -103,7 +113,7 @@ class Fit(FitErrors):
     """
 
     fitted: Internal[FittedForm]
-    statistics: Internal[LeastSquares]
+    statistics: Internal[LeastSquares | None]
     runs: Internal[int]
     heldout_runs: Internal[int]
     lowest: Internal[tuple[float, ...]]
@@ -145,7 +155,7 @@ class Fit(FitErrors):
     @property
     def natural_standard_errors(self) -> dict[str, float] | None:
         """Standard errors of `coefficients`; None without degrees of freedom."""
-        covariance = self.statistics.covariance
+        covariance = None if self.statistics is None else self.statistics.covariance
         if covariance is None:
             return None
         terms, change = self.fitted.natural_transformation()
@@ -155,7 +165,9 @@ class Fit(FitErrors):
 
     @property
     def variance_inflation(self) -> dict[str, float]:
-        """Variance inflation of the coded terms after the constant, by name."""
+        """Variance inflation of the coded terms after the constant, by name; none of a Gaussian process."""
+        if self.statistics is None:
+            return {}
         values = self.statistics.variance_inflation.tolist()
         return dict(zip(self.term_names[1:], values, strict=True))
 
@@ -264,6 +276,9 @@ def fit_form(
     kind = form_named(form)
     names = tuple(factors)
     points, values = (np.asarray(runs, dtype=np.float64) for runs in (x, y))
+    if kind.process:
+        known = values if heldout_y is None else np.append(values, heldout_y)
+        kind = replace(kind, logarithmic=bool(np.all(known > 0.0)))
     _check_responses("y", values, kind)
     log_factors = _log_factors(kind, names, points, logged)
     center, half_range = _coding(names, points, log_factors)
@@ -278,6 +293,8 @@ def fit_form(
         lambda terms: joint_rows(terms, points, coding, slopes),
         () if slopes is None else slopes.columns,
     )
+    if kind.process:
+        terms, undetermined = form_terms(kind, len(names)), ()
     if len(target) < len(terms):
         also = "" if slopes is None else f" and {len(target) - len(values)} slopes"
         raise InputError(
@@ -289,6 +306,7 @@ def fit_form(
     # Solved in full first: that says which term the runs do not determine.
     solution = least_squares(matrix, target, _names(terms, names, log_factors))
     groups = rows_by_run(len(values), slopes)
+    drop_terms = drop_terms and not kind.process
     small = len(target) ** 2 * len(terms) <= LARGEST_SELECTION
     left_out = left_out_predictions(matrix, target, terms, groups) if drop_terms and small else None
     if drop_terms:
@@ -296,7 +314,14 @@ def fit_form(
         dropped, terms = tuple(terms[i] for i in gone), tuple(terms[i] for i in kept)
         matrix = matrix[:, kept]
         solution = least_squares(matrix, target, _names(terms, names, log_factors))
-    if not (drop_terms and small) and slopes is None:
+    coefficients, process, spread = solution.coefficients, None, [NORMAL]
+    if kind.process:
+        kriging = likeliest(_rows(points, coding, slopes), target, groups)
+        process, coefficients = process_of(kriging, target), kriging.coefficients(target)
+        if (unseen_runs := kriging.left_out(target, groups)) is not None:
+            left_out, deviations = unseen_runs
+            spread.append(tolerance_limit(np.abs(left_out - target[: len(values)]) / deviations))
+    elif not (drop_terms and small) and slopes is None:
         left_out = solution.leave_one_out
     elif not (drop_terms and small):
         left_out = left_out_values(matrix, solution.residuals, target, groups)
@@ -308,7 +333,8 @@ def fit_form(
         center,
         half_range,
         terms,
-        tuple(solution.coefficients.tolist()),
+        tuple(coefficients.tolist()),
+        process,
     )
     predicted = sizes * fitted.predict(points)
     errors = np.abs(predicted / values - 1.0)
@@ -318,6 +344,13 @@ def fit_form(
         _check_responses("heldout_y", unfitted, kind)
         factor = np.asarray(heldout_scale, dtype=np.float64)
         heldout = np.abs(factor * fitted.predict(heldout_x) / unfitted - 1.0)
+        if process is not None:
+            places = code(np.asarray(heldout_x, dtype=np.float64), *coding)
+            ends = np.array([fitted.predict(heldout_x), unfitted])
+            missed = np.abs(np.subtract(*(np.log(ends) if kind.logarithmic else ends)))
+            spread.append(tolerance_limit(missed / process.deviations(places)))
+    if process is not None:
+        fitted = replace(fitted, process=replace(process, band=max(spread)))
     r_squared = coefficient_of_determination(values, predicted)
     unseen, q_squared = [] if heldout is None else [heldout], None
     if left_out is not None:
@@ -327,9 +360,10 @@ def fit_form(
     return Fit(
         form=form,
         basis=kind.basis,
-        coefficient_count=len(terms),
+        # A process keeps a number for every value and slope.
+        coefficient_count=len(terms) if process is None else len(target),
         fitted=fitted,
-        statistics=solution,
+        statistics=solution if process is None else None,
         r_squared=r_squared,
         adjusted_r_squared=adjusted(r_squared, len(target), len(terms)),
         q_squared=q_squared,
@@ -348,10 +382,24 @@ def fit_form(
     )
 
 
+def _rows(
+    points: Array,
+    coding: tuple[Sequence[float], Sequence[float], Sequence[bool]],
+    slopes: RunSlopes | None,
+) -> Rows:
+    """Return the rows of values and slopes, as `joint_rows`."""
+    rows = Rows.at(code(points, *coding))
+    if slopes is None:
+        return rows
+    _, half_range, logged = coding
+    coded_slopes = 1.0 / (np.where(logged, points, 1.0) * np.asarray(half_range))
+    return rows.with_slopes(slopes.known[:, 0], slopes.directions(coded_slopes))
+
+
 def _log_factors(
     form: Form, factors: tuple[str, ...], points: Array, logged: Sequence[bool] | None
 ) -> tuple[bool, ...]:
-    if not form.logarithmic:
+    if not (form.logarithmic or form.process):
         return (False,) * len(factors)
     positive = np.all(points > 0.0, axis=0)
     if logged is None:
@@ -409,6 +457,43 @@ def contradicting_slopes(
     return doubtful_slopes(matrix, joint, slopes.known, size * max(precision, LACK_OF_FIT))
 
 
+def confirmed_doubts(
+    factors: Sequence[str],
+    x: ArrayLike,
+    y: ArrayLike,
+    slopes: RunSlopes,
+    logged: Sequence[bool],
+    precision: float,
+    doubted: Sequence[tuple[int, int]],
+) -> list[tuple[int, int]]:
+    """Find the doubted slopes that a Gaussian process of the values and the other slopes contradicts as well.
+
+    Where no polynomial fits, `contradicting_slopes`, whose other parameters these are, doubts good ones.
+    """
+    from scipy.special import chdtrc
+
+    points, values = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+    doubts = np.zeros(slopes.values.shape, dtype=bool)
+    doubts[tuple(np.array(doubted).T)] = True
+    others, those = (
+        replace(slopes, values=np.where(kept, slopes.values, np.nan)) for kept in (~doubts, doubts)
+    )
+    name, known = GAUSSIAN_PROCESS.name, others if len(others.known) else None
+    fit = fit_form(name, factors, points, values, logged=logged, slopes=known).fitted
+    assert fit.process is not None
+    kriging = fit.process.kriging
+    rows = _rows(points, (fit.center, fit.half_range, fit.log_factors), those)
+    at = Rows(rows.points[rows.values :], rows.directions[rows.values :], 0)
+    expected = at.mean_terms @ fit.coefficients
+    expected += correlations(at, kriging.rows, kriging.scales) @ fit.process.weights
+    size = 1.0 if fit.logarithmic else float(np.sqrt(np.mean(values**2)))
+    noise = max(fit.process.variance * fit.process.noises[1], (size * precision) ** 2)
+    variances = fit.process.variance * np.diag(kriging.covariance(at)) + noise
+    missed = those.targets(np.ones(len(values)) if fit.logarithmic else values) - expected
+    contradicted = chdtrc(1, missed**2 / variances) < DOUBT / len(missed)
+    return [(int(run), int(factor)) for run, factor in those.known[contradicted]]
+
+
 # Ratios l that are tried: above, only the equation's own terms count; below, residuals are round-off.
 RATIOS = 10.0 ** np.arange(-6.0, 3.1, 0.5)
 # Equations of many columns are taken without the terms of one degree more: solving would take minutes.
@@ -461,6 +546,11 @@ class ExpectedErrors:
 def expected_errors(equation: JudgedEquation) -> ExpectedErrors:
     """Return the expected errors of an equation at its points."""
     form = equation.fit.fitted
+    if form.process is not None:
+        places = code(equation.places, form.center, form.half_range, form.log_factors)
+        kriging, squares = form.process.kriging, form.process.variance / equation.sizes**2
+        expected = kriging.covariance(Rows.at(places)) * np.sqrt(np.outer(squares, squares))
+        return ExpectedErrors(expected, np.eye(len(places)), squares * kriging.noises[0])
     present, lacking = form.terms, lacking_terms(equation.fit)
 
     def columns(x: Array) -> tuple[Array, Array]:

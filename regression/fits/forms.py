@@ -22,6 +22,7 @@ from crankbase.choices import is_number
 from crankbase.errors import InputError
 from crankbase.model import field_extra
 from geometry.throw import CrankThrow
+from regression.fits.gaussian_process import GaussianProcess
 from regression.plans.factors import Factor
 
 # A column of the coded design matrix whose part outside the earlier columns is smaller than this
@@ -289,7 +290,8 @@ class Form:
     """One form of equation: a polynomial of a degree, with or without squares.
 
     A logarithmic one is for the logarithm of the response, in the logarithms of the columns. With
-    `basis` "groups" columns are dimensionless groups, and the response is divided by its scale.
+    `basis` "groups" columns are dimensionless groups, and the response is divided by its scale. With
+    `process` it is the mean of a Gaussian process, in logarithms of the response where that is positive.
     """
 
     name: str
@@ -297,8 +299,11 @@ class Form:
     logarithmic: bool
     squares: bool = True
     basis: Basis = "factors"
+    process: bool = False
 
 
+# Not among the forms that are fitted to every study: it has no equation to write down.
+GAUSSIAN_PROCESS = Form("Gaussian process", 1, True, process=True)
 FORMS: Mapping[str, Form] = {
     form.name: form
     for form in (
@@ -316,14 +321,15 @@ FORMS: Mapping[str, Form] = {
 }
 
 
-def form_named(name: str) -> Form:
+def form_named(name: str, field: str = "form") -> Form:
     """Form of this name; `InputError` if there is none."""
-    if name not in FORMS:
+    known = {**FORMS, GAUSSIAN_PROCESS.name: GAUSSIAN_PROCESS}
+    if name not in known:
         raise InputError(
-            f"form: given {name!r}; allowed are {', '.join(FORMS)}, the forms of a regression "
+            f"{field}: given {name!r}; allowed are {', '.join(known)}, the forms of a regression "
             "equation."
         )
-    return FORMS[name]
+    return known[name]
 
 
 def form_terms(form: Form, columns: int, indicators: Sequence[int] = ()) -> tuple[Term, ...]:
@@ -365,6 +371,8 @@ class FittedForm:
         (0,) for the first column, (0, 0) for its square, (0, 0, 1) for that times the second.
     coefficients : tuple of float
         Of the terms in z.
+    process : GaussianProcess, optional
+        What is added to the polynomial, its mean.
 
     Raises
     ------
@@ -381,6 +389,7 @@ class FittedForm:
     half_range: tuple[float, ...]
     terms: tuple[Term, ...]
     coefficients: tuple[float, ...]
+    process: GaussianProcess | None = None
 
     def __post_init__(self) -> None:
         columns = len(self.factors)
@@ -426,7 +435,10 @@ class FittedForm:
                 f"x: given an array of shape {points.shape}; its last axis must hold the "
                 f"{len(self.factors)} factors {', '.join(self.factors)}."
             )
-        total = self._polynomial(code(points, self.center, self.half_range, self.log_factors))
+        coded = code(points, self.center, self.half_range, self.log_factors)
+        total = self._polynomial(coded)
+        if self.process is not None:
+            total = total + self.process.predict(coded)
         return np.exp(total) if self.logarithmic else total
 
     def _polynomial(self, coded: NDArray[np.float64]) -> NDArray[np.float64]:

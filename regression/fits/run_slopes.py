@@ -51,6 +51,13 @@ class RunSlopes:
         runs, factors = self.known.T
         return np.flatnonzero(np.any(self.turned[runs, factors], axis=0)).tolist()
 
+    def directions(self, coded_slopes: Array) -> Array:
+        """Return the directions (r, m) of the slopes in coded columns, weighed as `rows`."""
+        runs, factors = self.known.T
+        turned = self.turned[runs, factors] * coded_slopes[runs]
+        weighed: Array = turned * self.weights[runs, factors][:, None]
+        return weighed
+
     def rows(self, terms: Sequence[Term], coded: Array, coded_slopes: Array) -> Array:
         """Return the rows (r, terms) of the slopes, from coded columns (n, m) and their own derivatives."""
         runs, factors = self.known.T

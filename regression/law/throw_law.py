@@ -756,6 +756,30 @@ def throw_laws(
     return AxialLaw(**axial), TorsionalLaw(**torsional)
 
 
+def axial_law_slopes(throw: CrankThrow, poisson_ratio: float = POISSON_RATIO) -> dict[str, float]:
+    """Change of the pinned axial compliance in per cent for one per cent of each dimension, by the law.
+
+    Differences over +-1 %, of one side at an end of the law's range. What is zero or no length of the law's
+    has none. Errors as of `axial_law`.
+    """
+
+    def pinned(name: str, share: float) -> float | None:
+        try:
+            changed = throw.changed(**{name: getattr(throw, name) * share})
+            return float(axial_law(changed, poisson_ratio=poisson_ratio).pinned)
+        except InputError:
+            return None
+
+    here, slopes = axial_law(throw, poisson_ratio=poisson_ratio).pinned, {}
+    for name in (*PLAIN_FIELDS, *MORE_FIELDS):
+        shares = (1.01, 0.99) if getattr(throw, name, None) else ()
+        ends = [(value, share) for share in shares if (value := pinned(name, share))]
+        if ends:
+            (high, more), (low, less) = ends[0], ends[1] if len(ends) > 1 else (here, 1.0)
+            slopes[name] = math.log(high / low) / math.log(more / less)
+    return slopes
+
+
 def axial_laws(
     *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO, **dimensions: ArrayLike
 ) -> AxialLaw:

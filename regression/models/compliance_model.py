@@ -373,7 +373,11 @@ class ComplianceModel(InputModel):
         OSError
             If the file cannot be written.
         """
-        write_model(self.model_dump(mode="json"), path)
+        content = self.model_dump(mode="json")
+        for response in content["responses"].values():
+            if response["process"] is None:  # as other forms were written before there was any
+                del response["process"]
+        write_model(content, path)
 
     @classmethod
     def load(cls, path: GivenFile) -> Self:

@@ -161,7 +161,7 @@ def _largest(errors: Sequence[float | None]) -> float | None:
 
 def look_up(response: ResponseModel, band: ErrorBand, answer: ResponseValues) -> dict[str, Any]:
     """Return the fields of `Lookups`, floats or arrays."""
-    lower, upper = band.around(answer.values, answer.inside)
+    lower, upper = band.around(answer.values, answer.inside, answer.errors)
     return {
         "value": answer.values,
         "lower": lower,

@@ -12,6 +12,7 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel
 from crankbase.results import made_from
 from regression.fits.forms import FittedForm, code
+from regression.fits.gaussian_process import GaussianProcess
 from regression.throw_values import format_value
 
 if TYPE_CHECKING:  # a lookup needs no fits
@@ -80,6 +81,8 @@ class ResponseModel(InputModel):
         Largest estimate of the relative error of the finite element values themselves.
     too_small : bool
         Whether this error makes them too small only; corrected ones err either way.
+    process : GaussianProcess, optional
+        What is added to the equation's polynomial.
     dropped_terms : tuple of str
         Terms of the form that the selection left out.
     equation : str
@@ -121,6 +124,7 @@ class ResponseModel(InputModel):
     band_designs: int = Field(default=0, ge=0, description="a number of designs")
     largest_fe_error: Share | None = None
     too_small: Literal[False] = False
+    process: GaussianProcess | None = None
     dropped_terms: tuple[str, ...] = ()
     equation: str
 
@@ -172,7 +176,9 @@ class ResponseModel(InputModel):
 
     def _check_size(self) -> None:
         """Refuse coefficients that give impossible values even at the runs."""
-        size = sum(map(abs, self.coefficients)) if self.logarithmic else self.largest_value
+        size = self.largest_value
+        if self.logarithmic or self.process is not None:
+            size = sum(map(abs, self.coefficients))
         if not size <= (LARGEST_LOGARITHM if self.logarithmic else sys.float_info.max):
             of = "the response's logarithm" if self.logarithmic else "the response"
             raise InputError(
@@ -183,8 +189,8 @@ class ResponseModel(InputModel):
 
     @property
     def largest_value(self) -> float:
-        """An upper bound of the equation's values in its range; inf for a logarithmic one."""
-        if self.logarithmic:
+        """An upper bound of the equation's values in its range; inf for a logarithmic one or a process."""
+        if self.logarithmic or self.process is not None:
             return math.inf
         fitted = self.fitted
         reach = np.max(
@@ -213,7 +219,7 @@ class ResponseModel(InputModel):
     @property
     def fitted(self) -> FittedForm:
         """The equation as a function of its columns."""
-        return made_from(self, FittedForm)
+        return made_from(self, FittedForm, process=self.process)
 
     @classmethod
     def from_fit(

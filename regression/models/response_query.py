@@ -14,7 +14,7 @@ import numpy as np
 
 from crankbase.errors import InputError
 from fem.material import Material
-from regression.fits.forms import GROUPS, FittedForm, Term, group_named
+from regression.fits.forms import GROUPS, FittedForm, Term, code, group_named
 from regression.fits.selection import COVERAGE
 from regression.models.family import Family, Given, smallest_and_largest
 from regression.models.response_model import IS, ResponseModel
@@ -50,10 +50,19 @@ class ErrorBand:
     upper: float | None
     text: str
 
-    def around(self, values: Any, inside: Any) -> tuple[Any, Any]:
-        """Lower and upper ends round a value, or an array of them; infinite where open, and not inside."""
+    def around(
+        self, values: Any, inside: Any, errors: Callable[[], Any] | None = None
+    ) -> tuple[Any, Any]:
+        """Lower and upper ends round a value, or an array of them; infinite where open, and not inside.
+
+        `errors` calculates the values' own, as of `ResponseValues`.
+        """
         far = np.copysign(np.inf, values) if self.upper is None else values * self.upper
         ends = values * self.lower, far
+        if errors is not None:
+            error = errors()
+            with np.errstate(divide="ignore"):
+                ends = ends[0] / (1.0 + error), ends[1] / np.maximum(1.0 - error, 0.0)
         if values.__class__ is float:
             return (min(ends), max(ends)) if inside else (-math.inf, math.inf)
         if np.min(values) < 0.0:
@@ -83,7 +92,8 @@ def equation_error(response: ResponseModel) -> float:
 
 def error_band(response: ResponseModel) -> ErrorBand:
     """Find the band of a response."""
-    m = equation_error(response)
+    # Values of a Gaussian process have errors of their own.
+    m = 0.0 if response.process else equation_error(response)
     f = response.largest_fe_error or 0.0
     lower = max(0.0, 1.0 - f) / (1.0 + m)
     upper = (1.0 + f) / (1.0 - m) if m < 1.0 else math.inf
@@ -109,7 +119,10 @@ def _told(response: ResponseModel) -> str:
             if response.band_designs >= FEWEST
             else f"designs not seen, too few for {100.0 * COVERAGE:g} % of new throws,"
         )
-        return f"{of} are predicted within {percent(error)}, by {designs}"
+        within = percent(error)
+        if response.process:
+            within = f"{response.process.band:.3g} of the value's own standard deviations"
+        return f"{of} are predicted within {within}, by {designs}"
     designs = f"{response.heldout_runs} held-out designs"
     if held_out is None:
         designs = f"the {response.runs} fitted runs themselves, without held-out designs too small an error"
@@ -313,6 +326,7 @@ def compile_equation(fitted: FittedForm) -> Equation:
     """Compile a fitted form: equal to `fitted.predict` within rounding."""
     codings = tuple(zip(fitted.log_factors, fitted.center, fitted.half_range, strict=True))
     polynomial = _horner_tree(dict(zip(fitted.terms, fitted.coefficients, strict=True)))
+    process = fitted.process
     # exp(constant) once and for all: the rest is of order 1 and loses no digits in the exponential.
     size = math.exp(polynomial.constant) if fitted.logarithmic else 1.0
     total = _closure(_HornerNode(0.0, polynomial.children) if fitted.logarithmic else polynomial)
@@ -322,7 +336,31 @@ def compile_equation(fitted: FittedForm) -> Equation:
             ((library.log(value) if logged else value) - center) / half_range
             for value, (logged, center, half_range) in zip(columns, codings, strict=True)
         ]
-        return size * library.exp(total(coded)) if fitted.logarithmic else total(coded)
+        value = total(coded)
+        if process is not None:
+            further = process.predict(np.stack(np.broadcast_arrays(*coded), axis=-1))
+            value = value + (further if further.ndim else further.item())
+        return size * library.exp(value) if fitted.logarithmic else value
+
+    return evaluate
+
+
+# Relative errors of values at the columns.
+ErrorsOfValues = Callable[[Sequence[ColumnValues], ColumnValues], Any]
+
+
+def compile_errors(fitted: FittedForm) -> ErrorsOfValues | None:
+    """Compile half the width of a Gaussian process's band; None for other forms."""
+    process = fitted.process
+    if process is None:
+        return None
+
+    def evaluate(columns: Sequence[ColumnValues], values: ColumnValues) -> Any:
+        points = np.stack(np.broadcast_arrays(*columns), axis=-1)
+        coded = code(points, fitted.center, fitted.half_range, fitted.log_factors)
+        errors = process.band * process.deviations(coded)
+        errors = np.expm1(errors) if fitted.logarithmic else errors / np.abs(values)
+        return errors if errors.ndim else errors.item()
 
     return evaluate
 
@@ -415,11 +453,15 @@ class Ratio:
 
 @dataclass(frozen=True)
 class ResponseValues:
-    """Values of a response, the findings outside the study, and where everything is inside it."""
+    """Values of a response, the findings outside the study, and where everything is inside it.
+
+    `errors` calculates the relative error of each value by a Gaussian process.
+    """
 
     values: Any
     outside: tuple[Finding, ...]
     inside: Any
+    errors: Callable[[], Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -436,6 +478,8 @@ class ResponseQuery:
         Factor on the equation's value, from the dimensions.
     constraints : tuple of StudyConstraint
         Relations of the study, between the lengths of a throw of its size.
+    errors : callable, optional
+        From columns and values to the relative errors of these.
     """
 
     name: str
@@ -446,6 +490,7 @@ class ResponseQuery:
     equation: Equation
     scale: Reader | None
     constraints: tuple[StudyConstraint, ...] = ()
+    errors: ErrorsOfValues | None = None
 
     @cached_property
     def lower_limit(self) -> float:
@@ -489,7 +534,10 @@ class ResponseQuery:
                 f"{self.name}: given {least:g}; allowed is a number above zero, as every throw has it: an "
                 "equation that gives another one does not hold for these dimensions."
             )
-        return ResponseValues(values, outside, inside)
+        errors = None
+        if self.errors is not None:
+            errors = partial(self.errors, [column.read(known) for column in self.columns], values)
+        return ResponseValues(values, outside, inside, errors)
 
     def slopes(self, query: Mapping[str, Given]) -> dict[str, Any]:
         """Derivatives by each factor given, at a query that `evaluate` accepts [SI].
@@ -674,7 +722,10 @@ def make_response_query(
     needed |= dict.fromkeys(name for constraint in constraints for name in constraint.read.names)
     equation = compile_equation(response.fitted)
     if response.basis == "factors":
-        return ResponseQuery(name, family, columns, (), tuple(needed), equation, None, constraints)
+        errors = compile_errors(response.fitted)
+        return ResponseQuery(
+            name, family, columns, (), tuple(needed), equation, None, constraints, errors
+        )
     ratios, names = _ratios(family, constant_groups)
     needed |= dict.fromkeys(("pin_diameter", *names))
     try:

@@ -293,6 +293,8 @@ class StudyPlan:
         Whether the fillet stresses are computed as well.
     slopes : bool
         Whether the slopes of the responses at the runs are computed, and fitted, as well.
+    form : str, optional
+        Form of all equations; by default that with the smallest held-out errors is chosen for each.
 
     Raises
     ------
@@ -311,6 +313,7 @@ class StudyPlan:
     accuracy: float = 0.01
     stresses: bool = False
     slopes: bool = False
+    form: str | None = None
 
     def __post_init__(self) -> None:
         if all(factor.labels for factor in self.factors):
@@ -359,8 +362,9 @@ class StudyPlan:
             "held_out": self.held_out,
             "seed": self.seed,
             **self.settings,
-            # Without slopes as before there were any, so that studies keep their keys.
+            # Without these as before there were any, so that studies keep their keys.
             **({"slopes": True} if self.slopes else {}),
+            **({"form": self.form} if self.form else {}),
             "model_version": MODEL_VERSION,
         }
 
@@ -387,6 +391,7 @@ class StudyPlan:
             constraints=tuple(record["constraints"]),
             material=Material(**record["material"]),
             slopes=record.get("slopes", False),
+            form=record.get("form"),
             **{name: record[name] for name in ("held_out", "seed", "accuracy", "stresses")},
         )
 

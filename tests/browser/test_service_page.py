@@ -7,6 +7,7 @@ import pytest
 from comparing import close
 from crankfem import STEEL, CrankThrow, analyze_throw
 from crankfem.files.engine.new_file import engine_template
+from regression.law.throw_law import axial_law_slopes
 from serving import Served
 
 pytest.importorskip("fastapi", reason="the service needs crankfem[serve]")
@@ -44,8 +45,9 @@ def open_service(browser, served):
         context = browser.new_context(viewport={"width": width, "height": height})
         contexts.append(context)
         page = context.new_page()
-        page.asked, page.complaints = [], []
+        page.asked, page.bodies, page.complaints = [], [], []
         page.on("request", lambda request: page.asked.append(request.url))
+        page.on("request", lambda request: page.bodies.append(request.post_data))
         page.on("pageerror", lambda error: page.complaints.append(str(error)))
         page.goto(f"{served.address}/{link}")
         page.wait_for_selector("body[data-ready]")
@@ -79,6 +81,40 @@ def test_what_is_turned_is_answered_at_once(open_service):
         page.evaluate(TURN, 0.05 + 0.001 * place)
     assert float(page.locator("#a-web_thickness").input_value()) == close(89.0, 2e-3)
     assert page.locator(".side svg").evaluate("svg => svg.innerHTML") != before
+    assert page.complaints == []
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_what_changes_e_n_is_told_on_request(open_service, throw, width):
+    page = open_service(width=width)
+    slopes = axial_law_slopes(CrankThrow(**throw))
+    assert not any("slopes" in str(body) for body in page.bodies)
+    page.click(".slopes summary")
+    page.wait_for_selector("[data-slope]")
+    assert sum("slopes" in str(body) for body in page.bodies) == 1
+
+    def shown():
+        rows = page.locator(".slopes tbody tr")
+        texts = rows.locator("td:nth-child(2)").all_inner_texts()
+        names = rows.evaluate_all("rows => rows.map((row) => row.dataset.slope)")
+        values = [float(text.replace("\u2212", "-")) for text in texts]
+        return dict(zip(names, values, strict=True))
+
+    before = shown()
+    assert before == close(slopes, abs=0.0051)
+    assert list(before) == sorted(before, key=lambda name: -abs(slopes[name]))
+    # Bars start in the middle: to the left where more of a dimension makes e_n less.
+    ends = page.locator('[data-slope="crank_radius"] div, [data-slope="pin_diameter"] div')
+    right, left = (ends.nth(place).bounding_box() for place in (0, 1))
+    assert right["x"] == close(left["x"] + left["width"], abs=1.0)
+    page.evaluate(TURN, 0.09)
+    thick = axial_law_slopes(CrankThrow(**throw | {"web_thickness": 0.09}))
+    assert shown() == close(thick, abs=0.0051)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert serious(page) == []
+    page.fill("#a-web_width", "600")
+    page.wait_for_selector('.slopes .remarks:has-text("allowed")')
+    assert not page.locator(".slopes table").is_visible()
     assert page.complaints == []
 
 

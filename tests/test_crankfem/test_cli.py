@@ -274,20 +274,6 @@ def test_new_overwrites_nothing(call, tmp_path):
     assert (tmp_path / "mine.toml").read_text(encoding="utf-8") == "precious"
 
 
-def test_new_refuses_an_unknown_engine(call, tmp_path):
-    answer = call("new", "mine.toml", "--from", "../secret")
-    assert answer.code == 2
-    assert "--from: given '../secret'; allowed are " in answer.err
-    assert not (tmp_path / "mine.toml").exists()
-
-
-def test_new_into_a_folder_that_is_not_there(call):
-    answer = call("new", "nowhere/mine.toml")
-    assert answer.code == 2
-    assert answer.err.startswith("Error: ")
-    assert "nowhere" in answer.err
-
-
 def test_fields_are_explained(call):
     answer = call("fields", "throw")
     assert (answer.code, answer.err) == (0, "")

@@ -73,6 +73,20 @@ def study(tmp_path, monkeypatch):
     return "study.toml"
 
 
+STORES = []  # of the study, once it is computed
+
+
+@pytest.fixture
+def studied(study, call):
+    """The study beside its store."""
+    path = Path("runs.sqlite")
+    if not STORES:
+        assert call("doe", study).code == 0
+        STORES.append(path.read_bytes())
+    path.write_bytes(STORES[0])
+    return study
+
+
 def rows(path):
     with path.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
@@ -101,8 +115,7 @@ def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
 
 
 @pytest.mark.slow
-def test_doe_checks_a_store_and_computes_a_damaged_row_again(call, study, tmp_path):
-    assert call("doe", study).code == 0
+def test_doe_checks_a_store_and_computes_a_damaged_row_again(call, studied, tmp_path):
     sound = call("verify", "runs.sqlite")
     assert sound.code == 0
     assert "runs.sqlite: 12 done; no row damaged." in sound.out
@@ -119,12 +132,12 @@ def test_doe_checks_a_store_and_computes_a_damaged_row_again(call, study, tmp_pa
     assert "its checksum does not fit its content." in damaged.out
     assert "12 designs, 1 without a result." in damaged.out
     assert "Error: runs.sqlite is damaged; the next run of a study computes" in damaged.err
-    assert "1 computed now" in call("doe", study).out
+    assert "1 computed now" in call("doe", studied).out
     record = call("verify", "runs.sqlite", "--json").json()
     assert record["sound"]
     assert record["designs"] == {"done": 12, "failed": 0, "lost": 0}
     (tmp_path / "runs.sqlite").write_bytes((tmp_path / "runs.sqlite").read_bytes()[:9000])
-    for line in (("verify", "runs.sqlite"), ("doe", study)):
+    for line in (("verify", "runs.sqlite"), ("doe", studied)):
         lost = call(*line)
         assert lost.code == 2
         assert "use a copy of it, or give a new file name." in " ".join(lost.err.split())
@@ -144,8 +157,7 @@ def test_doe_adds_runs_once(call, study, monkeypatch):
 
 
 @pytest.mark.slow
-def test_results_are_written_over_nothing_of_the_users(call, study, tmp_path):
-    assert call("doe", study).code == 0
+def test_results_are_written_over_nothing_of_the_users(call, studied, tmp_path):
     for options, code in ((), 2), (("--force",), 0), ((), 0):
         if code == 2:
             (tmp_path / "out.csv").write_text("precious", encoding="utf-8")
@@ -159,8 +171,8 @@ def test_results_are_written_over_nothing_of_the_users(call, study, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("store", ["runs.sqlite", "out.csv"])
-def test_results_are_written_over_nothing_that_is_read(call, study, tmp_path, store):
-    assert call("doe", study, "--store", store).code == 0
+def test_results_are_written_over_nothing_that_is_read(call, studied, tmp_path, store):
+    Path("runs.sqlite").rename(store)
     if store != "out.csv":
         (tmp_path / "out.csv").symlink_to(store)
     before = (tmp_path / store).read_bytes()
@@ -171,31 +183,29 @@ def test_results_are_written_over_nothing_that_is_read(call, study, tmp_path, st
 
 
 @pytest.mark.parametrize("file", ["runs.csv", pytest.param("runs.parquet", marks=pytest.mark.slow)])
-def test_results_are_a_table(call, study, tmp_path, file):
+def test_results_are_a_table(call, studied, tmp_path, file):
     if file.endswith("parquet"):
         pytest.importorskip("pyarrow")
-    assert call("doe", study).code == 0
-    answer = call("results", "runs.sqlite", file, "--study", study)
+    answer = call("results", "runs.sqlite", file, "--study", studied)
     assert answer.code == 0
     assert f"12 rows written to {file}." in answer.out
     assert (tmp_path / file).stat().st_size > 1000
 
 
 @pytest.mark.slow
-def test_earlier_and_measured_results_are_imported(call, study, tmp_path):
-    assert call("doe", study, "--store", "a.sqlite").code == 0
-    assert call("results", "a.sqlite", "a.csv").code == 0
+def test_earlier_and_measured_results_are_imported(call, studied, tmp_path):
+    assert call("results", "runs.sqlite", "a.csv").code == 0
     (tmp_path / "bench.csv").write_text(
         "web_width [mm],axial_compliance_pinned [nm/N]\n301,1.02\n", encoding="utf-8"
     )
     for file, counted in (
-        ("a.sqlite", "12 finished designs and 0"),
+        ("runs.sqlite", "12 finished designs and 0"),
         ("bench.csv", "0 finished designs and 1"),
     ):
-        answer = call("import", study, file, "--store", "b.sqlite")
+        answer = call("import", studied, file, "--store", "b.sqlite")
         assert answer.code == 0
         assert answer.out == f"{file}: {counted} further rows imported.\n"
-    answer = call("doe", study, "--store", "b.sqlite")
+    answer = call("doe", studied, "--store", "b.sqlite")
     assert "0 computed now, 0 without a result, 1 imported rows." in answer.out
     assert call("results", "b.sqlite", "b.csv").code == 0
     assert rows(tmp_path / "b.csv")[:12] == rows(tmp_path / "a.csv")
@@ -335,8 +345,7 @@ def finished(store):
 
 
 @pytest.mark.slow
-def test_the_store_of_the_command_is_plain_sql(call, study, tmp_path):
-    call("doe", study)
+def test_the_store_of_the_command_is_plain_sql(studied, tmp_path):
     connection = sqlite3.connect(tmp_path / "runs.sqlite")
     query = (
         "SELECT web_width, json_extract(errors, '$.mass') FROM results WHERE role = 'run' LIMIT 1"

@@ -11,6 +11,7 @@ from comparing import close
 from crankbase.array_checks import finite_array, positive_number
 from crankbase.choices import whole_number
 from crankbase.errors import InputError
+from crankbase.quantity import parse_quantity
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.file_check import refuse_what_cannot_run
@@ -278,16 +279,6 @@ def test_files_of_another_kind(tmp_path, call, content, fragment):
     assert fragment in answer.err
 
 
-@pytest.mark.parametrize(
-    ("given", "fragment"), [("nowhere.toml", "does not exist"), (".", "is a folder")]
-)
-def test_a_file_that_is_none(call, given, fragment):
-    answer = call("check", given)
-    assert answer.code == 2
-    assert answer.err.startswith(f"Error: {given}: {fragment}")
-    assert "6chn25-34, " in answer.err
-
-
 def test_a_name_that_no_file_can_have():
     with pytest.raises(InputError) as told:
         load_engine("x" * 100_000)
@@ -508,6 +499,7 @@ def test_numbers_too_large_for_a_float_are_refused_everywhere(number):
         lambda: axial_law(THROW, youngs_modulus=number),
         lambda: axial_formula("Anderson", THROW, gamma_deg=number),
         lambda: THROW.changed(crank_radius=number),
+        lambda: parse_quantity(number, "", "field"),
         lambda: positive_number("field", number, "s", "time runs"),
         lambda: whole_number("field", number, 1, "they are counted"),
         lambda: values_at_nodes("field", {0: number}, 3, "kg", "it is a mass"),

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from crankbase.table import SI, Column, Main, Table
 from crankfem.cli import console
 from crankfem.cli.layout import short_places, table_lines
+from stand_ins import calculate_hinge_once, calculate_vibration_once
 
 WORDS = st.text("abcxyz.-", min_size=1, max_size=14)
 CELLS = st.one_of(
@@ -138,6 +139,8 @@ ANSWERS = {
 
 
 def check_screens(call, monkeypatch, width, line):
+    calculate_hinge_once(monkeypatch)
+    calculate_vibration_once(monkeypatch)
     monkeypatch.setenv("COLUMNS", str(width))
     for stream in (console.output, console.errors):
         monkeypatch.setattr(stream, "_width", width)

@@ -20,6 +20,7 @@ from crankfem.jobs.run_files import PICTURED, PICTURES, make_folders, the_only_r
 from crankfem.report.interactive import mechanism
 from crankfem.report.interactive import vibration as interactive_vibration
 from regression.models.compliance_model import ComplianceModel
+from stand_ins import put_everywhere
 
 pytestmark = pytest.mark.slow
 
@@ -334,8 +335,10 @@ def test_a_run_that_fails_leaves_the_last_one_whole(
     assert "Engine FIRST" not in report_of(folder)
 
 
-def test_vibration_without_the_study(lightly, call):
-    answer = call("vibration", "yamz-5340", "--json")
+def test_vibration_without_the_study(coupled_vibration, call, monkeypatch):
+    run = coupled_vibration("6chn25-34")
+    put_everywhere(monkeypatch, vibration_run.engine_vibration, lambda *_, **__: run)
+    answer = call("vibration", "6chn25-34", "--coupled", "--json")
     assert answer.code == 0, answer.err
     content = answer.json()
     assert set(content) == {

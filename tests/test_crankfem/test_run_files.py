@@ -16,11 +16,9 @@ import crankfem as cf
 from crankbase.diagrams import figure
 from crankbase.errors import InputError, MissingLibraryError, RenderError, SolveError
 from crankbase.outputs import LISTED, atomic_file, recording_run_files, replacing_files, write_text
-from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.throw.pictures import offscreen, stress_picture
 from crankfem.analyses.throw.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.run_computation import read_inputs
 from crankfem.jobs.run_drawing import Pictures, Renderings
@@ -39,7 +37,7 @@ from crankfem.jobs.run_files import (
 from crankfem.report.interactive.plot import Plot, Plots
 from crankfem.report.writing import write_report_text
 from regression.models.compliance_model import ComplianceModel
-from stand_ins import put_everywhere, stored_results
+from stand_ins import calculate_hinge_once, put_everywhere, stored_results
 
 LEFT = {
     REPORT: "report",
@@ -513,11 +511,6 @@ COMMANDS = {
 }
 
 
-@cache
-def hinge_as_run():
-    return run_hinge(load_hinge("crosshead-30-100"))
-
-
 @pytest.fixture(scope="module")
 def vibration_as_run(coarse_throw):
     @cache
@@ -531,17 +524,17 @@ def vibration_as_run(coarse_throw):
 @pytest.fixture
 def calculated(lightly_stressed, monkeypatch, vibration_as_run):
     """Let commands give what was calculated once: files are what is looked at."""
-    put_everywhere(monkeypatch, run_hinge, lambda *_: hinge_as_run())
+    calculate_hinge_once(monkeypatch)
     put_everywhere(monkeypatch, engine_vibration, lambda *_, **__: vibration_as_run())
 
 
-# Commands that take more than a second each.
+# Commands that take more than half a second each.
 LONG = ("vibration", "vibration pictures", "stress", "export deck", "fit --plots")
 
 
 @pytest.fixture(
     params=[
-        pytest.param(name, marks=[pytest.mark.slow] if name in LONG else []) for name in COMMANDS
+        pytest.param(name, marks=[pytest.mark.further] if name in LONG else []) for name in COMMANDS
     ]
 )
 def line(request, tmp_path, calculated):

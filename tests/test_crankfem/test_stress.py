@@ -48,16 +48,16 @@ class Made(dict):
         return self[part]
 
 
+def coarse_stresses(throw, **constants):
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in (COARSE_STRESSES | constants).items():
+            patch.setattr(fillet_stress, name, value)
+        return fillet_stresses(throw, accuracy=0.2, mesher=mesh_throw)
+
+
 @pytest.fixture(scope="module")
 def found(dimensions):
-    def stresses(part):
-        throw = CrankThrow(**dimensions, **THROWS[part])
-        with pytest.MonkeyPatch.context() as patch:
-            for name, value in COARSE_STRESSES.items():
-                patch.setattr(fillet_stress, name, value)
-            return fillet_stresses(throw, accuracy=0.2, mesher=mesh_throw)
-
-    return Made(stresses)
+    return Made(lambda part: coarse_stresses(CrankThrow(**dimensions, **THROWS[part])))
 
 
 @pytest.fixture(scope="module")
@@ -298,7 +298,7 @@ def throw(dimensions):
 
 @pytest.fixture(scope="module")
 def hole_found(throw):
-    return fillet_stresses(throw, accuracy=0.2)
+    return coarse_stresses(throw, FINE=4.0, MOST_MESHES=3)
 
 
 def test_nominal_stresses_are_those_of_pin_and_journal_without_the_hole(throw):

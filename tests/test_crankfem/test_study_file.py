@@ -168,6 +168,8 @@ def test_stresses_and_constraints(read):
     plan = read(study('stresses = true\nconstraints = ["web_width > 280 mm"]'))
     assert plan.stresses is True
     assert plan.constraints == ("web_width > 280 mm",)
+    assert plan.form is None
+    assert read(study('form = "Gaussian process"')).form == "Gaussian process"
 
 
 ERRORS = [
@@ -179,6 +181,7 @@ ERRORS = [
     (study("seed = -1"), "study.seed: given -1"),
     (study("accuracy = 1"), "study.accuracy: given 1; allowed is 0.001 to 0.1"),
     (study('runs = "with slope"'), "study.runs: given 'with slope'; allowed is a number of runs"),
+    (study('form = "spline"'), "study.form: given 'spline'; allowed are linear, "),
     (study('stresses = "yes"'), "study.stresses: given 'yes'; allowed is true or false"),
     (study('constraints = "a < b"'), "study.constraints: given 'a < b'; allowed is a list"),
     (study("constraints = [3]"), "study.constraints[0]: given 3; allowed is a comparison"),

@@ -44,6 +44,10 @@ axial_amplitude = "0.4 mm"
 """
 
 
+# The bearings that the shipped six is taken to have: given, no others are tried beside them.
+BEARINGS = '[bearings]\nstiffness = "2.2e9 N/m"\n\n'
+
+
 def written(tmp_path, text, name="6chn25-34"):
     """A shipped engine with further sections before [gas]."""
     path = tmp_path / "engine.toml"
@@ -332,7 +336,7 @@ def test_unbounded_vibration_is_null_in_records(run):
 
 @pytest.mark.slow
 def test_limits_of_a_file_are_judged(coarse, tmp_path):
-    given = engine_vibration(written(tmp_path, ADDED), analysis=coarse)
+    given = engine_vibration(written(tmp_path, BEARINGS + ADDED), analysis=coarse)
     checks = {check.limit.name: check for check in given.assessment.verdict.checks}
     assert set(checks) == {
         "torsional stress of crankshaft",
@@ -392,7 +396,8 @@ def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_oth
     """A coupling that normal firing keeps anywhere, and misfiring does not."""
     driven = {"inertia": 200.0, "coupling_stiffness": 1e5, "coupling_loss_factor": 0.2}
     limits = {"coupling_torque": 3e3, "coupling_torque_passing": 4e4, "crankshaft_stress": 90e6}
-    engine = run.engine_file.changed(driven=driven, limits=limits)
+    bearings = {"stiffness": run.engine_file.main_bearings.stiffness}
+    engine = run.engine_file.changed(driven=driven, limits=limits, bearings=bearings)
     found = engine_vibration(engine, analysis=coarse).misfiring
     check = found.worst
     assert check.quantity == "torque of coupling"
@@ -427,6 +432,7 @@ def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_oth
     assert found.outside([(1.01 * high, 2.0 * high)]).remaining == found.remaining
     assert f"restrict running to {shown_range(*found.remaining[0])}" in found.sentence
     # Of the class or the maker's word the limit for passing serves, and the sentence says so.
+    engine = engine.changed(misfire={"cylinders": list(check.cylinders)})
     said = engine_vibration(
         engine.changed(limits=limits | {"passing_while_misfiring": True}), analysis=coarse
     ).misfiring
@@ -497,7 +503,7 @@ def test_running_speeds_stand_first(run):
 
 @pytest.mark.slow
 def test_the_file_chooses_failing_cylinders(coarse, run, tmp_path):
-    text = "[misfire]\ncylinders = [3]\n\n[gas]\n"
+    text = f"{BEARINGS}[misfire]\ncylinders = [3]\n\n[gas]\n"
     chosen = engine_vibration(written(tmp_path, text), analysis=coarse)
     assert chosen.misfiring.cases == ((3,),)
     # Normal firing stays.

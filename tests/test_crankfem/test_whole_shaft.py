@@ -230,7 +230,9 @@ def test_limits_on_a_coupling_and_a_damper_behind_the_flywheel(six, coupled_vibr
         names=["flange", "input", "pinion", "wheel", "propeller", "line damper"],
     )
     limits = {"elements": [{"element": place, "torque": 3e3, "heat": 2e3} for place in places]}
-    engine_file = replace(plain.changed(limits=limits), shaft_lines={"torsional": line})
+    bearings = {"stiffness": plain.main_bearings.stiffness}
+    engine_file = plain.changed(limits=limits, bearings=bearings, misfire={"cylinders": [1]})
+    engine_file = replace(engine_file, shaft_lines={"torsional": line})
     refuse_limits(engine_file)
     forces = coupled_vibration("6chn25-34").forced_torsional.forces
     run = engine_vibration(engine_file, analysis=analysis)
@@ -286,7 +288,9 @@ def test_a_makers_chain_of_the_plant_is_not_compared(six, monkeypatch):
     plant = Chain(
         [5.0] * 6 + [400.0, 500.0], [2e7] * 6 + [1e6], names=[*cranks, "wheel", "propeller"]
     )
-    longer = replace(engine_file, shaft_lines={"plant": plant}, free_end=None)
+    given = {"stiffness": engine_file.main_bearings.stiffness}
+    longer = engine_file.changed(bearings=given, misfire={"cylinders": [1]})
+    longer = replace(longer, shaft_lines={"plant": plant}, free_end=None)
     whole = whole_shaft(longer, analysis)
     assert any("is without the plant and judged by no limit" in one for one in whole.remarks)
     monkeypatch.setattr("crankfem.analyses.vibration.run.whole_shaft", lambda *_: whole)

@@ -7,7 +7,7 @@ from fem.material import STEEL
 from fem.solver import assemble_stiffness
 from fem.superelement import combine_classes, condense
 from fem.supports import class_axial_compliances
-from fem.symmetry import RADIAL, axial_class, symmetry_classes, uniform_pin_loads, unit_pin_loads
+from fem.symmetry import RADIAL, axial_class, symmetry_classes, unit_pin_loads
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from mirrored_mesh import add_mirror_image
@@ -55,11 +55,6 @@ def full_mesh(half_mesh):
 @pytest.fixture(scope="session")
 def stiffness(mesh):
     return assemble_stiffness(mesh.points, mesh.elements, STEEL)
-
-
-@pytest.fixture(scope="session")
-def pin_shapes(mesh):
-    return uniform_pin_loads(mesh)
 
 
 @pytest.fixture(scope="session")

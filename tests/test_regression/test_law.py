@@ -13,6 +13,7 @@ from geometry.throw_dimensions import OilHole, Web
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import (
     axial_law,
+    axial_law_slopes,
     axial_laws,
     dimension_ranges,
     mass_law,
@@ -40,7 +41,33 @@ def test_all_lengths_scaled_scale_compliances_exactly(scale):
     np.testing.assert_allclose(*twists, rtol=1e-12)
 
 
-@pytest.mark.parametrize("more", [{}, {"main_journal_bore": 0.06, "pin_bore": 0.05}])
+BORES = {"main_journal_bore": 0.06, "pin_bore": 0.05}
+
+
+@pytest.mark.parametrize("more", [{}, BORES])
+def test_slopes_of_the_law(more):
+    """All lengths longer by one per cent make e_n less by as much: the slopes add up to -1."""
+    throw = CrankThrow(**DIMENSIONS | more)
+    slopes = axial_law_slopes(throw)
+    assert slopes.keys() == {*DIMENSIONS, *more}
+    assert sum(slopes.values()) == close(-1.0, 2e-3)
+    step = 1e-4
+    for name, slope in slopes.items():
+        ends = [throw.changed(**{name: getattr(throw, name) * (1.0 + s)}) for s in (step, -step)]
+        high, low = (axial_law(end).pinned for end in ends)
+        assert slope == close(np.log(high / low) / (2.0 * step), rel=2e-3, abs=2e-3)
+
+
+def test_slopes_at_an_end_of_the_law_are_of_one_side():
+    inside = axial_law_slopes(THROW)
+    end = dimension_ranges(THROW)["web_width"]["high"]
+    at_end = axial_law_slopes(THROW.changed(web_width=end))
+    assert at_end.keys() == inside.keys()
+    between = [axial_law(THROW.changed(web_width=share * end)).pinned for share in (0.99, 1.0)]
+    assert at_end["web_width"] == close(-np.log(between[1] / between[0]) / np.log(0.99), rel=1e-9)
+
+
+@pytest.mark.parametrize("more", [{}, BORES])
 def test_the_law_ends_where_the_range_of_a_dimension_does(more):
     known = {**DIMENSIONS, **more}
     ranges = dimension_ranges(CrankThrow(**known))

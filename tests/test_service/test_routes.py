@@ -33,6 +33,7 @@ from crankfem.service.asking import ProblemError
 from crankfem.service.model_routes import QuickRoutes
 from crankfem.service.tasks import check_upload
 from file_fields import SECRET, fields, plant, tells, text_with, upwards
+from regression.law.throw_law import axial_law_slopes
 from serving import ROOT, STUDY
 
 
@@ -103,6 +104,8 @@ def test_the_law_answers_with_bands_and_reactions(client, throw):
     assert found.reactions.left.force_band[2] == close(known.band.left.force[2])
     assert client.law(throw).reactions is None
     assert client.law(throw, ranges=True).ranges["pin_diameter"].high == close(0.22)
+    assert client.law(throw).slopes is None
+    assert client.law(throw, slopes=True).slopes == close(axial_law_slopes(CrankThrow(**throw)))
     unequal = client.law(throw, **asked, left_gamma_deg=240.0).reactions
     known = law_reactions(CrankThrow(**throw), force, Neighbors(240.0, 120.0))
     assert unequal.right.moment == close(known.right.moment.tolist())

@@ -32,6 +32,8 @@ from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from straight_bars import DIAMETER, no_pin, shaft_quarter
 
+pytestmark = pytest.mark.slow
+
 LENGTH = 1.0
 AREA = np.pi / 4.0 * DIAMETER**2
 SECOND_MOMENT = np.pi / 64.0 * DIAMETER**4
@@ -97,7 +99,6 @@ def timoshenko_frequency(highest):
     return brentq(end_loads, 0.8 * highest, highest)
 
 
-@pytest.mark.slow
 def test_bar_in_tension(bar_modes, figure):
     found = of_kind(bar_modes, "axial")
     n = np.array([1, 2])
@@ -109,14 +110,12 @@ def test_bar_in_tension(bar_modes, figure):
     assert 1.0 - found / plain == close(0.5 * contraction**2, rel=0.05)
 
 
-@pytest.mark.slow
 def test_bar_in_torsion(bar_modes, figure):
     found = of_kind(bar_modes, "torsion")
     expected = np.arange(1, 4) * np.sqrt(G / RHO) / (2.0 * LENGTH)
     figure("bar, torsional frequencies 1 to 3", found, expected, 2e-4, "Hz")
 
 
-@pytest.mark.slow
 def test_bar_in_bending(bar_modes, figure):
     found = of_kind(bar_modes, "bending")[:6].reshape(3, 2)
     euler = np.array([euler_frequency(root) for root in ROOTS])
@@ -136,7 +135,6 @@ def torsional(superelements, held):
     return natural_modes(stiffness, mass, [*others, *held])[0]
 
 
-@pytest.mark.slow
 def test_two_pieces_of_a_bar_in_torsion(pieces, figure):
     """Rigid sections do not hinder torsion, so the pieces are the bar."""
     speed = np.sqrt(G / RHO)
@@ -185,7 +183,6 @@ def in_bearings(throw):
     return frequencies[2:], (squares[:, RZ].sum(axis=0) / squares.sum(axis=(0, 1)))[2:]
 
 
-@pytest.mark.slow
 def test_four_throws_in_bearings(throws, figure):
     """Guyan's mass alone: 2.7 % and 13.7 % high in the first two torsional modes."""
     exact, twist = in_bearings(throws["limit"])

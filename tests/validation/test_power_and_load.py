@@ -18,6 +18,8 @@ from crankfem.analyses.vibration.engine_excitation import (
     forces_over_speeds,
 )
 
+pytestmark = pytest.mark.slow
+
 FOLDER = Path(__file__).parents[1] / "data" / "engines"
 OWN = ("8l32-42-damper", "5-42-176-propeller", "v12-170-190")
 
@@ -47,7 +49,6 @@ def own_power(engine, pressure, speed):
     return engine.engine.cylinders * work * cycles, work / swept
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", OWN)
 def test_indicated_power_is_the_integral_over_the_volume(name, figure):
     engine = cf.load_engine(FOLDER / f"{name}.toml")
@@ -60,7 +61,6 @@ def test_indicated_power_is_the_integral_over_the_volume(name, figure):
     figure("power of the torque", cf.run_mechanism(mechanism).torque.power, power, 1e-5, "W")
 
 
-@pytest.mark.slow
 def test_published_power_and_mean_effective_pressure(figure):
     power = cf.load_mechanism("6s50mc-c").power
     assert power.consistent
@@ -69,7 +69,6 @@ def test_published_power_and_mean_effective_pressure(figure):
     figure("mechanical efficiency", power.mechanical_efficiency, 19.0 / 20.0, 3e-3)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", OWN)
 def test_a_propeller_takes_the_cube_of_the_speed(name, figure):
     """In what is told, in the torque of the mechanism and in the forces that excite vibration."""
@@ -91,7 +90,6 @@ def test_a_propeller_takes_the_cube_of_the_speed(name, figure):
     figure("power of the exciting forces", driven, full * (speeds / rated) ** 3, 1e-4, "W")
 
 
-@pytest.mark.slow
 def test_friction_stays_where_the_rated_power_tells_it(figure):
     engine = cf.load_engine("6s50mc-c")
     rated = engine.engine.rated_speed

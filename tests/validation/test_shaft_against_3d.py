@@ -33,6 +33,8 @@ from geometry.crankshaft import Crankshaft
 from geometry.throw import CrankThrow
 from shaft_solid import frequency_deck, mesh_shaft, solid_modes
 
+pytestmark = pytest.mark.further
+
 FLAT, CROSS = (0.0, 180.0, 180.0, 0.0), (0.0, 90.0, 270.0, 180.0)
 FINEST = {
     FLAT: (96.939, 170.293, 259.338, 306.940, 381.350),
@@ -79,7 +81,6 @@ def likeness(first, second):
     return (one @ other) ** 2 / (one @ one) / (other @ other)
 
 
-@pytest.mark.further
 def test_free_shaft(superelement, throw, cranks, solid, figure):
     ours = modes_of(superelement, throw, cranks)
     assert ours.rigid == 6
@@ -108,7 +109,6 @@ def test_free_shaft(superelement, throw, cranks, solid, figure):
     assert np.ptp(turning) > 0.6 * np.ptp(motions[:, :, 6 + first] * SCALE, axis=0).sum() / 2.0
 
 
-@pytest.mark.further
 def test_shaft_in_bearings(superelement, throw, figure):
     """Springs on the mean lateral motion of each section, a thrust bearing at the last one."""
     around = ShaftSurroundings(
@@ -137,7 +137,6 @@ def test_shaft_in_bearings(superelement, throw, figure):
         assert likeness(motions[:, :, mode], ours.motions[:5, :, mode]) > 0.99
 
 
-@pytest.mark.further
 def test_calculix_finds_the_same_frequencies(throw, tmp_path, figure):
     """Our own three-dimensional reference is right: another program on the same mesh."""
     mesh = mesh_shaft(Crankshaft([throw] * 2, crank_angles_deg=(0.0, 180.0)), 0.09)

@@ -37,6 +37,8 @@ from geometry.crankshaft import Crankshaft
 from parts_in_a_line import crank_throw
 from shaft_solid import mesh_shaft_quarter
 
+pytestmark = pytest.mark.further
+
 CRANKS = (0.0, 180.0, 180.0, 0.0)
 FOUR = np.array(
     [
@@ -78,13 +80,11 @@ def compare(figure, what, found, wanted):
     figure(f"{what}, frequencies 6 to 10", found[5:], wanted[5:], PROMISED[1], "Hz")
 
 
-@pytest.mark.further
 @pytest.mark.parametrize("sections", [2, 4])
 def test_four_throws_with_short_journals(analysis, sections, figure):
     compare(figure, f"four throws, degree {sections}", frequencies(analysis, sections), FOUR)
 
 
-@pytest.mark.further
 def test_six_throws(figure):
     engine = load_engine("6chn25-34")
     analysis = analyze_throw(engine.throw, engine.material, accuracy=0.01)
@@ -92,7 +92,6 @@ def test_six_throws(figure):
     compare(figure, "six throws, degree 2", found, SIX)
 
 
-@pytest.mark.further
 def test_rigid_sections_are_too_stiff_for_them(analysis, figure):
     above = frequencies(analysis, "rigid") / FOUR - 1.0
     assert above.min() > 0.006
@@ -101,7 +100,6 @@ def test_rigid_sections_are_too_stiff_for_them(analysis, figure):
     assert np.max(frequencies(analysis, 1) / FOUR - 1.0) > 0.02
 
 
-@pytest.mark.further
 def test_the_reference_is_that_of_the_mesh_corrected(figure):
     mesh = mesh_shaft_quarter(Crankshaft([THROW] * 4, crank_angles_deg=CRANKS), 0.012, 10, 0.3)
     found = free_modes(mesh, STEEL, count=10)

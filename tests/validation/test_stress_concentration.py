@@ -42,6 +42,8 @@ from geometry.shapes import straighten_elements
 from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MIDDLE_PLANE, RIGHT_END, WEB, remove_loose
 from geometry.throw import CrankThrow
 
+pytestmark = pytest.mark.further
+
 NOT_USED = SolidProperties(1.0, np.zeros(3), np.zeros((3, 3)))
 AXIAL, TORSION, BENDING, CROSS_BENDING = range(4)
 
@@ -112,7 +114,6 @@ def hyperbolic_notch(neck, root, reach):
     return revolved("quarter", 2.0 * reach, outline, size)
 
 
-@pytest.mark.further
 @pytest.mark.parametrize("ratio", [2.0, 4.0])
 def test_hyperbolic_notch(ratio, figure):
     neck, nu = 0.1, STEEL.poisson_ratio
@@ -201,7 +202,6 @@ def shoulder():
     return mesh, (small, large, radius), largest_at_notch(mesh)
 
 
-@pytest.mark.further
 def test_shoulder_fillet(shoulder, figure):
     _, sizes, found = shoulder
     area, modulus = math.pi * sizes[0] ** 2 / 4.0, math.pi * sizes[0] ** 3 / 32.0
@@ -213,7 +213,6 @@ def test_shoulder_fillet(shoulder, figure):
         figure("shoulder fillet: factor in bending", bending, peterson("bending", *sizes), 0.03)
 
 
-@pytest.mark.further
 def test_twice_as_many_elements_change_the_shoulder_little(shoulder, figure):
     _, sizes, found = shoulder
     finer = largest_at_notch(stepped_bar(*sizes, fineness=16.0))
@@ -222,7 +221,6 @@ def test_twice_as_many_elements_change_the_shoulder_little(shoulder, figure):
     )
 
 
-@pytest.mark.further
 def test_far_from_the_fillet_stresses_are_those_of_beams(shoulder):
     mesh, (small, _, _), _ = shoulder
     loaded = solve_unit_loads(mesh, unit_loads(np.zeros((0, 3))), STEEL)
@@ -246,7 +244,6 @@ def test_far_from_the_fillet_stresses_are_those_of_beams(shoulder):
     np.testing.assert_allclose(shear, 0.5 * largest, rtol=0.015)
 
 
-@pytest.mark.further
 def test_stresses_over_the_middle_of_a_throw_carry_the_loads(dimensions, figure):
     throw = CrankThrow(**dimensions)
     coarse = mesh_throw(throw, 1.2)

@@ -24,6 +24,8 @@ from fem.superelement import RX, RY, RZ, UZ
 from fem.supports import Neighbors
 from parts_in_a_line import crank_throw
 
+pytestmark = pytest.mark.slow
+
 ANGLE_STUDY = {
     # web thickness [mm]: e_180, e_120, e_90, e_0 [1e-9 m/N], rho
     50: (2.007, 1.091, 0.668, 0.267, 3.34),
@@ -43,20 +45,17 @@ def sharp():
     return analyze_axial(reference_throw(), accuracy=0.01)
 
 
-@pytest.mark.slow
 def test_sharp_corners(sharp, figure):
     pinned, guided = sharp.axial_compliance("pinned"), sharp.axial_compliance("guided")
     figure("sharp corners: e_n pinned", pinned, 1.41e-9, 0.02, "m/N")
     figure("sharp corners: e_n guided", guided, 2.63e-10, 0.02, "m/N")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("bound", [1.3288e-9, 1.3654e-9])
 def test_calculix_is_a_lower_bound(sharp, bound):
     assert bound < sharp.axial_compliance("pinned") < 1.08 * bound
 
 
-@pytest.mark.slow
 def test_fillets(figure):
     found = analyze_throw(reference_throw(fillet_radius=0.012), accuracy=0.01)
     for support, axial, torsional in (
@@ -69,7 +68,6 @@ def test_fillets(figure):
         figure(what, value, torsional, 0.01, "rad/(N m)")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("thickness", ANGLE_STUDY)
 def test_angles_between_cranks(thickness, figure):
     *published, rho = ANGLE_STUDY[thickness]

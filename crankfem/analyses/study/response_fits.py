@@ -15,12 +15,14 @@ from crankbase.frames import table as frame
 from crankbase.results import Internal, Number, Quantity, Result, result
 from fem.responses import RESPONSES
 from regression.fits.equation_text import equation_text, term_effects
-from regression.fits.fits import Fit, contradicting_slopes, fit_form
+from regression.fits.fits import Fit, confirmed_doubts, contradicting_slopes, fit_form
 from regression.fits.forms import (
     FORMS,
+    GAUSSIAN_PROCESS,
     Encoding,
     Form,
     factor_encoding,
+    form_named,
     group_encoding,
     group_named,
 )
@@ -55,7 +57,7 @@ class FittedResponse(Result):
     support : str
         Empty for a response without one, such as the mass.
     reason : str
-        Reason for the choice, in a sentence.
+        Reason for the choice, in a sentence; empty if the study names the form.
     skipped : tuple of str
         Forms that could not be fitted, with the reason.
     twins : mapping
@@ -297,8 +299,13 @@ SUPPORTS = {
 MAIN_SUPPORT = "_pinned"
 
 
-def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
-    """Fit all forms to all responses of a study.
+def fit_study(table: StudyTable, form: str | None = None) -> dict[str, ResponseFits]:
+    """Fit all forms to all responses of a study; a Gaussian process only if it is one of the two named.
+
+    Parameters
+    ----------
+    form : str, optional
+        Named besides that of the study, which is the chosen one.
 
     Returns
     -------
@@ -306,6 +313,8 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
         Response name, as in the model, to its fits. A response to which no form can be fitted is
         left out; `ResponseFits.unfitted` gives the reason for the others.
     """
+    if form is not None:
+        _ = form_named(form)
     if not table.held_out.any():
         why = "; ".join(sorted({design.reason for design in table.failures})[:3])
         raise InputError(f"study: no held-out design has a result ({why}).")
@@ -316,7 +325,7 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
         if column not in table.responses:
             continue
         try:
-            fits = _fit_response(table, column, encodings, missing)
+            fits = _fit_response(table, column, encodings, missing, {form, table.plan.form})
         except InputError as error:
             reasons[column] = str(error)
         else:
@@ -402,7 +411,11 @@ def _check_similar(table: StudyTable) -> None:
 
 
 def _fit_response(
-    table: StudyTable, column: str, encodings: Mapping[str, Encoding], missing: Mapping[str, str]
+    table: StudyTable,
+    column: str,
+    encodings: Mapping[str, Encoding],
+    missing: Mapping[str, str],
+    wanted: set[str | None],
 ) -> ResponseFits:
     kind = RESPONSES[column]
     name, support = response_name(column)
@@ -410,15 +423,21 @@ def _fit_response(
     slopes = {
         basis: run_slopes(table, column, encoding, doubted) for basis, encoding in encodings.items()
     }
+    if GAUSSIAN_PROCESS.name in wanted:  # it fits where a polynomial would doubt good slopes
+        doubted = _doubted(table, column, encodings["factors"], doubted)
+    smooth = run_slopes(table, column, encodings["factors"], doubted)
     fits: list[Fit] = []
     skipped: dict[str, str] = {}
     twins: dict[str, str] = {}
-    for form in FORMS.values():
+    for form in (*FORMS.values(), GAUSSIAN_PROCESS):
+        if form.process and form.name not in wanted:
+            continue
         if form.basis in missing:
             skipped[form.name] = missing[form.basis]
             continue
         try:
-            fit = _fit(table, column, form, encodings[form.basis], slopes[form.basis])
+            taken = smooth if form.process else slopes[form.basis]
+            fit = _fit(table, column, form, encodings[form.basis], taken)
         except InputError as error:
             skipped[form.name] = str(error)
             continue
@@ -437,7 +456,7 @@ def _fit_response(
     ]
     scatter = float(np.std(errors)) if errors else 0.0
     choice = choose(fits, scatter)
-    return ResponseFits(
+    fitted = ResponseFits(
         response=name,
         column=column,
         symbol=kind.symbol,
@@ -452,21 +471,29 @@ def _fit_response(
         twins=twins,
         fe_error=max(errors, default=None),
         fe_scatter=scatter,
-        slopes=0 if slopes["factors"] is None else len(slopes["factors"].known),
+        slopes=0 if smooth is None else len(smooth.known),
         left_out_slopes=_named_slopes(table, doubted),
         encodings=dict(encodings),
     )
+    named = table.plan.form
+    return fitted if named is None else replace(fitted, chosen=fitted.fit_named(named), reason="")
 
 
-def _doubted(table: StudyTable, column: str, encoding: Encoding) -> list[tuple[int, int]]:
-    """Find the runs and factors of slopes that contradict the rest."""
+def _doubted(
+    table: StudyTable,
+    column: str,
+    encoding: Encoding,
+    doubted: Sequence[tuple[int, int]] | None = None,
+) -> list[tuple[int, int]]:
+    """Find the runs and factors of slopes that contradict the rest; of doubted ones by a Gaussian process."""
     slopes, runs = run_slopes(table, column, encoding), ~table.held_out
-    if slopes is None:
+    if slopes is None or doubted == []:
         return []
     x = encoding.columns(table.plan.factors, table.values[runs], {})
     precision = float(np.mean(table.errors[column][runs])) if column in table.errors else 0.0
     y = table.responses[column][runs]
-    return contradicting_slopes(encoding.names, x, y, slopes, encoding.logged, precision)
+    given = encoding.names, x, y, slopes, encoding.logged, precision
+    return contradicting_slopes(*given) if doubted is None else confirmed_doubts(*given, doubted)
 
 
 def _named_slopes(table: StudyTable, doubted: Sequence[tuple[int, int]]) -> tuple[str, ...]:
@@ -550,6 +577,7 @@ def _same_terms(fit: Fit, other: Fit) -> bool:
     form, other_form = fit.fitted, other.fitted
     return (
         fit.basis == other.basis
+        and form.process is other_form.process is None
         and form.logarithmic == other_form.logarithmic
         and set(form.terms) == set(other_form.terms)
     )

@@ -1,12 +1,13 @@
 """What a study found: its designs, and every fitted equation with its errors and the effects of factors."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Annotated, Self
 
 import numpy as np
 
 from crankbase.quantity import format_quantity
-from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, made_from, result
+from crankbase.results import Flat, InItsUnit, Quantity, Result, result
 from crankbase.table import Column, Main, Table
 from crankfem.analyses.study.response_fits import FittedResponse, ResponseFits
 from regression.fits.equation_text import term_symbols
@@ -69,20 +70,20 @@ class FittedEquation(Result):
     f_value: Figure
     aic: Figure
     bic: Figure
-    condition_number: Number
+    condition_number: Figure
     largest_variance_inflation: Figure
-    largest_leverage: Number
+    largest_leverage: Figure
     warnings: tuple[str, ...]
 
     @classmethod
     def of(cls, response: ResponseFits, fit: Fit, factor_units: Mapping[str, str]) -> Self:
         """Describe a fit of a response."""
         statistics, form = fit.statistics, fit.fitted
-        count, inflation = fit.coefficient_count, fit.variance_inflation
-        unknown = [None] * count
+        count, inflation = len(form.terms), fit.variance_inflation
+        known = partial(getattr, statistics)  # None where there are none
         errors, t_values = (
-            unknown if known is None else known.tolist()
-            for known in (statistics.standard_errors, statistics.t_values)
+            [None] * count if (numbers := known(name, None)) is None else numbers.tolist()
+            for name in ("standard_errors", "t_values")
         )
         unit = "1" if form.logarithmic or fit.basis == "groups" else response.unit or "1"
         columns = [
@@ -95,9 +96,8 @@ class FittedEquation(Result):
         ]
         coefficients = fit.coefficients
         by_term = [f"({unit})/({term})" if term else unit for term in terms]
-        return made_from(
-            statistics,
-            cls,
+        return cls(
+            **{name: known(name, None) for name in ("f_value", "aic", "bic", "condition_number")},
             errors=fit,
             equation=response.equation(fit),
             coefficients=coefficients,
@@ -117,7 +117,7 @@ class FittedEquation(Result):
                 )
             ),
             largest_variance_inflation=max(inflation.values(), default=None),
-            largest_leverage=float(np.max(statistics.leverage)),
+            largest_leverage=None if statistics is None else float(np.max(statistics.leverage)),
             warnings=tuple(warnings_of(fit)),
         )
 
@@ -125,8 +125,10 @@ class FittedEquation(Result):
         """Tabulate the coefficients of the equation."""
         if "[" in self.equation:
             yield "A condition in square brackets is 1 where it holds, 0 elsewhere."
+        mean = "" if self.condition_number is not None else "the mean of the "
         yield Table.of_records(
-            f"Coefficients of {self.errors.form}: coded (-1 ... 1 over the runs), and natural in SI units",
+            f"Coefficients of {mean}{self.errors.form}: coded (-1 ... 1 over the runs), and natural in SI "
+            "units",
             self.coded,
             (Column("term", words=True), lambda c: c.symbols),
             (Column("coded", digits=5), lambda c: c.coefficient),
@@ -136,11 +138,13 @@ class FittedEquation(Result):
             (Column("natural", digits=6), lambda c: self.coefficients[c.term]),
         )
         adjusted = self.errors.adjusted_r_squared
-        yield (
-            f"Adjusted R2 {'none' if adjusted is None else f'{adjusted:.5f}'}, "
-            f"F {_or_none(self.f_value)}, AIC {_or_none(self.aic, 5)}, BIC {_or_none(self.bic, 5)}, "
-            f"condition number {self.condition_number:.3g}, largest leverage {self.largest_leverage:.2f}."
-        )
+        if self.condition_number is not None:
+            yield (
+                f"Adjusted R2 {'none' if adjusted is None else f'{adjusted:.5f}'}, "
+                f"F {_or_none(self.f_value)}, AIC {_or_none(self.aic, 5)}, BIC {_or_none(self.bic, 5)}, "
+                f"condition number {self.condition_number:.3g}, largest leverage "
+                f"{self.largest_leverage:.2f}."
+            )
         for title, terms in (
             ("Dropped, because PRESS does not grow without them", self.errors.dropped),
             ("Left out, because the runs do not determine them", self.errors.undetermined),
@@ -162,7 +166,8 @@ def warnings_of(fit: Fit) -> list[str]:
             f"Variance inflation above {LARGEST_VIF:g} of {listed}: "
             "these coefficients are correlated, and only their combined effect is meaningful."
         )
-    high = np.flatnonzero(fit.statistics.leverage > LARGEST_LEVERAGE)
+    leverage = np.array([]) if fit.statistics is None else fit.statistics.leverage
+    high = np.flatnonzero(leverage > LARGEST_LEVERAGE)
     if high.size:
         warnings.append(
             f"Leverage above {LARGEST_LEVERAGE:g} of {high.size} of {fit.runs} runs: each of them nearly "
@@ -205,12 +210,14 @@ class ResponseForms(Result):
         )
         if self.fitted.slopes:
             yield f"Fitted to {self.fitted.slopes} slopes besides the values at the runs."
-        yield Main(f"Chosen by its errors: {self.fitted.reason}")
-        yield (
-            "The form was chosen by this error, so it is slightly optimistic for other designs."
-            if form is None
-            else f"Used because of --form: {form}."
-        )
+        if self.fitted.reason:
+            yield Main(f"Chosen by its errors: {self.fitted.reason}")
+        else:
+            yield Main(f"The study names the form: {self.chosen}.")
+        if form is not None:
+            yield f"Used because of --form: {form}."
+        elif self.fitted.reason:
+            yield "The form was chosen by this error, so it is slightly optimistic for other designs."
         for line in self.fitted.skipped:
             yield f"Not fitted: {line}"
         yield from shown.parts()

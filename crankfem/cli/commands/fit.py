@@ -18,7 +18,7 @@ def fit(
     model: Annotated[Path, typer.Option(help="Model file to write.")] = Path("model.json"),
     study: StudyOption = None,
     form: Annotated[
-        str | None, typer.Option(help="Form to use for every response in place of the chosen ones.")
+        str | None, typer.Option(help="Form in place of the chosen ones, such as Gaussian process.")
     ] = None,
     response: Annotated[
         str | None,
@@ -53,7 +53,7 @@ def fit(
     if table.damaged:
         again = "run the study again (crankfem doe), which computes their designs"
         console.print_warning(f"{damaged_rows_warning(table.damaged, store)}; {again}.")
-    fits = fit_study(table)
+    fits = fit_study(table, form)
     if response is not None and response not in fits:
         raise InputError(
             f"response: given {response!r}; allowed are {', '.join(fits)}, which this study has."

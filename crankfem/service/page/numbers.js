@@ -1,5 +1,7 @@
 /* The numbers of a throw: by the law or a model with their bands, and by finite elements with error bars. */
 
+import { named } from "./sliders.js";
+
 const TINY = { "m/N": [1e9, "nm/N"], "rad/(N m)": [1e9, "nrad/(N m)"] };
 
 export function quantity(value, unit, digits = 4) {
@@ -118,6 +120,27 @@ export function fillFormulas(body, formulas, reference) {
       ];
       made.append(...texts.map((text) => cell(text, "")));
       made.title = [...one.remarks, one.source].join(" ");
+      return made;
+    })
+  );
+}
+
+/* Slopes in the order of their size, each with a bar from the middle: to the left where more of it makes less. */
+export function fillSlopes(body, slopes, rows) {
+  const sorted = Object.entries(slopes).sort(([, one], [, other]) => Math.abs(other) - Math.abs(one));
+  const largest = Math.abs(sorted[0]?.[1] ?? 1);
+  body.replaceChildren(
+    ...sorted.map(([name, slope]) => {
+      const made = document.createElement("tr");
+      made.dataset.slope = name;
+      const head = Object.assign(document.createElement("th"), { scope: "row" });
+      head.append(...named(rows[name].field));
+      const bar = Object.assign(document.createElement("div"), { className: slope < 0 ? "less" : "more" });
+      bar.style.width = `${(50 * Math.abs(slope)) / largest}%`;
+      const drawn = cell("", "");
+      drawn.append(bar);
+      const sign = slope < 0 ? "\u2212" : "+";
+      made.append(head, cell(`${sign}${Math.abs(slope).toFixed(2)}`, ""), drawn);
       return made;
     })
   );

@@ -2,7 +2,7 @@
 
 import { ask, askJson, askText, drawPlot, follow, loadDrawing, ProblemError, save } from "./api.js";
 import { Sliders } from "./sliders.js";
-import { briefly, fill, fillFormulas, rowsOf } from "./numbers.js";
+import { briefly, fill, fillFormulas, fillSlopes, rowsOf } from "./numbers.js";
 
 export class Panel {
   constructor(name, title, fields, values, settings, told) {
@@ -33,6 +33,7 @@ export class Panel {
     this.find(".toml").addEventListener("click", () => this.saveToml());
     this.find(".json").addEventListener("click", () => this.saveJson());
     this.find(".step").addEventListener("click", () => this.saveFile("throw.step"));
+    this.find(".slopes").addEventListener("toggle", () => this.showSlopes());
     this.find(".report").addEventListener("click", () => window.open(`/api/jobs/${this.job}/report`));
     setTimeout(loadDrawing, 500);
   }
@@ -85,6 +86,7 @@ export class Panel {
       await Promise.allSettled([...views, formulas]);
       this.refuse(error);
     }
+    await this.showSlopes();
     this.root.dataset.updated = String(Number(this.root.dataset.updated) + 1);
   }
 
@@ -105,6 +107,18 @@ export class Panel {
     this.find(".by").textContent = this.settings.sourceName();
     this.find(".remarks").textContent = [estimate.refused, ...(estimate.remarks || [])].filter(Boolean).join(" ");
     this.showNumbers();
+  }
+
+  /* What changes e_n, if it is wanted: of the law, whose differences take no time. */
+  async showSlopes() {
+    const place = this.find(".slopes");
+    if (!place.open) {
+      return;
+    }
+    const found = await askJson("/api/throws/law", { throw: this.sliders.throw(), slopes: true }).catch((error) => ({ refused: error.message }));
+    fillSlopes(place.querySelector("tbody"), found.slopes ?? {}, this.sliders.rows);
+    place.querySelector("table").hidden = Boolean(found.refused);
+    place.querySelector(".remarks").textContent = found.refused ?? "";
   }
 
   showNumbers() {

@@ -14,6 +14,15 @@ export function shown(value, field, unit) {
   return String(Number((value / scales(field)[unitOf(field, unit)]).toPrecision(6)));
 }
 
+/* What a field means, with its letter. */
+export function named({ meaning, symbol }) {
+  const [letter, index] = symbol.split("_");
+  const small = Object.assign(document.createElement("sub"), { textContent: index ?? "" });
+  const shownLetter = Object.assign(document.createElement("b"), { className: "letter", textContent: ` ${letter}` });
+  shownLetter.append(small);
+  return symbol ? [meaning, shownLetter] : [meaning];
+}
+
 /* Lengths are in meters and angles in radians here; null is not given. */
 export class Sliders {
   constructor(name, fields, places, values, unit, changed, lit) {
@@ -73,14 +82,7 @@ export class Sliders {
     row.dataset.dimension = field.name;
     const label = document.createElement("label");
     label.htmlFor = id;
-    label.textContent = field.meaning;
-    if (field.symbol) {
-      const [symbol, index] = field.symbol.split("_");
-      const small = Object.assign(document.createElement("sub"), { textContent: index ?? "" });
-      const letter = Object.assign(document.createElement("b"), { textContent: ` ${symbol}` });
-      letter.append(small);
-      label.append(letter);
-    }
+    label.append(...named(field));
     const wrong = Object.assign(document.createElement("p"), { id: `${id}-wrong` });
     const edge = Object.assign(document.createElement("p"), { id: `${id}-edge`, className: "edge" });
     let box;
