@@ -439,10 +439,13 @@ class ThrowSearch:
         """Follow slopes from a throw, until they promise no more."""
         here, reach = self.analyzed(start), REACH
         while here is not None and reach > LEAST_REACH and len(self.found) < MOST_ANALYSES:
-            found, factors, _ = self.aim(here, reach)
+            found, factors, refusal = self.aim(here, reach)
             promise = self.gain(here, found)
             if promise < (NEARER if self.rated(here).broken > SPARE else PRECISION):
-                break
+                if not refusal:
+                    break
+                reach *= 0.5  # a nearer aim may miss what cannot be built
+                continue
             there = self.analyzed(factors)
             gained = -math.inf if there is None else self.gain(here, self.rated(there))
             far = float(np.abs(here.moves(factors)).max())
@@ -456,8 +459,8 @@ class ThrowSearch:
         local = self.local(here, self.whole.space.ranges)
         if now.broken > SPARE:
             raise InputError(infeasible(local, now, f"none of {len(self.found)} throws analyzed"))
-        aim, _, refusal = self.aim(here, REACH)
-        promise = self.gain(now, aim)
+        aims = [self.aim(here, REACH * 0.5**halved) for halved in range(4)]
+        promise, refusal = max(self.gain(now, aim) for aim, _, _ in aims), aims[0][2]
         gain = (
             "no gain above 0.1 %" if promise < PRECISION else f"a gain of {100.0 * promise:.2g} %"
         )
