@@ -342,7 +342,7 @@ class ThrowSearch:
     whole: Problem
     analyze: Callable[[Factors], SlopedThrow]
     refusal: Callable[[Factors], str]
-    told: Callable[[str], None]
+    told: Callable[[str], object]
     found: list[SlopedThrow] = field(default_factory=list)
     # Sentences of throws that could not be analyzed, and of the last that could not be built.
     refused: list[str] = field(default_factory=list)
@@ -486,7 +486,7 @@ def best_throw(
     *,
     margins: bool = True,
     accuracy: float = 0.01,
-    told: Callable[[str], None] = lambda _: None,
+    told: Callable[[str], object] | None = None,
 ) -> Optimum:
     """Find the throw of an engine with the smallest value of a dimension or response that keeps limits.
 
@@ -532,7 +532,7 @@ def best_throw(
         Problem(family, minimize, tuple(limits), margins, space, spare=SPARE, active=ACTIVE),
         lambda factors: family.analyzed(factors, accuracy, frequencies),
         family.refusal,
-        told,
+        told or _none,
     )
     try:
         search.follow({name: float(family.own[name]) for name in vary})
