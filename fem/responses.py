@@ -9,7 +9,7 @@ these numbers; `regression.response_kinds` calculates all reactions from them.
 """
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -22,7 +22,7 @@ from fem.angle_law import effective_angle_law
 from fem.correction import error_bars
 from fem.fillet_stress import fillet_stresses
 from fem.material import STEEL, Material
-from fem.sensitivities import DimensionChange, dimension_changes
+from fem.sensitivities import dimension_changes
 from fem.solver import Stopwatch
 from fem.superelement import RX, RY, Superelement, checked_superelement, combine_classes
 from fem.supports import Neighbors, Support, all_end_motions, support_throw
@@ -105,6 +105,7 @@ RATIOS = {
 STRESS_LOADS = ("bending", "torsion")
 STRESS_ACCURACY = 0.05
 
+Further = Callable[[CrankThrow, Superelement, float, float], Mapping[str, float]]
 # A value and its estimated relative error.
 Answer = tuple[float, float]
 
@@ -190,6 +191,7 @@ def evaluate_throw(
     stresses: bool = False,
     mesher: Mesher = mesh_isolated,
     slopes: Collection[str] = (),
+    further: Further = lambda *_: {},
 ) -> ThrowResponses:
     """Compute all responses of a throw.
 
@@ -205,6 +207,8 @@ def evaluate_throw(
         As for `fem.analysis.analyze_throw`.
     slopes : collection of str
         Paths of dimensions over which slopes are wanted (`fem.sensitivities`); the fillets' stress has none.
+    further : callable
+        Returns answers by name, to be treated as the others, from throw, superelement, mass and inertia.
 
     Raises
     ------
@@ -220,7 +224,13 @@ def evaluate_throw(
     radials = radial_directions(throw)
     corrected = checked_superelement(classes, radials, level.mesh)
     discrete = combine_classes([one.discrete or one for one in classes], radials)
-    values, plain = (_plain_answers(one, throw.length, part) for one in (corrected, discrete))
+    masses = mass_properties(level.mesh, material.density)
+    mass, inertia = masses.mass, masses.inertia_about_shaft
+
+    def found(one: Superelement, of: CrankThrow, mass: float, inertia: float) -> dict[str, float]:
+        return {**_plain_answers(one, of.length, part), **further(of, one, mass, inertia)}
+
+    values, plain = (found(one, throw, mass, inertia) for one in (corrected, discrete))
     estimates = list(values.values()), list(plain.values())
     bars = error_bars(*estimates, level.axial_correction, missing=corrected.missing)
     answers: dict[str, Answer] = {
@@ -235,11 +245,10 @@ def evaluate_throw(
         if name in answers:
             value, error = answers[name]
             answers[name] = value, math.hypot(error, answers[other][1])
-    mass = mass_properties(level.mesh, material.density).mass
     answers["mass"] = (mass, abs(mass / (material.density * throw.volume) - 1.0))
     if stresses:
         answers["fillet_stress_factor"] = _largest_factor(throw, material, mesher)
-    order = [name for name in RESPONSES if name in answers]
+    order = sorted(answers, key=[*RESPONSES, *answers].index)
     shares: dict[str, dict[str, float]] = {}
     corrections = {name: abs(1.0 - plain[name] / value) for name, value in values.items() if value}
     if slopes:
@@ -251,7 +260,11 @@ def evaluate_throw(
             joined=True,
             paths=slopes,
         )
-        by_path = {path: _shares(change, plain, part) for path, change in changes.items()}
+        by_path = {}
+        for path, change in changes.items():
+            grown = mass * (1.0 + STEP * change.mass), inertia * (1.0 + STEP * change.inertia)
+            larger = found(change.ends[1], change.throws[1], *grown)
+            by_path[path] = _shares(larger, plain) | {"mass": change.mass}
         shares = {
             name: {path: found[name] for path, found in by_path.items() if name in found}
             for name in order
@@ -269,14 +282,13 @@ def evaluate_throw(
     )
 
 
-def _shares(change: DimensionChange, plain: Mapping[str, float], part: str) -> dict[str, float]:
+def _shares(larger: Mapping[str, float], plain: Mapping[str, float]) -> dict[str, float]:
     """Return d ln(response) / d ln(dimension) of all responses that are not zero, by their values."""
-    larger = _plain_answers(change.ends[1], change.throws[1].length, part)
     shares = {name: (larger[name] / value - 1.0) / STEP for name, value in plain.items() if value}
     for support in SUPPORTS:
         influence, axial = (shares[name] for name in _reaction_of(support))
         shares[f"axial_reaction_{support}"] = influence - axial
-    return {name: float(share) for name, share in shares.items()} | {"mass": change.mass}
+    return {name: float(share) for name, share in shares.items()}
 
 
 def _reaction_of(support: Support) -> tuple[str, str]:

@@ -2,8 +2,8 @@
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from crankbase.summaries import summarized
 from geometry.throw import CrankThrow
 from regression.models.angle import between_values
 from regression.models.compliance_model import ComplianceModel
+from regression.models.family import Family
 from regression.models.lookup import Lookup
 from regression.models.response_query import edges, error_band
 from regression.response_kinds import ANGLE_LAWS
@@ -112,13 +113,40 @@ class Limit:
         return beyond if self.at_most is not None else -beyond
 
 
-def check_minimized(model: ComplianceModel, name: str, argument: str = "minimize") -> None:
+class Banded(Protocol):
+    """Throws whose dimensions and responses are known, these with their error bands."""
+
+    def band(self, name: str, gamma_deg: float | None = None) -> tuple[Any, ...]:
+        """Value of a quantity, and the ends of its error band if it has one."""
+
+
+class Searched(Protocol):
+    """What is searched: a family of throws, with units and answers of the responses."""
+
+    @property
+    def family(self) -> Family:
+        """Its dimensions."""
+
+    @property
+    def responses(self) -> Mapping[str, Any]:
+        """Its responses, each with a unit."""
+
+    @property
+    def throw(self) -> Mapping[str, Any] | None:
+        """Record of the throw that is varied."""
+
+    @property
+    def constraints(self) -> Sequence[str] | None:
+        """What the dimensions keep."""
+
+
+def check_minimized(model: Searched, name: str, argument: str = "minimize") -> None:
     """Refuse to minimize what is no number of the model (`InputError` on `argument`)."""
     if name not in model.responses and name not in model.family.all_units:
         raise _unknown(argument, model, name)
 
 
-def _unknown(argument: str, model: ComplianceModel, name: str) -> InputError:
+def _unknown(argument: str, model: Searched, name: str) -> InputError:
     family = model.family
     names = (*family.ranges, *family.relations, *family.fixed)
     meant = did_you_mean(name, (*model.responses, *names))
@@ -155,9 +183,7 @@ class Points:
         `InputError` if the model knows no such quantity, or its band is open on one side.
         """
         if gamma_deg is not None and name in ANGLE_LAWS:
-            parts = [self.band(part) for part in self.model.angle_law(name)]
-            corners = [between_values(gamma_deg, corner) for corner in itertools.product(*parts)]
-            return corners[0], np.min(corners, axis=0), np.max(corners, axis=0)
+            return angle_band(self, self.model.angle_law(name), gamma_deg)
         if name not in self.model.responses:
             return (self.dimension(name),)
         band = error_band(self.model.responses[name])
@@ -170,7 +196,14 @@ class Points:
         return answer.values, *band.around(answer.values, True, answer.errors)
 
 
-def worst_values(limit: Limit, points: Points, margins: bool) -> Any:
+def angle_band(points: Banded, parts: Sequence[str], gamma_deg: float) -> tuple[Any, ...]:
+    """Value between neighbors and the ends of its error band, from those of the angle law's parts."""
+    bands = [points.band(part) for part in parts]
+    corners = [between_values(gamma_deg, corner) for corner in itertools.product(*bands)]
+    return corners[0], np.min(corners, axis=0), np.max(corners, axis=0)
+
+
+def worst_values(limit: Limit, points: Banded, margins: bool) -> Any:
     """Worst values of a limit's quantity within the error bands; without `margins` by the equations.
 
     `InputError` if a quantity is unknown or has no band, or a function of it is not finite.
@@ -205,15 +238,15 @@ Array = NDArray[np.float64]
 # Share of a range within which a place is its end; limits have more than this to spare.
 _AT_END = 1e-10
 
-# How far constraints are broken at points; 0 or less is kept.
-Excess = Callable[[Points], Any]
+# How far constraints are broken by factors; 0 or less is kept.
+Excess = Callable[[Mapping[str, Any]], Any]
 
 
 @dataclass(frozen=True)
 class SearchSpace:
     """A box of numbers, 0 to 1 each, and choices; `fixed` numbers and `labels` stay."""
 
-    model: ComplianceModel
+    model: Searched
     ranges: dict[str, tuple[float, float]]
     fixed: dict[str, float]
     choices: dict[str, tuple[str, ...]]
@@ -246,9 +279,9 @@ class SearchSpace:
             if min(where, 1.0 - where) < _AT_END
         )
 
-    def excess(self, points: Points) -> list[Any]:
+    def excess(self, factors: Mapping[str, Any]) -> list[Any]:
         """Violation of the study's constraints."""
-        return [constraint(points) for constraint in self.constraints]
+        return [constraint(factors) for constraint in self.constraints]
 
     def throw(self, known: Mapping[str, float | str]) -> tuple[CrankThrow | None, list[str]]:
         """Build the throw of some dimensions, or say why it cannot be built."""
@@ -265,7 +298,7 @@ class SearchSpace:
             return None, [f"this throw cannot be built: {error}"]
 
 
-def search_space(model: ComplianceModel, fixed: Mapping[str, float | str]) -> SearchSpace:
+def search_space(model: Searched, fixed: Mapping[str, float | str]) -> SearchSpace:
     """Set up the box of a search; `InputError` if a fixed factor is unknown or outside its range."""
     family = model.family
     numbers: dict[str, float] = {}
@@ -300,15 +333,15 @@ def search_space(model: ComplianceModel, fixed: Mapping[str, float | str]) -> Se
     )
 
 
-def _constraint(model: ComplianceModel, text: str) -> Excess:
+def _constraint(model: Searched, text: str) -> Excess:
     """A constraint of the study as a function that is 0 or less if it is met."""
     from regression.plans.relations import constraint_excess, read_constraint
 
     units = model.family.all_units
     read = read_constraint(text, "constraint", units)
 
-    def excess(points: Points) -> Any:
-        known = points.model.family.completed(points.factors)
+    def excess(factors: Mapping[str, Any]) -> Any:
+        known = model.family.completed(factors)
         used = {name: known[name] for name in read.names}
         values = dict(zip(used, np.broadcast_arrays(*used.values()), strict=True))
         return constraint_excess(read, values, units)
@@ -401,7 +434,7 @@ class Optimum:
             for check in self.limits
         ]
         shares = {
-            "by the equation": [100.0 * check.value / check.limit.bound for check in self.limits],
+            "value": [100.0 * check.value / check.limit.bound for check in self.limits],
             "worst in its error band": [
                 100.0 * check.worst / check.limit.bound for check in self.limits
             ],
@@ -453,23 +486,47 @@ _GENERATIONS, _POPULATION = 80, 12
 
 
 @dataclass(frozen=True)
-class _Problem:
-    """One search: over the numbers of a box, with the labels set."""
+class Problem:
+    """One search: over the numbers of a box, with the labels set.
 
-    model: ComplianceModel
+    `spare` is what limits are to keep, as a share of the bound, and `active` what one has left that the
+    optimum stands at.
+    """
+
+    model: Searched
     minimized: str
     limits: tuple[Limit, ...]
     margins: bool
     space: SearchSpace
-    labels: Mapping[str, str]
+    labels: Mapping[str, str] = field(default_factory=dict)
+    spare: float = SPARE
+    active: float = ACTIVE
 
-    def points(self, places: Array) -> Points:
+    @property
+    def unit(self) -> str:
+        """SI unit of what is minimized."""
+        response = self.model.responses.get(self.minimized)
+        unit = self.model.family.unit(self.minimized) if response is None else response.unit
+        return str(unit)
+
+    def points(self, places: Array) -> Banded:
+        """Throws at places of the box, (dimensions,) or (dimensions, n)."""
+        assert isinstance(self.model, ComplianceModel)
+        if places.ndim == 1:
+            return Points(self.model, self.factors(places))
         return Points(self.model, {**self.space.numbers(places), **self.labels})
 
     def factors(self, place: Array) -> dict[str, float | str]:
+        """Factors at a place of the box."""
         return {**self.space.exact_numbers(place), **self.labels}
 
+    def lookups(self, factors: Mapping[str, Any]) -> dict[str, Lookup]:
+        """All responses of some factors."""
+        assert isinstance(self.model, ComplianceModel)
+        return {name: self.model.lookup(name, **factors) for name in self.model.responses}
+
     def objective(self, places: Array) -> Array:
+        """Values of what is minimized, (n,)."""
         if places.size == 0:  # differential evolution asks so where no design keeps the limits
             return np.zeros(places.shape[1:])
         value = self.points(places).band(self.minimized)[0]
@@ -479,15 +536,18 @@ class _Problem:
         """Violation of each limit, as a share of its bound, (limits, n); 0 or less is kept."""
         points = self.points(places)
         rows = [
-            limit.excess(worst_values(limit, points, self.margins)) + SPARE for limit in self.limits
+            limit.excess(worst_values(limit, points, self.margins)) + self.spare
+            for limit in self.limits
         ]
-        rows += self.space.excess(points)
+        rows += self.space.excess({**self.space.numbers(places), **self.labels})
         shape = places.shape[1:]
         return np.array([np.broadcast_to(row, shape) for row in rows]).reshape(len(rows), *shape)
 
 
 @dataclass(frozen=True)
-class _SearchResult:
+class SearchResult:
+    """The best place found; `broken` is 0 or less than the spare where limits are kept."""
+
     place: Array
     objective: float
     broken: float
@@ -532,27 +592,31 @@ def find_optimum(
         for labels in itertools.product(*space.choices.values())
     ]
     problems = [
-        _Problem(model, minimize, tuple(limits), margins, space, space.labels | labels)
+        Problem(model, minimize, tuple(limits), margins, space, space.labels | labels)
         for labels in choices
     ]
     try:
-        searched = [_search(problem) for problem in problems]
+        searched = [search(problem) for problem in problems]
     except RuntimeError as error:
         # The optimizer takes every ValueError for one of its own.
         if isinstance(error.__cause__, InputError):
             raise error.__cause__ from None
         raise
-    feasible = [n for n, search in enumerate(searched) if search.broken <= SPARE]
+    feasible = [n for n, one in enumerate(searched) if one.broken <= SPARE]
     if not feasible:
         nearest = min(range(len(searched)), key=lambda n: searched[n].broken)
-        raise InputError(_infeasible(problems[nearest], searched[nearest]))
+        raise InputError(infeasible(problems[nearest], searched[nearest]))
     best = min(feasible, key=lambda n: searched[n].objective)
-    return _make_optimum(
-        problems[best], searched[best], sum(search.evaluations for search in searched)
+    kept = (
+        "the limits are kept at the worst end of the model's error band"
+        if margins
+        else "the limits are kept by the equations' values, without margin for their errors"
     )
+    whole = replace(searched[best], evaluations=sum(one.evaluations for one in searched))
+    return make_optimum(problems[best], whole, *([kept] if limits else []))
 
 
-def _search(problem: _Problem) -> _SearchResult:
+def search(problem: Problem) -> SearchResult:
     """Search for the best design that keeps the limits; else for the one with the least violation."""
     count = 0
 
@@ -564,7 +628,7 @@ def _search(problem: _Problem) -> _SearchResult:
     dimensions = len(problem.space.ranges)
     if dimensions == 0:
         alone = np.zeros(0)
-        return _SearchResult(alone, *_evaluate(problem, alone), 1)
+        return SearchResult(alone, *_evaluate(problem, alone), 1)
     box = [(0.0, 1.0)] * dimensions
     settings: dict[str, Any] = {
         "maxiter": _GENERATIONS,
@@ -579,32 +643,37 @@ def _search(problem: _Problem) -> _SearchResult:
     limited = problem.excess(np.full((dimensions, 1), 0.5)).size > 0
     constraints = (_optimize.NonlinearConstraint(problem.excess, -np.inf, 0.0),) if limited else ()
     start = _optimize.differential_evolution(objective, box, constraints=constraints, **settings).x
-    candidates = [start, _polished(problem, start)]
+    candidates = [start, polished(problem, start)]
     if min(_evaluate(problem, place)[1] for place in candidates) > SPARE:
-        nearest = _optimize.differential_evolution(
+        start = _optimize.differential_evolution(
             lambda places: np.max(problem.excess(places), axis=0), box, **settings
         ).x
-        candidates = [nearest, _nearest(problem, nearest)]
-        candidates += [_polished(problem, place) for place in tuple(candidates)]
+        candidates = [start, nearest(problem, start)]
+        candidates += [polished(problem, place) for place in tuple(candidates)]
+    return best_of(problem, candidates, count)
+
+
+def best_of(problem: Problem, candidates: Sequence[Array], evaluations: int) -> SearchResult:
+    """Return the best place that keeps the limits, else that with the least violation."""
     rated = [(_evaluate(problem, place), place) for place in candidates]
-    kept = [trial for trial in rated if trial[0][1] <= SPARE]
+    kept = [trial for trial in rated if trial[0][1] <= problem.spare]
     if kept:
         (value, broken), place = min(kept, key=lambda trial: trial[0][0])
     else:
         (value, broken), place = min(rated, key=lambda trial: trial[0][1])
-    return _SearchResult(place, value, broken, count)
+    return SearchResult(place, value, broken, evaluations)
 
 
-def _evaluate(problem: _Problem, place: Array) -> tuple[float, float]:
+def _evaluate(problem: Problem, place: Array) -> tuple[float, float]:
     """Objective, and the violation of the limits."""
     broken = problem.excess(place)
     return float(problem.objective(place)), float(np.max(broken)) if broken.size else 0.0
 
 
-def _polished(problem: _Problem, start: Array) -> Array:
+def polished(problem: Problem, start: Array) -> Array:
     """Move a design to its limits by sequential quadratic programming."""
     size = abs(float(problem.objective(start))) or 1.0
-    polished = _optimize.minimize(
+    found = _optimize.minimize(
         lambda place: float(problem.objective(place)) / size,
         start,
         method="SLSQP",
@@ -613,13 +682,13 @@ def _polished(problem: _Problem, start: Array) -> Array:
         constraints={"type": "ineq", "fun": lambda place: -problem.excess(place)},
         options={"ftol": 1e-13, "maxiter": 200},
     )
-    return np.asarray(np.clip(polished.x, 0.0, 1.0))
+    return np.asarray(np.clip(found.x, 0.0, 1.0))
 
 
-def _nearest(problem: _Problem, start: Array) -> Array:
+def nearest(problem: Problem, start: Array) -> Array:
     """Find the design whose largest violation is least."""
     worst = float(np.max(problem.excess(start)))
-    nearest = _optimize.minimize(
+    found = _optimize.minimize(
         lambda extended: extended[-1],
         np.append(start, worst),
         method="SLSQP",
@@ -630,54 +699,48 @@ def _nearest(problem: _Problem, start: Array) -> Array:
         },
         options={"ftol": 1e-12, "maxiter": 200},
     )
-    return np.asarray(np.clip(nearest.x[:-1], 0.0, 1.0))
+    return np.asarray(np.clip(found.x[:-1], 0.0, 1.0))
 
 
-def _checks(problem: _Problem, points: Points) -> tuple[LimitCheck, ...]:
+def _checks(problem: Problem, points: Banded) -> tuple[LimitCheck, ...]:
     checks = []
     for limit in problem.limits:
         nominal, worst = (
             float(worst_values(limit, points, margins)) for margins in (False, problem.margins)
         )
-        checks.append(LimitCheck(limit, nominal, worst, bool(limit.excess(worst) > -ACTIVE)))
+        checks.append(
+            LimitCheck(limit, nominal, worst, bool(limit.excess(worst) > -problem.active))
+        )
     return tuple(checks)
 
 
-def _make_optimum(problem: _Problem, search: _SearchResult, evaluations: int) -> Optimum:
+def make_optimum(problem: Problem, best: SearchResult, *found: str) -> Optimum:
+    """Describe the result of a search, with what was found out about it."""
     model, space = problem.model, problem.space
-    factors = problem.factors(search.place)
-    points = Points(model, factors)
+    factors = problem.factors(best.place)
+    points = problem.points(best.place)
     known = model.family.completed(factors)
     throw, remarks = space.throw(known)
-    asked: dict[str, Any] = dict(factors)
-    if problem.limits:
-        remarks.append(
-            "the limits are kept at the worst end of the model's error band"
-            if problem.margins
-            else "the limits are kept by the equations' values, without margin for their errors"
-        )
     return Optimum(
         minimized=problem.minimized,
         value=float(points.band(problem.minimized)[0]),
-        unit=(
-            model.responses[problem.minimized].unit
-            if problem.minimized in model.responses
-            else model.family.unit(problem.minimized)
-        ),
+        unit=problem.unit,
         dimensions=known,
         factors=factors,
         limits=_checks(problem, points),
-        at_ends=space.at_ends(search.place),
-        lookups={name: model.lookup(name, **asked) for name in model.responses},
+        at_ends=space.at_ends(best.place),
+        lookups=problem.lookups(factors),
         throw=throw,
-        remarks=tuple(remarks),
-        evaluations=evaluations,
+        remarks=(*remarks, *found),
+        evaluations=best.evaluations,
     )
 
 
-def _infeasible(problem: _Problem, search: _SearchResult) -> str:
+def infeasible(
+    problem: Problem, best: SearchResult, none: str = "no throw of the model's family"
+) -> str:
     """State that no throw keeps the limits, and the nearest one."""
-    factors = problem.factors(search.place)
+    factors = problem.factors(best.place)
     show = problem.model.family.format_value
     at = ", ".join(
         f"{name} {value if isinstance(value, str) else show(name, value)}"
@@ -685,7 +748,7 @@ def _infeasible(problem: _Problem, search: _SearchResult) -> str:
     )
     missed = [
         check
-        for check in _checks(problem, Points(problem.model, factors))
+        for check in _checks(problem, problem.points(best.place))
         if check.limit.excess(check.worst) > -SPARE / 2.0
     ]
     if not missed:
@@ -701,6 +764,6 @@ def _infeasible(problem: _Problem, search: _SearchResult) -> str:
     )
     band = " at the worst end of the error band" if problem.margins else ""
     return (
-        f"limits: given ones that no throw of the model's family keeps; allowed are weaker ones, because "
-        f"the nearest design ({at}) misses: {shown}{band}."
+        f"limits: given ones that {none} keeps; allowed are weaker ones, because the "
+        f"nearest design ({at}) misses: {shown}{band}."
     )

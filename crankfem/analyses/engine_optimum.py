@@ -50,7 +50,7 @@ class EngineFrequencies:
 
     def axial(self, compliance: float, mass: float | None = None) -> float:
         """First axial natural frequency [Hz] for throws of this pinned compliance [m/N] and mass [kg]."""
-        return _first(
+        return first_frequency(
             engine_axial_chain(
                 self.engine_file,
                 compliance * self.axial_shares,
@@ -60,14 +60,14 @@ class EngineFrequencies:
 
     def torsional(self, compliance: float) -> float:
         """First torsional natural frequency [Hz] for throws of this pinned compliance [rad/(N m)]."""
-        return _first(
+        return first_frequency(
             engine_torsional_chain(
                 self.engine_file, compliance * self.torsional_shares, self.throw_inertias
             )
         )
 
 
-def _first(named: EngineChain) -> float:
+def first_frequency(named: EngineChain) -> float:
     """Lowest frequency of the crankshaft itself [Hz], as in the engine's vibration."""
     modes = named.chain.modes()
     first = named.first_mode(modes)
@@ -79,13 +79,18 @@ def _first(named: EngineChain) -> float:
     return float(modes.frequencies[first])
 
 
-def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
-    """Prepare the frequencies of an engine; its throw is analyzed by finite elements (seconds)."""
+def check_one_throw(engine_file: EngineFile) -> None:
+    """Refuse an engine of several throws."""
     if len(set(engine_file.crank_throws)) > 1:
         raise InputError(
             f"{engine_file.path.name}: given an engine with several throws; allowed is one whose cranks are "
             "all the same throw, because the search changes that one."
         )
+
+
+def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
+    """Prepare the frequencies of an engine; its throw is analyzed by finite elements (seconds)."""
+    check_one_throw(engine_file)
     analysis = next(iter(analyze_throws(engine_file).values()))
     shaft = compliances_in_shaft(engine_file, analysis)
     return EngineFrequencies(

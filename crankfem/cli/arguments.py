@@ -21,7 +21,7 @@ from regression.throw_values import field_unit
 if TYPE_CHECKING:
     from geometry.mesher import Throw
     from regression.models.compliance_model import ComplianceModel
-    from regression.optimum import Limit
+    from regression.optimum import Limit, Searched
 
 
 def parse_gamma(text: str, quiet: bool = False) -> float:
@@ -160,6 +160,28 @@ def model_dimensions(model: "ComplianceModel", pairs: Sequence[str]) -> dict[str
     return console.parse_pairs(pairs, convert)
 
 
+def parse_range(name: str, text: str) -> tuple[float, float]:
+    """Read the range of a dimension of a throw, like "300mm..380mm" [SI].
+
+    Examples
+    --------
+    >>> parse_range("web_width", "300..380 mm")
+    (0.3, 0.38)
+    """
+    unit = field_unit(name)
+    low, dots, high = text.partition("..")
+    if not unit:
+        raise InputError(
+            f"--vary: given {name!r}; allowed are dimensions of a throw, like web_width=300mm..380mm."
+        )
+    if not dots:
+        raise InputError(
+            f"--vary: given {name}={text}; allowed is a range with two points, like 300mm..380mm."
+        )
+    first, last = parse_quantities(f"{low},{high}", unit, f"--vary {name}")
+    return first, last
+
+
 def parse_value(name: str, text: str, unit: str) -> float:
     """Read a quantity with its unit, or a pure number where the unit is ""."""
     if unit:
@@ -171,7 +193,7 @@ def parse_value(name: str, text: str, unit: str) -> float:
     return parse_quantity(number, unit, name)
 
 
-def parse_limit(model: "ComplianceModel", text: str) -> "Limit":
+def parse_limit(model: "Searched", text: str) -> "Limit":
     """Read a limit on a response or dimension, like "axial_compliance <= 1.2e-9 m/N"."""
     from regression.optimum import Limit
 
@@ -211,7 +233,9 @@ def parse_bound(option: str, text: str) -> float:
     return value
 
 
-def dimensions_text(model: "ComplianceModel", dimensions: Mapping[str, float | str]) -> list[str]:
+def dimensions_text(
+    model: "ComplianceModel | Searched", dimensions: Mapping[str, float | str]
+) -> list[str]:
     """Write dimensions as NAME = VALUE."""
     show = model.family.format_value
     return [

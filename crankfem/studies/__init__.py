@@ -7,7 +7,8 @@
 >>> limit.name, limit.bound
 ('pull', 1.2e-09)
 
-``cf.studies.find_optimum(model, "mass", [limit])`` then returns the throw.
+``cf.studies.find_optimum(model, "mass", [limit])`` then returns the throw; `best_throw` finds that of an
+engine by finite elements, without a study.
 """
 
 from crankbase.public_names import lazy_exports

@@ -318,8 +318,9 @@ def fit_form(
     if kind.process:
         kriging = likeliest(_rows(points, coding, slopes), target, groups)
         process, coefficients = process_of(kriging, target), kriging.coefficients(target)
-        left_out, deviations = kriging.left_out(target, groups)
-        spread.append(tolerance_limit(np.abs(left_out - target[: len(values)]) / deviations))
+        if (unseen_runs := kriging.left_out(target, groups)) is not None:
+            left_out, deviations = unseen_runs
+            spread.append(tolerance_limit(np.abs(left_out - target[: len(values)]) / deviations))
     elif not (drop_terms and small) and slopes is None:
         left_out = solution.leave_one_out
     elif not (drop_terms and small):

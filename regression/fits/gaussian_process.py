@@ -40,6 +40,8 @@ STARTS = ((1.0, 1e-3), (4.0, 1e-6))
 PIECE = 1024
 # Share of the squares fitted that is round-off.
 ROUND_OFF = 1e-24
+# A run without which less than this share is left determines the mean alone.
+UNDETERMINED = 1e-12
 # Standard deviations that hold 95 % of a normal distribution.
 NORMAL = 1.96
 
@@ -177,12 +179,18 @@ class Kriging:
         own = np.diag(self.covariance(Rows.at(points)))
         return np.asarray(np.maximum(own, 0.0) + self.noises[0])
 
-    def left_out(self, y: Array, groups: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Predict the first row of each group (n, r) by all others; also return its standard deviation."""
+    def left_out(self, y: Array, groups: NDArray[np.intp]) -> tuple[Array, Array] | None:
+        """Predict the first row of each group (n, r) by all others; also return its standard deviation.
+
+        None if the mean is not determined without some group.
+        """
         weights, predicted, variances = self.projected @ y, [], []
         for group in groups:
             own = np.r_[group[0], np.setdiff1d(group, group[0])]
-            inverse = np.linalg.inv(self.projected[np.ix_(own, own)])
+            block = self.projected[np.ix_(own, own)]
+            if np.linalg.eigvalsh(block)[0] <= UNDETERMINED * np.sum(self._root[:, own] ** 2):
+                return None
+            inverse = np.linalg.inv(block)
             predicted.append(y[group[0]] - inverse[0] @ weights[own])
             variances.append(inverse[0, 0])
         return np.array(predicted), np.sqrt(self.variance(y) * np.array(variances))

@@ -163,6 +163,17 @@ def test_negative_responses_are_fitted_without_their_logarithm():
     assert fit.predict(at) == close(function(at), abs=0.02e-9)
 
 
+@pytest.mark.parametrize("runs", [4, 5])
+@pytest.mark.parametrize("function", [wave, lambda x: np.ones(len(x)), lambda x: 1e-9 / x[:, 1]])
+def test_few_runs_and_plain_responses(runs, function):
+    """With as many runs as coefficients of the mean none can be left out; a power law is the mean."""
+    x, at = box(runs, 5), box(20, 6)
+    fit = fit_form(PROCESS, FACTORS, x, function(x), at, function(at))
+    assert (fit.q_squared is None) == (runs == 4)
+    if function is not wave:
+        assert fit.predict(at) == close(function(at), rel=1e-6)
+
+
 def test_more_rows_than_it_keeps_are_refused():
     x = box(MOST_ROWS // 3, 1)
     with pytest.raises(InputError, match=f"given {4 * len(x)} values and slopes"):

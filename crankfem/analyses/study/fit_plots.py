@@ -281,7 +281,7 @@ def plot_parity(path: Path, table: StudyTable, response: ResponseFits) -> None:
 
 def plot_effects(path: Path, response: ResponseFits, fit: Fit) -> None:
     """Plot the coded coefficients of a fit in the order of their size (Pareto)."""
-    shown = min(fit.coefficient_count - 1, BARS)
+    shown = min(len(fit.fitted.terms) - 1, BARS)
     with figure(path, width=7.2, height=1.2 + 0.26 * shown) as axes:
         response.plot(axes, show="effects", form=fit.form)
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -10,6 +11,7 @@ import typer
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
 from crankbase.table import Cell, Column, Main, Table
+from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import GammaOption, ModelArgument, Output, with_output
 from crankfem.cli.console import print_json
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     from crankfem.analyses.engine_optimum import Kind
     from regression.models.compliance_model import ComplianceModel
     from regression.models.lookup import Lookup
-    from regression.optimum import Limit, Optimum
+    from regression.optimum import Limit, Optimum, Searched
 
 
 ENDS = "End sections: pinned ones tilt freely, guided ones do not; a throw in a shaft is between the two."
@@ -250,7 +252,14 @@ def _title(name: str) -> str:
 
 @with_output(units=True)
 def optimum(
-    model: ModelArgument,
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="MODEL.json|ENGINE.toml",
+            help="Model file; with --vary an engine file, or the name of a shipped engine.",
+            autocompletion=completion.files(".json"),
+        ),
+    ],
     minimize: Annotated[
         str, typer.Option(metavar="NAME", help="Dimension or response to make smallest.")
     ],
@@ -266,7 +275,7 @@ def optimum(
         str | None,
         typer.Option(
             metavar="ENGINE.toml",
-            help="Engine whose frequencies are limited; takes some seconds.",
+            help="Engine whose frequencies are limited, with a model; takes some seconds.",
             autocompletion=completion.engines,
         ),
     ] = None,
@@ -274,14 +283,14 @@ def optimum(
         str | None,
         typer.Option(
             metavar='">= 40 Hz"',
-            help="Lower bound on the crankshaft's first axial frequency, with --engine.",
+            help="Lower bound on the crankshaft's first axial frequency, with --engine or --vary.",
         ),
     ] = None,
     first_torsional_frequency: Annotated[
         str | None,
         typer.Option(
             metavar='">= 40 Hz"',
-            help="Lower bound on the crankshaft's first torsional frequency, with --engine.",
+            help="Lower bound on the crankshaft's first torsional frequency, with --engine or --vary.",
         ),
     ] = None,
     fixed: Annotated[
@@ -291,25 +300,44 @@ def optimum(
     no_margin: Annotated[
         bool,
         typer.Option(
-            "--no-margin", help="Apply limits to the equations' values, without their bands."
+            "--no-margin", help="Apply limits to the values themselves, without their bands."
         ),
     ] = False,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=LOW..HIGH",
+            help="Dimension of the engine's throw to vary, by finite elements; may be repeated.",
+        ),
+    ] = None,
     *,
     out: Output,
 ) -> None:
-    """Find the smallest value of a dimension or response, such as web thickness, under limits."""
+    """Find the smallest value of a dimension or response, such as web thickness, under limits.
+
+    In a model of a study; or by finite elements of an engine's throw, whose dimensions --vary names.
+    """
     from crankfem.cli.arguments import model_dimensions, parse_limit
     from regression.models.compliance_model import ComplianceModel
     from regression.optimum import check_minimized, find_optimum
 
-    loaded = ComplianceModel.load(model)
-    check_minimized(loaded, minimize, "--minimize")
-    held = model_dimensions(loaded, fixed or [])
-    wanted = [parse_limit(loaded, text) for text in limits or []]
     bounds: dict[Kind, str | None] = {
         "axial": first_axial_frequency,
         "torsional": first_torsional_frequency,
     }
+    if vary:
+        for option, given in (("--engine", engine), ("--fixed", fixed)):
+            if given:
+                raise InputError(
+                    f"{option}: given with --vary; allowed is one of them, because the search changes the "
+                    f"throw of {source} itself."
+                )
+        _show_varied(source, vary, minimize, limits or [], bounds, not no_margin, out)
+        return
+    loaded = ComplianceModel.load(Path(source))
+    check_minimized(loaded, minimize, "--minimize")
+    held = model_dimensions(loaded, fixed or [])
+    wanted = [parse_limit(loaded, text) for text in limits or []]
     wanted += _frequency_limits(loaded, engine, bounds)
     best = find_optimum(loaded, minimize, wanted, fixed=held, margins=not no_margin)
     if engine is not None:
@@ -318,12 +346,54 @@ def optimum(
             "its moment of inertia are kept as the throw changes"
         )
         best = replace(best, remarks=(*best.remarks, kept))
+    _show_optimum(loaded, best, out)
+
+
+def _show_optimum(model: "Searched", best: "Optimum", out: Output) -> None:
     if out.json:
         print_json(_optimum_record(best))
         return
     value = out.units.quantity(best.value, best.unit, 4)
-    parts = _optimum_parts(loaded, best, out.units)
+    parts = _optimum_parts(model, best, out.units)
     out.show(parts, f"Smallest {best.minimized}: {value}")
+
+
+def _show_varied(
+    engine: str,
+    vary: list[str],
+    minimize: str,
+    limits: list[str],
+    bounds: "dict[Kind, str | None]",
+    margins: bool,
+    out: Output,
+) -> None:
+    """Search among the throws of an engine by finite elements; an interrupt ends with the best so far."""
+    from crankfem.analyses.throw_optimum import SearchInterrupted, ThrowFamily, best_throw
+    from crankfem.cli.arguments import parse_bound, parse_limit, parse_range
+    from crankfem.files.engine.engine_file import load_engine
+    from regression.optimum import Limit, check_minimized
+
+    read = load_engine(engine)
+    ranges = console.parse_pairs(vary, parse_range, "web_width=300mm..380mm")
+    family = ThrowFamily(read, ranges)
+    check_minimized(family, minimize, "--minimize")
+    wanted = [parse_limit(family, text) for text in limits]
+    for kind, text in bounds.items():
+        if text is not None:
+            least = parse_bound(f"--first-{kind}-frequency", text)
+            wanted.append(Limit((f"first_{kind}_frequency",), at_least=least, unit="Hz"))
+    stopped = False
+    try:
+        with console.RunProgress(out.quiet) as progress:
+            best = best_throw(read, ranges, minimize, wanted, margins=margins, told=progress.step)
+            progress.finish()
+    except SearchInterrupted as interrupt:
+        if interrupt.best is None:
+            raise
+        best, stopped = interrupt.best, True
+    _show_optimum(family, best, out)
+    if stopped:
+        console.exit_interrupted("Stopped. The best throw so far is shown.")
 
 
 def _frequency_limits(
@@ -392,14 +462,14 @@ def _optimum_record(best: "Optimum") -> dict[str, Any]:
 
 
 def _optimum_parts(
-    model: "ComplianceModel", best: "Optimum", units: "OutputUnits"
+    model: "Searched", best: "Optimum", units: "OutputUnits"
 ) -> "Iterator[Table | str]":
     from crankfem.cli.arguments import dimensions_text
 
     for remark in best.remarks:
         yield Main(units.text(f"{remark[0].upper()}{remark[1:].rstrip('.')}."))
     if best.limits:
-        names = ("limit", "bound", "by the equation", "worst in its band", "kept")
+        names = ("limit", "bound", "value", "worst in its band", "kept")
         yield Table(
             "Limits",
             [Column(name, words=name == "kept") for name in names],
