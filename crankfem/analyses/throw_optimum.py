@@ -342,7 +342,7 @@ class ThrowSearch:
     whole: Problem
     analyze: Callable[[Factors], SlopedThrow]
     refusal: Callable[[Factors], str]
-    told: Callable[[str], None]
+    told: Callable[[str], object]
     found: list[SlopedThrow] = field(default_factory=list)
     # Sentences of throws that could not be analyzed, and of the last that could not be built.
     refused: list[str] = field(default_factory=list)
@@ -439,10 +439,13 @@ class ThrowSearch:
         """Follow slopes from a throw, until they promise no more."""
         here, reach = self.analyzed(start), REACH
         while here is not None and reach > LEAST_REACH and len(self.found) < MOST_ANALYSES:
-            found, factors, _ = self.aim(here, reach)
+            found, factors, refusal = self.aim(here, reach)
             promise = self.gain(here, found)
             if promise < (NEARER if self.rated(here).broken > SPARE else PRECISION):
-                break
+                if not refusal:
+                    break
+                reach *= 0.5  # a nearer aim may miss what cannot be built
+                continue
             there = self.analyzed(factors)
             gained = -math.inf if there is None else self.gain(here, self.rated(there))
             far = float(np.abs(here.moves(factors)).max())
@@ -456,8 +459,8 @@ class ThrowSearch:
         local = self.local(here, self.whole.space.ranges)
         if now.broken > SPARE:
             raise InputError(infeasible(local, now, f"none of {len(self.found)} throws analyzed"))
-        aim, _, refusal = self.aim(here, REACH)
-        promise = self.gain(now, aim)
+        aims = [self.aim(here, REACH * 0.5**halved) for halved in range(6)]
+        promise, refusal = max(self.gain(now, aim) for aim, _, _ in aims), aims[0][2]
         gain = (
             "no gain above 0.1 %" if promise < PRECISION else f"a gain of {100.0 * promise:.2g} %"
         )
@@ -469,7 +472,10 @@ class ThrowSearch:
             band = "the worst end of the error bars" if local.margins else "values without margin"
             told.insert(0, f"the limits are kept at {band} of this throw's own finite elements")
         if refusal:
-            told.append(f"beyond it throws cannot be built: {refusal}")
+            told.append(
+                "slopes also point to throws that cannot be built, along whose edge better ones may lie: "
+                + refusal
+            )
         if self.refused:
             told.append(f"{len(self.refused)} could not be analyzed, the last: {self.refused[-1]}")
         return make_optimum(local, now, *remarks, *told)
@@ -483,7 +489,7 @@ def best_throw(
     *,
     margins: bool = True,
     accuracy: float = 0.01,
-    told: Callable[[str], None] = lambda _: None,
+    told: Callable[[str], object] | None = None,
 ) -> Optimum:
     """Find the throw of an engine with the smallest value of a dimension or response that keeps limits.
 
@@ -529,7 +535,7 @@ def best_throw(
         Problem(family, minimize, tuple(limits), margins, space, spare=SPARE, active=ACTIVE),
         lambda factors: family.analyzed(factors, accuracy, frequencies),
         family.refusal,
-        told,
+        told or _none,
     )
     try:
         search.follow({name: float(family.own[name]) for name in vary})

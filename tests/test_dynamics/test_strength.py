@@ -94,9 +94,9 @@ def values(ratios, size=0.2):
 
 
 @pytest.mark.slow
-def test_factors_are_positive_over_ten_thousand_cranks():
-    found = np.array([values(own) for own in random_ratios(10_000)])
-    assert found.shape == (10_000, 7)
+def test_factors_are_positive_over_two_thousand_cranks():
+    found = np.array([values(own) for own in random_ratios(2_000)])
+    assert found.shape == (2_000, 7)
     assert np.all(found > 0.0)
     assert np.all(np.isfinite(found))
 
