@@ -334,6 +334,11 @@ def optimum(
                 )
         _show_varied(source, vary, minimize, limits or [], bounds, not no_margin, out)
         return
+    if Path(source).suffix != ".json":
+        raise InputError(
+            f"{source}: given without --vary; allowed is a model's .json file, or an engine with --vary, like "
+            "--vary web_width=300mm..380mm, because an engine alone does not say what may change."
+        )
     loaded = ComplianceModel.load(Path(source))
     check_minimized(loaded, minimize, "--minimize")
     held = model_dimensions(loaded, fixed or [])
