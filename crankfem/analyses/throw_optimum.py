@@ -459,7 +459,7 @@ class ThrowSearch:
         local = self.local(here, self.whole.space.ranges)
         if now.broken > SPARE:
             raise InputError(infeasible(local, now, f"none of {len(self.found)} throws analyzed"))
-        aims = [self.aim(here, REACH * 0.5**halved) for halved in range(4)]
+        aims = [self.aim(here, REACH * 0.5**halved) for halved in range(6)]
         promise, refusal = max(self.gain(now, aim) for aim, _, _ in aims), aims[0][2]
         gain = (
             "no gain above 0.1 %" if promise < PRECISION else f"a gain of {100.0 * promise:.2g} %"
@@ -472,7 +472,10 @@ class ThrowSearch:
             band = "the worst end of the error bars" if local.margins else "values without margin"
             told.insert(0, f"the limits are kept at {band} of this throw's own finite elements")
         if refusal:
-            told.append(f"beyond it throws cannot be built: {refusal}")
+            told.append(
+                "slopes also point to throws that cannot be built, along whose edge better ones may lie: "
+                + refusal
+            )
         if self.refused:
             told.append(f"{len(self.refused)} could not be analyzed, the last: {self.refused[-1]}")
         return make_optimum(local, now, *remarks, *told)
