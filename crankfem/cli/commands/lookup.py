@@ -336,8 +336,8 @@ def optimum(
         return
     if Path(source).suffix != ".json":
         raise InputError(
-            f"{source}: given without --vary; allowed is a model's .json file, or an engine with --vary, like "
-            "--vary web_width=300mm..380mm, because an engine alone does not say what may change."
+            f"{source}: given without --vary; allowed is a model's .json file, or an engine with --vary, "
+            "like --vary web_width=300mm..380mm, because an engine alone does not say what may change."
         )
     loaded = ComplianceModel.load(Path(source))
     check_minimized(loaded, minimize, "--minimize")
