@@ -169,6 +169,13 @@ def test_unknown_quantities(minimize, limit, match):
         best_throw(ENGINE, RANGES, minimize, [Limit((limit,), at_most=1.0)])
 
 
+@pytest.mark.parametrize("engine", ["6chn25-34", "mine.toml"])
+def test_an_engine_without_a_dimension_is_refused(call, engine):
+    answer = call("optimum", engine, "--minimize", "mass")
+    assert answer.code == 2
+    assert answer.err.startswith(f"Error: {engine}: given without --vary")
+
+
 @pytest.fixture(scope="module")
 def family():
     return ThrowFamily(ENGINE, {"web_width": (0.25, 0.32), "crank_radius": (0.16, 0.18)})

@@ -318,6 +318,7 @@ def optimum(
     In a model of a study; or by finite elements of an engine's throw, whose dimensions --vary names.
     """
     from crankfem.cli.arguments import model_dimensions, parse_limit
+    from crankfem.files.reading.data_files import shipped_names
     from regression.models.compliance_model import ComplianceModel
     from regression.optimum import check_minimized, find_optimum
 
@@ -334,10 +335,10 @@ def optimum(
                 )
         _show_varied(source, vary, minimize, limits or [], bounds, not no_margin, out)
         return
-    if Path(source).suffix != ".json":
+    if Path(source).suffix == ".toml" or source in shipped_names("engine"):
         raise InputError(
-            f"{source}: given without --vary; allowed is a model's .json file, or an engine with --vary, "
-            "like --vary web_width=300mm..380mm, because an engine alone does not say what may change."
+            f"{source}: given without --vary; allowed is an engine with --vary, like "
+            "--vary web_width=300mm..380mm, because an engine alone does not say what may change."
         )
     loaded = ComplianceModel.load(Path(source))
     check_minimized(loaded, minimize, "--minimize")
