@@ -65,7 +65,7 @@ def test_json_has_the_content_with_the_unit_of_each_number():
     assert math.isclose(point["speed_rpm"], 10.0 * 30.0 / math.pi)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @given(st.floats(-1e9, 1e9), st.floats(1e-3, 1e4), st.text(max_size=8))
 def test_json_is_read_back(load, speed, reason):
     """Reading what was written gives the same document, at least to rounding."""

@@ -636,7 +636,7 @@ def compare(monkeypatch, tmp_path, engines, examples):
     return counts
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_check_accepts_and_refuses_what_a_run_does(monkeypatch, tmp_path):
     counts = compare(monkeypatch, tmp_path, QUICK, 20)
     assert counts[True] >= 5
@@ -746,7 +746,7 @@ def test_new_files_are_read_without_warnings(tmp_path, cylinders, strokes, v_ang
     assert read.vibration.highest_order >= 2 * cylinders / strokes
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.parametrize(("cylinders", "strokes", "v_angle"), [(9, 4, None), (10, 2, "even")])
 def test_new_files_have_a_verdict(call, coarsely, tmp_path, cylinders, strokes, v_angle):
     path = tmp_path / "new.toml"

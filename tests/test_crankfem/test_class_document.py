@@ -178,7 +178,7 @@ def cases(plant):
     return firing_cases(plant)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_normal_firing_is_that_of_the_vibration_run(plant, cases):
     """At speeds that both have: same stresses, and the worst of each limit outside of barred ranges."""
     both, here, there = np.intersect1d(
@@ -200,7 +200,7 @@ def test_normal_firing_is_that_of_the_vibration_run(plant, cases):
         assert barred[0] <= found.speed <= barred[1]
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_failing_cylinders_are_those_of_a_calculation_of_their_own(plant, cases):
     """Misfiring beside the vibration run; cut out beside one that is told to have no compression."""
     check = next(one for one in plant.misfiring.checks if one.quantity.endswith("crankshaft"))
@@ -221,7 +221,7 @@ def test_failing_cylinders_are_those_of_a_calculation_of_their_own(plant, cases)
     assert worst == close(check.misfiring.used, rel=2e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_findings_say_what_the_tables_hold(plant, cases):
     """The worst of all cylinders and shafts, whether it is kept, and the major critical speed that is not."""
     parts = {part.name: part for part in class_document(plant)}

@@ -424,7 +424,7 @@ def test_a_pin_force_of_three_components(call):
         assert own["axial_force"] == close(-own["reactions"]["right"]["force"][2])
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_forces_on_both_halves_of_a_split_pin(call):
     """The ends balance both at once, about each axis, and what they do is the sum of two loads."""
     second = ("--pin-force", "8 kN")  # towards the shaft from the second half, 30 deg on

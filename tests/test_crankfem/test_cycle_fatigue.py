@@ -66,7 +66,7 @@ def loads(vibration):
     return {one.cylinders: one for one in both}
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.parametrize("case", [(), (4,)])
 def test_every_throw_is_in_balance(loads, vibration, case):
     throw, own = vibration.engine_file.throw, loads[case]
@@ -222,7 +222,7 @@ def test_the_worst_point_is_the_worst_of_all(found, vibration, stresses):
     assert worst.safety == close(findley_limit(worst.strength, factor) / every[node].value)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_what_is_said_of_fatigue(found, vibration):
     assert len(found.places) == 24
     assert [one.safety for one in found.places] == sorted(one.safety for one in found.places)

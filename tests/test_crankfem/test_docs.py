@@ -69,6 +69,7 @@ def test_every_module_can_be_imported():
         importlib.import_module(name)
 
 
+@pytest.mark.further
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in EXAMPLES],

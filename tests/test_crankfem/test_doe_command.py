@@ -92,7 +92,7 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_doe_runs_a_study_and_says_what_it_has(call, study, tmp_path):
     answer = call("doe", study)
     assert answer.code == 0, answer.err
@@ -114,7 +114,7 @@ def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_doe_checks_a_store_and_computes_a_damaged_row_again(call, studied, tmp_path):
     sound = call("verify", "runs.sqlite")
     assert sound.code == 0
@@ -143,7 +143,7 @@ def test_doe_checks_a_store_and_computes_a_damaged_row_again(call, studied, tmp_
         assert "use a copy of it, or give a new file name." in " ".join(lost.err.split())
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_doe_adds_runs_once(call, study, monkeypatch):
     monkeypatch.setattr("crankfem.analyses.study.studies.PLACES", 40)
     answer = call("doe", study, "--more", "3")
@@ -302,7 +302,7 @@ main()
 """
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_says_how_many_designs_are_kept(study, tmp_path):
     """One design hangs; the interrupt comes when all others are finished."""

@@ -77,7 +77,7 @@ def judge(vibration):
     return judged
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_factors_are_largest_stresses_over_nominal_ones(stresses, file):
     """Written out: W_eqw = 285 x 68^2 / 6 mm3, W_P = pi/16 D^3; middle of the web at 101.5 mm of 410 mm."""
     left, right = throw_webs(file.throw, file.strength)

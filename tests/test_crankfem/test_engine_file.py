@@ -223,6 +223,7 @@ def test_a_hinge_is_no_engine(tmp_path, monkeypatch, call, command):
     assert answer.err.endswith("describes an elastic hinge; use it with hinge.\n")
 
 
+@pytest.mark.further
 @pytest.mark.parametrize(
     "command",
     [
@@ -297,7 +298,7 @@ def test_every_command_refuses_a_bare_number(command, tmp_path, six_cylinders, e
     assert sorted(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_refusal_in_a_process_of_its_own(tmp_path, six_cylinders, edit, spawn):
     path = tmp_path / "wrong.toml"
     path.write_text(edit(six_cylinders, {"throw.pin_length": "139"}), encoding="utf-8")

@@ -217,7 +217,7 @@ def test_groups_are_not_offered_where_a_part_keeps_its_size():
     assert any("the part does not grow with the throw" in text for text in found.skipped)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_sensitivities_under_a_constraint(capsys):
     """A plane over half of a rectangle, cut by a dimension that follows from one of the factors.
 
@@ -389,7 +389,7 @@ def test_measured_throws_have_the_part_of_their_line(tmp_path):
     assert "360 mm" in found[2].remarks[0]
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.parametrize("study", ["outlines", "table", "family"])
 def test_diagrams(study, request, tmp_path):
     some = request.getfixturevalue(study)

@@ -410,7 +410,7 @@ def test_arguments_refused(call, arguments, message):
     assert message in answer.err
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_results_as_json_table_and_pictures(call, tmp_path):
     rollers = ("--roller-radius", "60 mm")
     answer = call("hinge", "--json", "--csv", "turn.csv", "--pictures", "pictures", *rollers)
@@ -459,7 +459,7 @@ def test_flywheels_at_another_speed():
     assert other.flywheel == close(33514.0, abs=0.5)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_pressure_chosen_for_a_running_point(changed):
     """Without ambient pressure the guides' moment grows as the pressure; at the best one it leaves what
     the best leaves."""
@@ -482,7 +482,7 @@ def test_a_pressure_chosen_for_a_running_point(changed):
         load_hinge(path)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_guides_are_drawn_without_a_comparison(call, changed, tmp_path):
     path = changed({"[comparison]": None, "[[comparison.sizes]]": None})
     run = run_hinge(load_hinge(path), speed=142.0 * np.pi / 30.0)
@@ -493,7 +493,7 @@ def test_guides_are_drawn_without_a_comparison(call, changed, tmp_path):
     assert answer.json()["compared"] == []
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_tables_and_options(call, changed):
     asked = ("--speed", "142 1/min", "--kinematics", "printed", "--full")
     answer = call("hinge", SHIPPED, *asked)

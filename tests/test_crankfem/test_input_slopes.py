@@ -24,7 +24,7 @@ def slopes(run):
     return run.slopes()
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_an_inertia_lowers_a_frequency_by_half_of_its_share_of_the_kinetic_energy(run, slopes):
     for field, vibration, place, size in (
         ("flywheel.inertia", run.torsional, -1, run.engine_file.flywheel.inertia),

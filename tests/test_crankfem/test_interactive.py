@@ -591,7 +591,7 @@ def analysis(throw):
     return analyze_throw(throw, accuracy=0.1)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch):
     import plotly.graph_objects
 

@@ -22,6 +22,7 @@ EXPORT = ("export", "vw-tdi", "throw.step")
 STRESS = ("stress", "vw-tdi", "--pictures", "made")
 
 
+@pytest.mark.further
 @pytest.mark.parametrize(
     ("command", "number"),
     [

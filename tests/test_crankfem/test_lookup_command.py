@@ -400,7 +400,7 @@ def test_the_first_torsional_frequency_is_no_couplings():
     assert frequencies.torsional(8e-8) < 0.7 * first
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):
     monkeypatch.setattr(
         crankfem.analyses.engine_optimum, "engine_frequencies", lambda _: frequencies

@@ -145,7 +145,7 @@ def test_motored_engine_gives_no_power():
     assert max(work.peak_pressure for work in run.works) < 6e6
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_tables_and_files(call, tmp_path):
     files = ("--csv", tmp_path / "forces.csv", "--pictures", tmp_path / "p")
     answer = call("mechanism", "8chn26-26", *files, "--full")
@@ -173,7 +173,7 @@ def test_tables_and_files(call, tmp_path):
     assert np.max(second) == close(255.4, abs=0.05)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_two_models_of_the_rods(call, tmp_path):
     asked = ("mechanism", "8chn13-14", "--model", "two-mass", "--model", "three-mass")
     answer = call(*asked, "--csv", tmp_path / "f.csv", "--pictures", tmp_path / "p", "--full")
@@ -270,7 +270,7 @@ def test_refused_files(call):
     assert "the sections [engine], [rod], [piston] are missing" in answer.err
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_fast_engines_are_told_without_powers_of_ten(call, tmp_path):
     answer = call("mechanism", "8chn26-26", "--speed", "20000 1/min", "--pictures", "p")
     assert answer.code == 0

@@ -322,7 +322,7 @@ def test_a_v_engine_with_split_pins_has_throws_by_name_too(tmp_path):
     assert load_crankshaft(path) == load_crankshaft("buick-3800")
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_analyses_are_those_of_the_engines_throws(both):
     plain, named, analysis = both
     with pytest.raises(InputError, match=r"^analysis: given those of b; allowed are those of a"):

@@ -297,7 +297,7 @@ def test_impossible_sizes_are_none(spawn, spawn_environment, given):
     assert spawn("new", "--list", env=spawn_environment(**given)) == spawn("new", "--list")
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_closed_streams_and_poor_encodings(spawn, spawn_environment, tmp_path):
     (tmp_path / "mü.toml").write_bytes(input_path("6chn25-34").read_bytes())
     answer = spawn("check", "mü.toml", env=spawn_environment(PYTHONIOENCODING="ascii"))

@@ -122,7 +122,7 @@ def test_so_have_those_of_a_study_and_a_model(line, store, model_file, call, pri
     assert check_line(line, call, printed) >= MODEL[line]
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.parametrize("line", SLOW)
 def test_so_have_numbers_of_finite_elements(line, lightly, call, printed, monkeypatch):
     calculate_hinge_once(monkeypatch)

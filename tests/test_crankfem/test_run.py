@@ -64,11 +64,13 @@ def report_of(folder):
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.further
 def test_json_on_standard_output_is_the_content_of_results(finished_run):
     assert finished_run.answer.json() == finished_run.results
     assert "Traceback" not in finished_run.answer.err
 
 
+@pytest.mark.further
 def test_the_folder_holds_everything(finished_run):
     names = {path.name for path in finished_run.folder.iterdir()}
     assert {"report.html", "results.json", "model.json", "study.sqlite", "pictures"} <= names
@@ -78,12 +80,14 @@ def test_the_folder_holds_everything(finished_run):
         assert (finished_run.folder / "pictures" / name).stat().st_size > 1000
 
 
+@pytest.mark.further
 def test_every_picture_of_a_run_is_seen_in_its_way(finished_run):
     results = finished_run.results
     named = {*results["pictures"].values(), *results["interactive"].values()}
     assert {Path(name).stem for name in named} <= PICTURED
 
 
+@pytest.mark.further
 def test_throws_in_the_shaft_are_stiffer_than_pinned(finished_run):
     shares = finished_run.results["shaft"]["axial_beside_pinned"]
     assert len(shares) == 6
@@ -92,6 +96,7 @@ def test_throws_in_the_shaft_are_stiffer_than_pinned(finished_run):
     assert min(shares) == close(shares[2])
 
 
+@pytest.mark.further
 def test_the_model_gives_the_numbers_of_the_results(finished_run):
     model = ComplianceModel.load(finished_run.folder / "model.json")
     study = finished_run.results["study"]
@@ -114,6 +119,7 @@ def test_the_model_gives_the_numbers_of_the_results(finished_run):
     assert model.provenance["study"] == study["key"]
 
 
+@pytest.mark.further
 def test_vibration(finished_run):
     for kind, rigid in (("axial", 0), ("torsional", 1)):
         record = finished_run.results["vibration"][kind]
@@ -135,6 +141,7 @@ def test_vibration(finished_run):
             assert 0.0 <= critical["phase_sum"] <= 1.0 + 1e-9
 
 
+@pytest.mark.further
 def test_the_report_is_one_file_that_loads_nothing(finished_run):
     text = report_of(finished_run.folder)
     page = Page(text)
@@ -156,6 +163,7 @@ def test_the_report_is_one_file_that_loads_nothing(finished_run):
     assert len(text) < 4e6
 
 
+@pytest.mark.further
 def test_a_run_checks_itself(finished_run):
     checks = {own["name"]: own for own in finished_run.results["checks"]}
     unmet = {name for name, own in checks.items() if own["met"] is False}
@@ -165,6 +173,7 @@ def test_a_run_checks_itself(finished_run):
     assert all(name in words for name in checks)
 
 
+@pytest.mark.further
 def test_a_run_says_how_to_repeat_it(finished_run, quick_six):
     repeat = finished_run.results["repeat"]
     assert repeat["command"] == "crankfem run quick.toml"
@@ -173,6 +182,7 @@ def test_a_run_says_how_to_repeat_it(finished_run, quick_six):
     assert {"Running the study", "Calculating stresses at the fillets"} <= set(repeat["seconds"])
 
 
+@pytest.mark.further
 def test_lookup_and_fit_continue_from_a_run(finished_run, call, tmp_path):
     answer = call("lookup", finished_run.folder / "model.json", "web_thickness=70mm", "--json")
     model = ComplianceModel.load(finished_run.folder / "model.json")
@@ -228,6 +238,7 @@ def test_an_engine_with_torque_table_and_two_mass_check(
         assert shown in words
 
 
+@pytest.mark.slow
 def test_an_engine_of_one_cylinder_with_the_least_of_inputs(
     lightly, least_engine, edit, call, tmp_path
 ):
@@ -301,6 +312,7 @@ def test_what_cannot_be_drawn_costs_no_other_result(
     assert "Engine FIRST" not in report_of(folder)
 
 
+@pytest.mark.further
 def test_a_run_that_fails_leaves_the_last_one_whole(
     coarsely, one_cylinder, call, tmp_path, monkeypatch
 ):
@@ -357,6 +369,7 @@ def test_run_refuses_a_folder_that_cannot_be(call, quick_six, tmp_path):
     assert "output: given 'quick.toml', which cannot be made" in answer.err
 
 
+@pytest.mark.further
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such locks")
 def test_a_second_run_in_a_folder_is_refused(spawn, quick_six, tmp_path):
     (tmp_path / "quick.toml").write_text(quick_six, encoding="utf-8")

@@ -692,7 +692,7 @@ def test_a_run_refuses_what_is_in_its_way_before_it_computes(
     assert sorted(tmp_path.rglob("*")) == before
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_run_in_the_folder_of_its_file_leaves_the_rest(coarsely, call, tmp_path, least_engine):
     (tmp_path / "mine.toml").write_text(least_engine, encoding="utf-8")
     # The file that fit writes by default; a run without a study writes none.

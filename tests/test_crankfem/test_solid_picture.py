@@ -163,7 +163,7 @@ def rendered_here(opengl, monkeypatch):
     monkeypatch.setattr(solid_picture, "OffscreenProcess", RenderedHere)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_picture_of_a_throw(rendered_here, tmp_path):
     path = tmp_path / "throw.png"
     assert picture_throw(throw_of("full"), path) == path

@@ -68,7 +68,7 @@ def arrays(found):
 # ---------------------------------------------------------------------------------- record and tables
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.parametrize("part", PARTS)
 def test_record_is_strict_json_with_every_load_and_fillet(found, part):
     record = stress_results(found[part]).to_record()

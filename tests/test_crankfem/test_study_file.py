@@ -420,7 +420,7 @@ def test_a_study_in_a_dict_is_that_of_a_file(tmp_path):
         load_study(given)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_plan_is_run(tmp_path):
     plan = cf.studies.StudyPlan(
         cf.load_throw("6chn25-34")[0],

@@ -186,7 +186,7 @@ law = "propeller"
     )
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_forced_vibration_of_an_engine(run):
     torsional, axial = run.forced_torsional, run.forced_axial
     # What goes in becomes heat, at every speed; 1e-6 is promised.
@@ -334,7 +334,7 @@ def test_unbounded_vibration_is_null_in_records(run):
     assert record["free_end"]["synthesis"][11] is not None
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_limits_of_a_file_are_judged(coarse, tmp_path):
     given = engine_vibration(written(tmp_path, BEARINGS + ADDED), analysis=coarse)
     checks = {check.limit.name: check for check in given.assessment.verdict.checks}
@@ -391,7 +391,7 @@ def test_ranges_exceeded_while_misfiring_with_next_to_nothing_between_them_are_o
     assert _ranges(speeds[:2], flags[:2]) == ((1.0, 2.0),)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_otherwise(coarse, run):
     """A coupling that normal firing keeps anywhere, and misfiring does not."""
     driven = {"inertia": 200.0, "coupling_stiffness": 1e5, "coupling_loss_factor": 0.2}
@@ -501,7 +501,7 @@ def test_running_speeds_stand_first(run):
     assert forced.largest_place(forced.stress) == np.argmax(amplitude[inside].max(axis=0))
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_the_file_chooses_failing_cylinders(coarse, run, tmp_path):
     text = f"{BEARINGS}[misfire]\ncylinders = [3]\n\n[gas]\n"
     chosen = engine_vibration(written(tmp_path, text), analysis=coarse)
@@ -525,7 +525,7 @@ def test_the_file_chooses_failing_cylinders(coarse, run, tmp_path):
     assert bare.misfiring.worst.misfiring.value != stress.misfiring.value
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_vibration_command(call, monkeypatch, tmp_path):
     monkeypatch.setattr(
         "crankfem.analyses.shaft.throw_analyses.analyze_throw",

@@ -96,7 +96,7 @@ def lengthening(crankshaft, ends, loaded):
     return float((span[elastic] * force[elastic]) @ system.natural[elastic] ** -2.0)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_whole_shaft_of_an_engine(engine, coupled_vibration, tmp_path):
     engine_file, analysis, whole = engine
     modes = whole.modes
@@ -164,7 +164,7 @@ def test_whole_shaft_of_an_engine(engine, coupled_vibration, tmp_path):
         plot_shaft_modes(tmp_path / "none.svg", modes, 0.1, count=0)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibration, tmp_path):
     """All angles with the other sign: the mirror image, which turns against z.
 
@@ -216,7 +216,7 @@ def test_torques_of_the_whole_crankshaft_turn_the_masses_behind_it(six, coupled_
     assert last == close(flywheel + coupling, rel=0.02, abs=0.02 * scale)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_limits_on_a_coupling_and_a_damper_behind_the_flywheel(six, coupled_vibration):
     plain, analysis = six
     places = ("flywheel - input", "input - line damper")

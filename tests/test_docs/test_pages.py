@@ -28,6 +28,7 @@ def marked(page):
     return pytest.param(page, marks=marks, id=name(page))
 
 
+@pytest.mark.further
 @pytest.mark.parametrize("page", [marked(page) for page in PAGES])
 def test_blocks_of_the_page_run(page, run_page):
     run_page(page)
@@ -162,6 +163,7 @@ def example_marked(script):
     return pytest.param(script, marks=mark, id=script.stem)
 
 
+@pytest.mark.further
 @pytest.mark.parametrize("script", [example_marked(script) for script in SCRIPTS])
 def test_an_example_answers(script, tmp_path):
     paths = os.pathsep.join((str(EXAMPLES.parent), os.environ.get("PYTHONPATH", "")))

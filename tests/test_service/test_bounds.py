@@ -45,6 +45,7 @@ def test_the_service_says_whom_it_serves(service):
     assert "(this machine alone)" in service.log.read_text()
 
 
+@pytest.mark.further
 def test_without_the_key_nothing_is_answered(locked):
     status, told = locked.json("/api/jobs")
     assert status == 401
@@ -177,7 +178,7 @@ def chunked(body):
     return b"%x\r\n%s\r\n0\r\n\r\n" % (len(body), body)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_bodies_are_counted_as_they_come_under_both_parsers(small):
     """Whatever a request says of its length; a connection that is closed on who still sends is a refusal."""
     short, long = question(20), question(3 * MOST)
@@ -211,7 +212,7 @@ def test_without_the_key_nothing_of_a_body_is_kept(small):
     assert process.memory_info().rss - before < 2_000_000
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_slow_heads_and_bodies_are_refused(serve, tmp_path):
     service = serve(tmp_path, seconds=0.5)
     start = time.monotonic()

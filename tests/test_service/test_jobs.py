@@ -77,7 +77,7 @@ def test_the_queue_is_bounded_and_loses_nothing(own_service, throw):
     assert not (own_service.folder / "service" / "jobs" / first.id).exists()
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_job_that_runs_is_canceled_and_the_next_one_runs(own_service, throw):
     client = Client(own_service.address)
     job = client.analyze_throw(throw, accuracy=0.002)
@@ -94,7 +94,7 @@ def worker_of(service):
     return [child for child in children if "crankbase.calls" in child.cmdline()]
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_crash_of_a_worker_is_survived_and_the_job_tried_again(own_service, throw):
     client = Client(own_service.address)
     job = client.analyze_throw(throw, accuracy=0.002)

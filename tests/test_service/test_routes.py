@@ -469,7 +469,7 @@ def test_the_curl_examples_are_answered(service):
     assert job["id"] in [one["id"] for one in jobs["jobs"]]
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_the_client_example_runs(service, capsys):
     exec(block("python").replace(ADDRESS, service.address), {})
     law, *states, found = capsys.readouterr().out.splitlines()

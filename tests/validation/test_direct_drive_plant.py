@@ -36,7 +36,7 @@ def test_barred_range_of_the_rule(figure):
     figure("end of the range by the rule", high * RPM, (18.0 - r) * n / 16.0, 1e-12, "1/min")
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_the_engine_has_the_chain_its_critical_speed_and_the_range(figure):
     engine = cf.load_engine("5rt-flex50d")
     coarse = cf.analyze_throw(engine.throw, engine.material, 0.1)

@@ -27,6 +27,7 @@ def run():
     return cf.engine_vibration(engine, analysis=analysis, coupled=True)
 
 
+@pytest.mark.further
 def test_a_soft_coupling_is_not_told_as_the_first_mode(run, figure):
     engine = sum(run.torsional_chain.inertia) - GENERATOR
     coupling = math.sqrt(STIFFNESS * (1.0 / engine + 1.0 / GENERATOR)) / (2.0 * math.pi)

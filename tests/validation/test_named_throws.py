@@ -175,7 +175,7 @@ def test_the_torsional_chain(run, analyses, figure):
     figure("stiffness between the cranks", chain.stiffness, 1.0 / joined, SOLVED, "N m/rad")
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_the_whole_crankshaft(engine, analyses, figure):
     """Sections stand where throws end; moved along itself it has the mass of throws and flywheel."""
     shaft = whole_shaft(engine, analyses).crankshaft.shaft

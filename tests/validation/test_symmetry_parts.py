@@ -59,6 +59,7 @@ def pair(request, parts):
     return parts[request.param], parts["quarter"]
 
 
+@pytest.mark.further
 def test_stiffness(pair, figure):
     found, expected = (part.stiffness for part in pair)
     size = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
