@@ -563,7 +563,7 @@ def test_throw_refuses_options(call, arguments, fragment):
     assert fragment in " ".join(answer.err.split())
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_throw_tells_modes_and_times(call):
     answer = call("throw", "6chn25-34", "--accuracy", "0.1", "--modes", "3", "--profile", "--full")
     assert answer.code == 0

@@ -192,7 +192,7 @@ def test_results_are_a_table(call, studied, tmp_path, file):
     assert (tmp_path / file).stat().st_size > 1000
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_earlier_and_measured_results_are_imported(call, studied, tmp_path):
     assert call("results", "runs.sqlite", "a.csv").code == 0
     (tmp_path / "bench.csv").write_text(
@@ -263,7 +263,7 @@ def test_limits_are_quantities(call, study, monkeypatch):
     assert given["dask"] == "tcp://h:1"
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_design_beyond_its_time_is_told_and_the_others_are_fitted(call, study, tmp_path):
     text = STUDY.replace('"300 mm"', '"299 mm", "300 mm"')
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
@@ -375,7 +375,7 @@ def test_fit_prints_and_saves_a_model(store, call, tmp_path):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_fit_writes_diagrams_and_json(store, call, tmp_path):
     answer = call("fit", store, "--plots", "diagrams", "--json", "--model", "other.json")
     assert answer.code == 0, answer.err

@@ -443,7 +443,7 @@ def test_results_as_json_table_and_pictures(call, tmp_path):
     np.testing.assert_allclose(2.0 * force * slope, moment, atol=1e-4 * np.abs(moment).max())
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_guides_by_the_series_turn_in_the_exact_mechanism():
     """The crank let turn is exact whatever the guides were made by: 0.038, as documented."""
     run = run_hinge(load_hinge(SHIPPED), "series", 142.0 * np.pi / 30.0)

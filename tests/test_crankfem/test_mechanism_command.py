@@ -292,7 +292,7 @@ def test_rows_alike_become_one():
     assert merged_rows([["1+5", "a"], ["2+6", "a"], ["3+7", "a"]]) == [["1+5, 2+6, 3+7", "a"]]
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_balanced_engine_has_no_picture_of_what_is_left(v8, tmp_path):
     six = run_mechanism(load_mechanism("6chn25-34"))
     assert "balance.svg" not in {path.name for path in MECHANISM.draw(tmp_path / "six", six)}

@@ -105,6 +105,7 @@ def test_a_command_prints_its_record_in_other_units(call):
     assert not re.search(r"\b(kN|MPa|mm)\b", out)
 
 
+@pytest.mark.further
 @pytest.mark.parametrize(
     "arguments",
     [

@@ -380,6 +380,7 @@ def test_a_second_run_in_a_folder_is_refused(spawn, quick_six, tmp_path):
     assert not [path.name for path in (tmp_path / "quick-results").rglob("*") if path.is_file()]
 
 
+@pytest.mark.further
 @pytest.mark.usefixtures("interruptible")
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signal")
 def test_an_interrupted_study_says_how_to_go_on(spawn_environment, tmp_path):

@@ -566,7 +566,7 @@ def lightly_stressed(coarsely, monkeypatch):
     monkeypatch.setattr(stress_picture, "OffscreenProcess", Empty)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_file_gives_way_only_if_the_command_made_it(line, call):
     words, output, _ = line
 

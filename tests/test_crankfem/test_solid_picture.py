@@ -170,7 +170,7 @@ def test_picture_of_a_throw(rendered_here, tmp_path):
     check_picture(path, 1200)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_picture_of_a_shaft(rendered_here, tmp_path):
     path = tmp_path / "shaft.PNG"
     assert picture_shaft(shaft_of("half"), str(path)) == path

@@ -324,7 +324,7 @@ def test_nominal_stresses_are_those_of_pin_and_journal_without_the_hole(throw):
         assert nominal == {kind: close(value, rel=1e-12) for kind, value in expected.items()}
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_factors_at_exits(hole_found, throw):
     assert throw.symmetry == "quarter"
     names = ["pin, oil hole 1 at 0 deg", "pin, oil hole 1 at 180 deg"]

@@ -351,7 +351,7 @@ def test_limits_of_a_file_are_judged(coarse, tmp_path):
         engine_vibration(written(tmp_path, alone), analysis=coarse)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
     text = "[ranges]\ninertia = [0.9, 1.1]\nsamples = 4\n\n[gas]\n"
     given = engine_vibration(written(tmp_path, text), analysis=coarse)

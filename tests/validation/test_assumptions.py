@@ -71,7 +71,7 @@ class File:
         lines.append(f"{name} = {WRITTEN.get(field, text)}")
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.parametrize("name", NAMES)
 def test_each_value_that_is_given_leaves_the_list_alone(name, tmp_path):
     file = File(name, tmp_path)

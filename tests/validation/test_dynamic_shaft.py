@@ -135,6 +135,7 @@ def torsional(superelements, held):
     return natural_modes(stiffness, mass, [*others, *held])[0]
 
 
+@pytest.mark.further
 def test_two_pieces_of_a_bar_in_torsion(pieces, figure):
     """Rigid sections do not hinder torsion, so the pieces are the bar."""
     speed = np.sqrt(G / RHO)

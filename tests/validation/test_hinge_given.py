@@ -123,6 +123,7 @@ def rolled():
     return run_hinge(replace(load_hinge(), roller_radius=0.060, comparison=None), speed=SPEED)
 
 
+@pytest.mark.further
 def test_the_surface_lies_at_the_rollers_radius_from_their_path(rolled, figure):
     columns = hinge_columns(rolled)
     surface = columns["guide_x_m"] + 1j * columns["guide_y_m"]
@@ -163,6 +164,7 @@ def test_without_a_radius_the_path_is_the_surface():
     assert run.to_record()["profile"]["surface"] is None
 
 
+@pytest.mark.further
 def test_what_the_moment_lacks_is_told_as_mean_and_as_largest(figure):
     """By sums over the turn of the two moments, written down once more."""
     run = run_hinge(replace(load_hinge(), comparison=None), speed=142.0 * np.pi / 30.0)

@@ -144,7 +144,7 @@ def in_a_row(analyses):
     return np.diff(motions[2::6, 0]), np.diff(motions[5::6, 1])
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_the_axial_chain(run, analyses, figure):
     lengthening, _ = in_a_row(analyses)
     halves = np.array([analyses[name].mass for name in NAMES]) / 2.0
