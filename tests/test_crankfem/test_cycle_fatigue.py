@@ -139,7 +139,7 @@ def test_misfiring_lessens_the_forces_of_its_cylinder_alone(loads):
     assert np.all(np.delete(change, 3) < 1e-6 * change[3])
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_one_throw_by_itself_is_a_beam_on_two_supports(vibration, stresses):
     """A force off the middle of the pin, rigid bearings: supports by the lever rule, no end moments."""
     file = vibration.engine_file

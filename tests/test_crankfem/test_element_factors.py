@@ -98,7 +98,7 @@ def test_factors_are_largest_stresses_over_nominal_ones(stresses, file):
     assert own.error == stresses.error_estimate
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_both_stand_side_by_side_and_the_smaller_formula_is_named(judge, stresses):
     found = judge(stresses)
     assert not found.by_elements

@@ -43,7 +43,7 @@ def fits(lines, width):
     return all(len(line) <= width or " " not in line.strip() for line in lines)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @given(tables(), st.integers(8, 120))
 def test_a_table_fits_its_width_and_breaks_and_loses_no_word(table, width):
     lines = [line for line, _ in table_lines(table, SI, width)]
@@ -154,7 +154,7 @@ def check_screens(call, monkeypatch, width, line):
     assert fits(whole, width)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @WIDTHS
 @pytest.mark.parametrize("line", QUICK, ids=" ".join)
 def test_commands_end_with_their_answer_on_one_screen(call, monkeypatch, width, line):

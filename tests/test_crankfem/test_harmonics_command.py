@@ -451,7 +451,7 @@ def test_guides_by_the_series_turn_in_the_exact_mechanism():
     assert run.turning.with_hinge.fluctuation == close(0.038, abs=0.0005)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_flywheels_at_another_speed():
     """With the best pressure, not that of the design; both documented to the last digit given."""
     (other,) = run_hinge(load_hinge(SHIPPED), speed=142.0 * np.pi / 30.0).others

@@ -315,7 +315,7 @@ def vee():
     return EngineLayout(0.13, cylinders, [1, 2, 3, 4])
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_pictures(tmp_path):
     engine = vee()
     plot_balance(tmp_path / "forces.svg", balance(engine, SPEED), title="V4 at 1000 1/min")

@@ -626,7 +626,7 @@ def test_a_pressure_map_is_checked_in_place_of_the_gas(engine, tmp_path):
     assert "load in the section [gas_map]" in told.sentence
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_console_tells_power_and_load(call, tmp_path):
     text = cf.engines.mechanism_of(cf.load_engine("6s50mc-c")).path.read_text(encoding="utf-8")
     file = tmp_path / "engine.toml"

@@ -396,7 +396,7 @@ def test_bearings_are_as_long_as_the_throws_beside_them_make_them():
     assert [own.length for own in results.crankpins] == close([0.038, 0.036, 0.036])
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_check_shows_each_throw(call):
     record = call("check", UNEQUAL, "--json").json()
     assert list(record["throws"]) == ["plain", "heavy"]

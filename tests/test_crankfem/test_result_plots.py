@@ -343,7 +343,7 @@ def test_a_run_up(vibration):
     assert found.plot(element=name).get_title(loc="left") == name
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_hinge():
     run = run_hinge(load_hinge(data_folder() / "hinges/crosshead-30-100.toml"))
     axes = run.plot()

@@ -58,6 +58,7 @@ def volume_inside(surface):
 # ------------------------------------------------------------------------------------- surfaces
 
 
+@pytest.mark.further
 @pytest.mark.parametrize("part", THROWS)
 def test_surface_encloses_the_throw(part):
     throw = throw_of(part)

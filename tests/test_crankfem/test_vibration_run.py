@@ -276,7 +276,7 @@ def test_resonances_are_listed_at_all_speeds_judged(run):
     assert "highest running speed" in [line.get_label() for line in axes.lines]
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_records_pictures_and_columns(run, tmp_path):
     record = run.to_record()
     text = json.dumps(record, allow_nan=False)

@@ -194,7 +194,7 @@ def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibra
     assert told.amplitude == close(8e8 * moved[running].max())
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_torques_of_the_whole_crankshaft_turn_the_masses_behind_it(six, coupled_vibration):
     engine_file, analysis = six
     machine = {"inertia": 900.0, "coupling_stiffness": 2e6, "coupling_loss_factor": 0.1}

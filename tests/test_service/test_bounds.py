@@ -41,6 +41,7 @@ def test_other_machines_need_a_key():
     assert Settings(Path(), host="0.0.0.0", key=KEY).key == KEY
 
 
+@pytest.mark.further
 def test_the_service_says_whom_it_serves(service):
     assert "(this machine alone)" in service.log.read_text()
 
@@ -237,7 +238,7 @@ def test_slow_heads_and_bodies_are_refused(serve, tmp_path):
     assert "Traceback" not in service.log.read_text()
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_connections_beyond_the_limit_are_refused_until_others_close(serve, tmp_path):
     service = serve(tmp_path, connections=2)
     port = int(service.address.rpartition(":")[2])
@@ -329,7 +330,7 @@ def test_each_request_has_one_log_line_without_contents(service):
     assert not any(word in "".join(lines) for word in ("secret", "123.456"))
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_second_service_does_not_take_the_folder(service):
     done = subprocess.run(
         [
@@ -350,7 +351,7 @@ def test_a_second_service_does_not_take_the_folder(service):
     assert "which no other service uses" in " ".join(done.stderr.split())
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_busy_port_is_told(service, tmp_path):
     port = service.address.rpartition(":")[2]
     done = subprocess.run(

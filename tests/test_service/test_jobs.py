@@ -487,7 +487,7 @@ def test_a_folder_that_vanishes_is_told_and_starts_nothing(runner_store, runner,
     assert workers["started"] == 0
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_service_says_that_its_folder_is_gone_and_restarts_no_worker(serve, tmp_path):
     """Its log names each reason once; the worker that is lost afterwards stays away."""
     service = serve(tmp_path)

@@ -99,6 +99,7 @@ def timoshenko_frequency(highest):
     return brentq(end_loads, 0.8 * highest, highest)
 
 
+@pytest.mark.further
 def test_bar_in_tension(bar_modes, figure):
     found = of_kind(bar_modes, "axial")
     n = np.array([1, 2])
@@ -184,6 +185,7 @@ def in_bearings(throw):
     return frequencies[2:], (squares[:, RZ].sum(axis=0) / squares.sum(axis=(0, 1)))[2:]
 
 
+@pytest.mark.further
 def test_four_throws_in_bearings(throws, figure):
     """Guyan's mass alone: 2.7 % and 13.7 % high in the first two torsional modes."""
     exact, twist = in_bearings(throws["limit"])

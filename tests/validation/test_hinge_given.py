@@ -157,6 +157,7 @@ def test_the_surface_lies_at_the_rollers_radius_from_their_path(rolled, figure):
     assert np.all(np.abs(surface) > columns["radius_m"])
 
 
+@pytest.mark.further
 def test_without_a_radius_the_path_is_the_surface():
     run = run_hinge(replace(load_hinge(), comparison=None), speed=SPEED)
     assert run.surface is None
