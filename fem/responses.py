@@ -227,10 +227,12 @@ def evaluate_throw(
     masses = mass_properties(level.mesh, material.density)
     mass, inertia = masses.mass, masses.inertia_about_shaft
 
-    def found(one: Superelement, of: CrankThrow, mass: float, inertia: float) -> dict[str, float]:
+    def answered(
+        one: Superelement, of: CrankThrow, mass: float, inertia: float
+    ) -> dict[str, float]:
         return {**_plain_answers(one, of.length, part), **further(of, one, mass, inertia)}
 
-    values, plain = (found(one, throw, mass, inertia) for one in (corrected, discrete))
+    values, plain = (answered(one, throw, mass, inertia) for one in (corrected, discrete))
     estimates = list(values.values()), list(plain.values())
     bars = error_bars(*estimates, level.axial_correction, missing=corrected.missing)
     answers: dict[str, Answer] = {
@@ -263,7 +265,7 @@ def evaluate_throw(
         by_path = {}
         for path, change in changes.items():
             grown = mass * (1.0 + STEP * change.mass), inertia * (1.0 + STEP * change.inertia)
-            larger = found(change.ends[1], change.throws[1], *grown)
+            larger = answered(change.ends[1], change.throws[1], *grown)
             by_path[path] = _shares(larger, plain) | {"mass": change.mass}
         shares = {
             name: {path: found[name] for path, found in by_path.items() if name in found}

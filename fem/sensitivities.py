@@ -41,6 +41,7 @@ from fem.superelement import (
     CondensedClass,
     Superelement,
     combine_classes,
+    end_surfaces,
     nodes_on,
     section_ring,
     unit_end_motions,
@@ -52,7 +53,6 @@ from fem.symmetry import (
     SectionMotions,
     axial_class,
     end_sections,
-    end_surface,
     mirror_images,
     pin_surfaces,
     radial_directions,
@@ -264,8 +264,8 @@ def dimension_changes(
     moving = list(velocities.values())
     by_class, masses = class_slopes(mesh, material, plain, moving), mass_slopes(mesh, moving)
     sizes, changes = lengths_of(solved), {}
-    discs = [end_surface(mesh, section) for section in end_sections(axial_class(mesh.part))]
-    rings = section_ring(discs, mesh.points)
+    discs = end_surfaces(mesh) if joined else []
+    known = section_ring(discs, mesh.points) if discs else ()
     for path, slopes, (mass, inertia) in zip(
         velocities, zip(*by_class, strict=True), masses, strict=True
     ):
@@ -287,7 +287,7 @@ def dimension_changes(
                 points = mesh.points + step * velocities[path]
                 surfaces = [disc.at(points[disc.nodes], disc.images) for disc in discs]
                 ring = section_ring(surfaces, points)
-                if not np.allclose(ring, rings, rtol=SAME_RING * STEP, atol=0.0):
+                if not np.allclose(ring, known, rtol=SAME_RING * STEP, atol=0.0):
                     sections = SectionMotions(made.bending.sections.degree, *ring)
                     made = replace(made, bending=made.bending.shared_with(sections))
             ends.append(made)

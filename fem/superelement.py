@@ -297,8 +297,12 @@ def measured_sections(mesh: ThrowMesh, degree: int) -> SectionMotions:
     """
     if degree == 0:
         return RIGID
-    surfaces = [end_surface(mesh, section) for section in end_sections(axial_class(mesh.part))]
-    return SectionMotions(degree, *section_ring(surfaces, mesh.points))
+    return SectionMotions(degree, *section_ring(end_surfaces(mesh), mesh.points))
+
+
+def end_surfaces(mesh: ThrowMesh) -> list[LoadedSurface]:
+    """Return the meshed end sections."""
+    return [end_surface(mesh, section) for section in end_sections(axial_class(mesh.part))]
 
 
 def section_ring(surfaces: Sequence[LoadedSurface], points: Array) -> tuple[float, float]:

@@ -391,17 +391,18 @@ class ThrowSearch:
 
     def buildable(self, here: Factors, change: Factors) -> Factors:
         """Return the farthest throw on the way to a change of some dimensions that can be built."""
+
+        def part_way(share: float) -> dict[str, float]:
+            part = {name: here[name] + share * (aim - here[name]) for name, aim in change.items()}
+            return {**here, **part}
+
         if not self.refusal({**here, **change}):
             return {**here, **change}
         low, high = 0.0, 1.0
         for _ in range(HALVINGS):
             share = 0.5 * (low + high)
-            part = {name: here[name] + share * (aim - here[name]) for name, aim in change.items()}
-            low, high = (low, share) if self.refusal({**here, **part}) else (share, high)
-        return {
-            **here,
-            **{name: here[name] + low * (aim - here[name]) for name, aim in change.items()},
-        }
+            low, high = (low, share) if self.refusal(part_way(share)) else (share, high)
+        return part_way(low)
 
     def aim(self, here: SlopedThrow, reach: float) -> tuple[SearchResult, Factors, str]:
         """Return what slopes promise at best within reach, at which dimensions, and what cannot be built."""
