@@ -211,6 +211,13 @@ def test_expected_unknowns_grow_as_the_target_falls(mesh, level):
     assert len(set(counts)) == len(counts)
 
 
+def test_a_mesh_too_coarse_to_be_corrected_states_what_its_correction_would_be(level):
+    uncorrected = replace(level, axial_part=level.axial_part.discrete)
+    # The two shares are of the corrected and of the mesh's own compliance.
+    assert uncorrected.axial_correction == close(level.axial_correction, rel=0.05)
+    assert not uncorrected.meets(0.9 * level.axial_correction / MOST_CORRECTED)
+
+
 class Recorder:
     """A mesher that notes size factor, part and sizes asked for, and always answers the same mesh."""
 

@@ -76,15 +76,18 @@ def test_a_fit_is_shown_in_a_line():
     assert repr(found).endswith(f" % at {len(HELDOUT)} held out)")
 
 
-@pytest.mark.parametrize("form", KINDS)
-def test_q_squared_equals_refitting_without_each_run(form):
-    found = fit(form)
-    left_out = np.array(
-        [
-            fit_form(form, FACTORS, np.delete(RUNS, i, 0), np.delete(Y, i)).predict(RUNS[i])
-            for i in range(len(Y))
-        ]
-    )
+@pytest.mark.parametrize(
+    ("form", "drop_terms"), [*((form, False) for form in KINDS), ("log-quadratic", True)]
+)
+def test_q_squared_equals_refitting_without_each_run(form, drop_terms):
+    """Also the terms are selected without the run, where some are dropped."""
+    found = fit_form(form, FACTORS, RUNS, Y, drop_terms=drop_terms)
+    assert bool(found.dropped) == drop_terms
+    others = [
+        fit_form(form, FACTORS, np.delete(RUNS, i, 0), np.delete(Y, i), drop_terms=drop_terms)
+        for i in range(len(Y))
+    ]
+    left_out = np.array([fit.predict(run) for fit, run in zip(others, RUNS, strict=True)])
     expected = 1.0 - np.sum((Y - left_out) ** 2) / np.sum((Y - Y.mean()) ** 2)
     assert found.q_squared == close(expected, rel=1e-9)
 

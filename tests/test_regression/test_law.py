@@ -16,6 +16,7 @@ from regression.law.throw_law import (
     axial_law_slopes,
     axial_laws,
     dimension_ranges,
+    hand_formula,
     mass_law,
     throw_laws,
     torsional_law,
@@ -25,6 +26,7 @@ from throws import MEDIUM_SPEED
 
 DIMENSIONS = MEDIUM_SPEED | {"web_width": 0.3}
 THROW = CrankThrow(**DIMENSIONS)
+LENGTHS = ("main_journal_length", "pin_length")
 MANY = DIMENSIONS | {"web_thickness": np.array([0.050, 0.068, 0.090])}
 
 
@@ -218,6 +220,18 @@ def test_the_mass_follows_size_and_density_and_knows_no_counterweights():
 
 
 @pytest.mark.slow
+def test_by_hand_journals_are_bars_and_a_pin_is_a_beam_and_a_bar():
+    area, second = np.pi * 0.22**2 / 4.0, np.pi * 0.18**4 / 64.0
+    longer = {name: THROW.changed(**{name: DIMENSIONS[name] + 0.02}) for name in LENGTHS}
+    added = {
+        name: (hand_formula(throw).value - hand_formula(THROW).value) * 2.1e11 / 0.02
+        for name, throw in longer.items()
+    }
+    assert added["main_journal_length"] == close(1.16 / area, rel=1e-9)
+    bar = 1.16 * (0.22 / 0.18) ** 2 / area
+    assert added["pin_length"] == close(THROW.crank_radius**2 / second + bar, rel=1e-9)
+
+
 def test_the_law_loads_no_mesher_and_no_solver():
     code = (
         "import sys, crankfem as cf; cf.axial_law, cf.torsional_law;"
