@@ -1,11 +1,12 @@
 """Slopes of random throws over all dimensions: their sums, and some against other meshes.
 
 Run by hand: ``python tests/campaigns/slopes.py [COUNT] [FIRST SEED] [ACCURACY] [MESHES]``; with ``remeshed
-SEED ...`` all slopes of these throws are compared with differences between meshes. The figures are in
-docs/accuracy.md. A throw of f times the size has 1/f of the axial, 1/f^3 of the torsional compliance and f^3
-of the mass, and under the same force the same reactions and f times their moments, so the slopes over all
-lengths add up to -1, -3, 3, 0 and 1: nothing in their calculation makes them. Of a throw all of whose lengths
-have slopes, one is also changed by 3 % either way, so many times with other elements, if at all.
+ACCURACY SEED ...`` all slopes of these throws are compared with differences between meshes. The figures
+are in docs/accuracy.md. A throw of f times the size has 1/f of the axial, 1/f^3 of the torsional compliance
+and f^3 of the mass, and under the same force the same reactions and f times their moments, so the slopes
+over all lengths add up to -1, -3, 3, 0 and 1: nothing in their calculation makes them. Of a throw all of
+whose lengths have slopes, one is also changed by 3 % either way, so many times with other elements, if at
+all.
 """
 
 import sys
@@ -24,8 +25,9 @@ from geometry.throw import CrankThrow
 
 NEIGHBORS = Neighbors(120.0, 120.0)
 # The power of a throw's size, and what of it varies with the dimensions.
+E_N: tuple[str, Support] = ("axial_compliance", "pinned")
 ANSWERS: dict[tuple[str, Support], float] = {
-    ("axial_compliance", "pinned"): -1.0,
+    E_N: -1.0,
     ("axial_compliance", NEIGHBORS): -1.0,
     ("torsional_compliance", "pinned"): -3.0,
     ("influence_coefficient", "pinned"): -1.0,
@@ -40,13 +42,16 @@ STEP, ACCURACIES = 0.03, (0.006, 0.005, 0.004)
 
 
 def between_meshes(
-    throw: CrankThrow, path: str, meshes: int, answers: Sequence[tuple[str, Support]]
+    throw: CrankThrow,
+    path: str,
+    accuracies: Sequence[float],
+    answers: Sequence[tuple[str, Support]],
 ) -> np.ndarray:
     """Return d ln(answer) / d ln(dimension) between throws on both sides, a row for each accuracy."""
     size = lengths_of(throw)[path]
     ends = [with_length(throw, path, size * (1.0 + step)) for step in (-STEP, STEP)]
     slopes = []
-    for accuracy in ACCURACIES[:meshes]:
+    for accuracy in accuracies:
         low, high = (analyze_throw(end, accuracy=accuracy) for end in ends)
         ratios = [value(high, *answer) / value(low, *answer) for answer in answers]
         slopes.append(np.log(ratios) / np.log((1.0 + STEP) / (1.0 - STEP)))
@@ -60,34 +65,39 @@ def value(analysis: ThrowAnalysis, quantity: str, support: Support) -> float:
     return sloped_answer(quantity, support, 0, None)(analysis.superelement)
 
 
-def remeshed(seeds: Sequence[int]) -> None:
+def remeshed(accuracy: float, seeds: Sequence[int]) -> None:
     """Print every slope of some throws that is not within 1.5 % or 0.005 of differences between meshes.
 
-    With sharp corners, of which meshes scatter, within 0.02.
+    With sharp corners, of which meshes scatter, within 0.02. What two standard errors of the mean difference
+    explain is counted apart.
     """
-    answers = [*ANSWERS]
+    answers, accuracies = [*ANSWERS], [share * accuracy for share in (1.2, 1.0, 0.8)]
     for seed in seeds:
         throw = random_throw(seed)
-        analysis = analyze_throw(throw, accuracy=ACCURACIES[1])
+        analysis = analyze_throw(throw, accuracy=accuracy)
         slopes = [analysis.sensitivities(*answer).shares for answer in answers]
-        compared = within = 0
+        compared = within = explained = 0
         least = 0.005 if throw.filleted else 0.02
         for path in slopes[0]:
             try:
-                differences = between_meshes(throw, path, len(ACCURACIES), answers)
+                differences = between_meshes(throw, path, accuracies, answers)
             except (InputError, MeshError):
                 continue
-            means, scatter = differences.mean(axis=0), differences.std(axis=0)
+            means = differences.mean(axis=0)
+            scatter = differences.std(axis=0, ddof=1) / np.sqrt(len(differences))
             for answer, shares, mean, spread in zip(answers, slopes, means, scatter, strict=True):
                 compared += 1
-                if abs(shares[path] - mean) <= max(least, 0.015 * abs(mean)):
+                apart = abs(shares[path] - mean) - max(least, 0.015 * abs(mean))
+                if apart <= 0.0:
                     within += 1
                     continue
+                explained += apart <= 2.0 * spread
                 name = f"{answer[0]} {answer[1]}, {path}"
                 print(f"  {name}: {shares[path]:+.4f}, {mean:+.4f} +- {spread:.4f}", flush=True)
         print(
-            f"seed {seed}, {analysis.mesh.part}: {within} of {compared} slopes within", flush=True
-        )
+            f"seed {seed}, {analysis.mesh.part}: {within} of {compared} slopes within, {explained} more by "
+            "two standard errors", flush=True
+        )  # fmt: skip
 
 
 def main(count: int = 100, first: int = 1, accuracy: float = 0.01, meshes: int = 3) -> None:
@@ -118,11 +128,11 @@ def main(count: int = 100, first: int = 1, accuracy: float = 0.01, meshes: int =
               flush=True)  # fmt: skip
         path = lengths[seed % len(lengths)]
         try:
-            meshed = between_meshes(throw, path, meshes, [("axial_compliance", "pinned")])[:, 0]
+            meshed = between_meshes(throw, path, ACCURACIES[:meshes], [E_N])[:, 0]
         except (InputError, MeshError):
             continue
         if meshed.size:
-            slope, scatter = slopes["axial_compliance", "pinned"][path], float(np.std(meshed))
+            slope, scatter = slopes[E_N][path], float(np.std(meshed))
             apart.append(slope - float(np.mean(meshed)))
             print(f"  {path}: {slope:+.4f}, between meshes {np.mean(meshed):+.4f} +- {scatter:.4f}",
                   flush=True)  # fmt: skip
@@ -139,7 +149,7 @@ def main(count: int = 100, first: int = 1, accuracy: float = 0.01, meshes: int =
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["remeshed"]:
-        remeshed([int(text) for text in sys.argv[2:]])
+        remeshed(float(sys.argv[2]), [int(text) for text in sys.argv[3:]])
     else:
         kinds = (int, int, float, int)
         main(*(kind(text) for kind, text in zip(kinds, sys.argv[1:], strict=False)))
