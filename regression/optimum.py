@@ -140,8 +140,8 @@ class Searched(Protocol):
         """What the dimensions keep."""
 
 
-def check_minimized(model: Searched, name: str, argument: str = "minimize") -> None:
-    """Refuse to minimize what is no number of the model (`InputError` on `argument`)."""
+def check_known(model: Searched, name: str, argument: str = "minimize") -> None:
+    """Refuse what is no number of the model (`InputError` on `argument`)."""
     if name not in model.responses and name not in model.family.all_units:
         raise _unknown(argument, model, name)
 
@@ -150,9 +150,11 @@ def _unknown(argument: str, model: Searched, name: str) -> InputError:
     family = model.family
     names = (*family.ranges, *family.relations, *family.fixed)
     meant = did_you_mean(name, (*model.responses, *names))
+    stress = name.startswith("fillet_stress")
+    studied = "; the model of a study with stresses = true has fillet_stress_factor" * stress
     return InputError(
         f"{argument}: given {name!r}; {meant}allowed are the responses {', '.join(model.responses)} and the "
-        f"dimensions {', '.join(names)}."
+        f"dimensions {', '.join(names)}{studied}."
     )
 
 
@@ -585,7 +587,7 @@ def find_optimum(
         If a name is unknown, nothing is left to vary, or no throw of the family keeps the limits; the
         message then states the nearest one.
     """
-    check_minimized(model, minimize)
+    check_known(model, minimize)
     space = search_space(model, fixed or {})
     choices = [
         dict(zip(space.choices, labels, strict=True))

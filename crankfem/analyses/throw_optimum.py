@@ -41,7 +41,7 @@ from regression.optimum import (
     SearchResult,
     angle_band,
     best_of,
-    check_minimized,
+    check_known,
     infeasible,
     make_optimum,
     nearest,
@@ -526,11 +526,11 @@ def best_throw(
     """
     family = ThrowFamily(engine_file, vary)
     COMPLIANCE_ACCURACY.checked("accuracy", accuracy)
-    check_minimized(family, minimize)
+    check_known(family, minimize)
     asked = {minimize, *(name for limit in limits for name in limit.quantities)}
     for limit in limits:
         for name in limit.quantities:
-            check_minimized(family, name, f"limit on {limit.name}")
+            check_known(family, name, f"limit on {limit.name}")
     space, frequencies = search_space(family, {}), bool(asked & FREQUENCIES.keys())
     search = ThrowSearch(
         Problem(family, minimize, tuple(limits), margins, space, spare=SPARE, active=ACTIVE),

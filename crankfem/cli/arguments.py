@@ -195,7 +195,7 @@ def parse_value(name: str, text: str, unit: str) -> float:
 
 def parse_limit(model: "Searched", text: str) -> "Limit":
     """Read a limit on a response or dimension, like "axial_compliance <= 1.2e-9 m/N"."""
-    from regression.optimum import Limit
+    from regression.optimum import Limit, check_known
 
     match = _LIMIT.fullmatch(text)
     if match is None:
@@ -206,12 +206,7 @@ def parse_limit(model: "Searched", text: str) -> "Limit":
     name = match["name"]
     response = model.responses.get(name)
     units = model.family.all_units
-    if response is None and name not in units:
-        meant = did_you_mean(name, (*model.responses, *units))
-        raise InputError(
-            f"--limit: given {name!r}; {meant}allowed are the responses {', '.join(model.responses)} and the "
-            f"dimensions {', '.join(units)}."
-        )
+    check_known(model, name, "--limit")
     unit = units[name] if response is None else response.unit
     bound = parse_value(name, match["value"], unit)
     if match["sign"] == "<=":

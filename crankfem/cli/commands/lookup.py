@@ -320,7 +320,7 @@ def optimum(
     from crankfem.cli.arguments import model_dimensions, parse_limit
     from crankfem.files.reading.data_files import shipped_names
     from regression.models.compliance_model import ComplianceModel
-    from regression.optimum import check_minimized, find_optimum
+    from regression.optimum import check_known, find_optimum
 
     bounds: dict[Kind, str | None] = {
         "axial": first_axial_frequency,
@@ -341,7 +341,7 @@ def optimum(
             "--vary web_width=300mm..380mm, because an engine alone does not say what may change."
         )
     loaded = ComplianceModel.load(Path(source))
-    check_minimized(loaded, minimize, "--minimize")
+    check_known(loaded, minimize, "--minimize")
     held = model_dimensions(loaded, fixed or [])
     wanted = [parse_limit(loaded, text) for text in limits or []]
     wanted += _frequency_limits(loaded, engine, bounds)
@@ -377,12 +377,12 @@ def _show_varied(
     from crankfem.analyses.throw_optimum import SearchInterrupted, ThrowFamily, best_throw
     from crankfem.cli.arguments import parse_bound, parse_limit, parse_range
     from crankfem.files.engine.engine_file import load_engine
-    from regression.optimum import Limit, check_minimized
+    from regression.optimum import Limit, check_known
 
     read = load_engine(engine)
     ranges = console.parse_pairs(vary, parse_range, "web_width=300mm..380mm")
     family = ThrowFamily(read, ranges)
-    check_minimized(family, minimize, "--minimize")
+    check_known(family, minimize, "--minimize")
     wanted = [parse_limit(family, text) for text in limits]
     for kind, text in bounds.items():
         if text is not None:
