@@ -355,7 +355,7 @@ def _constraint(model: Searched, text: str) -> Excess:
 class LimitCheck:
     """A limit at the optimum: its value by the equation, and at the worst end of the band.
 
-    That end keeps the bound. `active`: whether the optimum is at this limit.
+    That end keeps the bound, without margins the value. `active`: whether the optimum is at this limit.
     """
 
     limit: Limit
@@ -707,12 +707,9 @@ def nearest(problem: Problem, start: Array) -> Array:
 def _checks(problem: Problem, points: Banded) -> tuple[LimitCheck, ...]:
     checks = []
     for limit in problem.limits:
-        nominal, worst = (
-            float(worst_values(limit, points, margins)) for margins in (False, problem.margins)
-        )
-        checks.append(
-            LimitCheck(limit, nominal, worst, bool(limit.excess(worst) > -problem.active))
-        )
+        nominal, worst = (float(worst_values(limit, points, margins)) for margins in (False, True))
+        kept = worst if problem.margins else nominal
+        checks.append(LimitCheck(limit, nominal, worst, bool(limit.excess(kept) > -problem.active)))
     return tuple(checks)
 
 
@@ -748,21 +745,20 @@ def infeasible(
         f"{name} {value if isinstance(value, str) else show(name, value)}"
         for name, value in factors.items()
     )
-    missed = [
-        check
+    reached = [
+        (check.limit, check.worst if problem.margins else check.value)
         for check in _checks(problem, problem.points(best.place))
-        if check.limit.excess(check.worst) > -SPARE / 2.0
     ]
+    missed = [(limit, value) for limit, value in reached if limit.excess(value) > -SPARE / 2.0]
     if not missed:
         return (
             "limits: given a box in which no throw keeps the study's constraints; the nearest is at "
             f"{at}, because there they are broken least."
         )
     shown = "; ".join(
-        f"{check.limit.name} {check.limit.sign} "
-        f"{format_quantity(check.limit.bound, check.limit.unit)} comes to "
-        f"{format_quantity(check.worst, check.limit.unit)}"
-        for check in missed
+        f"{limit.name} {limit.sign} {format_quantity(limit.bound, limit.unit)} comes to "
+        f"{format_quantity(value, limit.unit)}"
+        for limit, value in missed
     )
     band = " at the worst end of the error band" if problem.margins else ""
     return (

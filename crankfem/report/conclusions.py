@@ -163,9 +163,8 @@ def main_findings(results: "RunResults") -> list[tuple[str, str, str]]:
     cause = assessment.verdict.worst.cause
     weak = strength is not None and too_weak(strength)
     # What decides by assumption first, of several fields the first one; how many are assumed is on a tile.
-    first, *others = [text for text in _assumed(results, assessment) if not text[0].isdigit()] or [
-        ""
-    ]
+    assumed = [text for text in _assumed(results, assessment) if not text[0].isdigit()]
+    assumed[:1] = [sentence(text.partition(";")[0]) for text in assumed[:1]]
     failed, wrong = failed_checks(results.checks), _calculation_fails(results.checks)
     found = [
         ("Checks", "checks", failed if wrong else ""),
@@ -173,7 +172,7 @@ def main_findings(results: "RunResults") -> list[tuple[str, str, str]]:
         ("Why", "limits", _main_cause(assessment) if cause is not None and cause.parts else ""),
         ("What helps", "limits", _measures(results, assessment)),
         *(("Input", "inputs", text) for text in _warned(results)),
-        *(("Assumed", "inputs", text) for text in (sentence(first.partition(";")[0]), *others)),
+        *(("Assumed", "inputs", text) for text in assumed),
         ("Checks", "checks", "" if wrong else failed),
     ]
     told = [(label, section, with_three_digits(text)) for label, section, text in found if text]

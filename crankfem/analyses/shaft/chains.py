@@ -204,9 +204,15 @@ def magnifier_damping(engine_file: EngineFile, chain: EngineChain) -> tuple[Arra
     return 0.5 / magnifier * undamped, sentence
 
 
-def damped_engine_chain(engine_file: EngineFile, chain: EngineChain) -> DampedChain:
-    """Return the chain with the damping of engine and shaft; dampers and couplings add theirs."""
+def damped_engine_chain(
+    engine_file: EngineFile, chain: EngineChain, factor: float = 1.0
+) -> DampedChain:
+    """Return the chain with the damping of engine and shaft; dampers and couplings add theirs.
+
+    `factor` is that of what the magnifier stands for, which is no part of the chain.
+    """
     added, magnifier = magnifier_damping(engine_file, chain)
+    added = None if added is None else factor * added
     unit = "N s/m" if chain.kind == "axial" else "N m s/rad"
     system = damped(chain.chain, modal_damping=added, unit=unit)
     return system if added is None else replace(system, record=(*system.record[:-1], magnifier))

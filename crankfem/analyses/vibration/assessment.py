@@ -8,6 +8,7 @@ from itertools import count, pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crankbase.array_checks import FloatArray
 from crankbase.frames import table_of
@@ -53,10 +54,11 @@ from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import with_resonances
 from dynamics.assessment.separation import USUAL_MARGIN, CriticalRange, critical_ranges
 from dynamics.assessment.uncertainty import (
+    ALL_DAMPING,
     Samples,
     Spread,
-    chain_samples,
     frequency_bounds,
+    function_samples,
     scaled_chain,
 )
 from dynamics.assessment.verdict import (
@@ -70,7 +72,6 @@ from dynamics.assessment.verdict import (
     ranges_to_bar,
     status_by,
 )
-from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import Kind
 from dynamics.critical import engine_orders
 from dynamics.excitation.cylinders import CylinderHarmonics
@@ -172,7 +173,12 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
                 lambda value: judged(tensile_strength=value, yield_strength=share * value),
             )
         )
-    return next((way for way in ways if changes(way)), ways[-1] if ways else [])
+    decides = next((way for way in ways if changes(way)), ways[-1] if ways else [])
+    plain = CRANKSHAFT_STRENGTHS[False]
+    if not limits.alloy and any(low.value >= plain for low, _ in changes(decides)):
+        # Carbon steel counts as none that is stronger.
+        return [replace(trial, field=f"{trial.field} and limits.alloy = true") for trial in decides]
+    return decides
 
 
 def _with_changes(made: Trial, others: set[float], judged: Judged) -> list[Trial]:
@@ -659,10 +665,9 @@ def _uncertainty(
     margin = USUAL_MARGIN if ranges is None else ranges.separation_margin
     amplitudes = None
     if ranges is not None and spreads:
-        amplitudes = chain_samples(
-            chain,
+        amplitudes = function_samples(
+            lambda factors: _peak(engine_file, forced, spreads, factors),
             spreads,
-            lambda changed: _peak(engine_file, forced, changed),
             ranges.samples,
             ranges.seed,
         )
@@ -706,9 +711,19 @@ def _spreads(engine_file: EngineFile, forced: ForcedVibration, error: Spread) ->
     return (replace(error, places=None if whole_plant else elements), *spreads)
 
 
-def _peak(engine_file: EngineFile, forced: ForcedVibration, chain: Chain) -> float:
-    """Largest amplitude of the free end of a changed chain at running speeds."""
-    changed = damped_engine_chain(engine_file, replace(forced.engine_chain, chain=chain))
+def _peak(
+    engine_file: EngineFile,
+    forced: ForcedVibration,
+    spreads: Sequence[Spread],
+    factors: NDArray[np.float64],
+) -> float:
+    """Largest amplitude of the free end at running speeds with factors (p,) of p spreads."""
+    chain = scaled_chain(forced.engine_chain.chain, spreads, factors)
+    pairs = zip(spreads, factors.tolist(), strict=True)
+    damping = math.prod(factor for spread, factor in pairs if spread.kind == ALL_DAMPING)
+    changed = damped_engine_chain(
+        engine_file, replace(forced.engine_chain, chain=chain), factor=damping
+    )
     response = forced_response(changed, with_resonances(forced.response.excitation, chain))
     low, high = engine_file.engine.lowest_speed, engine_file.engine.highest_speed
     judged = within(response.speeds, low, high)

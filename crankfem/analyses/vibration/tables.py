@@ -623,7 +623,10 @@ def critical_lines(run: EngineVibration, kind: str) -> list[CriticalLine]:
         ]
         if same:
             nearest = min(same, key=lambda place: _distance(lines[place], margin))
-            lines[nearest] = replace(lines[nearest], margin=margin)
+            line = lines[nearest]
+            # A peak of several modes is that of the nearest of their critical speeds.
+            if line.margin is None or _distance(line, margin) < _distance(line, line.margin):
+                lines[nearest] = replace(line, margin=margin)
         elif margin.mode not in damped and (margin.mode, margin.order) not in known:
             lines.append(CriticalLine(kind, None, None, margin))
     return lines
