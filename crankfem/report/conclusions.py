@@ -190,11 +190,9 @@ def _main_cause(assessment: Assessment) -> str:
 def _measures(results: "RunResults", assessment: Assessment) -> str:
     """State in short what can be done where a limit is exceeded."""
     verdict, misfiring = assessment.verdict, results.vibration.misfiring
-    told = [
-        barring(span.low, span.high, span.allowed)
-        for span in verdict.barred
-        if span.position == "running"
-    ][:MOST_RANGES]
+    running = [span for span in verdict.barred if span.position == "running"]
+    running.sort(key=lambda span: span.allowed)  # what cannot be barred decides
+    told = [barring(span.low, span.high, span.allowed) for span in running[:MOST_RANGES]]
     remedy = _remedy(results, verdict.worst)
     if remedy is not None:
         told.append(remedy.short)
@@ -255,7 +253,8 @@ def _share(use: LimitUse, unit: str) -> str:
 
 def _ranges(assessment: Assessment) -> list[str]:
     verdict = assessment.verdict
-    return [f"{range_sentence(span)}." for span in (*verdict.barred, *verdict.started_through)]
+    barred = sorted(verdict.barred, key=lambda span: span.allowed)  # as above
+    return [f"{range_sentence(span)}." for span in (*barred, *verdict.started_through)]
 
 
 def _assumed(results: "RunResults", assessment: Assessment) -> list[str]:

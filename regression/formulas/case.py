@@ -179,7 +179,7 @@ def plain_web_remarks(case: ThrowCase) -> Remarks:
     if case.throw.overlap > 0.0:
         yield Remark(
             f"Main journal and crankpin overlap by {case.overlap_text}: a formula with the plain web "
-            "section overestimates the compliance, up to about three times the finite-element value."
+            "section overestimates the compliance."
         )
 
 

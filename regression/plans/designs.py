@@ -567,8 +567,8 @@ def _full_factorial(factors: Sequence[Factor], _choice: DesignChoice) -> Design:
     if not ranges:
         return made
     remark = (
-        f"A full factorial runs the ends of ranges ({', '.join(ranges)}); give a factor three levels or "
-        "more for a curved equation."
+        f"A full factorial runs the ends of ranges ({', '.join(ranges)}); without slopes a curved equation "
+        "takes three levels or more of a factor."
     )
     return Design(made.runs, made.statement, (remark,))
 

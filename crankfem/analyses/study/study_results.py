@@ -14,6 +14,7 @@ from regression.fits.equation_text import term_symbols
 from regression.fits.fits import Fit
 from regression.fits.selection import FitErrors
 from regression.fits.sensitivity import Sensitivities
+from regression.models.response_query import FEWEST
 from regression.plans.plan import ExcludedDesign
 from regression.response_kinds import AXIAL, END_MOMENTS
 from regression.runs.study_table import DesignTable
@@ -387,16 +388,24 @@ class FittedStudy(Result):
         every = {name: response.selected(form).errors for name, response in self.fits.items()}
         moments = {name: fit for name, fit in every.items() if name in END_MOMENTS}
         equations = "their chosen equations" if form is None else f"the form {form}, as given"
+        judged = min(fit.band_designs for fit in every.values())
+        new = (
+            "error not exceeded by 95 % of new throws"
+            if judged >= FEWEST
+            else f"largest error at designs not fitted (too few for 95 % of new throws: {judged})"
+        )
         yield Table.of_records(
-            f"All responses by {equations}: largest and mean held-out error, error not exceeded by 95 % of "
-            "new throws, estimated error of FE",
+            f"All responses by {equations}: largest and mean held-out error, {new}, estimated error of FE",
             [name for name in every if name not in moments],
             (Column("response", words=True), lambda name: name.replace("_", " ")),
             (Column("form", words=True), lambda name: every[name].form),
             (Column("Q2", decimals=5), lambda name: every[name].q_squared),
             (Column("held out"), lambda name: _percent(every[name].largest_heldout_error)),
             (Column("mean"), lambda name: _percent(every[name].mean_heldout_error)),
-            (Column("95 %"), lambda name: _percent(every[name].band_error)),
+            (
+                Column("95 %" if judged >= FEWEST else "new"),
+                lambda name: _percent(every[name].band_error),
+            ),
             (Column("FE"), lambda name: _percent(self.fits[name].fitted.fe_error)),
             main=True,
         )

@@ -116,9 +116,9 @@ def range_sentences(assessment: Assessment, units: OutputUnits = SI) -> Iterator
     """Return ranges of speed that are barred or passed, and what makes their ends."""
     for passed in (*assessment.verdict.barred, *assessment.verdict.started_through):
         # The verdict has the reasons of those that cannot be accepted.
-        shown = passed.sentence if passed.allowed else passed.shown
-        text = units.text(f"Range {shown}. Its ends: {passed.ends}.")
-        yield Main(text) if passed.allowed else text
+        refused = "cannot be barred" if passed.position == "running" else "exceeds limits"
+        said = passed.sentence if passed.allowed else f"{passed.shown} {refused}"
+        yield Main(units.text(f"Range {said}. Its ends: {passed.ends}."))
 
 
 def judgment(assessment: Assessment) -> Iterator[str]:
