@@ -257,8 +257,8 @@ class StudySection(InputModel):
             value = getattr(self, option)
             if value is not None and self.design not in kinds:
                 raise InputError(
-                    f"study.{option}: given {value!r} with the design {self.design!r}; allowed is it "
-                    f"with {' and '.join(kinds)} only."
+                    f"study.{option}: given {value!r} with the design {self.design!r}; it is "
+                    f"allowed with {' and '.join(kinds)} only."
                 )
         for option in ("runs", "file"):
             counted = option == "runs" and self.slopes  # by `runs_with_slopes`

@@ -274,6 +274,11 @@ def _assumed(results: "RunResults", assessment: Assessment) -> list[str]:
             f"Axial vibration{_axial_amplitude(results)} is not judged: give limits.axial_amplitude or "
             "limits.axial_force."
         )
+    statements += [
+        sentence(chain.formula_note)
+        for chain in (vibration.axial, vibration.torsional)
+        if chain.formula_note
+    ]
     if vibration.load is not None and not vibration.load.rated.consistent:
         statements.append(sentence(vibration.load.rated.sentence))
     count = sum(record.assumed for record in inputs)

@@ -473,7 +473,7 @@ def plan_designs(plan: StudyPlan) -> PlannedStudy:
             statement += f", {len(excluded)} of them excluded"
             remarks = (
                 *remarks,
-                f"{len(excluded)} of {len(design.runs)} designs are excluded, so the others no longer "
+                f"{len(excluded)} of {len(design.runs)} runs are excluded, so the others no longer "
                 "have the balance that the design's name promises.",
             )
     statement += ", with slopes" if plan.slopes else ""

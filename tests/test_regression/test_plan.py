@@ -143,7 +143,7 @@ def test_corners_that_break_a_constraint_are_excluded_and_told():
         "the constraint 'web_thickness >= 0.25 * pin_diameter' is broken: 38 mm is not >= 45 mm"
     }
     assert planned.statement == "full factorial, 3 x 3 x 3 = 27 runs, 15 of them excluded"
-    assert planned.remarks[-1].startswith("15 of 27 designs are excluded, so")
+    assert planned.remarks[-1].startswith("15 of 27 runs are excluded, so")
 
 
 @pytest.mark.parametrize("kind", SPACE_FILLING)

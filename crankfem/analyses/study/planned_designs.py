@@ -1,7 +1,7 @@
 """The designs of a study before any is computed: which, how well spread, and which are excluded."""
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
 from typing import Annotated
 
@@ -107,7 +107,12 @@ class PlannedDesigns(Result):
         for remark in self.remarks:
             yield Main(f"Note: {remark}")
         if self.excluded:
-            yield Main(f"Excluded before any finite-element run: {len(self.excluded)} designs.")
+            roles = Counter(design.role for design in self.excluded)
+            counts = ", ".join(
+                f"{count} {'runs' if role == RUN and count > 1 else role}"
+                for role, count in roles.items()
+            )
+            yield Main(f"Excluded before any finite-element run: {counts}.")
             yield from self._reasons()
         yield Main(
             f"Runs in the unit cube: {distance}discrepancy {quality.discrepancy:.2g} (random points: "

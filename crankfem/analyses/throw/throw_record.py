@@ -344,7 +344,7 @@ def force_words(force: Sequence[float], on: str, units: OutputUnits) -> str:
     """State a force [N] on a pin."""
     (x, y, z), unit = force, units.of("kN")
     if x == z == 0.0 and y <= 0.0:
-        return f"a radial force of {unit.with_name(-y)} on {on}"
+        return f"a radial force of {unit.with_name(abs(y))} on {on}"
     shown = ", ".join(unit.number(value) for value in (x, y, z))
     return f"a force of {shown} {unit.name} (x, y, z) on {on}"
 

@@ -33,6 +33,8 @@ from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FREE_END, EngineChain
 from dynamics.critical import critical_speeds, engine_orders, major_orders, vector_sums
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from fem.superelement import ShaftCompliances
+from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
+from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -319,6 +321,13 @@ class Vibration(Result):
         Units are in ``frame.attrs["units"]``.
         """
         return table_of(self.criticals)
+
+    @property
+    def formula_note(self) -> str:
+        """How a published formula was used, and where it does not apply; empty with other sources."""
+        if self.source not in (*AXIAL_FORMULA_NAMES, *TORSIONAL_FORMULA_NAMES):
+            return ""
+        return f"{self.kind} compliances by {self.source}: {self.chosen.remark}"
 
     def mode_table(self) -> Table:
         """Return the natural modes."""

@@ -55,6 +55,8 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
     )
     for vibration in (run.axial, run.torsional):
         yield vibration.mode_table()
+        if note := vibration.formula_note:
+            yield Main(units.text(f"{note[0].upper()}{note[1:]}."))
         if forced is None:
             yield replace(vibration.critical_table(), main=True)
         yield vibration.source_table().select("source", "frequencies", "ratio to chosen")

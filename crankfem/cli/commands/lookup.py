@@ -56,7 +56,10 @@ def lookup(
         ),
     ] = None,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Refuse throws outside the range of the model.")
+        bool,
+        typer.Option(
+            "--strict", help="Refuse throws outside the range of a model; the law always does."
+        ),
     ] = False,
     *,
     out: Output,
