@@ -79,6 +79,11 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
     if run.assessment is None:
         yield Main(NOT_FORCED)
         return
+    if run.bearings is not None:
+        low, high = (end(run.bearings.stiffness) / 1e9 for end in (min, max))
+        yield units.text(
+            f"Axial and torsional: stiffness of the main bearings {low:.3g} to {high:.3g} GN/m each"
+        )
     yield from assessment_parts(run.assessment, units)
     if misfiring is not None:
         yield misfiring_table(misfiring, units)
