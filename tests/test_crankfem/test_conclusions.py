@@ -17,6 +17,7 @@ from crankfem.analyses.vibration.misfiring import FiringCheck, Reached
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.analyses.vibration.tables import (
     assessment_parts,
+    critical_lines,
     judgment,
     misfiring_table,
     resonance_table,
@@ -690,6 +691,21 @@ def test_each_of_two_peaks_of_one_mode_has_a_row(results):
     assert [row["amplitude"] for row in rows] == ["0.5 mrad", "1.42 mrad"]
     # Bounds belong to the peak they are about.
     assert (rows[0]["lowest"], rows[1]["lowest"] != "-") == ("-", True)
+
+
+def test_a_peak_of_two_modes_has_the_range_about_its_own_speed(results):
+    vibration = results["vibration"]
+    peaks = vibration["forced"]["torsional"]["resonances"]
+    peak = next(one for one in peaks if one["order"] == 12.0)
+    peak["modes"] = [peak["mode"], peak["mode"] + 1]
+    bounds = vibration["assessment"]["uncertainty"]["torsional"]["critical"]
+    own = next(one for one in bounds if one["order"] == 12.0)
+    faster = {name: 1.2 * own[name] for name in ("speed_rpm", "low_rpm", "high_rpm")}
+    bounds.append({**own, **faster, "mode": peak["mode"] + 1})
+    (line,) = (
+        one for one in critical_lines(typed(results).vibration, "torsional") if one.order == 12
+    )
+    assert line.margin.low <= line.speed <= line.margin.high
 
 
 def test_no_critical_speed_is_both_inside_and_outside_the_running_range(results):

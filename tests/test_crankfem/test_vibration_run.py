@@ -383,6 +383,15 @@ def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
     assert all(own.low <= own.nominal <= own.high for own in torsional.critical)
 
 
+@pytest.mark.further
+def test_uncertain_damping_is_also_what_the_magnifier_stands_for(coarse, tmp_path):
+    """At a resonance the amplitude of an order goes with the inverse of its damping."""
+    text = "[ranges]\ndamping = [0.5, 2.0]\nsamples = 8\n\n[gas]\n"
+    found = engine_vibration(written(tmp_path, text), analysis=coarse).assessment
+    amplitudes = found.axial.samples.values
+    assert max(amplitudes) > 1.3 * min(amplitudes)
+
+
 def test_ranges_exceeded_while_misfiring_with_next_to_nothing_between_them_are_one():
     speeds = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 8.01, 9.0])
     flags = np.array([0, 1, 0, 1, 0, 0, 1, 0, 0, 1], dtype=bool)

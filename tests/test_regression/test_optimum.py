@@ -124,6 +124,15 @@ def test_a_frequency_as_a_function_of_the_compliance(model):
     assert found.limits[0].value > found.limits[0].worst
 
 
+@pytest.mark.slow
+def test_without_margins_the_worst_value_is_still_that_of_the_band(model):
+    limit = Limit(("axial_compliance",), at_most=1.1e-9)
+    (check,) = find_optimum(model, "mass", [limit], margins=False).limits
+    assert check.value == close(1.1e-9, rel=1e-6)
+    assert check.active
+    assert check.worst > 1.0001 * check.value
+
+
 def test_categories_are_tried_each():
     x = np.array([[h, label] for h in np.linspace(0.04, 0.10, 5) for label in (0.0, 1.0)])
 
