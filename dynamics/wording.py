@@ -444,7 +444,7 @@ def first_frequencies(
     parts = " and ".join(f"{_range_of(curve, '.1f')} Hz" for curve in others)
     return (
         f"first {kind} frequency of the crankshaft {', '.join(moved)}"
-        f"{f', and in part {parts}' if parts else ''}"
+        f"{f'; modes that are {kind} in part: {parts}' if parts else ''}"
     )
 
 

@@ -171,8 +171,12 @@ def parse_range(name: str, text: str) -> tuple[float, float]:
     unit = field_unit(name)
     low, dots, high = text.partition("..")
     if not unit:
+        from geometry.throw import CrankThrow
+
+        meant = did_you_mean(name, CrankThrow.model_fields)
         raise InputError(
-            f"--vary: given {name!r}; allowed are dimensions of a throw, like web_width=300mm..380mm."
+            f"--vary: given {name!r}; {meant}allowed are dimensions of a throw, like "
+            "web_width=300mm..380mm."
         )
     if not dots:
         raise InputError(

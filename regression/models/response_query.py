@@ -165,8 +165,8 @@ class OutOfRange:
     def remark(self) -> str:
         """One sentence for a value that is returned nevertheless."""
         return (
-            f"{self._given}; the range of the fit is {self._range}, and "
-            f"{100.0 * self.distance:.3g} % of its width beyond it the error is unknown."
+            f"{self._given}; the range of the fit is {self._range}; "
+            f"{100.0 * self.distance:.3g} % of its width outside it the error is unknown."
         )
 
     @property

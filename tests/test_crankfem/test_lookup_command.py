@@ -204,7 +204,7 @@ def test_outside_and_strict(run, path):
     outside = ("web_width=345mm", "web_thickness=68mm")
     out = run("lookup", path, *outside)
     assert out.count("OUTSIDE the range, where no band applies") == len(SIZES)
-    assert out.count("and 25 % of its width beyond it the error is unknown") == 1
+    assert out.count("25 % of its width outside it the error is unknown") == 1
     assert " to 1." not in out.split("web_width:")[0]
     assert "Bands:" not in out
     found = json.loads(run("lookup", path, *outside, "--json"))["mass"]

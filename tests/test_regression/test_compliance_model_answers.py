@@ -166,7 +166,7 @@ def test_distance_from_the_range(model, beyond, above, name):
     found = model.lookup("mass", **(MIDDLE | {name: value}))
     (remark,) = found.remarks
     assert not found.inside
-    told = float(re.search(r"and (\S+) % of its width beyond", remark)[1])
+    told = float(re.search(r"; (\S+) % of its width outside", remark)[1])
     assert told == close(100.0 * beyond, rel=6e-3)  # three digits
     with pytest.raises(InputError, match=r"because a result \S+ % of its width beyond it"):
         model.value("mass", strict=True, **(MIDDLE | {name: value}))

@@ -176,7 +176,7 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
     decides = next((way for way in ways if changes(way)), ways[-1] if ways else [])
     plain = CRANKSHAFT_STRENGTHS[False]
     if not limits.alloy and any(low.value >= plain for low, _ in changes(decides)):
-        # Carbon steel counts as none that is stronger.
+        # The rule counts carbon steel as no stronger than that.
         return [replace(trial, field=f"{trial.field} and limits.alloy = true") for trial in decides]
     return decides
 
