@@ -73,7 +73,8 @@ def _of_vibration(vibration: EngineVibration) -> str:
     if assessment.verdict.status == "not acceptable":
         return f"{words}{', also while a cylinder misfires' if misfiring else ''}{end}"
     if misfiring:
-        normal = " with all cylinders firing" if assessment.verdict.status == "fine" else ""
+        joined = "and" if status == "undecided" else "with"
+        normal = f" {joined} all cylinders firing" if assessment.verdict.status == "fine" else ""
         words = f"{words}{normal}; limits are exceeded while a cylinder misfires"
     unjudged = status == "fine" and not _axial_judged(assessment)
     return f"{words}{'; axial vibration is not judged' if unjudged else ''}{end}"
