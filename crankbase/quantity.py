@@ -95,6 +95,17 @@ def factor_of(unit: str) -> float:
 UNBOUNDED = "unbounded"
 
 
+def without_noise(value: float) -> float:
+    """Return a number without the noise of round-off, so that equal ones on a tie are written alike.
+
+    Examples
+    --------
+    >>> without_noise(0.1 + 0.2)
+    0.3
+    """
+    return float(f"{value:.12g}")
+
+
 def format_number(value: float, digits: int) -> str:
     """Format a number with so many significant digits or, if it is large, all before the point.
 
@@ -103,7 +114,7 @@ def format_number(value: float, digits: int) -> str:
     >>> format_number(57.25, 3), format_number(1234.5, 3)
     ('57.2', '1234')
     """
-    text = f"{value:.{digits}g}"
+    text = f"{without_noise(value):.{digits}g}"
     return f"{value:.0f}" if "e+" in text else text
 
 
@@ -128,7 +139,7 @@ def significant(value: float, digits: int = 4) -> str:
     >>> significant(15597.0)
     '15597'
     """
-    text = f"{value:#.{digits}g}"
+    text = f"{without_noise(value):#.{digits}g}"
     return f"{value:.0f}" if "e+" in text else text.removesuffix(".")
 
 

@@ -21,6 +21,7 @@ from crankbase.quantity import (
     NoUnitError,
     format_quantity,
     unit_quantity,
+    without_noise,
 )
 
 SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
@@ -68,7 +69,7 @@ class OutputUnit:
         """Write an SI number in this unit, without it; "unbounded" for None."""
         if value is None:
             return UNBOUNDED
-        text = f"{value / self.size:.{digits}g}"
+        text = f"{without_noise(value / self.size):.{digits}g}"
         if self.name == "%" and "e+" in text:
             return f"{value / self.size:.0f}"
         if "e+" in text and abs(float(text)) < WRITTEN_OUT:

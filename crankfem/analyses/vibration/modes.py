@@ -327,7 +327,8 @@ class Vibration(Result):
         """How a published formula was used, and where it does not apply; empty with other sources."""
         if self.source not in (*AXIAL_FORMULA_NAMES, *TORSIONAL_FORMULA_NAMES):
             return ""
-        return f"{self.kind} compliances by {self.source}: {self.chosen.remark}"
+        remark = next(other.remark for other in self.sources if other.source == self.source)
+        return f"{self.kind} compliances by {self.source}: {remark}"
 
     def mode_table(self) -> Table:
         """Return the natural modes."""
