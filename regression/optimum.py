@@ -150,8 +150,9 @@ def _unknown(argument: str, model: Searched, name: str) -> InputError:
     family = model.family
     names = (*family.ranges, *family.relations, *family.fixed)
     meant = did_you_mean(name, (*model.responses, *names))
-    stress = name.startswith("fillet_stress")
-    studied = "; the model of a study with stresses = true has fillet_stress_factor" * stress
+    studied = ""
+    if name.startswith("fillet_stress"):
+        studied = "; the model of a study with stresses = true has fillet_stress_factor"
     return InputError(
         f"{argument}: given {name!r}; {meant}allowed are the responses {', '.join(model.responses)} and the "
         f"dimensions {', '.join(names)}{studied}."

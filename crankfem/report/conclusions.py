@@ -19,6 +19,7 @@ from crankfem.report.text_filters import (
     sentence,
     with_three_digits,
 )
+from dynamics.assessment.barred_ranges import BarredRange
 from dynamics.assessment.limits import LimitUse
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.indices import within
@@ -191,9 +192,11 @@ def _main_cause(assessment: Assessment) -> str:
 def _measures(results: "RunResults", assessment: Assessment) -> str:
     """State in short what can be done where a limit is exceeded."""
     verdict, misfiring = assessment.verdict, results.vibration.misfiring
-    running = [span for span in verdict.barred if span.position == "running"]
-    running.sort(key=lambda span: span.allowed)  # what cannot be barred decides
-    told = [barring(span.low, span.high, span.allowed) for span in running[:MOST_RANGES]]
+    told = [
+        barring(span.low, span.high, span.allowed)
+        for span in _deciding_first(verdict.barred)
+        if span.position == "running"
+    ][:MOST_RANGES]
     remedy = _remedy(results, verdict.worst)
     if remedy is not None:
         told.append(remedy.short)
@@ -254,8 +257,13 @@ def _share(use: LimitUse, unit: str) -> str:
 
 def _ranges(assessment: Assessment) -> list[str]:
     verdict = assessment.verdict
-    barred = sorted(verdict.barred, key=lambda span: span.allowed)  # as above
-    return [f"{range_sentence(span)}." for span in (*barred, *verdict.started_through)]
+    spans = (*_deciding_first(verdict.barred), *verdict.started_through)
+    return [f"{range_sentence(span)}." for span in spans]
+
+
+def _deciding_first(barred: Sequence[BarredRange]) -> list[BarredRange]:
+    """Return ranges of speed with those first that cannot be barred."""
+    return sorted(barred, key=lambda span: span.allowed)
 
 
 def _assumed(results: "RunResults", assessment: Assessment) -> list[str]:
@@ -275,11 +283,6 @@ def _assumed(results: "RunResults", assessment: Assessment) -> list[str]:
             f"Axial vibration{_axial_amplitude(results)} is not judged: give limits.axial_amplitude or "
             "limits.axial_force."
         )
-    statements += [
-        sentence(chain.formula_note)
-        for chain in (vibration.axial, vibration.torsional)
-        if chain.formula_note
-    ]
     if vibration.load is not None and not vibration.load.rated.consistent:
         statements.append(sentence(vibration.load.rated.sentence))
     count = sum(record.assumed for record in inputs)
@@ -471,13 +474,18 @@ def _undamped(modes: Sequence[tuple[str, int]], results: "RunResults") -> str:
 
 
 def _warned(results: "RunResults") -> list[str]:
-    """Name the input that looks wrong."""
-    warnings = results.input_warnings
+    """Name the input that looks wrong, and state how formulas were used as sources."""
+    warnings, chains = (
+        results.input_warnings,
+        (results.vibration.axial, results.vibration.torsional),
+    )
+    formulas = [sentence(chain.formula_note) for chain in chains if chain.formula_note]
     fields = dict.fromkeys(warning.partition(":")[0] for warning in warnings)
     if not fields:
-        return []
+        return formulas
     noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
-    return [f"Check the input: {noun} about {', '.join(fields)} (report: Inputs and assumptions)."]
+    checked = f"Check the input: {noun} about {', '.join(fields)} (report: Inputs and assumptions)."
+    return [checked, *formulas]
 
 
 def _without_forces(results: "RunResults") -> list[str]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crankbase.quantity import RPM, compact, format_number, format_usage, significant
+from crankbase.quantity import RPM, format_number, format_usage, significant
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.vibration.assessment import Assessment, factor_range
@@ -266,10 +266,8 @@ def uncertain_sentence(vibration: EngineVibration, assessment: Assessment, kind:
     spreads = [
         f"{spread.name} {factor_range(spread)} the value used" for spread in uncertain.spreads
     ]
-    bearings = vibration.bearings
-    if bearings is not None:
-        low, high = float(min(bearings.stiffness)), float(max(bearings.stiffness))
-        spreads.append(f"stiffness of the main bearings {compact(low)} to {compact(high)} N/m each")
+    if vibration.bearings is not None:
+        spreads.append(vibration.bearings.stiffness_range)
     sentence = f"Uncertainty of {kind} vibration: {'; '.join(spreads) or 'not known'}."
     first = vibration.modes(kind).crankshaft_mode
     if first is None:

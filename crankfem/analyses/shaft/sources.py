@@ -406,13 +406,14 @@ def torsional_by_formulas(throws: Sequence[CrankThrow], material: Material) -> S
     }
     remark = "the same for every throw" if len(tables) == 1 else "by each throw's own dimensions"
     each = [tables[throw] for throw in throws]
-    sources: Sources = {}
-    for name in each[0]:
-        valid = all(own[name].valid for own in each)
-        throw = "this throw" if len(tables) == 1 else "all of them"
-        wrong = "" if valid else f"; does not apply to {throw}"
-        sources[name] = (np.array([own[name].value for own in each]), f"{remark}{wrong}")
-    return sources
+    wrong = f"{remark}; does not apply{'' if len(tables) == 1 else ' to every throw'}"
+    return {
+        name: (
+            np.array([own[name].value for own in each]),
+            remark if all(own[name].valid for own in each) else wrong,
+        )
+        for name in each[0]
+    }
 
 
 TABLE = "throw_compliances.csv"

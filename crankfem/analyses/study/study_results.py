@@ -389,9 +389,10 @@ class FittedStudy(Result):
         moments = {name: fit for name, fit in every.items() if name in END_MOMENTS}
         equations = "their chosen equations" if form is None else f"the form {form}, as given"
         judged = min(fit.band_designs for fit in every.values())
+        enough = judged >= FEWEST
         new = (
             "error not exceeded by 95 % of new throws"
-            if judged >= FEWEST
+            if enough
             else f"largest error at designs not fitted (too few for 95 % of new throws: {judged})"
         )
         yield Table.of_records(
@@ -403,7 +404,7 @@ class FittedStudy(Result):
             (Column("held out"), lambda name: _percent(every[name].largest_heldout_error)),
             (Column("mean"), lambda name: _percent(every[name].mean_heldout_error)),
             (
-                Column("95 %" if judged >= FEWEST else "new"),
+                Column("95 %" if enough else "new"),
                 lambda name: _percent(every[name].band_error),
             ),
             (Column("FE"), lambda name: _percent(self.fits[name].fitted.fe_error)),

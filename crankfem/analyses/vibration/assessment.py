@@ -8,7 +8,6 @@ from itertools import count, pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crankbase.array_checks import FloatArray
 from crankbase.frames import table_of
@@ -715,7 +714,7 @@ def _peak(
     engine_file: EngineFile,
     forced: ForcedVibration,
     spreads: Sequence[Spread],
-    factors: NDArray[np.float64],
+    factors: FloatArray,
 ) -> float:
     """Largest amplitude of the free end at running speeds with factors (p,) of p spreads."""
     chain = scaled_chain(forced.engine_chain.chain, spreads, factors)

@@ -10,6 +10,7 @@ import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.frames import table
+from crankbase.quantity import compact
 from crankbase.results import Internal, Part, Quantity, Result, result
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
@@ -114,6 +115,12 @@ class BearingSweep(Result):
     statuses: tuple[Status, ...]
     further: Frequencies = field(default_factory=dict)
     beyond: Internal[tuple[str, ...]] = ()
+
+    @property
+    def stiffness_range(self) -> str:
+        """The range in words."""
+        low, high = self.stiffness[[0, -1]].tolist()
+        return f"stiffness of the main bearings {compact(low)} to {compact(high)} N/m each"
 
     @property
     def flips(self) -> Part[bool]:

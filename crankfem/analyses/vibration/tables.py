@@ -80,10 +80,7 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
         yield Main(NOT_FORCED)
         return
     if run.bearings is not None:
-        low, high = (end(run.bearings.stiffness) / 1e9 for end in (min, max))
-        yield units.text(
-            f"Axial and torsional: stiffness of the main bearings {low:.3g} to {high:.3g} GN/m each"
-        )
+        yield units.text(f"Axial and torsional: {run.bearings.stiffness_range}")
     yield from assessment_parts(run.assessment, units)
     if misfiring is not None:
         yield misfiring_table(misfiring, units)
@@ -123,9 +120,13 @@ def range_sentences(assessment: Assessment, units: OutputUnits = SI) -> Iterator
     """Return ranges of speed that are barred or passed, and what makes their ends."""
     for passed in (*assessment.verdict.barred, *assessment.verdict.started_through):
         # The verdict has the reasons of those that cannot be accepted.
-        refused = "cannot be barred" if passed.position == "running" else "exceeds limits"
-        said = passed.sentence if passed.allowed else f"{passed.shown} {refused}"
-        yield Main(units.text(f"Range {said}. Its ends: {passed.ends}."))
+        if passed.allowed:
+            text = f"{passed.sentence}."
+        elif passed.position == "running":
+            text = wording.barring(passed.low, passed.high, allowed=False)
+        else:
+            text = f"{passed.shown} exceeds limits."
+        yield Main(units.text(f"Range {text} Its ends: {passed.ends}."))
 
 
 def judgment(assessment: Assessment) -> Iterator[str]:
