@@ -157,16 +157,24 @@ class Client:
         dimensions: Values | None = None,
         *,
         throw: Values | None = None,
+        material: Values | None = None,
         responses: Sequence[str] | None = None,
         pin_force: Sequence[float] | None = None,
         support: str = "pinned",
         gamma_deg: float | None = None,
         strict: bool = False,
     ) -> Lookups:
-        """Look responses up in a model, for one throw or, if dimensions are lists, for many."""
+        """Look responses up in a model, for one throw or, if dimensions are lists, for many.
+
+        Parameters
+        ----------
+        material : mapping, optional
+            Of the throws; that of the model by default.
+        """
         asked = {
             "dimensions": dict(dimensions or {}),
             "throw": throw,
+            "material": material,
             "responses": None if responses is None else list(responses),
             "pin_force": pin_force,
             "support": support,

@@ -62,6 +62,12 @@ def response_scale(unit: str, dimensions: Mapping[str, Any], material: Material)
     return SCALES[unit].value(material, dimensions["pin_diameter"])
 
 
+def material_ratio(unit: str, material: Material, other: Material) -> float:
+    """Response of a throw of one material divided by that of another with the same Poisson's ratio."""
+    one = {"pin_diameter": 1.0}
+    return float(response_scale(unit, one, material) / response_scale(unit, one, other))
+
+
 Array = NDArray[np.float64]
 
 GUIDED_MOMENTS = (

@@ -205,6 +205,7 @@ class CheckedText(Answer):
     warnings: list[str]
     dimensions: list[dict[str, Any]] | None
     throw: dict[str, Any] | None
+    material: dict[str, float] | None
     record: dict[str, Any]
 
 

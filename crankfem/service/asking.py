@@ -217,6 +217,9 @@ class LookupQuestion(ReactionsQuestion):
     """Dimensions to look up in a model: numbers, texts, or lists of them for many throws."""
 
     throw: dict[str, Any] | None = Field(None, description="throw whose dimensions are used")
+    material: dict[str, Any] | None = Field(
+        None, description="of the throws, of the model's Poisson's ratio; the model's by default"
+    )
     dimensions: dict[str, Any] = Field(
         {}, description="value or list of values by name; these change the throw's"
     )

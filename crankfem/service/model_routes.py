@@ -47,6 +47,7 @@ from crankfem.service.guard import Bounds
 from crankfem.service.job_store import JobStore
 from crankfem.service.responses import answer, described
 from crankfem.service.tasks import MODEL
+from fem.material import Material
 from fem.supports import Neighbors
 from geometry.plots.throw_plot import outline_svg
 from geometry.throw import CrankThrow
@@ -218,6 +219,8 @@ def model_routes(models: Models, bounds: Bounds) -> APIRouter:
 
 def _lookups(model: ComplianceModel, asked: LookupQuestion, rows: int | None) -> dict[str, Any]:
     dimensions: dict[str, Any] = {}
+    if asked.material is not None:
+        model = model.of_material(read_record(Material, asked.material, "material"))
     if asked.throw is not None:
         dimensions |= model.dimensions_of(read_record(CrankThrow, asked.throw, "throw"))
     dimensions |= _dimensions(model, asked.dimensions)

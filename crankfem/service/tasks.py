@@ -250,5 +250,6 @@ def check_upload(question: Mapping[str, Any]) -> dict[str, Any]:
         for name in ("kind", "valid", "commands", "remarks", "warnings", "dimensions")
     } | {
         "throw": None if throw is None else throw.model_dump(mode="json", exclude_defaults=True),
+        "material": None if throw is None else checked.material.model_dump(),
         "record": record,
     }

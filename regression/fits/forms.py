@@ -10,7 +10,7 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any, Literal
@@ -420,6 +420,22 @@ class FittedForm:
             raise InputError(
                 f"terms: given {[list(term) for term in self.terms]}; each is allowed once."
             )
+
+    def scaled(self, factor: float) -> "FittedForm":
+        """Return the equation of a response `factor` times as large, a factor above zero."""
+        if self.logarithmic:
+            terms = dict(zip(self.terms, self.coefficients, strict=True))
+            terms[()] = terms.get((), 0.0) + math.log(factor)
+            return replace(self, terms=tuple(terms), coefficients=tuple(terms.values()))
+        process = self.process
+        if process is not None:
+            process = replace(
+                process,
+                variance=process.variance * factor**2,
+                weights=tuple(factor * weight for weight in process.weights),
+            )
+        coefficients = tuple(factor * coefficient for coefficient in self.coefficients)
+        return replace(self, coefficients=coefficients, process=process)
 
     def predict(self, x: ArrayLike) -> NDArray[np.float64]:
         """Evaluate at points (..., k), the columns along the last axis: (...) array.

@@ -28,8 +28,10 @@ from crankbase.input_file import JSON, LARGEST_TABLE_FILE, GivenFile, InputFile
 from crankbase.model import InputModel
 from crankbase.outputs import write_text
 from fem.end_reactions import Reactions
+from fem.material import Material
 from fem.plots import angle_axis
 from geometry.throw import CrankThrow
+from regression.formulas.case import OfThrow, throw_and_material
 from regression.models.angle import between_values, fold_angle, opposite_share
 from regression.models.family import Family, angle_law_remarks, query_for_throw
 from regression.models.lookup import (
@@ -53,6 +55,7 @@ from regression.models.response_query import (
     StudyConstraint,
     error_band,
     make_response_query,
+    study_material,
 )
 from regression.plans.factors import rounded
 from regression.plans.relations import read_constraint
@@ -66,8 +69,9 @@ from regression.response_kinds import (
     TORSIONAL,
     end_reactions,
     is_positive_response,
+    material_ratio,
 )
-from regression.throw_values import check_dimension
+from regression.throw_values import check_dimension, same_dimension
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -749,6 +753,43 @@ class ComplianceModel(InputModel):
                 "neighbors: use analyze_throw."
             )
 
+    def of_material(self, material: Material) -> "ComplianceModel":
+        """Return the model for throws of another material with the same Poisson's ratio.
+
+        Nothing is approximated: compliances are inverse to Young's modulus, masses go with the density.
+
+        Parameters
+        ----------
+        material : Material
+
+        Returns
+        -------
+        ComplianceModel
+            The same one, if the material is that of its runs.
+
+        Raises
+        ------
+        InputError
+            If Poisson's ratio is another one, the model does not state its material, or a response is of
+            a unit that does not tell how it depends on the material.
+        """
+        fitted = study_material(self.material)
+        if not same_dimension(material.poisson_ratio, fitted.poisson_ratio):
+            raise InputError(
+                f"material.poisson_ratio: given {material.poisson_ratio:g}; allowed is "
+                f"{fitted.poisson_ratio:g}, which the model was fitted with, because compliances are not in "
+                "proportion to it."
+            )
+        if material == fitted:
+            return self
+        responses = {}
+        for name, response in self.responses.items():
+            factor = material_ratio(response.unit, material, fitted)
+            responses[name] = (
+                response if response.basis == "groups" else response.scaled(factor)
+            )  # those in groups follow the model's material
+        return self.changed(responses=responses, material=material.model_dump())
+
     def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
         """Return the dimensions and labels of a throw for queries to the model.
 
@@ -760,12 +801,20 @@ class ComplianceModel(InputModel):
         return dict(query_for_throw(throw, self._compiled.family, self.throw))
 
     def of_throw(
-        self, throw: CrankThrow, *, gamma_deg: float | None = None, strict: bool = False
+        self,
+        throw: CrankThrow | OfThrow,
+        *,
+        material: Material | None = None,
+        gamma_deg: float | None = None,
+        strict: bool = False,
     ) -> dict[str, Lookup]:
         """Look all responses up for a throw.
 
         Parameters
         ----------
+        throw : CrankThrow, or an analysis or engine with a throw and its material
+        material : Material, optional
+            Of the throw, as `of_material` takes it; that of the model's runs by default.
         gamma_deg, strict
             As in `axial_compliance`; the angle is for the responses that depend on it.
 
@@ -785,6 +834,9 @@ class ComplianceModel(InputModel):
         UserWarning
             For each response that cannot be evaluated while others can.
         """
+        if material is not None or isinstance(throw, OfThrow):
+            throw, material = throw_and_material(throw, material)
+            return self.of_material(material).of_throw(throw, gamma_deg=gamma_deg, strict=strict)
         lookups, refused = self.look_all_up(
             gamma_deg=gamma_deg, strict=strict, **self.dimensions_of(throw)
         )

@@ -216,6 +216,14 @@ class ResponseModel(InputModel):
 
     __str__ = __repr__
 
+    def scaled(self, factor: float) -> Self:
+        """Return the response `factor` times as large, a factor above zero; errors are relative and stay."""
+        from regression.fits.equation_text import equation_text
+
+        fitted = self.fitted.scaled(factor)
+        equation = equation_text(fitted, symbol=self.symbol, unit=self.unit, basis=self.basis)
+        return self.changed(**vars(fitted), equation=equation)
+
     @property
     def fitted(self) -> FittedForm:
         """The equation as a function of its columns."""

@@ -728,16 +728,20 @@ def make_response_query(
         )
     ratios, names = _ratios(family, constant_groups)
     needed |= dict.fromkeys(("pin_diameter", *names))
-    try:
-        constants = Material(**material)
-    except InputError as error:
-        raise InputError(
-            f"material: given {dict(material)}; an equation in dimensionless groups needs its "
-            f"constants ({error})"
-        ) from None
-    scale = partial(response_scale, response.unit, material=constants)
+    scale = partial(response_scale, response.unit, material=study_material(material))
     scale({"pin_diameter": 1.0})  # refuses a unit that has no scale
     return ResponseQuery(name, family, columns, ratios, tuple(needed), equation, scale, constraints)
+
+
+def study_material(constants: Mapping[str, Any]) -> Material:
+    """Return the material of a model's runs; `InputError` if the model does not state its constants."""
+    try:
+        return Material(**constants)
+    except InputError as error:
+        raise InputError(
+            f"material: given {dict(constants)}; allowed are the constants of the model's runs, because an "
+            f"equation in dimensionless groups, or for another material, needs them ({error})"
+        ) from None
 
 
 def _column_source(name: str, basis: str, family: Family) -> tuple[Reader, tuple[str, ...], str]:

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from comparing import close
-from crankfem import STEEL, CrankThrow, analyze_throw
+from crankfem import STEEL, CrankThrow, Material, analyze_throw, axial_law, load_throw
 from crankfem.files.engine.new_file import engine_template
 from regression.law.throw_law import axial_law_slopes
 from serving import Served
@@ -267,6 +267,33 @@ def test_a_slider_ends_with_the_law_and_says_why(open_service):
     told = page.locator("#a-web_thickness-edge").inner_text()
     assert "web_thickness / main_journal_diameter = 0.6" in told
     assert page.locator(".numbers td").first.inner_text() != "\N{EN DASH}"
+
+
+def test_the_material_of_a_dropped_file_counts_everywhere(open_service):
+    iron = Material(youngs_modulus=1.65e11, poisson_ratio=0.27, density=7200.0)
+    page = open_service()
+    text = engine_template("mine.toml", 3, 4)
+    for steel, cast in (("210 GPa", "165 GPa"), ("= 0.3,", "= 0.27,"), ("7850 kg", "7200 kg")):
+        text = text.replace(steel, cast)
+    page.evaluate(DROP, ["mine.toml", list(text.encode())])
+    page.wait_for_selector('.numbers caption:has-text("165 GPa")')
+    with page.expect_download() as download:
+        page.click(".toml")
+    saved = download.value.path()
+    throw, material = load_throw(saved)
+    assert material == iron
+    known = axial_law(throw, youngs_modulus=165e9, poisson_ratio=0.27).pinned
+    assert number(page, "ends pinned", 0) == close(1e9 * known, 1e-3)
+    page.click(".calculate")
+    page.wait_for_selector(".solid.plot-drawn", timeout=60_000)
+    known = analyze_throw(throw, iron).axial_compliance()
+    assert number(page, "ends pinned", 2) == close(1e9 * known, 1e-3)
+    page.click("#compare")
+    page.wait_for_selector('[aria-labelledby="title-b"] caption:has-text("165 GPa")')
+    page.wait_for_function("location.hash.includes('material')")
+    page.reload()
+    page.wait_for_selector('[aria-labelledby="title-b"] caption:has-text("165 GPa")')
+    assert page.complaints == []
 
 
 def test_counterweights_are_added_and_taken_away(open_service):

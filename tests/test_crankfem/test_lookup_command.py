@@ -80,6 +80,7 @@ def made_model(**others):
         "fixed": {name: getattr(THROW, name) for name in FIXED},
         "ranges": BOX,
         "throw": THROW.model_dump(mode="json"),
+        "material": STEEL.model_dump(),
     }
     return ComplianceModel(**(content | others))
 
@@ -130,6 +131,22 @@ def test_values_with_bands(run, path):
         "finite elements' own estimate (1 %); --json lists them by response."
     ) in lines
     assert ["mass", "pinned", "100"] in [row[:3] for row in rows]
+
+
+@pytest.mark.slow
+def test_a_throw_of_another_material(run, tmp_path):
+    """The model answers what finite elements give for that material; another Poisson's ratio is refused."""
+    iron = STEEL.changed(youngs_modulus=1.65e11)
+    known = {m: analyze_throw(THROW, m, 0.1).axial_compliance() for m in (STEEL, iron)}
+    known_model(THROW, STEEL, {"axial_compliance": known[STEEL]}, 0.01).save(tmp_path / "m.json")
+    text = input_path(ENGINE).read_text(encoding="utf-8")
+    file = tmp_path / "iron.toml"
+    file.write_text(text.replace("210 GPa", "165 GPa"), encoding="utf-8")
+    found = json.loads(run("lookup", tmp_path / "m.json", "--throw", file, "--json"))
+    assert found["axial_compliance"]["value"] == close(known[iron], rel=1e-6)
+    file.write_text(text.replace("value = 0.3,", "value = 0.29,"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"material.poisson_ratio: given 0.29; allowed is 0.3"):
+        run("lookup", tmp_path / "m.json", "--throw", file)
 
 
 def test_json_has_all(run, path):

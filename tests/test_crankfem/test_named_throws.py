@@ -364,6 +364,9 @@ def test_a_regression_that_does_not_know_a_throw_is_left_out():
             self.family = family
             self.material = {}
 
+        def of_material(self, _):
+            return self
+
         def dimensions_of(self, throw):
             if throw not in self.family:
                 raise InputError("counterweight: given one; allowed is none.")

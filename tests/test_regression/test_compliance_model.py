@@ -12,6 +12,8 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from fem.material import STEEL, Material
+from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import (
     FILE_FORMAT,
@@ -400,3 +402,45 @@ def test_bands_of_arrays_of_either_sign():
     assert found.inside.all()
     assert found.lower == close(found.value * 0.99 / 2.2, rel=1e-12)
     assert np.isposinf(found.upper).all()
+
+
+IRON = Material(youngs_modulus=1.65e11, poisson_ratio=0.3, density=7200.0)
+BY_UNIT = {"m/N": 210.0 / 165.0, "rad/(N m)": 210.0 / 165.0, "kg": 7200.0 / 7850.0, "": 1.0}
+SIZE = {"web_width": 0.285, "web_thickness": 0.061}
+
+
+@pytest.fixture(scope="module")
+def stored():
+    """A model of a study, with equations of five forms."""
+    return ComplianceModel.load(Path(__file__).parents[1] / "data" / "model-0.2.0.json")
+
+
+def test_another_modulus_and_density_are_answered_exactly(stored, tmp_path):
+    """Equations of all forms: compliances inverse to E, masses by the density, ratios unchanged."""
+    throw = CrankThrow(**stored.throw)
+    steel, iron = stored.of_throw(throw), stored.of_throw(throw, material=IRON)
+    for name, answer in steel.items():
+        factor = BY_UNIT[answer.unit]
+        for bound in ("value", "lower", "upper"):
+            assert getattr(iron[name], bound) == close(factor * getattr(answer, bound), rel=1e-12)
+        slopes = stored.slopes(name, **SIZE), stored.of_material(IRON).slopes(name, **SIZE)
+        for factor_name, slope in slopes[0].items():
+            assert slopes[1][factor_name].value == close(factor * slope.value, rel=1e-9)
+        assert (iron[name].equation == answer.equation) == (factor == 1.0)
+    force = (0.0, -1e5, 0.0)
+    reactions = [m.reactions(force, **SIZE) for m in (stored, stored.of_material(IRON))]
+    assert reactions[1].left.force == close(reactions[0].left.force, rel=1e-12)
+    stored.of_material(IRON).save(tmp_path / "iron.json")
+    assert ComplianceModel.load(tmp_path / "iron.json").of_throw(throw) == iron
+    assert stored.of_material(STEEL) is stored
+
+
+def test_another_poisson_ratio_and_no_material_are_refused(stored):
+    throw = CrankThrow(**stored.throw)
+    with pytest.raises(InputError, match=r"material.poisson_ratio: given 0.29; allowed is 0.3"):
+        stored.of_throw(throw, material=IRON.changed(poisson_ratio=0.29))
+    with pytest.raises(InputError, match=r"material: given \{\}"):
+        stored.changed(material={}).of_throw(throw, material=STEEL)
+    other = stored.responses["mass"].changed(unit="kg m")
+    with pytest.raises(InputError, match="unit: given 'kg m'"):
+        stored.changed(responses={"mass": other}).of_material(IRON)

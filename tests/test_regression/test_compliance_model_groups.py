@@ -206,8 +206,17 @@ def test_some_responses_at_another_size_are_left_out_with_a_warning(model):
     assert set(found) == {"axial_compliance"}
 
 
+def test_groups_follow_another_material(model):
+    iron = STEEL.changed(youngs_modulus=1.65e11, density=7200.0)
+    found = model.of_throw(CrankThrow(**THROW)), model.of_throw(CrankThrow(**THROW), material=iron)
+    shares = {name: answer.value / found[0][name].value for name, answer in found[1].items()}
+    factor = 210.0 / 165.0
+    known = {"axial_compliance": factor, "torsional_compliance": factor, "mass": 7200.0 / 7850.0}
+    assert shares == close(known, rel=1e-12)
+
+
 def test_a_dimensionless_equation_needs_the_material(model):
-    with pytest.raises(InputError, match=r"material: given \{\}; an equation in dimensionless"):
+    with pytest.raises(InputError, match=r"material: given \{\}; allowed are the constants"):
         ComplianceModel(**(model.model_dump() | {"material": {}}))
 
 

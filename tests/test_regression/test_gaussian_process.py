@@ -13,7 +13,7 @@ from crankfem.analyses.study.fit_records import compliance_model, fitted_study
 from crankfem.analyses.study.response_fits import fit_study
 from crankfem.analyses.study.studies import worst_designs
 from regression.fits.fits import JudgedEquation, expected_errors, fit_form
-from regression.fits.forms import FORMS
+from regression.fits.forms import FORMS, code
 from regression.fits.gaussian_process import (
     MOST_ROWS,
     Kriging,
@@ -230,6 +230,21 @@ def test_a_stored_process_gives_the_same_values_bands_and_slopes(study, tmp_path
             for s in (1e-5, -1e-5)
         ]
         assert slope.value == close((ends[0] - ends[1]) / (2e-5 * AT[name]), rel=1e-5)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_process_of_another_size(sign):
+    """In logarithms, and without them for negative values: values and deviations by the same factor."""
+    x, at = box(16, 2), box(30, 3)
+    fit = fit_form(PROCESS, FACTORS, x, sign * wave(x)).fitted
+    other = fit.scaled(1.25)
+    assert other.logarithmic == (sign > 0.0)
+    assert other.predict(at) == close(
+        1.25 * fit.predict(at), rel=1e-9
+    )  # sums of weights of either sign
+    coded = code(at, fit.center, fit.half_range, fit.log_factors)
+    width = 1.0 if other.logarithmic else 1.25
+    assert other.process.deviations(coded) == close(width * fit.process.deviations(coded), rel=1e-9)
 
 
 def test_other_models_are_written_as_before(study, tmp_path):

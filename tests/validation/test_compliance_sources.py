@@ -164,7 +164,7 @@ REFUSED = {
         "web_thickness: given 95 mm; the range of the fit is 45 mm to 90 mm",
     ),
     "another pin": ({"pin_length": 0.150}, {}, "pin_length"),
-    "another material": ({}, {"youngs_modulus": 1.1e11}, "material.youngs_modulus"),
+    "another Poisson's ratio": ({}, {"poisson_ratio": 0.25}, "material.poisson_ratio"),
 }
 
 

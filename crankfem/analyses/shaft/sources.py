@@ -29,7 +29,6 @@ from regression.formulas.case import FormulaValue, fold_angle_deg
 from regression.formulas.torsional_formulas import torsional_formulas
 from regression.models.angle import between_values
 from regression.response_kinds import AXIAL, TORSIONAL
-from regression.throw_values import same_dimension
 
 if TYPE_CHECKING:
     from regression.models.compliance_model import ComplianceModel
@@ -87,8 +86,6 @@ REGRESSION = "regression"
 # Source of the values that the option --model gives in place of a file's.
 OPTION = "option --model"
 RESPONSES = {"axial": AXIAL, "torsional": TORSIONAL}
-# What compliances depend on.
-ELASTIC = {"youngs_modulus": "Pa", "poisson_ratio": ""}
 
 
 def throw_lookup(
@@ -104,18 +101,11 @@ def throw_lookup(
     ------
     InputError
         If the model lacks the response, the throw is not of its family or is outside the range of the fit,
-        the material is another one, or the band is unbounded.
+        the material has another Poisson's ratio, or the band is unbounded.
     """
     if response not in model.responses:
         raise InputError(f"the model has {', '.join(model.responses)} and no {response}")
-    for name, unit in ELASTIC.items():
-        fitted, own = model.material.get(name), getattr(material, name)
-        if isinstance(fitted, float) and not same_dimension(own, fitted):
-            raise InputError(
-                f"material.{name}: given {own:g} {unit}".rstrip()
-                + f"; the model was fitted with {fitted:g} {unit}".rstrip()
-            )
-    lookup = model.lookup(response, **model.dimensions_of(throw))
+    lookup = model.of_material(material).lookup(response, **model.dimensions_of(throw))
     if not lookup.inside:
         raise InputError(" ".join(lookup.remarks))
     if lookup.lower is None or lookup.upper is None or not lookup.lower > 0.0:

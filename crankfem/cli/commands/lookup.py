@@ -91,7 +91,9 @@ def lookup(
         loaded = ComplianceModel.load(model)
         asked: dict[str, Any] = {}
         if throw is not None:
-            asked |= loaded.dimensions_of(arguments.select_throw(throw, quiet=out.quiet)[0])
+            of_file, material = arguments.select_throw(throw, quiet=out.quiet)
+            loaded = loaded.of_material(material)
+            asked |= loaded.dimensions_of(of_file)
         asked |= arguments.model_dimensions(loaded, dimensions or [])
         without_law = set() if angle is None else _without_angle_law(loaded, angle)
         answers, refused = loaded.look_all_up(gamma_deg=angle, strict=strict, **asked)
@@ -347,7 +349,8 @@ def optimum(
     check_known(loaded, minimize, "--minimize")
     held = model_dimensions(loaded, fixed or [])
     wanted = [parse_limit(loaded, text) for text in limits or []]
-    wanted += _frequency_limits(loaded, engine, bounds)
+    loaded, frequencies = _frequency_limits(loaded, engine, bounds)
+    wanted += frequencies
     best = find_optimum(loaded, minimize, wanted, fixed=held, margins=not no_margin)
     if engine is not None:
         kept = (
@@ -407,8 +410,8 @@ def _show_varied(
 
 def _frequency_limits(
     model: "ComplianceModel", engine: str | None, bounds: "dict[Kind, str | None]"
-) -> "list[Limit]":
-    """Limits on the engine's frequencies; its throw is analyzed only if there are any."""
+) -> "tuple[ComplianceModel, list[Limit]]":
+    """Model of the engine's material, and limits on its frequencies, for which its throw is analyzed."""
     from crankfem.cli.arguments import parse_bound
 
     limits = {
@@ -417,7 +420,7 @@ def _frequency_limits(
         if text is not None
     }
     if not limits and engine is None:
-        return []
+        return model, []
     if engine is None:
         raise InputError(
             f"--first-{next(iter(limits))}-frequency: given without --engine; allowed is both, because "
@@ -437,8 +440,12 @@ def _frequency_limits(
     from crankfem.analyses.engine_optimum import engine_frequencies, frequency_limit
     from crankfem.files.engine.engine_file import load_engine
 
-    frequencies = engine_frequencies(load_engine(engine))
-    return [frequency_limit(kind, frequencies, model, bound) for kind, bound in limits.items()]
+    read = load_engine(engine)
+    model = model.of_material(read.material)
+    frequencies = engine_frequencies(read)
+    return model, [
+        frequency_limit(kind, frequencies, model, bound) for kind, bound in limits.items()
+    ]
 
 
 def _optimum_record(best: "Optimum") -> dict[str, Any]:

@@ -64,10 +64,10 @@ async function check(files) {
     const found = await askJson("/api/files/check", question);
     const kinds = [["run", "/api/engines", "Run: vibration, verdict, report"], ["doe", "/api/studies", "Run the study alone"]];
     if (found.throw) {
-      document.dispatchEvent(new CustomEvent("throw-read", { detail: found.throw }));
+      document.dispatchEvent(new CustomEvent("throw-read", { detail: { ...found.throw, material: found.material } }));
     }
     const several = Object.keys(found.record.throws ?? {}).length > 1;
-    const taken = found.throw ? ` The sliders have its ${several ? "first " : ""}throw.` : "";
+    const taken = found.throw ? ` The sliders have its ${several ? "first " : ""}throw, and its material counts.` : "";
     place.replaceChildren(
       made("p", { textContent: `${engine.name} is a valid ${found.kind} file.${taken}` }),
       ...[...found.warnings, ...found.remarks].map((remark) => made("p", { className: "remarks", textContent: remark })),

@@ -20,6 +20,7 @@ let fields = [];
 const settings = {
   unit: "mm",
   source: "law",
+  steel: null, // of the service, for throws without a material
   sourceName: () => (settings.source === "law" ? "Law" : settings.source),
   /* Values with their bands by the law, or by a model. */
   async estimate(question) {
@@ -115,7 +116,7 @@ function writeLink() {
 function linkOf() {
   const given = new URLSearchParams();
   for (const panel of panels) {
-    for (const [field, value] of Object.entries(panel.sliders.throw())) {
+    for (const [field, value] of Object.entries(panel.values())) {
       given.set(`${panel.name}.${field}`, typeof value === "object" ? JSON.stringify(value) : value);
     }
   }
@@ -148,7 +149,7 @@ function startSettings() {
   });
   byId("compare").addEventListener("click", () => {
     if (panels.length === 1) {
-      add("b", panels[0].sliders.throw());
+      add("b", panels[0].values());
     } else {
       panels.pop().root.remove();
       byId("throws").classList.remove("two");
@@ -180,6 +181,7 @@ async function listSources() {
 async function start() {
   const given = readLink();
   fields = await readFields();
+  settings.steel = (await askJson("/api/throws/validate", { throw: FIRST })).material;
   await listSources();
   startSettings();
   startFiles();
@@ -191,8 +193,8 @@ async function start() {
   document.body.dataset.ready = "yes";
 }
 
-/* The throw of a file that was dropped. */
-document.addEventListener("throw-read", (event) => panels[0]?.sliders.set(event.detail));
+/* The throw of a file that was dropped, and its material. */
+document.addEventListener("throw-read", (event) => panels[0]?.set(event.detail));
 document.addEventListener("key-needed", () => {
   byId("session").hidden = false;
 });

@@ -4,6 +4,10 @@ import { ask, askJson, askText, drawPlot, follow, loadDrawing, ProblemError, sav
 import { Sliders } from "./sliders.js";
 import { briefly, fill, fillFormulas, fillSlopes, rowsOf } from "./numbers.js";
 
+function materialText({ youngs_modulus, poisson_ratio, density }) {
+  return `E ${Number((youngs_modulus / 1e9).toPrecision(4))} GPa, ν ${poisson_ratio}, ${density} kg/m³`;
+}
+
 export class Panel {
   constructor(name, title, fields, values, settings, told) {
     const made = document.getElementById("panel").content.cloneNode(true);
@@ -16,8 +20,10 @@ export class Panel {
     this.find("h2").textContent = title;
     this.find("h2").id = `title-${name}`;
     this.root.setAttribute("aria-labelledby", `title-${name}`);
+    const { material, ...dimensions } = values;
+    this.material = material ?? settings.steel;
     const places = { main: this.find("fieldset.main"), more: this.find("fieldset.more"), weight: this.find("fieldset.weight") };
-    this.sliders = new Sliders(name, fields, places, values, settings.unit, () => this.change(), (field) => this.light(field));
+    this.sliders = new Sliders(name, fields, places, dimensions, settings.unit, () => this.change(), (field) => this.light(field));
     this.find(".views").addEventListener("click", (event) => {
       const letter = event.target.closest("[data-field]");
       if (letter) {
@@ -36,6 +42,25 @@ export class Panel {
     this.find(".slopes").addEventListener("toggle", () => this.showSlopes());
     this.find(".report").addEventListener("click", () => window.open(`/api/jobs/${this.job}/report`));
     setTimeout(loadDrawing, 500);
+  }
+
+  /* Take over a throw and its material. */
+  set({ material, ...dimensions }) {
+    this.material = material ?? this.settings.steel;
+    this.sliders.set(dimensions);
+  }
+
+  question() {
+    return { throw: this.sliders.throw(), material: this.material };
+  }
+
+  /* The throw, and its material unless that is steel. */
+  values() {
+    return this.ofSteel() ? this.sliders.throw() : { ...this.sliders.throw(), material: this.material };
+  }
+
+  ofSteel() {
+    return Object.entries(this.settings.steel).every(([name, value]) => this.material[name] === value);
   }
 
   /* Light the letter of a dimension on the drawing; by default that of the field in which one types. */
@@ -73,7 +98,7 @@ export class Panel {
   }
 
   async refresh() {
-    const question = { throw: this.sliders.throw() };
+    const question = this.question();
     const views = ["side", "front"].map((view) => askText("/api/throws/outline", { ...question, view, letters: true }));
     const formulas = askJson("/api/throws/formulas", question);
     const estimate = this.settings.estimate(question).catch((error) => ({ refused: error.message }));
@@ -115,7 +140,7 @@ export class Panel {
     if (!place.open) {
       return;
     }
-    const found = await askJson("/api/throws/law", { throw: this.sliders.throw(), slopes: true }).catch((error) => ({ refused: error.message }));
+    const found = await askJson("/api/throws/law", { ...this.question(), slopes: true }).catch((error) => ({ refused: error.message }));
     fillSlopes(place.querySelector("tbody"), found.slopes ?? {}, this.sliders.rows);
     place.querySelector("table").hidden = Boolean(found.refused);
     place.querySelector(".remarks").textContent = found.refused ?? "";
@@ -127,9 +152,8 @@ export class Panel {
     const known = this.elements?.throw.supports.pinned;
     const values = estimate?.values || {};
     this.find(".brief").replaceChildren(...briefly(estimate));
-    this.find(".numbers caption").textContent = known
-      ? "Steel. ± is the estimated error of the finite elements."
-      : "Steel. Calculate gives the values by finite elements.";
+    const told = known ? "± is the estimated error of the finite elements." : "Calculate gives the values by finite elements.";
+    this.find(".numbers caption").textContent = `${this.ofSteel() ? "Steel" : materialText(this.material)}. ${told}`;
     this.find(".ratio").textContent = known ? "Ratio to FE" : `Ratio to ${this.settings.source}`;
     fillFormulas(this.find(".formulas tbody"), this.formulas, {
       axial: known?.axial_compliance ?? values.axial_compliance_pinned?.value,
@@ -138,7 +162,7 @@ export class Panel {
   }
 
   async calculate() {
-    const question = { throw: this.sliders.throw(), stress: this.find(".stress").checked };
+    const question = { ...this.question(), stress: this.find(".stress").checked };
     try {
       const job = await askJson("/api/throws/analysis", question);
       this.job = job.id;
@@ -197,7 +221,7 @@ export class Panel {
 
   async saveToml() {
     try {
-      const found = await askJson("/api/throws/validate", { throw: this.sliders.throw() });
+      const found = await askJson("/api/throws/validate", this.question());
       save("throw.toml", found.toml, "text/plain");
     } catch (error) {
       this.refuse(error);
@@ -206,7 +230,7 @@ export class Panel {
 
   saveJson() {
     const { estimate, formulas, elements } = this;
-    const content = { throw: this.sliders.throw(), estimate, formulas, finite_elements: elements };
+    const content = { ...this.question(), estimate, formulas, finite_elements: elements };
     save("throw.json", JSON.stringify(content, null, 1), "application/json");
   }
 
