@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from fem.calculix import number_field
 from fem.material import Material
 from fem.modes import LANCZOS_TOLERANCE, frequencies_of
 from fem.solver import assemble_mass, assemble_stiffness, factorize
@@ -27,6 +26,7 @@ from geometry.mesh import (
     read_mesh,
     solid_properties,
 )
+from geometry.mesh_exchange import inp_nodes_and_elements, number_field
 from geometry.shapes import straighten_elements
 
 Array = NDArray[np.float64]
@@ -275,12 +275,7 @@ def frequency_deck(mesh: ShaftMesh, material: Material, count: int) -> str:
     str
         ``ccx`` prints the frequencies into its .dat file.
     """
-    lines = ["*NODE, NSET=MESH"]
-    for number, place in enumerate(mesh.points.tolist(), start=1):
-        lines.append(f"{number},{','.join(number_field(value) for value in place)}")
-    lines.append("*ELEMENT, TYPE=C3D10, ELSET=SHAFT")
-    for number, nodes in enumerate((mesh.elements + 1).tolist(), start=1):
-        lines.append(f"{number},{','.join(map(str, nodes))}")
+    lines = list(inp_nodes_and_elements(mesh.points, mesh.elements, "SHAFT"))
     lines += [
         "*MATERIAL, NAME=STEEL",
         "*ELASTIC",

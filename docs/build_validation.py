@@ -66,6 +66,7 @@ python docs/build_validation.py
 # The principal figure of each case, shown in the first table; of a case not listed, the tightest one.
 PRINCIPAL = {
     "test_calculix": "axial compliance, pinned",
+    "test_exported_meshes": "axial compliance of the plain .inp by CalculiX",
     "test_throw_reference_values": "fillets: e_n pinned",
     "test_v6_turning": "Modelica: speed",
     "test_mwm_forced": "amplitudes of torques",
@@ -165,6 +166,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
         "The same problem, solved by other programs, or by a general integrator of equations in the test.",
         {
             "test_calculix": "CalculiX 2.20",
+            "test_exported_meshes": "CalculiX 2.20, gmsh, MEDCoupling, VTK, meshio",
             "test_throw_reference_values": "independent finite elements, CalculiX 2.20",
             "test_v6_turning": "Modelica Standard Library 4.0.0",
             "test_mwm_forced": "equations in the test, DOP853",

@@ -6,7 +6,7 @@ our results with it: same mesh, same material, end sections as rigid bodies, sam
 According to its manual, and as tried with version 2.20: a rigid body's reference node moves with the
 section's center, the displacements of its rotation node are the section's rotations, forces on that are
 moments; in a linear step without NLGEOM the rigid bodies are linear as well. A field of the deck has 20
-characters at most. C3D10 has its edge nodes in the order 12 23 13 14 24 34, which is scikit-fem's.
+characters at most.
 """
 
 import os
@@ -23,9 +23,10 @@ from crankbase.errors import InputError
 from crankbase.outputs import write_errors, write_text
 from fem.end_reactions import MOTIONS
 from fem.material import Material
-from fem.superelement import RX, RY, RZ, UX, UY, UZ, nodes_on
+from fem.superelement import RX, RY, RZ, UX, UY, UZ
 from fem.symmetry import uniform_pin_loads
-from geometry.mesh import ThrowMesh, six_node_triangles
+from geometry.mesh import ThrowMesh
+from geometry.mesh_exchange import inp_lines, number_field, set_name
 from geometry.solid import LEFT_END, RIGHT_END
 
 Support = Literal["pinned", "guided"]
@@ -172,8 +173,6 @@ def _motion_name(place: int) -> str:
 
 Array = NDArray[np.float64]
 
-FIELD_WIDTH = 20
-ENTRIES_PER_LINE = 16
 # The set of the four nodes that stand for the end sections, in the order left center, left rotation,
 # right center, right rotation; their displacements are the twelve motions.
 ENDS = "ENDS"
@@ -248,23 +247,14 @@ def calculix_deck(mesh: ThrowMesh, material: Material, cases: Sequence[LoadCase]
     shares = uniform_pin_loads(mesh) if loaded else np.zeros((len(mesh.pins), 0))
     lines = [
         *_head(mesh, material, cases),
-        *_mesh_lines(mesh),
-        *_pin_lines(mesh),
+        *inp_lines(mesh),
+        *_end_node_lines(mesh),
         *_material_lines(material),
-        *_end_lines(mesh),
+        *_rigid_ends(mesh),
     ]
     for number, case in enumerate(cases, start=1):
         lines += _step_lines(case, number, count, shares)
     return "\n".join(lines) + "\n"
-
-
-def number_field(value: float) -> str:
-    """Write a number with enough digits to identify it, or as many as fit into a field.
-
-    Of doubles that do not fit the relative error is below 1e-12.
-    """
-    text = repr(float(value))
-    return text if len(text) <= FIELD_WIDTH else f"{value:.12e}"
 
 
 def _head(mesh: ThrowMesh, material: Material, cases: Sequence[LoadCase]) -> Iterator[str]:
@@ -284,7 +274,7 @@ def _head(mesh: ThrowMesh, material: Material, cases: Sequence[LoadCase]) -> Ite
         "**   pinned: both centers stay on the shaft axis, sections tilt freely,",
         "**   guided: sections neither tilt nor leave the axis;",
         "**   the left end is held along and about the shaft, blocked also holds the right end along it.",
-        "** Forces on a pin are spread uniformly over its surface: shares of the nodes in PIN_1, PIN_2 ...",
+        "** Forces on a pin are spread uniformly over its surface: shares of the nodes in PIN, PIN_2 ...",
         "** Steps:",
     )
     for number, case in enumerate(cases, start=1):
@@ -295,24 +285,10 @@ def _one_line(title: str) -> str:
     return " ".join(title.split())
 
 
-def _mesh_lines(mesh: ThrowMesh) -> Iterator[str]:
-    yield "*NODE, NSET=MESH"
-    for number, (x, y, z) in enumerate(mesh.points.tolist(), start=1):
-        yield f"{number},{number_field(x)},{number_field(y)},{number_field(z)}"
-    first = len(mesh.points) + 1
+def _end_node_lines(mesh: ThrowMesh) -> Iterator[str]:
     yield f"*NODE, NSET={ENDS}"
-    for number, z in enumerate((0.0, 0.0, mesh.length, mesh.length), start=first):
+    for number, z in enumerate((0.0, 0.0, mesh.length, mesh.length), start=len(mesh.points) + 1):
         yield f"{number},0.0,0.0,{number_field(z)}"
-    yield "*ELEMENT, TYPE=C3D10, ELSET=THROW"
-    for number, nodes in enumerate((mesh.elements + 1).tolist(), start=1):
-        yield f"{number},{','.join(map(str, nodes))}"
-
-
-def _pin_lines(mesh: ThrowMesh) -> Iterator[str]:
-    """Sets of the pins' nodes for postprocessing; the loads name their nodes themselves."""
-    for number, pin in enumerate(mesh.pins, start=1):
-        nodes = np.unique(six_node_triangles(mesh, mesh.surfaces[pin]))
-        yield from _node_set(f"PIN_{number}", nodes)
 
 
 def _material_lines(material: Material) -> Iterator[str]:
@@ -326,18 +302,10 @@ def _material_lines(material: Material) -> Iterator[str]:
     )
 
 
-def _end_lines(mesh: ThrowMesh) -> Iterator[str]:
+def _rigid_ends(mesh: ThrowMesh) -> Iterator[str]:
     for side, surface in enumerate((LEFT_END, RIGHT_END)):
-        name = surface.upper().replace(" ", "_")
         center, rotation = (_end_node(6 * side + place, len(mesh.points))[0] for place in (UX, RX))
-        yield from _node_set(name, nodes_on(mesh, surface))
-        yield f"*RIGID BODY, NSET={name}, REF NODE={center}, ROT NODE={rotation}"
-
-
-def _node_set(name: str, nodes: NDArray[np.int64]) -> Iterator[str]:
-    yield f"*NSET, NSET={name}"
-    for start in range(0, len(nodes), ENTRIES_PER_LINE):
-        yield ",".join(map(str, (nodes[start : start + ENTRIES_PER_LINE] + 1).tolist()))
+        yield f"*RIGID BODY, NSET={set_name(surface)}, REF NODE={center}, ROT NODE={rotation}"
 
 
 def _end_node(place: int, count: int) -> tuple[int, int]:

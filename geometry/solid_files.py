@@ -1,7 +1,8 @@
-"""Write throws, crankshafts and meshes for other programs: STEP, gmsh's format, and others through meshio."""
+"""Write throws and crankshafts as STEP, and meshes in the formats of other programs."""
 
 import math
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.calls import ProcessLostError
-from crankbase.errors import InputError, MeshError, MissingLibraryError
+from crankbase.errors import InputError, MeshError
 from crankbase.input_file import STEP_ENDINGS
 from crankbase.outputs import atomic_file, write_errors, write_text
 from crankbase.processes import scratch_folder
@@ -24,6 +25,7 @@ from geometry.mesh import (
     six_node_triangles,
     solid_properties,
 )
+from geometry.mesh_exchange import inp_lines, meshio_mesh, named_surfaces, set_name
 from geometry.mesher import TIME_LIMIT
 from geometry.parts import ThrowParts
 from geometry.solid import LEFT_END, RIGHT_END, make_solid, remove_loose
@@ -125,17 +127,16 @@ def _face_name(face: StepFace, parts: ThrowParts) -> str:
     return ""
 
 
-# File endings that keep the curved elements, or only the surface as flat triangles, and their readers.
-# Those that meshio would write with half of the mesh left out are not among them.
+# File endings that keep the curved elements, or only the surface as flat triangles, and what reads them.
 SOLID_ENDINGS = {
     ".msh": "gmsh",
-    ".vtu": "ParaView",
-    ".vtk": "ParaView",
-    ".inp": "Abaqus, CalculiX",
+    ".vtu": "ParaView, PyVista",
+    ".inp": "CalculiX, Abaqus",
     ".med": "Salome, code_aster",
 }
-SURFACE_ENDINGS = {".stl": "surface only", ".ply": "surface only", ".obj": "surface only"}
+SURFACE_ENDINGS = {".stl": "surface only"}
 MESH_ENDINGS = SOLID_ENDINGS | SURFACE_ENDINGS
+LISTED_ENDINGS = ", ".join(f"{ending} ({reader})" for ending, reader in MESH_ENDINGS.items())
 VOLUME = "throw"
 
 
@@ -149,11 +150,12 @@ def write_mesh(
     mesh : ThrowMesh
         Coordinates are written in m.
     path : path
-        Its ending is the format: ``.msh`` (surfaces are physical groups), ``.inp`` (cell sets), ``.vtu``,
-        ``.vtk``, ``.med`` (the cell data "surface" numbers volume and surfaces, in the order of
-        the mesh's surfaces that are not empty), ``.stl``, ``.ply``, ``.obj`` (the surface alone).
+        Its ending is the format: ``.msh`` and ``.med`` (volume and surfaces are groups), ``.inp`` (each
+        surface a set of nodes and a surface of element faces, such as LEFT_END; only nodes and elements, to
+        be included in a deck), ``.vtu`` (cell data of each surface's name are 1 on it), ``.stl`` (flat
+        triangles of the surfaces, each a solid of its name).
     point_data : dict, optional
-        Values at the nodes, such as displacements, for formats that support them.
+        Values at the nodes (n, ...), such as displacements, in a ``.vtu``.
 
     Returns
     -------
@@ -163,28 +165,22 @@ def write_mesh(
     Raises
     ------
     InputError
-        If the ending is unknown, or the file cannot be written or is not ours.
-    MissingLibraryError
-        If the format needs a package that is not installed.
+        If the ending is unknown, the values are not those of the nodes or the format has no place for them,
+        or the file cannot be written or is not ours.
     """
     path = Path(path)
     ending = check_ending(path)
-    try:
-        with write_errors(path), atomic_file(path, "mesh") as part:
-            if ending == ".msh":
-                _write_msh(mesh, part)
-            elif ending in SURFACE_ENDINGS:
-                _meshio().Mesh(
-                    mesh.points, [("triangle", flat_triangles(mesh).astype(np.int32))]
-                ).write(part)
-            else:
-                _write_solid(mesh, part, point_data or {})
-    except ImportError as error:
-        package = error.name or str(error)
-        raise MissingLibraryError(
-            f"{path.name}: this format needs the Python package {package}, which is not installed; "
-            "install it with: pip install 'crankfem[formats]'"
-        ) from None
+    _check_point_data(mesh, point_data or {}, ending)
+    with write_errors(path), atomic_file(path, "mesh") as part:
+        if ending == ".inp":
+            lines = "".join(f"{line}\n" for line in (*_inp_head(mesh), *inp_lines(mesh)))
+            part.write_text(lines, encoding="ascii")
+        elif ending == ".vtu":
+            meshio_mesh(mesh, point_data).write(part)
+        elif ending in SURFACE_ENDINGS:
+            part.write_text("".join(_stl_lines(mesh)), encoding="ascii")
+        else:
+            _write_by_gmsh(mesh, part)
     return path
 
 
@@ -199,55 +195,59 @@ def check_ending(path: Path) -> str:
     ending = path.suffix.lower()
     if ending not in MESH_ENDINGS:
         raise InputError(
-            f"{path.name}: given the ending {path.suffix!r}; allowed for a mesh are "
-            f"{', '.join(f'{name} ({reader})' for name, reader in MESH_ENDINGS.items())}."
+            f"{path.name}: given the ending {path.suffix!r}; allowed for a mesh are {LISTED_ENDINGS}."
         )
     return ending
 
 
-def _meshio() -> Any:
-    import meshio
-
-    return meshio
-
-
-def _write_solid(mesh: ThrowMesh, path: Path, point_data: dict[str, NDArray[np.float64]]) -> None:
-    """Write elements and surfaces; the surfaces are sets in .inp files, elsewhere numbered."""
-    names = [name for name, corners in mesh.surfaces.items() if len(corners)]
-    triangles = [six_node_triangles(mesh, mesh.surfaces[name]) for name in names]
-    if path.suffix.lower() == ".inp":
-        cells = [("tetra10", mesh.elements), *(("triangle6", part) for part in triangles)]
-        sets = {}
-        for place, name in enumerate([VOLUME, *names]):
-            chosen = [np.empty(0, dtype=np.int64) for _ in cells]
-            chosen[place] = np.arange(len(cells[place][1]))
-            sets[name.replace(" ", "_")] = chosen
-        made = _meshio().Mesh(mesh.points, cells, cell_sets=sets)
-    else:
-        numbers = [np.full(len(part), number) for number, part in enumerate(triangles, start=1)]
-        made = _meshio().Mesh(
-            mesh.points,
-            [("tetra10", mesh.elements), ("triangle6", np.concatenate(triangles))],
-            point_data=point_data,
-            cell_data={
-                "surface": [np.zeros(len(mesh.elements), dtype=np.int64), np.concatenate(numbers)]
-            },
-        )
-    made.write(path)
+def _check_point_data(
+    mesh: ThrowMesh, point_data: dict[str, NDArray[np.float64]], ending: str
+) -> None:
+    for name, values in point_data.items():
+        if ending != ".vtu":
+            raise InputError(
+                f"point_data: given {name!r} for a file ending in {ending}; allowed is .vtu, because the "
+                "others hold the mesh alone."
+            )
+        if np.shape(values)[:1] != (len(mesh.points),):
+            raise InputError(
+                f"point_data[{name!r}]: given an array of shape {np.shape(values)}; allowed are "
+                f"{len(mesh.points)} rows, because the mesh has that many nodes."
+            )
 
 
-def _write_msh(mesh: ThrowMesh, path: Path) -> None:
-    """Write through gmsh, as discrete entities with physical groups."""
-    with gmsh_session("export") as gmsh:
+def _inp_head(mesh: ThrowMesh) -> Iterator[str]:
+    names = ", ".join(map(set_name, named_surfaces(mesh)))
+    yield "** Mesh of a crank throw, written by crankfem; lengths in m. For CalculiX and Abaqus: add"
+    yield "** material, supports and loads, or include this file in a deck with *INCLUDE, INPUT=..."
+    yield "** z along the shaft, from the center of the left end section; y to the first pin's axis."
+    yield f"** Elements THROW; sets of nodes, and surfaces of element faces: {names}."
+
+
+def _stl_lines(mesh: ThrowMesh) -> Iterator[str]:
+    for surface, corners in named_surfaces(mesh).items():
+        yield f"solid {set_name(surface)}\n"
+        facets = mesh.points[flat_triangles(mesh, corners)]
+        normals = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        for (x, y, z), facet in zip(normals.tolist(), facets.tolist(), strict=True):
+            yield f"facet normal {x:.9e} {y:.9e} {z:.9e}\nouter loop\n"
+            for a, b, c in facet:
+                yield f"vertex {a:.9e} {b:.9e} {c:.9e}\n"
+            yield "endloop\nendfacet\n"
+        yield f"endsolid {set_name(surface)}\n"
+
+
+def _write_by_gmsh(mesh: ThrowMesh, path: Path) -> None:
+    """Write discrete entities with physical groups, which are the groups of a .med file."""
+    with gmsh_session(VOLUME) as gmsh:
         volume = gmsh.model.addDiscreteEntity(3)
         gmsh.model.mesh.addNodes(3, volume, np.arange(1, len(mesh.points) + 1), mesh.points.ravel())
         elements = mesh.elements[:, np.argsort(GMSH_TO_SKFEM)] + 1
         _add_elements(gmsh, volume, 11, elements, 1)
         gmsh.model.addPhysicalGroup(3, [volume], name=VOLUME)
         first = len(elements) + 1
-        for name, corners in mesh.surfaces.items():
-            if len(corners) == 0:
-                continue
+        for name, corners in named_surfaces(mesh).items():
             surface = gmsh.model.addDiscreteEntity(2)
             # scikit-fem has the triangle's edges in the order 01 12 02, gmsh 01 12 20.
             triangles = six_node_triangles(mesh, corners) + 1

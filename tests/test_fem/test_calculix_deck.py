@@ -37,7 +37,7 @@ PRINTED = """
       4450  0.000000E+00  0.000000E+00  1.199002E-06
       4451 -4.784483E-06 -7.441510E-10  3.551075E-09
 
- displacements (vx,vy,vz) for set PIN_1 and time  0.1000000E+01
+ displacements (vx,vy,vz) for set PIN and time  0.1000000E+01
 
         17  1.000000E+00  1.000000E+00  1.000000E+00
 
@@ -171,7 +171,7 @@ def test_loads(full_mesh, deck):
     # The uniform force acts at the middle of the pin; its coarse mesh moves that by 1e-6 m.
     place = [0.0, 0.170, 0.5 * full_mesh.length]
     np.testing.assert_allclose(moment, np.cross(place, [2.0, -3.0, 0.5]), atol=1e-5)
-    loaded = {int(node) for row in rows(deck, "*NSET, NSET=PIN_1") for node in row}
+    loaded = {int(node) for row in rows(deck, "*NSET, NSET=PIN") for node in row}
     assert {node for node, _ in pin} == loaded
 
 

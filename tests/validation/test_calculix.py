@@ -25,6 +25,7 @@ from fem.material import STEEL, Material
 from fem.symmetry import uniform_pin_loads
 from geometry.mesh import SolidProperties, ThrowMesh
 from geometry.mesher import mesh_isolated
+from geometry.solid import LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight, FurtherPin, Web
 
@@ -206,9 +207,14 @@ def bar():
     points, elements = points[used], renumbered.reshape(elements.shape)
     facets = elements[:, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]].reshape(-1, 3)
     on_top = np.isclose(points[:, 1], HEIGHT / 2.0) & (abs(points[:, 2] / LENGTH - 0.5) < 0.26)
-    above = facets[np.all(on_top[facets], axis=1)]
+    places = {
+        "pin": on_top,
+        LEFT_END: np.isclose(points[:, 2], 0.0),
+        RIGHT_END: np.isclose(points[:, 2], LENGTH),
+    }
+    surfaces = {name: facets[np.all(on[facets], axis=1)] for name, on in places.items()}
     solid = SolidProperties(LENGTH * WIDTH * HEIGHT, np.zeros(3), np.zeros((3, 3)))
-    return ThrowMesh("full", LENGTH, ("pin",), points, elements, {"pin": above}, 1.0, 0, solid)
+    return ThrowMesh("full", LENGTH, ("pin",), points, elements, surfaces, 1.0, 0, solid)
 
 
 def test_calculix_on_a_bar(bar, tmp_path, figure):

@@ -234,8 +234,8 @@ def export(
         Path,
         typer.Argument(
             metavar="FILE",
-            help="File to write; its ending says what: .step .stp (solid), .msh .vtu .vtk .inp .med "
-            "(mesh), .stl .ply .obj (surface).",
+            help="File to write; its ending says what: .step .stp (solid), .msh .vtu .inp .med "
+            "(mesh), .stl (surface).",
         ),
     ],
     name: ThrowOption = None,
@@ -260,8 +260,8 @@ def export(
     from fem.calculix import write_calculix
     from geometry.mesher import mesh_isolated
     from geometry.solid_files import (
+        LISTED_ENDINGS,
         MESH_ENDINGS,
-        SOLID_ENDINGS,
         SURFACE_ENDINGS,
         write_mesh,
         write_step,
@@ -292,7 +292,7 @@ def export(
         if file.suffix.lower() not in MESH_ENDINGS:
             raise InputError(
                 f"{file.name}: given the ending {file.suffix!r}; allowed are {', '.join(STEP_ENDINGS)} "
-                f"(solid), {', '.join(SOLID_ENDINGS)} (mesh) and {', '.join(SURFACE_ENDINGS)} (surface)."
+                f"(solid); and for a mesh {LISTED_ENDINGS}."
             )
         if not 0.05 <= size <= 10.0:
             raise InputError(f"--size: given {size:g}; allowed is 0.05 to 10.")
