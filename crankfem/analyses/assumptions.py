@@ -99,10 +99,12 @@ def _matters(record: InputRecord, mechanism: MechanismFile, engine: EngineFile |
     if record.source != "default":
         return True
     gas = mechanism.gas
+    if record.field == "engine.drives":
+        return mechanism.power is None or not mechanism.power.driven
     if (
         record.field == "gas.compression_ratio"
         and gas is not None
-        and gas.pressure_table is not None
+        and (gas.pressure_table is not None or gas.compressor is not None)
     ):
         return engine is None or engine.misfire is not None
     if record.field == "gas_map.rated_load":
@@ -147,6 +149,10 @@ def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]
         )
     gas = file.gas
     if gas is None or gas.pressure_table is not None:
+        return
+    if gas.compressor is not None:
+        why = "usual of ideal valves; a measured pressure replaces the whole cycle"
+        yield _assumed("gas.pressure_table", "cycle with valves that open without loss", why)
         return
     cycle = by_gas(gas, layout, full_load_parameters)[0]
     records = {*FIXED_IN_CYCLE}

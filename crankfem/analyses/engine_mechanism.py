@@ -15,7 +15,7 @@ from crankbase.input_file import InputFile
 from crankbase.quantity import format_quantity
 from crankbase.results import made_from
 from crankbase.summaries import summarized
-from crankfem.files.engine.engine_file import EngineFile, check_load, load_engine
+from crankfem.files.engine.engine_file import EngineFile, check_driven, check_load, load_engine
 from crankfem.files.engine.file_kinds import SECTIONS, check_sections, engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
     MechanismSections,
@@ -200,25 +200,25 @@ def _read_mechanism(content: TomlFile) -> MechanismFile:
     check_load(load, gas, None, engine)
     angles = angles_of_throws(shaft, engine, throws_of(engine))
     along = throws_along_shaft(throws, throw_names(throws, shaft, len(angles)), np.degrees(angles))
-    return mechanism_of(
-        MechanismSections(
-            files=content.files,
-            engine=engine,
-            shaft=shaft,
-            named_throws=throws,
-            crank_throws=along,
-            rod=rod,
-            piston=piston,
-            hinged_rods=hinged,
-            gas=gas,
-            load=load,
-            flywheel=content.model("flywheel", Flywheel),
-            free_end=content.model("free_end", FreeEnd),
-            material=content.model("material", Material) or STEEL,
-            records=tuple(content.records),
-            sources=content.sources,
-        )
+    sections = MechanismSections(
+        files=content.files,
+        engine=engine,
+        shaft=shaft,
+        named_throws=throws,
+        crank_throws=along,
+        rod=rod,
+        piston=piston,
+        hinged_rods=hinged,
+        gas=gas,
+        load=load,
+        flywheel=content.model("flywheel", Flywheel),
+        free_end=content.model("free_end", FreeEnd),
+        material=content.model("material", Material) or STEEL,
+        records=tuple(content.records),
+        sources=content.sources,
     )
+    check_driven(sections)
+    return mechanism_of(sections)
 
 
 Calculated = TypeVar("Calculated")
@@ -290,15 +290,23 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
     engine, layout, gas = file.engine, layout_of(file), file.gas
     if gas is None:
         pressure: tuple[GasPressure, ...] = ()
-    elif gas.pressure_table is None:
-        pressure = tuple(cycle.pressure for cycle in by_gas(gas, layout, full_load_cycles))
-    else:
+    elif gas.pressure_table is not None:
         table = file.files.named("gas.pressure_table", gas.pressure_table, "tables")
-        pressure = (read_pressure_table(table, layout.strokes),) * len(layout.cylinders)
+        diagram = read_pressure_table(table, layout.strokes, fires=not engine.driven_by)
+        pressure = (diagram,) * len(layout.cylinders)
+    elif (cycle := gas.compressor) is not None:
+        pressure = tuple(
+            cycle.pressure(piston_position(layout, number), cylinder.area)
+            for number, cylinder in enumerate(layout.cylinders, start=1)
+        )
+    else:
+        pressure = tuple(found.pressure for found in by_gas(gas, layout, full_load_cycles))
     power, rated = None, engine.rated_speed
     if pressure:
         indicated = indicated_power(layout, pressure, rated)
-        power = EnginePower(rated, *indicated, engine.rated_power)
+        power = EnginePower(
+            rated, *indicated, engine.rated_power, driven=bool(engine.driven_by) or None
+        )
     sense = engine.turning_sense
     attached = [part.inertia for part in (file.flywheel, file.free_end) if part is not None]
     return made_from(
@@ -330,7 +338,15 @@ def layout_of(file: EngineFile | MechanismSections) -> EngineLayout:
         file.throws,
         [math.radians(angle) for angle in file.throw_angles_deg],
     )
-    return EngineLayout(0.5 * engine.stroke, cylinders, engine.firing_order, engine.strokes)
+    # Those of a driven machine may be at the top together, which no order can say.
+    tops = [cylinder.top_shaft_angle_deg for cylinder in cylinders] if engine.driven_by else None
+    return EngineLayout(
+        0.5 * engine.stroke,
+        cylinders,
+        engine.top_order,
+        engine.strokes,
+        firing_angles_deg=tops,
+    )
 
 
 def _warnings(

@@ -93,6 +93,7 @@ class Arrangement(Result):
     lowest_speed: Speed
     highest_speed: Speed
     mean_piston_speed: Annotated[float, Quantity("m/s")]
+    driven_by: Annotated[str | None, Quantity(left_out=True)] = None
 
 
 @result("length", "overlap", "volume")
@@ -320,8 +321,9 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     study = ("doe",) if read.study is not None else ()
     mechanism = mechanism_of(read)
     remarks = [_thrust_bearing(read), *mechanism.remarks, *_power(mechanism)]
-    if read.driven is not None and read.driven.loss_factor:
-        remarks.append(f"coupling: {in_all_conventions(read.driven.loss_factor)}")
+    behind = read.behind_coupling
+    if behind is not None and behind.loss_factor:
+        remarks.append(f"coupling: {in_all_conventions(behind.loss_factor)}")
     remarks += [sentence for sentence, twice in first_nodes(read) if not twice]
     if read.gas is None:
         remarks.append(_without_gas())
@@ -404,10 +406,11 @@ def _arrangement(engine: Engine) -> Arrangement:
     return made_from(
         engine,
         Arrangement,
-        firing_order=tuple(engine.firing_order),
-        firing_angles_deg=tuple(firing[number - 1] for number in engine.firing_order),
+        firing_order=engine.top_order,
+        firing_angles_deg=tuple(firing[number - 1] for number in engine.top_order),
         firing_intervals_deg=tuple(engine.firing_intervals_deg),
         crank_angles_deg=degrees(engine.crank_angles),
         bank_angles_deg=None if engine.bank_angles is None else degrees(engine.bank_angles),
         mean_piston_speed=engine.mean_piston_speed(engine.rated_speed),
+        driven_by=engine.driven_by or None,
     )

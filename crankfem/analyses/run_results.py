@@ -95,6 +95,7 @@ class EngineFacts(Result):
     major_orders: Annotated[tuple[float, ...], Quantity("1")]
     highest_order: Number
     radial_force_from_gas: bool
+    driven_by: Annotated[str | None, Quantity(left_out=True)] = None
 
 
 @result("pictures")

@@ -157,10 +157,11 @@ def _engine_facts(engine_file: EngineFile) -> EngineFacts:
         v_engine=engine.bank_angles is not None,
         reciprocating=engine_file.vibration.reciprocating,
         crank_angles=tuple(engine.crank_angles),
-        firing_order=tuple(engine.firing_order),
+        firing_order=engine.top_order,
         firing_intervals_deg=tuple(engine.firing_intervals_deg),
         mean_piston_speed=engine.mean_piston_speed(engine.rated_speed),
         major_orders=tuple(major_orders(orders, engine.firing_angles).tolist()),
         highest_order=engine_file.vibration.highest_order,
         radial_force_from_gas=engine_file.gas is not None,
+        driven_by=engine.driven_by or None,
     )

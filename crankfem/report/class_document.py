@@ -39,7 +39,9 @@ def render_class_document(
                 name: f"data:image/svg+xml;base64,{base64.b64encode(path.read_bytes()).decode()}"
                 for name, path in pictures.items()
             },
-            schematic=engine_schematic(engine.crank_angles, engine.firing_order, run.torsional),
+            schematic=engine_schematic(
+                engine.crank_angles, engine.top_order, run.torsional, engine.driven_by
+            ),
             sources=file.sources,
             created=created,
             version=program_version(),

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from markupsafe import Markup, escape
 
 from crankfem.analyses.vibration.modes import Vibration
+from crankfem.files.engine.mechanism_cylinders import order_named
 
 # Lengths of the drawing, without a unit.
 STEP, SHAFT, HEIGHT, STAR = 46.0, 118.0, 190.0, 170.0
@@ -15,7 +16,10 @@ LINE, FILL, ACCENT = "#1d2733", "#e9f1f8", "#1f5f99"
 
 
 def engine_schematic(
-    angles: Sequence[float], firing_order: Sequence[int], chain: Vibration
+    angles: Sequence[float],
+    firing_order: Sequence[int],
+    chain: Vibration,
+    driven_by: str | None = None,
 ) -> Markup:
     """Draw the engine as its torsional chain has it, from the free end, and the star of its cranks.
 
@@ -25,6 +29,8 @@ def engine_schematic(
         Of its cranks [rad].
     chain : Vibration
         The points of its torsional chain with their inertias.
+    driven_by : str, optional
+        What turns it, if it takes power.
 
     Returns
     -------
@@ -65,7 +71,8 @@ def engine_schematic(
             drawn.append(_label(x, below, name))
     total = width + STAR
     order = "-".join(map(str, firing_order))
-    label = f"The engine along its shaft: {', '.join(names)}; firing order {order}"
+    what = "machine" if driven_by else "engine"
+    label = f"The {what} along its shaft: {', '.join(names)}; {order_named(driven_by)} {order}"
     return Markup(
         '<svg viewBox="0 0 {} {}" role="img" aria-label="{}" '
         'font-family="sans-serif" font-size="10">{}{}</svg>'

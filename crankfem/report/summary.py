@@ -12,6 +12,7 @@ from crankfem.analyses.record import Record
 from crankfem.analyses.vibration.assessment import Assessment, factor_range
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.tables import critical_lines, speed_table
+from crankfem.files.engine.mechanism_cylinders import order_named
 from crankfem.report.conclusions import (
     conclusions,
     failed_checks,
@@ -241,12 +242,17 @@ def engine_facts(results: "RunResults") -> list[str]:
         f"{lowest} to {highest} 1/min, rated speed {rated} 1/min (mean piston speed {piston} m/s)",
     ]
     if mechanism is not None:
+        sense, taken = (-1.0, " taken") if engine.driven_by else (1.0, "")
         facts.append(
-            f"indicated power {quantity(mechanism.power, 'W', 3)}, mean indicated pressure "
-            f"{quantity(mechanism.mean_indicated_pressure, 'Pa', 3)}"
+            f"indicated power {quantity(sense * mechanism.power, 'W', 3)}{taken}, mean indicated pressure "
+            f"{quantity(sense * mechanism.mean_indicated_pressure, 'Pa', 3)}"
+        )
+    if engine.driven_by:
+        facts.append(
+            f"driven by {'an' if engine.driven_by == 'engine' else 'a'} {engine.driven_by}"
         )
     if count > 1:
-        order = f"firing order {'-'.join(map(str, engine.firing_order))}"
+        order = f"{order_named(engine.driven_by)} {'-'.join(map(str, engine.firing_order))}"
         facts.append(order + _firing(engine.firing_intervals_deg))
     return facts
 

@@ -99,7 +99,10 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
             r=results,
             first=summary(results),
             schematic=engine_schematic(
-                results.engine.crank_angles, results.engine.firing_order, vibration.torsional
+                results.engine.crank_angles,
+                results.engine.firing_order,
+                vibration.torsional,
+                results.engine.driven_by,
             ),
             compliances=compared_compliances(
                 results.throw,

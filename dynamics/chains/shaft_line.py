@@ -29,7 +29,7 @@ from dynamics.chains.varying import Variation, Varying, varied
 class Driven(InputModel):
     """Driven machine behind a coupling at the flywheel."""
 
-    section = "driven"
+    section: ClassVar[str] = "driven"
     other_forms: ClassVar[dict[str, tuple[str, ...]]] = {
         "coupling_loss_factor": ("coupling_relative_damping", "coupling_magnifier")
     }
@@ -58,7 +58,7 @@ class Driven(InputModel):
     def loss_factor(self) -> float:
         """Loss factor of the coupling, in whatever convention its damping is given."""
         return one_convention(
-            "driven.coupling_",
+            f"{self.section}.coupling_",
             {
                 "loss_factor": self.coupling_loss_factor,
                 "relative_damping": self.coupling_relative_damping,
@@ -83,6 +83,17 @@ class Driven(InputModel):
         )
 
 
+# The node of a machine behind a coupling, and those of what turns a machine that takes power.
+DRIVEN = "driven machine"
+PRIME_MOVERS = ("motor", "turbine", "engine")
+
+
+class Driver(Driven):
+    """Prime mover behind a coupling at the flywheel of a machine that takes power."""
+
+    section = "driver"
+
+
 class DrivenMachine(Driven):
     """A driven machine: one inertia behind a coupling on any node of a chain, by default the flywheel."""
 
@@ -99,7 +110,7 @@ class DrivenMachine(Driven):
     damping: float = quantity_field(
         "absolute damping of the machine", "N m s/rad", 0.0, 1e8, default=0.0
     )
-    name: str = "driven machine"
+    name: str = DRIVEN
     on: str = "flywheel"
 
     def attached(self, chain: Chain) -> Chain:

@@ -25,6 +25,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.quantity import RPM
 from crankbase.results import result
+from dynamics.chains.shaft_line import DRIVEN, PRIME_MOVERS
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem
 from dynamics.excitation.chain_excitation import combined_excitation
@@ -356,7 +357,7 @@ class SplitMotion:
 
 def point_unit(point: str) -> str:
     """Return the unit of a point's motion: displacements are in m, rotations in rad."""
-    turns = point.endswith((" rx", " ry", " rz", "damper ring", "driven machine"))
+    turns = point.endswith((" rx", " ry", " rz", "damper ring", DRIVEN)) or point in PRIME_MOVERS
     return "rad" if turns else "m"
 
 

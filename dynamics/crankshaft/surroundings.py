@@ -21,6 +21,7 @@ from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.engine_chains import Kind
+from dynamics.chains.shaft_line import DRIVEN
 from dynamics.chains.varying import Variation
 
 # Motions of a section: displacements, then rotations.
@@ -272,7 +273,7 @@ class ShaftSurroundings:
     ring : TorsionalRing, optional
         Of a torsional damper at the free end.
     machine : TorsionalRing, optional
-        Driven machine behind a coupling at the flywheel.
+        Driven machine behind a coupling at the flywheel, or the prime mover of a machine that is driven.
     pin_masses : sequence of float
         Mass that moves with each pin across the shaft but not along it [kg], pins counted along the
         shaft: rotating part of the rods and half of the reciprocating mass. Empty for none.
@@ -281,6 +282,8 @@ class ShaftSurroundings:
     torsional_line, axial_line : Chain, optional
         Shaft line at the last section: the first node of either chain turns, or moves along the shaft,
         with it, and its inertia adds to that of the flywheel.
+    machine_name : str, optional
+        What the rotation of `machine` is called.
 
     Notes
     -----
@@ -299,6 +302,7 @@ class ShaftSurroundings:
     loss_factor: float = 0.0
     torsional_line: Chain | None = None
     axial_line: Chain | None = None
+    machine_name: str = DRIVEN
 
     def __post_init__(self) -> None:
         nonnegative_number("loss_factor", self.loss_factor, "", "it is that of a passive element")
@@ -319,7 +323,7 @@ class ShaftSurroundings:
 
     def rings(self, sections: int) -> list[tuple[str, TorsionalRing, int]]:
         """Return damper ring and driven machine, if given: name, ring, section it turns with."""
-        both = (("damper ring", self.ring, 0), ("driven machine", self.machine, sections - 1))
+        both = (("damper ring", self.ring, 0), (self.machine_name, self.machine, sections - 1))
         return [(name, ring, section) for name, ring, section in both if ring is not None]
 
 

@@ -300,10 +300,15 @@ def firing_order_of_angles(
     firing_angles: Sequence[float], strokes: int, first: int
 ) -> tuple[int, ...]:
     """Return the cylinder numbers in the order in which they fire."""
-    cycle, start = math.radians(cycle_degrees(strokes)), firing_angles[first - 1]
-    later = [round(_angle_after(start, angle, cycle), 9) for angle in firing_angles]
+    later = [round(angle, 9) for angle in angles_after_first(firing_angles, strokes, first)]
     others = (number for number in range(1, len(firing_angles) + 1) if number != first)
     return (first, *sorted(others, key=lambda number: (later[number - 1], number)))
+
+
+def angles_after_first(angles: Sequence[float], strokes: int, first: int = 1) -> tuple[float, ...]:
+    """Return how much later in the cycle each cylinder's angle is than that of one of them [rad]."""
+    cycle, start = math.radians(cycle_degrees(strokes)), angles[first - 1]
+    return tuple(_angle_after(start, angle, cycle) for angle in angles)
 
 
 def _angle_after(earlier: float, later: float, cycle: float) -> float:

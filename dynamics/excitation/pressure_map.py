@@ -913,25 +913,34 @@ LOWEST_EFFICIENCY, HIGHEST_EFFICIENCY = 0.75, 0.97
     eq=True,
 )
 class EnginePower(Result):
-    """Power of an engine at rated speed."""
+    """Power at rated speed of an engine, or of a machine that is driven.
+
+    The power of the gas is below zero where it takes work from the pistons.
+    """
 
     speed: Speed
     indicated: Annotated[float, Quantity("W", "of the gas on all pistons", key="indicated_power")]
     mean_indicated_pressure: Annotated[float, Quantity("Pa", "mean of all cylinders")]
     rated: Annotated[float | None, Quantity("W", "at the flywheel, if given", key="rated_power")]
+    driven: Annotated[bool | None, Quantity("", "whether it takes power", left_out=True)] = None
 
     @cached_property
     def mechanical_efficiency(self) -> Number | None:
-        """Rated over indicated power; None without a rated power, or if the gas does no work."""
-        if self.rated is None or self.indicated <= 0.0:
+        """Rated over indicated power, the other way round of a driven machine.
+
+        None without a rated power, or if the gas does no work: takes none, of a driven machine.
+        """
+        gas = -self.indicated if self.driven else self.indicated
+        if self.rated is None or gas <= 0.0:
             return None
-        return self.rated / self.indicated
+        return gas / self.rated if self.driven else self.rated / gas
 
     @cached_property
     def mean_effective_pressure(self) -> Annotated[float, Quantity("Pa")] | None:
         """Mean effective pressure of the rated power; None if the file does not give it."""
-        efficiency = self.mechanical_efficiency
-        return None if efficiency is None else efficiency * self.mean_indicated_pressure
+        if self.rated is None or self.mechanical_efficiency is None:
+            return None
+        return self.rated / abs(self.indicated) * self.mean_indicated_pressure
 
     @property
     def friction_pressure(self) -> float:
@@ -952,9 +961,11 @@ class EnginePower(Result):
     def sentence(self) -> Part[str]:
         """Indicated power and its ratio to the rated power."""
         speed = format_quantity(self.speed, "rad/s", 5)
+        sense = -1.0 if self.driven else 1.0
         indicated = (
-            f"indicated power {_kilowatts(self.indicated)} at {speed}, mean indicated pressure "
-            f"{format_quantity(self.mean_indicated_pressure, 'Pa', 4)}"
+            f"indicated power {_kilowatts(sense * self.indicated)}{' taken' if self.driven else ''} at "
+            f"{speed}, mean indicated pressure "
+            f"{format_quantity(sense * self.mean_indicated_pressure, 'Pa', 4)}"
         )
         if self.rated is None:
             return (
@@ -963,19 +974,38 @@ class EnginePower(Result):
         if self.mechanical_efficiency is None or self.mean_effective_pressure is None:
             return (
                 f"The file is inconsistent: rated power {_kilowatts(self.rated)}, but {indicated}; correct "
-                "the section [gas], because no engine drives with gas that does no work"
+                f"the section [gas]{self._other_sense}"
             )
         effective = (
             f"rated power {_kilowatts(self.rated)} (mean effective pressure "
-            f"{format_quantity(self.mean_effective_pressure, 'Pa', 4)})"
+            f"{format_quantity(sense * self.mean_effective_pressure, 'Pa', 4)})"
         )
         share = f"{self.mechanical_efficiency:.3g}"
         if self.consistent:
-            return f"{indicated}; {effective} is {share} of it, the mechanical efficiency"
+            parts = (
+                f"it is {share} of the {effective}"
+                if self.driven
+                else f"{effective} is {share} of it"
+            )
+            return f"{indicated}; {parts}, the mechanical efficiency"
+        compared = (
+            f"{indicated} is {share} of the {effective}"
+            if self.driven
+            else f"{effective} is {share} of the {indicated}"
+        )
         return (
-            f"The file is inconsistent: {effective} is {share} of the {indicated}; usual mechanical "
+            f"The file is inconsistent: {compared}; usual mechanical "
             f"efficiencies are {LOWEST_EFFICIENCY:g} to {HIGHEST_EFFICIENCY:g}, so correct "
             "engine.rated_power or the section [gas]"
+        )
+
+    @property
+    def _other_sense(self) -> str:
+        if self.driven:
+            return ", because the gas of a driven machine takes work from the pistons"
+        return (
+            " or, of a compressor, give engine.driven_by, because no engine drives with gas that does no "
+            "work"
         )
 
 

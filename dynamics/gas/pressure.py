@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -339,10 +339,32 @@ UNITS = {"bar": 1e5, "MPa": 1e6, "kPa": 1e3, "Pa": 1.0}
 # First and closing sample count as equal within this share of the highest pressure: measured
 # curves are printed with three to five digits, and averaged cycles close to no better.
 CLOSING_TOLERANCE = 1e-3
-# [Pa] A lower peak, like one above the highest, is a wrong unit: motored engines reach 1 MPa.
-LOWEST_PEAK = 0.2e6
-# [deg] Where a peak can lie: a motored engine has it just before the top, a fired one after it.
-EARLIEST_PEAK, LATEST_PEAK = -10.0, 40.0
+
+
+class Peak(NamedTuple):
+    """Where the peak of a measured diagram can be.
+
+    Attributes
+    ----------
+    lowest, highest : float
+        [Pa]; any other is a wrong unit.
+    earliest, latest : float
+        From the top [deg].
+    """
+
+    lowest: float
+    highest: float
+    earliest: float
+    latest: float
+    why: str
+
+
+# Motored engines reach 1 MPa just before the top, fired ones have their peak after it. Compressors for
+# polyethylene reach 350 MPa.
+ENGINE = Peak(0.2e6, HIGHEST_PEAK, -10.0, 40.0, "angles count from the firing top dead center")
+COMPRESSOR = Peak(
+    0.1e6, 400e6, -150.0, 10.0, "angles count from the top dead center, where the delivery ends"
+)
 
 TABLE = TableKind(
     name="pressure table",
@@ -358,7 +380,9 @@ TABLE = TableKind(
 )
 
 
-def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPressure:
+def read_pressure_table(
+    path: GivenFile, strokes: int | None = None, *, fires: bool = True
+) -> GasPressure:
     """Read a pressure table.
 
     The file is CSV: comment lines that start with a number sign, which state the source; the
@@ -373,6 +397,8 @@ def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPress
     ----------
     strokes : int, optional
         Strokes per cycle, 2 or 4; by default found from the angles.
+    fires : bool, optional
+        Whether it is an engine's; that of a compressor is highest while it delivers, before the top.
 
     Returns
     -------
@@ -385,8 +411,9 @@ def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPress
         With file and, where there is one, line: if the file cannot be read, the header or a number
         is wrong, angles do not increase, do not cover one cycle or leave a gap wider than 10 deg,
         the closing sample differs from the first by more than a thousandth of the peak, an
-        absolute pressure is not positive, the peak is outside 0.2 to 50 MPa (a wrong unit) or
-        outside -10 to 40 deg (angles counted from elsewhere).
+        absolute pressure is not positive, the peak is outside 0.2 to 50 MPa (a wrong unit; of a
+        compressor 0.1 to 400 MPa) or outside -10 to 40 deg (angles counted from elsewhere; of a
+        compressor -150 to 10 deg).
     """
     cycles = possible_cycles(strokes)
     samples = read_sample_rows(path, TABLE)
@@ -399,8 +426,8 @@ def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPress
     cycle_strokes, rows, pressure = one_cycle(samples, cycles, pressure, "pressure")
     if rows.angles.size < samples.angles.size:
         remarks.append(f"The closing sample at {samples.angles[-1]:g} deg was dropped.")
-    _check_pressure(rows, pressure)
-    _check_peak_angle(rows, pressure, cycles[cycle_strokes])
+    _check_pressure(rows, pressure, ENGINE if fires else COMPRESSOR)
+    _check_peak_angle(rows, pressure, cycles[cycle_strokes], ENGINE if fires else COMPRESSOR)
     return gas_pressure(
         pressure, cycle_strokes, source=rows.source, remarks=tuple(remarks), angles_deg=rows.angles
     )
@@ -437,7 +464,7 @@ def one_cycle(
     return strokes, rows, values
 
 
-def _check_pressure(rows: SampleRows, pressure: FloatArray) -> None:
+def _check_pressure(rows: SampleRows, pressure: FloatArray, allowed: Peak) -> None:
     index = int(np.argmin(pressure))
     if pressure[index] <= 0.0:
         raise rows.value_error(
@@ -446,31 +473,31 @@ def _check_pressure(rows: SampleRows, pressure: FloatArray) -> None:
             "no gas has less",
         )
     index = int(np.argmax(pressure))
-    if not LOWEST_PEAK <= pressure[index] <= HIGHEST_PEAK:
+    if not allowed.lowest <= pressure[index] <= allowed.highest:
         raise rows.value_error(
             index,
             f"given a peak of {rows.values[index]:g}, which is {pressure[index] / 1e6:g} MPa absolute; "
-            f"allowed are {LOWEST_PEAK / 1e6:g} to {HIGHEST_PEAK / 1e6:g} MPa, because any other comes from "
-            "a wrong unit in the header",
+            f"allowed are {allowed.lowest / 1e6:g} to {allowed.highest / 1e6:g} MPa, because any other comes "
+            "from a wrong unit in the header",
         )
 
 
-def _check_peak_angle(rows: SampleRows, pressure: FloatArray, cycle: float) -> None:
+def _check_peak_angle(rows: SampleRows, pressure: FloatArray, cycle: float, allowed: Peak) -> None:
+    def fits(angle: float, range_: Peak = allowed) -> bool:
+        return (angle - range_.earliest) % cycle <= range_.latest - range_.earliest
+
     index = int(np.argmax(pressure))
     peak, half = float(rows.angles[index]), cycle / 2.0
-    if _near_top(peak, cycle):
+    if fits(peak):
         return
-    hint = f"; the table looks shifted by {half:g} deg" if _near_top(peak + half, cycle) else ""
+    hint = f"; the table looks shifted by {half:g} deg" if fits(peak + half) else ""
+    if allowed is ENGINE and cycle == cycle_degrees(2) and fits(peak, COMPRESSOR):
+        hint += "; a compressor, whose pressure is highest before the top, needs engine.driven_by"
     raise rows.angle_error(
         index,
-        f"given the highest pressure at {peak:g} deg; allowed is a peak from {EARLIEST_PEAK:g} to "
-        f"{LATEST_PEAK:g} deg, because angles count from the firing top dead center{hint}",
+        f"given the highest pressure at {peak:g} deg; allowed is a peak from {allowed.earliest:g} to "
+        f"{allowed.latest:g} deg, because {allowed.why}{hint}",
     )
-
-
-def _near_top(angle: float, cycle: float) -> bool:
-    """Return whether a peak at the angle [deg] can be one of combustion or compression at the top."""
-    return (angle - EARLIEST_PEAK) % cycle <= LATEST_PEAK - EARLIEST_PEAK
 
 
 Position = Callable[[FloatArray], FloatArray]

@@ -158,12 +158,14 @@ class MechanismResults(Result):
     def answer(self, units: OutputUnits = SI) -> str:
         """State power and torque."""
         torque, moment = self.torque, units.of("kN m")
+        driven = self.rated is not None and bool(self.rated.driven)
+        firing = intervals_text(self.firing_intervals_deg, units, driven=driven)
         return (
             f"{self.engine} at {units.of('1/min').with_name(self.speed, 5)}, rods as "
             f"{self.rod_model}: indicated power {units.of('kW').with_name(self.power)}, mean indicated "
             f"pressure {units.of('MPa').with_name(self.mean_indicated_pressure)}, torque "
             f"{moment.with_name(torque.mean)} ({moment.number(torque.smallest)} to "
-            f"{moment.with_name(torque.largest)}); {intervals_text(self.firing_intervals_deg, units)}."
+            f"{moment.with_name(torque.largest)}){', which the machine takes' if driven else ''}; {firing}."
         )
 
     def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
@@ -442,12 +444,15 @@ def force_columns(
     return columns, heading
 
 
-def intervals_text(intervals_deg: Sequence[float], units: OutputUnits) -> str:
-    """Say at which intervals an engine fires; of intervals that repeat, each once."""
+def intervals_text(
+    intervals_deg: Sequence[float], units: OutputUnits, *, driven: bool = False
+) -> str:
+    """Say at which intervals an engine fires, or a driven machine has tops; of repeated ones each once."""
+    does = "comes to a top" if driven else "fires"
     repeated = repeating_intervals(intervals_deg)
     angle = units.of("deg")
     steps = ", ".join(angle.number(math.radians(step)) for step in repeated)
     if len(repeated) == 1:
-        return f"fires every {steps} {angle.name}"
+        return f"{does} every {steps} {angle.name}"
     again = " in turn" if len(repeated) < len(intervals_deg) else ""
-    return f"fires at intervals of {steps} {angle.name}{again}"
+    return f"{does} at intervals of {steps} {angle.name}{again}"

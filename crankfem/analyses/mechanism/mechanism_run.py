@@ -217,6 +217,11 @@ def run_mechanism(
             f"{mechanism.path.name}: given no section [gas]; allowed is one with peak_pressure, "
             "mean_effective_pressure or pressure_table, because gas loads the mechanism."
         )
+    if motored and mechanism.power is not None and mechanism.power.driven:
+        raise InputError(
+            "motored: given for a machine that is driven; allowed is an engine, because nothing burns in "
+            "this one."
+        )
     turning = mechanism.rated_speed if speed is None else speed
     layout = with_throws(mechanism, masses)
     if not full_load_only(mechanism):

@@ -22,7 +22,7 @@ from dynamics.chains.engine_chains import (
     throw_inertias,
     torsional_chain,
 )
-from dynamics.chains.shaft_line import DrivenMachine
+from dynamics.chains.shaft_line import DRIVEN, DrivenMachine
 from dynamics.crankshaft.surroundings import AxialSupport, EndBody, MainBearings, ShaftSurroundings
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE, DampedChain, damped
 from geometry.mass import cylinder_mass_properties
@@ -118,17 +118,15 @@ def engine_torsional_chain(
 
 
 def driven_machine(engine_file: EngineFile) -> DrivenMachine | None:
-    """Return the driven machine; a coupling that varies over the mean torque carries that of the load.
+    """Return the driven machine, or the prime mover of one.
 
-    This is the rated torque times the load's share of it at each speed, unless the file gives another.
+    A coupling that varies over the mean torque carries that of the load, which is the rated torque times
+    the load's share of it at each speed, unless the file gives another.
     """
-    if engine_file.driven is None:
+    behind, engine, load = engine_file.behind_coupling, engine_file.engine, engine_file.load
+    if behind is None:
         return None
-    machine, engine, load = (
-        DrivenMachine(**dict(engine_file.driven)),
-        engine_file.engine,
-        engine_file.load,
-    )
+    machine = DrivenMachine(**dict(behind), name=engine.driven_by or DRIVEN)
     coupling = machine.variation
     known = engine.rated_power is not None and engine_file.gas_map is None
     if coupling is None or coupling.torque is None or coupling.at_torque is not None or not known:
@@ -300,6 +298,7 @@ def shaft_surroundings(
         free_end=free_end,
         ring=None if torsional is None else torsional.damper().ring,
         machine=None if driven is None else driven.ring,
+        machine_name=DRIVEN if driven is None else driven.name,
         pin_masses=tuple(at_each.tolist()),
         torsional_line=engine_file.shaft_lines.get("torsional"),
         axial_line=engine_file.shaft_lines.get("axial"),

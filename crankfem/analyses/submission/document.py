@@ -404,11 +404,12 @@ def _failing(run: EngineVibration, cases: FiringCases) -> DocumentPart:
             DocumentTable(f"stress_{name}_each", tables.each_table(cases, way)),
         ]
     assert run.misfiring is not None or run.misfiring_note
+    title = "One cylinder misfiring, one cut out"
+    if MISFIRING not in cases.failing:
+        title = "One cylinder cut out"
     sentence = () if run.misfiring is None else (run.misfiring.sentence,)
     meaning = tuple(f"{_upper(way)}: {MEANING[way]}." for way in cases.failing)
-    return DocumentPart(
-        "failing", "One cylinder misfiring, one cut out", (*meaning, *sentence), tuple(items)
-    )
+    return DocumentPart("failing", title, (*meaning, *sentence), tuple(items))
 
 
 def _barred(run: EngineVibration, verdict: Verdict) -> DocumentPart:
@@ -447,7 +448,7 @@ def _dampers(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     missing = {
         "dampers": "Dampers and couplings: the torsional chain has none that dissipate vibration energy.",
         "gears": "Gear hammer: the torsional chain has no gears.",
-        "generator": "Generator: the engine drives none, so there is no electrical angle."
+        "generator": "Generator: none is driven, so there is no electrical angle."
         if run.engine_file.engine.drives != "generator"
         else "Generator: its poles are not given (engine.generator_poles), so its electrical angle is not "
         "known.",

@@ -151,7 +151,8 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     envelopes: dict[str, FloatArray] = {}
     normal: Series = {}
     firing = None
-    for way, compression in ((MISFIRING, True), (CUT_OUT, False)):
+    ways = ((MISFIRING, True), (CUT_OUT, False))
+    for way, compression in ways[1:] if file.engine.driven_by else ways:
         cold = _cold(file, mechanism, harmonics, compression, share)
         if isinstance(cold, str):
             notes.append(f"{way} is not calculated: {cold}")
@@ -183,8 +184,9 @@ def _cold(
 ) -> CylinderHarmonics | str:
     """Return the harmonics of cylinders without combustion, or why they are unknown."""
     try:
-        failing = file.changed(misfire=Misfire(compression=compression))
-        return failing_harmonics(failing, mechanism, firing, share)
+        return failing_harmonics(
+            file, mechanism, firing, share, misfire=Misfire(compression=compression)
+        )
     except InputError as error:
         return str(error)
 

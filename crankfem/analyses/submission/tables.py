@@ -32,9 +32,10 @@ from crankfem.analyses.submission.firing_cases import (
     limit_of,
 )
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
-from crankfem.analyses.vibration.engine_limits import COUPLING
+from crankfem.analyses.vibration.engine_limits import coupling_of
 from crankfem.analyses.vibration.misfiring import Reached
 from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.files.engine.mechanism_cylinders import order_named
 from crankfem.files.sections.excitation_sections import gas_map_load
 from crankfem.files.sections.limits_sections import LimitsInput
 from crankfem.files.sections.mechanism_sections import LoadSection
@@ -104,12 +105,14 @@ def engine_data_table(run: EngineVibration) -> Table:
     reciprocating = file.piston.mass + (file.rod.mass - file.rod.rotating_mass)
     rows = [
         ("engine", engine.name),
-        ("drives", engine.drives or "not given: a propeller is assumed"),
+        ("driven by", engine.driven_by)
+        if engine.driven_by
+        else ("drives", engine.drives or "not given: a propeller is assumed"),
         ("cylinders", f"{engine.cylinders} {'in line' if engine.bank_angles is None else 'in V'}"),
         ("strokes per cycle", f"{engine.strokes}"),
-        ("firing order", "-".join(str(number) for number in engine.firing_order)),
+        (order_named(engine.driven_by), "-".join(map(str, engine.top_order))),
         (
-            "firing angles of the cylinders",
+            f"{'angles at the top' if engine.driven_by else 'firing angles'} of the cylinders",
             ", ".join(f"{angle:g}" for angle in np.round(np.degrees(engine.firing_angles), 3))
             + " deg",
         ),
@@ -204,7 +207,9 @@ def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]
     rated = file.engine.rated_speed
     whole = engine_harmonics(file, mechanism, HIGHEST_SHARE)
     steady = file.gas_map is None and full_load_only(mechanism)
-    if steady and mechanism.gas is not None and mechanism.gas.pressure_table is None:
+    gas_section = mechanism.gas
+    by_cycle = gas_section is not None and gas_section.pressure_table is None
+    if steady and by_cycle and not file.engine.driven_by:
         gas, means = _part_loads(run, mechanism)
         loads = [
             f"{100.0 * share:g} %, {mean / 1e6:.3g} MPa"
@@ -479,6 +484,11 @@ def critical_table(run: EngineVibration) -> Table:
 def major_sentences(run: EngineVibration) -> tuple[str, ...]:
     """State the finding of the rule of one class on major critical speeds."""
     engine, forced = run.engine_file.engine, run.forced_torsional
+    if engine.driven_by:
+        return (
+            "No rule on major critical speeds is applied: those of classes are for engines, not for a "
+            "machine that is driven.",
+        )
     judgment = major_criticals(
         criticals_to_highest(run),
         engine.rated_speed,
@@ -712,7 +722,9 @@ def damper_table(run: EngineVibration, cases: FiringCases) -> Table | None:
     chain, limits = run.torsional_chain, run.engine_file.limits or LimitsInput()
     dampers = damper_places(chain)
     places = dict.fromkeys([*dampers, *heat_factors(chain)])
-    permitted = {COUPLING: (limits.coupling_torque, limits.coupling_heat)}
+    permitted = {
+        coupling_of(run.engine_file.engine): (limits.coupling_torque, limits.coupling_heat)
+    }
     permitted |= {part.element: (part.torque, part.heat) for part in limits.elements}
     places |= {(TORQUE, name): None for name in permitted if name in chain.elements}
     of_damper = limits.damper_torque, limits.damper_heat

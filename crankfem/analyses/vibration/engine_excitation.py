@@ -43,7 +43,12 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.sections.excitation_sections import gas_map_load, gas_map_pressure
+from crankfem.files.sections.excitation_sections import (
+    GasMap,
+    Misfire,
+    gas_map_load,
+    gas_map_pressure,
+)
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.critical import engine_orders
 from dynamics.excitation.chain_excitation import (
@@ -140,6 +145,11 @@ class EngineLoad(Result):
     @cached_property
     def sentence(self) -> Part[str]:
         """The load as a function of the speed, in words."""
+        if self.law == "constant" and self.rated.driven:
+            return (
+                "every speed is calculated with the pressures of [gas]; a compressor that starts unloaded is "
+                "excited less below its running speeds"
+            )
         if self.law == "constant":
             source = (
                 "as given in [load]" if self.given else "because the file has no section [load]"
@@ -202,10 +212,16 @@ def pressure_over_speeds(
         If a pressure cannot be read, or a cycle cannot reach the load.
     """
     if engine_file.gas_map is not None:
-        return gas_map_pressure(engine_file.gas_map, engine_file.engine.strokes, engine_file.files)
+        return engine_gas_map(engine_file, engine_file.gas_map)
     if full_load_only(mechanism):
         return mechanism.pressure
     return pressure_maps(mechanism, speed_range)
+
+
+def engine_gas_map(engine_file: EngineFile, section: GasMap) -> PressureMap:
+    """Return the pressure map of an engine, or of a driven machine."""
+    engine = engine_file.engine
+    return gas_map_pressure(section, engine.strokes, engine_file.files, fires=not engine.driven_by)
 
 
 def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad:
@@ -243,7 +259,9 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
     if engine_file.gas_map is not None:
         law = "map"
         at_rated = indicated[int(np.flatnonzero(speeds == engine.rated_speed)[0])]
-        rated = EnginePower(engine.rated_speed, *at_rated, engine.rated_power)
+        rated = EnginePower(
+            engine.rated_speed, *at_rated, engine.rated_power, driven=bool(engine.driven_by) or None
+        )
     elif section is not None:
         law = section.law or "points"
     assert rated is not None  # of [gas], where there is no map
@@ -274,7 +292,7 @@ def pressures_of_cylinders(
         if full_load_only(mechanism):
             return [mechanism.pressure] * speeds.size
         return pressures_at(mechanism, speeds)
-    diagrams = gas_map_pressure(section, engine.strokes, engine_file.files)
+    diagrams = engine_gas_map(engine_file, section)
     load = gas_map_load(section, engine.rated_speed)
     loads = [None] * speeds.size if load is None else load_at(load, speeds).tolist()
     cylinders = len(mechanism.layout.cylinders)
@@ -329,6 +347,8 @@ def failing_harmonics(
     mechanism: MechanismFile,
     firing: CylinderHarmonics,
     above_rated: float = ABOVE_RATED,
+    *,
+    misfire: Misfire | None = None,
 ) -> CylinderHarmonics:
     """Harmonics of the pin forces of cylinders without combustion.
 
@@ -336,6 +356,8 @@ def failing_harmonics(
     ----------
     engine_file : EngineFile
         Its section [misfire] may exclude compression, too; then no gas acts.
+    misfire : Misfire, optional
+        In place of that section.
 
     Raises
     ------
@@ -343,7 +365,7 @@ def failing_harmonics(
         If the pressure without combustion is unknown: there is no section [gas], or its table shows
         no compression.
     """
-    misfire = engine_file.misfire
+    misfire = misfire or engine_file.misfire
     if misfire is not None and not misfire.compression:
         none = tuple(np.zeros((1, *gas.shape[1:]), dtype=np.complex128) for gas in firing.gas)
         weights = (constant_weight,) * len(none)

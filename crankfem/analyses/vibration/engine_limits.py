@@ -1,7 +1,7 @@
 """The limits of an engine file, including those from rules, and the speeds at which they apply."""
 
 import weakref
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
@@ -35,6 +35,7 @@ from dynamics.assessment.response_curves import curves_of
 from dynamics.assessment.verdict import Verdict, judge
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import Kind
+from dynamics.chains.shaft_line import DRIVEN
 from dynamics.response.loads import ElementLoads, alternating_stress, dashpot_names, section_modulus
 from dynamics.response.series import OrderSeries
 
@@ -48,7 +49,7 @@ ANY_COMPLIANCE, ANY_INERTIA = 1e-8, 1.0
 BEYOND = 1e-6
 # Firings count as even if their intervals differ by less [deg].
 UNEVEN = 0.01
-COUPLING, DAMPER = "flywheel - driven machine", "damper ring"
+DAMPER = "damper ring"
 # What is compared of any engine that has it, limited or not: key, name and unit.
 COMPARED = {
     "torsional_amplitude": ("torsional amplitude of free end", "rad"),
@@ -117,8 +118,12 @@ LIMITED = {
     "torsional_amplitude": LimitedQuantity("torsional", attrgetter("free_end")),
     "axial_amplitude": LimitedQuantity("axial", attrgetter("free_end")),
     "axial_force": LimitedQuantity("axial", attrgetter("crank_elements")),
-    "coupling_torque": LimitedQuantity("torsional", partial(_torque, COUPLING), COUPLING),
 }
+
+
+def coupling_of(engine: Engine) -> str:
+    """Return the element of the torsional chain that is the coupling behind the flywheel."""
+    return f"flywheel - {engine.driven_by or DRIVEN}"
 
 
 def limited_quantities(engine_file: EngineFile) -> dict[str, LimitedQuantity]:
@@ -126,11 +131,12 @@ def limited_quantities(engine_file: EngineFile) -> dict[str, LimitedQuantity]:
 
     The elements are those of `check_limited_elements`.
     """
-    limits = engine_file.limits or LimitsInput()
+    limits, coupling = engine_file.limits or LimitsInput(), coupling_of(engine_file.engine)
     series: dict[str, tuple[Callable[[Limited], OrderSeries], str]] = {
-        f"shaft: {shaft.element}": (partial(_shaft_stress, shaft), shaft.element)
-        for shaft in limits.shafts
+        "coupling_torque": (partial(_torque, coupling), coupling)
     }
+    for shaft in limits.shafts:
+        series[f"shaft: {shaft.element}"] = partial(_shaft_stress, shaft), shaft.element
     for part in limits.elements:
         series[f"torque: {part.element}"] = partial(_torque, part.element), part.element
     return LIMITED | {name: LimitedQuantity("torsional", *of) for name, of in series.items()}
@@ -177,7 +183,9 @@ def _engine_limits(engine_file: EngineFile) -> Limits:
         provenance=engine_file.provenance,
     )
     remarks = []
-    if "crankshaft_stress" not in found:
+    if engine.driven_by:
+        _refuse_without_limit(engine_file, found)
+    elif "crankshaft_stress" not in found:
         tensile, yielding = strengths(engine_file)
         picked = CRANKSHAFT_RULES[rule_of(engine)](
             engine.rated_speed,
@@ -218,6 +226,17 @@ def _engine_limits(engine_file: EngineFile) -> Limits:
     return found, tuple(remarks)
 
 
+def _refuse_without_limit(engine_file: EngineFile, limits: Collection[str]) -> None:
+    """Refuse to judge a driven machine by rules for engines: its crankshaft has a given limit."""
+    forced = engine_file.gas is not None or engine_file.gas_map is not None
+    if forced and "crankshaft_stress" not in limits:
+        raise InputError(
+            "limits.crankshaft_stress: missing for a machine that is driven; give what its maker permits, or "
+            '{ value = "25 MPa", assumed = "why" }, because the rules of classes for crankshafts are for '
+            "engines."
+        )
+
+
 def rule_of(engine: Engine) -> str:
     """Return the name of the rule for the crankshaft if the file gives none."""
     return RULE_OF_DRIVEN[engine.drives or "propeller"]
@@ -236,14 +255,20 @@ def rule_reason(engine_file: EngineFile) -> str:
 
 
 def unmodeled_plant(engine_file: EngineFile) -> tuple[str, ...]:
-    """Say that the file names what the engine drives and does not describe it; nothing otherwise."""
-    driven = _driven(engine_file)
-    if driven is None or engine_file.driven is not None or engine_file.shaft_lines:
-        return ()
-    return (
-        f"The {driven} and its shafts are not modeled (no [driven], no [shaft_line]): the verdict holds for "
-        "the engine with its flywheel alone, not for the plant.",
-    )
+    """Say what of a plant that the file names is left out: the other machine, or an engine's forces."""
+    driver = engine_file.engine.driven_by
+    other, section = (driver, "driver") if driver else (_driven(engine_file), "driven")
+    told = []
+    if driver == "engine":
+        told.append(
+            "The forces of the engine that drives this machine are not part of the calculation."
+        )
+    if other is not None and engine_file.behind_coupling is None and not engine_file.shaft_lines:
+        told.append(
+            f"The {other} and its shafts are not modeled (no [{section}], no [shaft_line]): the verdict "
+            f"holds for the {'machine' if driver else 'engine'} with its flywheel alone, not for the plant."
+        )
+    return tuple(told)
 
 
 def _driven(engine_file: EngineFile) -> str | None:
@@ -384,17 +409,18 @@ def refuse_limits(engine_file: EngineFile) -> None:
             "limits: given without gas pressure; allowed are both, because amplitudes need what excites "
             "them: a section [gas] or [gas_map]."
         )
-    check_limited_elements(engine_file.limits, named.chain)
+    check_limited_elements(engine_file.limits, named.chain, engine_file.engine)
 
 
-def check_limited_elements(limits: LimitsInput, chain: Chain) -> None:
+def check_limited_elements(limits: LimitsInput, chain: Chain, engine: Engine) -> None:
     """Refuse limits on elements that the torsional chain does not have."""
-    elements = chain.elements
+    elements, coupling = chain.elements, coupling_of(engine)
     for name in ("coupling_torque", "coupling_heat"):
-        if getattr(limits, name) is not None and COUPLING not in elements:
+        if getattr(limits, name) is not None and coupling not in elements:
+            section = "driver" if engine.driven_by else "driven"
             raise InputError(
-                f"limits.{name}: given without the section [driven]; allowed are both, because the "
-                "coupling joins the driven machine."
+                f"limits.{name}: given without the section [{section}]; allowed are both, because the "
+                f"coupling joins the {engine.driven_by or DRIVEN}."
             )
     limited = [
         (f"limits.{table}[{place}].element", part.element, known)
@@ -407,7 +433,7 @@ def check_limited_elements(limits: LimitsInput, chain: Chain) -> None:
                 f"{field}: given {element!r}; {did_you_mean(element, known)}allowed are {', '.join(known)}, "
                 "because the torsional chain has these elements."
             )
-        if element == COUPLING and (limits.coupling_torque or limits.coupling_heat):
+        if element == coupling and (limits.coupling_torque or limits.coupling_heat):
             raise InputError(
                 f"{field}: given {element!r} together with coupling_torque or coupling_heat; allowed is one "
                 "of the two, because both limit that coupling."
@@ -443,7 +469,8 @@ def compared_series(
 ) -> dict[str, OrderSeries]:
     """Return the quantities with limits, and motions and torques of `COMPARED` that the engine has."""
     loads = torsional.loads.elements
-    coupling = ("coupling_torque",) if COUPLING in loads.names else ()
+    coupled = coupling_of(engine_file.engine) in loads.names
+    coupling = ("coupling_torque",) if coupled else ()
     names = (*engine_limits(engine_file)[0], "torsional_amplitude", "axial_amplitude", *coupling)
     compared = limited_series(engine_file, axial, torsional, names)
     for loads_of_part in (loads, torsional.loads.dashpots):

@@ -376,6 +376,8 @@ def misfiring_or_reason(
         If the file has a section [misfire] and the pressure without combustion is unknown.
     """
     file = chains.engine_file
+    if file.engine.driven_by:
+        return None, "misfiring is not calculated: nothing fires in a driven machine"
     try:
         failing = failing_harmonics(file, mechanism, harmonics)
     except InputError as error:

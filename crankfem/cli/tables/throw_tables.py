@@ -369,6 +369,7 @@ def _arrangement_parts(
     name: str, engine: "Arrangement", units: OutputUnits
 ) -> Iterator[Table | str]:
     from crankfem.analyses.mechanism.mechanism_results import intervals_text
+    from crankfem.files.engine.mechanism_cylinders import order_named
 
     length, speed = units.of("mm"), units.of("1/min")
     digits = _digits(length)
@@ -382,15 +383,17 @@ def _arrangement_parts(
         f"{length.number(engine.bore, digits)} x {length.number(engine.stroke, digits)} "
         f"{length.name}; runs from "
         f"{speeds[0]} to {speeds[1]} {speed.name}, rated speed {speeds[2]} {speed.name} (mean piston "
-        f"speed {units.of('m/s').with_name(engine.mean_piston_speed, 3)}); firing order "
-        f"{'-'.join(map(str, engine.firing_order))}, "
-        f"{intervals_text(engine.firing_intervals_deg, units)}."
+        f"speed {units.of('m/s').with_name(engine.mean_piston_speed, 3)}); "
+        f"{order_named(engine.driven_by)} {'-'.join(map(str, engine.firing_order))}, "
+        f"{intervals_text(engine.firing_intervals_deg, units, driven=bool(engine.driven_by))}."
     )
     fired = dict(zip(engine.firing_order, engine.firing_angles_deg, strict=True))
     angles = {"crank angle": engine.crank_angles_deg}
     if engine.bank_angles_deg is not None:
         angles["bank angle"] = engine.bank_angles_deg
-    angles["fires at"] = tuple(fired[number] for number in sorted(fired))
+    angles["top at" if engine.driven_by else "fires at"] = tuple(
+        fired[number] for number in sorted(fired)
+    )
     yield Table(
         f"Cylinders [{units.of('deg').name}]",
         [Column("cylinder"), *(Column(name, "deg", 6, bare=True) for name in angles)],

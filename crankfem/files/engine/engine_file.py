@@ -15,6 +15,7 @@ from crankbase.summaries import summarized
 from crankfem.files.chain.chain_file import PLANT, plant_chain, read_shaft_lines
 from crankfem.files.engine.file_kinds import SECTIONS, check_sections, engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
+    MechanismSections,
     angles_of_throws,
     check_sizes,
     pins_of,
@@ -60,7 +61,7 @@ from crankfem.files.sections.vibration_sections import (
     TorsionalDamperSection,
 )
 from dynamics.chains.chain import Chain
-from dynamics.chains.shaft_line import Driven
+from dynamics.chains.shaft_line import Driven, Driver
 from fem.material import STEEL, Material
 from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.throw import CrankThrow
@@ -167,6 +168,7 @@ def check_plant(engine: "EngineFile") -> None:
     twice = {
         "torsional_damper": engine.torsional_damper is not None,
         "driven": engine.driven is not None,
+        "driver": engine.driver is not None,
         "damping.cylinder_damping": damping is not None and damping.cylinder_damping is not None,
         "damping.loss_factor": damping is not None and damping.loss_factor is not None,
         "vibration.torsional_source": engine.vibration.torsional_source != "fe",
@@ -176,6 +178,46 @@ def check_plant(engine: "EngineFile") -> None:
             f"{name}: given together with shaft_line.plant; allowed is one of the two, because the chain of "
             "the plant defines the whole torsional chain."
         )
+
+
+def check_driven(file: "EngineFile | MechanismSections") -> None:
+    """Refuse what an engine alone has, for a machine that is driven, and the other way round."""
+    driven_by, gas = file.engine.driven_by, file.gas
+    if not driven_by:
+        if gas is not None and gas.compressor is not None:
+            raise InputError(
+                "gas.discharge_pressure: given without engine.driven_by; allowed are both, because something "
+                "drives a compressor."
+            )
+        if isinstance(file, EngineFile) and file.driver is not None:
+            raise InputError(
+                "driver: given without engine.driven_by; allowed are both, or the section [driven], because "
+                "an engine drives what is behind its coupling."
+            )
+        return
+    if gas is not None and gas.compressor is None and gas.pressure_table is None:
+        raise InputError(
+            "gas.discharge_pressure: missing for a driven machine; allowed are suction_pressure, "
+            "discharge_pressure, clearance and exponent, or pressure_table, because nothing burns in it."
+        )
+    refused = {
+        "load": None
+        if file.load is None or file.load.law == "constant"
+        else "its pressures are those of [gas]",
+    }
+    if isinstance(file, EngineFile):
+        for name, why in (
+            ("driven", "what is behind its coupling drives it: [driver]"),
+            ("misfire", "nothing fires"),
+            ("propeller_forces", "it drives none"),
+            ("strength", "UR M53 is a rule for engines"),
+        ):
+            refused[name] = None if getattr(file, name) is None else why
+    for name, reason in refused.items():
+        if reason is not None:
+            raise InputError(
+                f"{name}: given together with engine.driven_by; allowed is none, because {reason}."
+            )
 
 
 def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
@@ -246,8 +288,8 @@ class EngineFile:
         Its sections; of several throws by name, the one at the free end.
     shaft_lines : dict
         Kind, "torsional" or "axial", to the chain of the shaft line behind the flywheel, if given.
-    shaft, hinged_rods, free_end, damping, torsional_damper, axial_damper, driven, bearings, gas, \
-load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table, two_mass, study
+    shaft, hinged_rods, free_end, damping, torsional_damper, axial_damper, driven, driver, bearings, \
+gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table, two_mass, study
         Optional sections; None where the file lacks them.
     records : tuple of InputRecord
         Every value with its source.
@@ -286,6 +328,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
     torsional_damper: TorsionalDamperSection | None
     axial_damper: AxialDamperSection | None
     driven: Driven | None
+    driver: Driver | None
     bearings: Bearings | None
     shaft_lines: dict[str, Chain]
     propeller_forces: PropellerForcesSection | None
@@ -315,6 +358,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         check_gas_map(self.gas_map, self.engine)
         check_load(self.load, self.gas, self.gas_map, self.engine)
         check_sources(self.vibration, self.study)
+        check_driven(self)
         check_plant(self)
         check_highest_order(self.vibration, self.engine)
         check_strength(self.strength, self.crank_throws, self.gas or self.gas_map)
@@ -374,6 +418,11 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         return self.bearings or Bearings(
             stiffness=assumed, lowest_stiffness=assumed / ratio, highest_stiffness=assumed * ratio
         )
+
+    @property
+    def behind_coupling(self) -> Driven | None:
+        """What is behind the coupling at the flywheel: a driven machine, or the prime mover of one."""
+        return self.driven or self.driver
 
     @property
     def crankshaft(self) -> Crankshaft:

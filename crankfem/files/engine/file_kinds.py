@@ -60,6 +60,10 @@ SECTIONS = {
     "torsional_damper": EngineSection(".sections.vibration_sections:TorsionalDamperSection"),
     "axial_damper": EngineSection(".sections.vibration_sections:AxialDamperSection"),
     "driven": EngineSection("dynamics.chains.shaft_line:Driven"),
+    "driver": EngineSection(
+        "dynamics.chains.shaft_line:Driver",
+        "optional, in place of [driven] with engine.driven_by; with the same fields",
+    ),
     "bearings": EngineSection(".sections.vibration_sections:Bearings"),
     "shaft_line": EngineSection(".sections.vibration_sections:ShaftLineFiles"),
     "gas": EngineSection(

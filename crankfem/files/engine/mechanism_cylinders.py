@@ -311,12 +311,12 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
     firing order makes them even, or by far more even, that is a note.
     """
     steps = engine.firing_intervals_deg
-    if max(steps) - min(steps) < np.degrees(EVEN):
+    if engine.driven_by or max(steps) - min(steps) < np.degrees(EVEN):
         return FiringEvenness()
     together = tuple(_together(engine))
     uneven = intervals_text(steps)
     even = even_firing_order(engine.firing_angles, engine.strokes)
-    order = "-".join(map(str, engine.firing_order))
+    order = "-".join(map(str, engine.top_order))
     if even is not None:
         every = sum(steps) / len(steps)
         better = (
@@ -347,12 +347,17 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
 
 
 def firing_sentence(engine: Engine) -> str:
-    """Say in which order and at which intervals an engine fires."""
+    """Say in which order and at which intervals an engine fires, or its cranks come to the top."""
     steps = engine.firing_intervals_deg
-    order = "-".join(map(str, engine.firing_order))
+    order = f"{order_named(engine.driven_by)} {'-'.join(map(str, engine.top_order))}"
     if max(steps) - min(steps) < np.degrees(EVEN):
-        return f"Firing order {order}, even: every {sum(steps) / len(steps):g} deg."
-    return f"Firing order {order}, uneven: intervals of {intervals_text(steps)}."
+        return f"{order[0].upper()}{order[1:]}, even: every {sum(steps) / len(steps):g} deg."
+    return f"{order[0].upper()}{order[1:]}, uneven: intervals of {intervals_text(steps)}."
+
+
+def order_named(driven_by: str | None) -> str:
+    """Name the order in which cylinders fire, or those of a driven machine come to the top."""
+    return "order at the top" if driven_by else "firing order"
 
 
 def intervals_text(intervals_deg: Sequence[float]) -> str:
@@ -364,7 +369,7 @@ def intervals_text(intervals_deg: Sequence[float]) -> str:
 
 def _together(engine: Engine) -> Iterator[str]:
     """Name cylinders that fire at the same angle."""
-    order = engine.firing_order
+    order = engine.top_order
     for place, step in enumerate(engine.firing_intervals_deg):
         if step < np.degrees(EVEN):
             number, following = order[place], order[(place + 1) % len(order)]

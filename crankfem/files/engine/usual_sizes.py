@@ -195,9 +195,17 @@ def engine_warnings(
         return usual.warning_of(field, value, unit, ratio)
 
     journal, rod, pitch = throw.main_journal_diameter, file.rod.length, throw.length
-    yield from warn("engine.stroke", engine.stroke, "m", STROKE, engine.stroke / bore)
     # A journal that is wrong against the throw is not told again against other parts.
     wrong_journal = any(".main_journal_diameter: " in sentence for sentence in of_throws)
+    if thrust is not None and not wrong_journal:
+        stiffness = thrust.stiffness
+        yield from warn(
+            "thrust_bearing.stiffness", stiffness, "N/m", THRUST, stiffness / journal / 1e9
+        )
+    yield from warn("rod.length", rod, "m", ROD_LENGTH, rod / throw.crank_radius)
+    if engine.driven_by:  # one frame carries cylinders of very different bores and pressures
+        return
+    yield from warn("engine.stroke", engine.stroke, "m", STROKE, engine.stroke / bore)
     if not wrong_journal:
         yield from warn("throw.main_journal_diameter", journal, "m", JOURNAL, journal / bore)
     yield from PITCH.warning(
@@ -205,7 +213,6 @@ def engine_warnings(
         f"{format_quantity(pitch, 'm', 5)} from one main bearing to the next",
         pitch / bore / _cylinders_in_line(file),
     )
-    yield from warn("rod.length", rod, "m", ROD_LENGTH, rod / throw.crank_radius)
     swept = 0.25 * math.pi * bore**2 * engine.stroke * 1e3  # [dm^3]
     for field, mass, usual in (
         ("piston.mass", file.piston.mass, PISTON_MASS),
@@ -224,11 +231,6 @@ def engine_warnings(
         inertia = file.flywheel.inertia
         gyration = math.sqrt(inertia / file.flywheel.mass)
         yield from warn("flywheel.inertia", inertia, "kg m^2", FLYWHEEL, gyration / bore)
-    if thrust is not None and not wrong_journal:
-        stiffness = thrust.stiffness
-        yield from warn(
-            "thrust_bearing.stiffness", stiffness, "N/m", THRUST, stiffness / journal / 1e9
-        )
 
 
 def _cylinders_in_line(file: EngineFile | MechanismSections) -> int:

@@ -36,7 +36,7 @@ def table_warnings(
 ) -> Iterator[str]:
     """Name what is unusual of an engine's tables of pressure and torque."""
     file = scale.file
-    if file.gas is not None and file.gas.pressure_table is not None:
+    if file.gas is not None and file.gas.pressure_table is not None and not file.engine.driven_by:
         yield from pressure_warnings(pressure[0], layout, file.gas.compression_ratio)
     if isinstance(file, EngineFile) and file.torque_table is not None:
         table = read_torque_table(file.torque_table, strokes=layout.strokes)
@@ -81,9 +81,10 @@ def _torque_warnings(
 ) -> Iterator[str]:
     """Compare a table with the torque of a throw at the rated point."""
     field, mean = "torque.table", float(table.torque.mean())
-    usual = scale.torque / len(scale.file.crank_throws)
+    sense = -1.0 if scale.file.engine.driven_by else 1.0
+    usual = sense * scale.torque / len(scale.file.crank_throws)
     for sentence in MEAN_TORQUE.warning_of(field, mean, "N m", mean / usual):
-        yield sentence + ("; perhaps sign or order of the samples" if mean < 0.0 else "")
+        yield sentence + ("; perhaps sign or order of the samples" if mean * usual < 0.0 else "")
     if pressure and len(layout.cylinders) == len(scale.file.crank_throws):
         torque = cylinder_torque(scale, layout, pressure[0], table.torque.size)
         along, against = (_likeness(torque, one) for one in (table.torque, table.torque[::-1]))

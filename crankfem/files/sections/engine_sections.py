@@ -15,11 +15,14 @@ from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import PER_MINUTE, format_quantity
 from crankfem.files.reading.toml_file import TomlFile
 from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
+from dynamics.chains.shaft_line import PRIME_MOVERS
 from dynamics.engine.layout import (
+    angles_after_first,
     even_firing_order,
     firing_angles_of_order,
     firing_intervals,
     firing_order_from_text,
+    firing_order_of_angles,
 )
 
 # Limits are round numbers in the units in which people read them.
@@ -32,14 +35,16 @@ class Engine(InputModel):
 
     name: str = Field(description="name of the engine")
     cylinders: int = quantity_field("number of cylinders", "", 1, 24)
-    strokes: int = quantity_field("strokes per cycle, 2 or 4", "", 2, 4)
+    strokes: int = quantity_field(
+        "strokes per cycle, 2 or 4; 2 for a compressor, whose cycle is a revolution", "", 2, 4
+    )
     bore: float = quantity_field("cylinder bore", "m", 0.002, 2.0)
     stroke: float = quantity_field("piston stroke", "m", 0.001, 5.0)
     rated_speed: float = quantity_field(
         "rated speed", "rad/s", 5.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
     rated_power: float | None = quantity_field(
-        "power at the flywheel at rated speed; the gas pressure must agree with it",
+        "power at the flywheel at rated speed, given or taken; the gas pressure must agree with it",
         "W",
         minimum=0.1,
         maximum=2e8,
@@ -56,16 +61,24 @@ class Engine(InputModel):
         description=f"what the engine drives, {' or '.join(RULE_OF_DRIVEN)}; it selects the rule for the "
         "crankshaft if [limits] gives none",
     )
+    driven_by: str = Field(
+        "",
+        description=f"what drives the machine, {' or '.join(PRIME_MOVERS)}, if it takes power, as a "
+        "compressor does; nothing fires then",
+        json_schema_extra={"feature": True},
+    )
     generator_poles: int | None = quantity_field(
         "poles of the generator, for its electrical angle", "", 2, 400, default=None
     )
     crank_angles: tuple[float, ...] = quantity_field(
-        "angle of each crank from the first, cylinder by cylinder, all in one sense of rotation",
+        "angle of each crank from the first, cylinder by cylinder, all in one sense of rotation; of a "
+        "driven machine in that in which it turns",
         "rad",
     )
-    firing_order: tuple[int, ...] = Field(
+    firing_order: tuple[int, ...] | None = Field(
+        None,
         description='cylinder numbers in firing order, also as text like "1-5-3-6-2-4"; each fires when its '
-        "crank is at the top"
+        "crank is at the top; none of a driven machine",
     )
     bank_angles: tuple[float, ...] | None = quantity_field(
         "V engine: angle of each cylinder's axis, cylinder by cylinder, in the sense of crank_angles",
@@ -87,6 +100,13 @@ class Engine(InputModel):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        if self.driven_by:
+            self._check_driven()
+        elif self.firing_order is None:
+            raise InputError(
+                "engine.firing_order: missing; give cylinder numbers in firing order, or driven_by for a "
+                "machine that takes power."
+            )
         if self.drives:
             check_choice("engine.drives", self.drives, RULE_OF_DRIVEN, "a rule goes by these")
         if self.generator_poles is not None and (
@@ -123,9 +143,9 @@ class Engine(InputModel):
                 )
             if kind == "angles":
                 refuse_many_turns(f"engine.{name}", numbers or ())
-        if sorted(self.firing_order) != list(range(1, self.cylinders + 1)):
+        if sorted(self.top_order) != list(range(1, self.cylinders + 1)):
             raise InputError(
-                f"engine.firing_order: given {list(self.firing_order)}; allowed is each cylinder number "
+                f"engine.firing_order: given {list(self.top_order)}; allowed is each cylinder number "
                 f"from 1 to {self.cylinders} once."
             )
         if self.throws is not None and set(self.throws) != set(range(1, max(self.throws) + 1)):
@@ -136,16 +156,48 @@ class Engine(InputModel):
         _ = self.turning_sense
         return self
 
+    def _check_driven(self) -> None:
+        """Refuse what only an engine has, for a machine that takes power."""
+        check_choice("engine.driven_by", self.driven_by, PRIME_MOVERS, "these turn a machine")
+        for name, shown, allowed, why in (
+            ("drives", self.drives, "one of the two", "a machine takes power or gives it"),
+            (
+                "firing_order",
+                self.firing_order,
+                "none",
+                "nothing fires: crank_angles say what follows",
+            ),
+        ):
+            if shown:
+                raise InputError(
+                    f"engine.{name}: given {quoted(shown)} together with driven_by; allowed is {allowed}, "
+                    f"because {why}."
+                )
+        if self.strokes != 2:
+            raise InputError(
+                f"engine.strokes: given {self.strokes} together with driven_by; allowed is 2, because a "
+                "compressor takes in and delivers in each revolution."
+            )
+
+    @property
+    def top_order(self) -> tuple[int, ...]:
+        """Cylinder numbers as they come to the top: the firing order, if they fire."""
+        if self.firing_order is not None:
+            return self.firing_order
+        return firing_order_of_angles(self._tops(1), self.strokes, 1)
+
     @cached_property
     def turning_sense(self) -> int:
         """1 if the shaft turns in the sense in which the angles count, else -1: the firing order tells.
 
         Where the order fits both senses, the one in which the engine fires more evenly.
         """
+        if self.driven_by:
+            return 1
         unevenness = {}
         for sense in (1, -1):
             try:
-                angles = firing_angles_of_order(self.firing_order, self._tops(sense), self.strokes)
+                angles = firing_angles_of_order(self.top_order, self._tops(sense), self.strokes)
             except InputError:
                 continue
             steps = firing_intervals(angles, self.strokes)
@@ -157,14 +209,14 @@ class Engine(InputModel):
         even = even_firing_order([math.radians(top) for top in tops], self.strokes)
         such = "" if even is None else f", such as {'-'.join(map(str, even))}"
         raise InputError(
-            f"engine.firing_order: given {list(self.firing_order)}, which does not fit the crank angles; "
+            f"engine.firing_order: given {list(self.top_order)}, which does not fit the crank angles; "
             "allowed is an order in which each crank is at the top when its cylinder fires, all within one "
             f"cycle{such} (cylinder by cylinder the tops are at {tops} deg, or the other way round)."
         )
 
     @property
     def firing_intervals_deg(self) -> tuple[float, ...]:
-        """Angles from each firing to the next one, from the first cylinder of the firing order [deg]."""
+        """Angles from each firing, or top, to the next one, from the first cylinder of `top_order` [deg]."""
         steps = firing_intervals(self.firing_angles, self.strokes)
         return tuple(round(math.degrees(step), 6) for step in steps)
 
@@ -181,10 +233,12 @@ class Engine(InputModel):
 
     @cached_property
     def firing_angles(self) -> tuple[float, ...]:
-        """Crank angle at which each cylinder fires, from the first to fire [rad]."""
+        """Crank angle at which each cylinder fires or is at the top, from the first of `top_order` [rad]."""
         tops = self._tops(self.turning_sense)
-        angles = firing_angles_of_order(self.firing_order, tops, self.strokes)
-        return tuple(angle - angles[self.firing_order[0] - 1] for angle in angles)
+        if self.driven_by:
+            return angles_after_first(tops, self.strokes)
+        angles = firing_angles_of_order(self.top_order, tops, self.strokes)
+        return tuple(angle - angles[self.top_order[0] - 1] for angle in angles)
 
 
 class Flywheel(InputModel):

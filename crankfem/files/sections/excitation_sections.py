@@ -158,7 +158,9 @@ class PropellerForcesSection(InputModel):
         return PropellerForces(**self.model_dump(exclude={"node", "ratio", *phases}), **in_degrees)
 
 
-def gas_map_pressure(section: GasMap, strokes: int, files: InputFiles) -> PressureMap:
+def gas_map_pressure(
+    section: GasMap, strokes: int, files: InputFiles, *, fires: bool = True
+) -> PressureMap:
     """Return the pressure map that a section describes.
 
     Parameters
@@ -167,13 +169,15 @@ def gas_map_pressure(section: GasMap, strokes: int, files: InputFiles) -> Pressu
         Of the engine, 2 or 4.
     files : InputFiles
         The engine file and those that it may name.
+    fires : bool, optional
+        Whether the diagrams are those of an engine, as of `read_pressure_table`.
     """
     diagrams: dict[str, GasPressure] = {}
     for number, point in enumerate(section.points):
         name = point.pressure_table
         if name not in diagrams:
             table = files.named(f"gas_map.points[{number}].pressure_table", name, "tables")
-            diagrams[name] = read_pressure_table(table, strokes)
+            diagrams[name] = read_pressure_table(table, strokes, fires=fires)
     try:
         return pressure_map(
             ((point.speed, point.load, diagrams[point.pressure_table]) for point in section.points),

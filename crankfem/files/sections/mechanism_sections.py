@@ -10,6 +10,7 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.quantity import PER_MINUTE, format_quantity
 from dynamics.excitation.pressure_map import LoadPoints
+from dynamics.gas.compressor import CompressorCycle
 from dynamics.gas.gas_cycle import USUAL_VALUES, name_of_field
 from dynamics.gas.pressure import ATMOSPHERE
 
@@ -172,8 +173,12 @@ class HingedRods(InputModel):
         return self
 
 
+# What the cycle of a compressor needs, of a machine that is driven.
+COMPRESSOR = ("suction_pressure", "discharge_pressure", "clearance", "exponent")
+
+
 class Gas(InputModel):
-    """Gas pressure in the cylinder: measured, or a cycle model fitted to given values."""
+    """Gas pressure in the cylinder: measured, a cycle model fitted to given values, or a compressor's."""
 
     section: ClassVar[str] = "gas"
 
@@ -211,9 +216,35 @@ class Gas(InputModel):
         maximum=math.radians(170.0),
         default=None,
     )
+    suction_pressure: float | None = quantity_field(
+        "compressor: absolute pressure at which it takes in", "Pa", 1e3, 4e8, default=None
+    )
+    discharge_pressure: float | None = quantity_field(
+        "compressor: absolute pressure at which it delivers", "Pa", 1e4, 4e8, default=None
+    )
+    clearance: float | None = quantity_field(
+        "compressor: smallest volume over the swept one", "", 0.001, 5.0, default=None
+    )
+    exponent: float | None = quantity_field(
+        "compressor: n of p V^n in compression and re-expansion", "", 1.0, 1.7, default=None
+    )
+
+    @property
+    def compressor(self) -> CompressorCycle | None:
+        """The cycle of a compressor, if it is given."""
+        if self.discharge_pressure is None:
+            return None
+        try:
+            return CompressorCycle(*(getattr(self, name) for name in COMPRESSOR))
+        except InputError as error:
+            raise InputError(f"gas.{error}") from None
 
     @model_validator(mode="after")
     def _says_how_high(self) -> Self:
+        known = [name for name in COMPRESSOR if getattr(self, name) is not None]
+        if known:
+            self._check_compressor(known)
+            return self
         if (
             self.peak_pressure is None
             and self.mean_effective_pressure is None
@@ -239,6 +270,22 @@ class Gas(InputModel):
                 "the table defines the whole pressure."
             )
         return self
+
+    def _check_compressor(self, known: list[str]) -> None:
+        """Refuse half a compressor, and one that is an engine as well."""
+        missing = [name for name in COMPRESSOR if name not in known]
+        if missing:
+            raise InputError(
+                f"gas.{missing[0]}: missing; give it with {', '.join(known)}, because the cycle of a "
+                f"compressor has {', '.join(COMPRESSOR)}."
+            )
+        beside = [name for name in sorted(self.model_fields_set) if name not in COMPRESSOR]
+        if beside:
+            raise InputError(
+                f"gas.{beside[0]}: given together with {known[0]}; allowed is one of the two, because the "
+                "cycle of a compressor has no such value."
+            )
+        _ = self.compressor
 
 
 def given_of_cycle(section: InputModel) -> dict[str, float]:
