@@ -370,22 +370,27 @@ def node_velocities(mesh: ThrowMesh, motion: BoundaryMotion, solver: str) -> dic
 
 def load_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[list[NodalLoads]]:
     """Derivatives of the unit loads on the pins, by velocity of the nodes."""
-    surfaces = pin_surfaces(mesh)
-    before, slopes = [surface.unit_loads() for surface in surfaces], []
+    surfaces, slopes = pin_surfaces(mesh), []
     # The end of the meshed part, which the throw's length follows.
     last, images = int(mesh.points[:, 2].argmax()), 2.0 if mesh.part == "quarter" else 1.0
     for velocity in velocities:
         step = _step(mesh, velocity)
-        length = mesh.length + step * images * velocity[last, 2]
-        mirrors = mirror_images(replace(mesh, length=length))
-        moved = [
-            surface.at(mesh.points[surface.nodes] + step * velocity[surface.nodes], mirrors)
-            for surface in surfaces
-        ]
+        ends = []
+        for shift in (-step, step):
+            length = mesh.length + shift * images * velocity[last, 2]
+            mirrors = mirror_images(replace(mesh, length=length))
+            ends.append(
+                [
+                    surface.at(
+                        mesh.points[surface.nodes] + shift * velocity[surface.nodes], mirrors
+                    ).unit_loads()
+                    for surface in surfaces
+                ]
+            )
         slopes.append(
             [
-                replace(first, values=(surface.unit_loads().values - first.values) / step)
-                for first, surface in zip(before, moved, strict=True)
+                replace(before, values=(after.values - before.values) / (2.0 * step))
+                for before, after in zip(*ends, strict=True)
             ]
         )
     return slopes

@@ -2,36 +2,61 @@
 
 All surfaces of a throw are level sets of functions of its parts: planes, cylinders, tori and the faces
 over a web's outline. A point on a level s(x, p) = 0 stays on it while the dimension p grows if it moves
-along the normal by -(ds/dp) / |grad s|; along the surface it may move as it likes.
+along the normal by -(ds/dp) / |grad s|; along the surface it may move as it likes, but where two surfaces
+touch, as a fillet and its web: there each keeps its nodes.
+
+Surfaces of several parts may have the same level, as counterweights of equal radius: a facet follows
+the part that it bounds. Two parts never end in the same place on the same level, because checks of a throw
+keep small steps out of it.
 """
 
 import math
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError, MeshError
 from geometry.mesh import ThrowMesh, six_node_triangles
-from geometry.parts import Arc, ThrowParts, WebPlate
+from geometry.parts import Arc, Cylinder, Point, Sector, ThrowParts, WebPlate
 from geometry.solid import OIL_HOLE, part_end
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record, values_by_path
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 Level = Callable[[Array], Array]
 
 # Why a dimension has no slope, mostly.
 ZERO = "it is zero: the throw has another shape with it"
-# Of the surface of a cylinder, where its fillet starts: no bounding surface.
-EDGE = "edge of"
 # Parts that are meshed, the larger ones first.
 PARTS = ("full", "half", "quarter")
 # A facet lies on a level whose distance from its corners is below this share of the throw's length.
 ON_LEVEL = 1e-6
 # Of a dimension, and of the throw's length, for central differences of smooth functions.
 STEP = 1e-5
+
+
+class Surface(NamedTuple):
+    """A surface of a part of a throw.
+
+    Attributes
+    ----------
+    level : callable
+        Signed distance from it of points (n, 3) [m].
+    reaches : callable
+        Which points (n, 3) on its level can be on that part.
+    within : str
+        Of the line where a surface ends that touches another without an edge: its name. Such a line bounds
+        nothing; nodes of that surface stay on it.
+    """
+
+    level: Level
+    reaches: Callable[[Array], Bools] = lambda x: np.ones(len(x), dtype=bool)
+    within: str = ""
 
 
 @dataclass(frozen=True)
@@ -52,7 +77,7 @@ class BoundaryMotion:
         Dimensions that have none, and the reason.
     """
 
-    nodes: NDArray[np.int64]
+    nodes: Integers
     normals: Array
     speeds: dict[str, Array]
     beside: dict[str, tuple[CrankThrow, CrankThrow]]
@@ -91,30 +116,10 @@ def boundary_motion(
     MeshError
         If a facet lies on no other surface of the throw.
     """
-    levels = bounding_levels(throw.parts, mesh.part)
-    facets = six_node_triangles(mesh, np.concatenate(list(mesh.surfaces.values())))
-    on_surface, places = np.unique(facets, return_inverse=True)
-    points = mesh.points[on_surface]
-    distances = np.array([np.abs(level(points)) for level in levels.values()])
-    distances = distances[:, places.reshape(facets.shape)]
-    # By the corners: edge nodes of mended elements lie beside the surface, and follow their corners.
-    on_level = distances < ON_LEVEL * mesh.length
-    apart = np.where(on_level[:, :, :3].all(axis=2), distances.max(axis=2), np.inf)
-    edges = [number for number, name in enumerate(levels) if name.startswith(EDGE)]
-    apart[edges] = np.inf
-    nearest = apart.argmin(axis=0)
-    known = np.isfinite(apart.min(axis=0))
-    rounded = [name == OIL_HOLE for name, corners in mesh.surfaces.items() for _ in corners]
-    if not np.all(known | np.array(rounded)):
-        raise MeshError("the mesh has facets on none of the throw's surfaces.")
-    held = on_level[nearest, np.arange(len(facets))] & known[:, None]
-    # Beside the facets' surfaces, the ends of what a pin's loads act on, which nodes may not cross.
-    pairs = [np.column_stack([np.repeat(nearest, 6)[held.ravel()], facets[held]])]
-    for number in edges:
-        nodes = facets[on_level[number] & on_level[number - 1]]
-        pairs.append(np.column_stack([np.full(len(nodes), number), nodes]))
-    numbers, nodes = np.unique(np.concatenate(pairs), axis=0).T
-    normals = _normals(list(levels.values()), numbers, mesh.points[nodes], mesh.length * STEP)
+    surfaces = bounding_surfaces(throw.parts, mesh.part)
+    levels = [surface.level for surface in surfaces.values()]
+    numbers, nodes = _conditions(surfaces, mesh)
+    normals = _normals(levels, numbers, mesh.points[nodes], mesh.length * STEP)
     speeds, beside, left_out = {}, {}, {}
     for path, value in lengths_of(throw).items():
         if paths is not None and path not in paths:
@@ -132,24 +137,63 @@ def boundary_motion(
         if any(PARTS.index(end.symmetry) < PARTS.index(mesh.part) for end in (low, high)):
             left_out[path] = f"next to it the {mesh.part} that is meshed does not make up the throw"
             continue
-        ends = [bounding_levels(end.parts, mesh.part) for end in (low, high)]
-        if any(list(end) != list(levels) for end in ends):
+        ends = [bounding_surfaces(end.parts, mesh.part) for end in (low, high)]
+        if any(list(end) != list(surfaces) for end in ends):
             left_out[path] = "the throw's surfaces are others on both sides of it"
             continue
-        less, more = (_values(list(end.values()), numbers, mesh.points[nodes]) for end in ends)
+        less, more = (
+            _values([surface.level for surface in end.values()], numbers, mesh.points[nodes])
+            for end in ends
+        )
         speeds[path] = -(more - less) / (2.0 * STEP * value)
         beside[path] = (low, high)
     return BoundaryMotion(nodes, normals, speeds, beside, left_out)
 
 
-def _values(levels: list[Level], numbers: NDArray[np.int64], points: Array) -> Array:
+def _conditions(surfaces: Mapping[str, Surface], mesh: ThrowMesh) -> tuple[Integers, Integers]:
+    """Surface and node of each condition.
+
+    Raises
+    ------
+    MeshError
+        If a facet lies on none of the surfaces.
+    """
+    names = list(surfaces)
+    facets = six_node_triangles(mesh, np.concatenate(list(mesh.surfaces.values())))
+    on_surface, places = np.unique(facets, return_inverse=True)
+    points = mesh.points[on_surface]
+    distances = np.array([np.abs(surface.level(points)) for surface in surfaces.values()])
+    distances = distances[:, places.reshape(facets.shape)]
+    # By the corners: edge nodes of mended elements lie beside the surface, and follow their corners.
+    on_level = distances < ON_LEVEL * mesh.length
+    apart = np.where(on_level[:, :, :3].all(axis=2), distances.max(axis=2), np.inf)
+    apart[[bool(surface.within) for surface in surfaces.values()]] = np.inf
+    known = np.isfinite(apart.min(axis=0))
+    rounded = [name == OIL_HOLE for name, corners in mesh.surfaces.items() for _ in corners]
+    if not np.all(known | np.array(rounded)):
+        raise MeshError("the mesh has facets on none of the throw's surfaces.")
+    middles = mesh.points[facets[:, :3]].mean(axis=1)
+    bounding = np.isfinite(apart) & [surface.reaches(middles) for surface in surfaces.values()]
+    nearest = np.where(bounding | ~bounding.any(axis=0), apart, np.inf).argmin(axis=0)
+    held = on_level[nearest, np.arange(len(facets))] & known[:, None]
+    pairs = [np.column_stack([np.repeat(nearest, 6)[held.ravel()], facets[held]])]
+    for number, surface in enumerate(surfaces.values()):
+        if surface.within:
+            whose = names.index(surface.within)
+            nodes = facets[(nearest == whose)[:, None] & on_level[number] & on_level[whose]]
+            pairs.append(np.column_stack([np.full(len(nodes), number), nodes]))
+    numbers, nodes = np.unique(np.concatenate(pairs), axis=0).T
+    return numbers, nodes
+
+
+def _values(levels: list[Level], numbers: Integers, points: Array) -> Array:
     """Value of each point's level (c,); numbers ascend."""
     starts = np.flatnonzero(np.diff(numbers, prepend=-1))
     parts = zip(numbers[starts].tolist(), np.split(points, starts[1:]), strict=True)
     return np.concatenate([levels[number](there) for number, there in parts])
 
 
-def _normals(levels: list[Level], numbers: NDArray[np.int64], points: Array, step: float) -> Array:
+def _normals(levels: list[Level], numbers: Integers, points: Array, step: float) -> Array:
     """Unit normals of the levels, by central differences."""
     columns = [
         _values(levels, numbers, points + shift) - _values(levels, numbers, points - shift)
@@ -159,61 +203,117 @@ def _normals(levels: list[Level], numbers: NDArray[np.int64], points: Array, ste
     return np.asarray(gradients / np.linalg.norm(gradients, axis=1)[:, None])
 
 
-def bounding_levels(parts: ThrowParts, part: str) -> dict[str, Level]:
-    """Return the signed distances from all surfaces that bound a throw, by names of their own.
+def bounding_surfaces(parts: ThrowParts, part: str) -> dict[str, Surface]:
+    """Return all surfaces that bound a throw, and the lines where such touch, by names of their own.
 
-    After each fillet comes the plane where it starts. Rounded exits of oil holes are none of them.
+    Rounded exits of oil holes are none of them.
     """
-    levels: dict[str, Level] = {"left end": _plane(0.0), "right end": _plane(part_end(parts, part))}
+    surfaces = {
+        "left end": Surface(_plane(0.0)),
+        "right end": Surface(_plane(part_end(parts, part))),
+    }
     if part != "full":
-        levels["crank plane"] = lambda x: x[:, 0]
+        surfaces["crank plane"] = Surface(lambda x: x[:, 0])
     for cylinder in parts.cylinders:
-        name, radius = cylinder.name, cylinder.radius
-        levels[name] = _round(cylinder.axis, radius)
-        if cylinder.bore_radius:
-            levels[f"bore of {name}"] = _round(cylinder.bore_axis, cylinder.bore_radius)
-            levels[f"start of bore of {name}"] = _plane(cylinder.bore_start)
-            levels[f"end of bore of {name}"] = _plane(cylinder.bore_end)
-        for end, fillet, z in (
-            ("start", cylinder.start_fillet, cylinder.start + cylinder.start_fillet),
-            ("end", cylinder.end_fillet, cylinder.end - cylinder.end_fillet),
-        ):
-            if fillet:
-                levels[f"{end} fillet of {name}"] = _torus(cylinder.axis, radius, fillet, z)
-                levels[f"{EDGE} {end} fillet of {name}"] = _plane(z)
+        surfaces |= _cylinder_surfaces(cylinder)
     for web in parts.webs:
-        levels |= {f"{web.name} {name}": level for name, level in _web_levels(web)}
+        surfaces |= {f"{web.name} {name}": surface for name, surface in _web_surfaces(web)}
+        if web.sector:
+            surfaces |= _sector_surfaces(web, web.sector)
     for hole in parts.drillings:
-        levels[f"oil hole {hole.number}"] = _drilled(hole.local, hole.radius)
+        surfaces[f"oil hole {hole.number}"] = Surface(_drilled(hole.local, hole.radius))
         if not hole.through:
-            levels[f"end of oil hole {hole.number}"] = _bottom(hole.local, hole.inner_end)
-    return levels
+            surfaces[f"end of oil hole {hole.number}"] = Surface(
+                _bottom(hole.local, hole.inner_end)
+            )
+    return surfaces
 
 
-def _web_levels(web: WebPlate) -> Iterator[tuple[str, Level]]:
+def _cylinder_surfaces(cylinder: Cylinder) -> dict[str, Surface]:
+    name, axis, radius = cylinder.name, cylinder.axis, cylinder.radius
+    surfaces = {name: Surface(_round(axis, radius), _between(cylinder.start, cylinder.end))}
+    if cylinder.bore_radius:
+        wall = _round(cylinder.bore_axis, cylinder.bore_radius)
+        first, last = cylinder.bore_start, cylinder.bore_end
+        surfaces |= {
+            f"bore of {name}": Surface(wall, _between(first, last)),
+            f"start of bore of {name}": Surface(_plane(first), lambda x: wall(x) < 0.0),
+            f"end of bore of {name}": Surface(_plane(last), lambda x: wall(x) < 0.0),
+        }
+    for end, fillet, web, z in (
+        ("start", cylinder.start_fillet, cylinder.start, cylinder.start + cylinder.start_fillet),
+        ("end", cylinder.end_fillet, cylinder.end, cylinder.end - cylinder.end_fillet),
+    ):
+        if fillet:
+            own = f"{end} fillet of {name}"
+            reaches = _between(min(web, z), max(web, z))
+            surfaces[own] = Surface(_torus(axis, radius, fillet, z), reaches)
+            surfaces[f"journal's end of {own}"] = Surface(_plane(z), within=own)
+            surfaces[f"web's end of {own}"] = Surface(_round(axis, radius + fillet), within=own)
+    return surfaces
+
+
+def _web_surfaces(web: WebPlate) -> Iterator[tuple[str, Surface]]:
+    def over(x: Array) -> Bools:
+        u, v = _across(web, x)
+        return np.asarray(u < web.outline.half_width(v))
+
     # Between the halves of a split pin there is no web, but what one half stands over the other.
-    yield "start", _plane(web.start)
     if web.end <= web.start:
+        yield "start", Surface(_plane(web.start))
         return
-    yield "end", _plane(web.end)
+    yield "start", Surface(_plane(web.start), over)
+    yield "end", Surface(_plane(web.end), over)
+    beside = _between(web.start, web.end)
     for number, piece in enumerate(web.outline.pieces):
-        (u_0, v_0), (u_1, v_1) = piece.start, piece.end
-        if isinstance(piece, Arc):
-            yield f"arc {number}", _over(web, _circle(piece.center, piece.radius))
-        else:
-            yield f"side {number}", _over(web, _line(u_0, v_0, u_1 - u_0, v_1 - v_0))
+        if not isinstance(piece, Arc):
+            yield f"side {number}", Surface(_over(web, _line(piece.start, piece.end)), beside)
+            continue
+        yield f"arc {number}", Surface(_over(web, _circle(piece.center, piece.radius)), beside)
+        for end, joint in (("start", piece.start), ("end", piece.end)):
+            if joint[0] > 0.0:
+                across = _over(web, _line(piece.center, joint))
+                yield f"{end} of arc {number}", Surface(across, within=f"{web.name} arc {number}")
     for slope in web.slopes:
         run, fall = slope.end - slope.start, slope.inward * slope.drop
         # In v and z: through the face where the slope starts.
-        yield f"slope {slope.towards:+.0f}", _inclined(web, slope.start, slope.face, run, fall)
-    if sector := web.sector:
-        yield "start of counterweight", _plane(sector.start)
-        yield "end of counterweight", _plane(sector.end)
-        yield "counterweight", _over(web, _circle((0.0, 0.0), sector.outer_radius))
-        if sector.inner_radius:
-            yield "inside of counterweight", _over(web, _circle((0.0, 0.0), sector.inner_radius))
-        sine, cosine = math.sin(sector.half_angle), math.cos(sector.half_angle)
-        yield "edge of counterweight", _over(web, _line(0.0, 0.0, sine, -cosine))
+        inclined = _inclined(web, slope.start, slope.face, run, fall)
+        yield f"slope {slope.towards:+.0f}", Surface(inclined, over)
+
+
+def _sector_surfaces(web: WebPlate, sector: Sector) -> dict[str, Surface]:
+    whole, thick = sector.half_angle, _between(sector.start, sector.end)
+
+    def ring(x: Array) -> Bools:
+        radii = np.hypot(*_across(web, x))
+        return (radii > sector.inner_radius) & (radii < sector.outer_radius)
+
+    def spanned(x: Array) -> Bools:
+        u, v = _across(web, x)
+        return np.asarray(np.arctan2(u, -v) < whole)
+
+    def face(x: Array) -> Bools:
+        return ring(x) & spanned(x)
+
+    def rim(x: Array) -> Bools:
+        return thick(x) & spanned(x)
+
+    center = (0.0, 0.0)
+    edge = _line(center, (math.sin(whole), -math.cos(whole)))
+    surfaces = {
+        "start of": Surface(_plane(sector.start), face),
+        "end of": Surface(_plane(sector.end), face),
+        "outside of": Surface(_over(web, _circle(center, sector.outer_radius)), rim),
+        "edge of": Surface(_over(web, edge), lambda x: thick(x) & ring(x)),
+    }
+    if sector.inner_radius:
+        inside = _over(web, _circle(center, sector.inner_radius))
+        surfaces["inside of"] = Surface(inside, rim)
+    return {f"{place} {web.name} counterweight": each for place, each in surfaces.items()}
+
+
+def _between(start: float, end: float) -> Callable[[Array], Bools]:
+    return lambda x: (x[:, 2] > start) & (x[:, 2] < end)
 
 
 def _plane(z: float) -> Level:
@@ -243,7 +343,8 @@ def _circle(center: tuple[float, float], radius: float) -> Callable[[Array, Arra
     return lambda u, v: np.hypot(u - center[0], v - center[1]) - radius
 
 
-def _line(u: float, v: float, du: float, dv: float) -> Callable[[Array, Array], Array]:
+def _line(start: Point, end: Point) -> Callable[[Array, Array], Array]:
+    (u, v), (du, dv) = start, (end[0] - start[0], end[1] - start[1])
     size = math.hypot(du, dv)
     return lambda along, up: ((along - u) * dv - (up - v) * du) / size
 

@@ -246,11 +246,12 @@ def _end_web(
     foot_thickness = dimension("foot_thickness", thickness)
     journal_face, pin_face = (start, end) if outer < 0.0 else (end, start)
     slopes = []
-    if tip_thickness != thickness:
+    # The thickness is a difference of places: one that is meant to be it differs by rounding.
+    if not math.isclose(tip_thickness, thickness, rel_tol=1e-9):
         begin = journal.collar + 2.0 * COLLAR_MARGIN * journal.radius
         drop = thickness - tip_thickness
         slopes.append(Slope(begin, outline.tip, drop, journal_face, -outer, 1.0))
-    if foot_thickness != thickness:
+    if not math.isclose(foot_thickness, thickness, rel_tol=1e-9):
         begin = distance - pin.collar - 2.0 * COLLAR_MARGIN * pin.radius
         drop = thickness - foot_thickness
         slopes.append(Slope(begin, outline.foot, drop, pin_face, outer, -1.0))

@@ -12,10 +12,10 @@ from fem.analysis import analyze_throw
 from fem.end_reactions import END_LOADS
 from fem.material import STEEL
 from fem.responses import evaluate_throw
-from fem.sensitivities import class_slopes, node_velocities
+from fem.sensitivities import class_slopes, mass_slopes, node_velocities
 from fem.superelement import combine_classes
 from fem.supports import support_throw
-from geometry.boundary_motion import boundary_motion, bounding_levels, lengths_of, with_length
+from geometry.boundary_motion import boundary_motion, bounding_surfaces, lengths_of, with_length
 from geometry.mass import mass_properties
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
@@ -150,10 +150,39 @@ def test_every_surface_moves_with_its_dimension(featured):
     assert not motion.left_out.keys() & known.keys()
     for path, speeds in motion.speeds.items():
         step = 1e-6 * known[path]
-        moved = bounding_levels(with_length(featured, path, known[path] + step).parts, mesh.part)
+        larger = with_length(featured, path, known[path] + step)
+        moved = bounding_surfaces(larger.parts, mesh.part).values()
         points = mesh.points[motion.nodes] + (step * speeds)[:, None] * motion.normals
-        off = np.min([np.abs(level(points)) for level in moved.values()], axis=0)
+        off = np.min([np.abs(surface.level(points)) for surface in moved], axis=0)
         assert off.max() < 1e-10
+
+
+@pytest.mark.slow
+def test_equal_dimensions_have_slopes_of_their_own():
+    """Of the volume, against that of the parts: surfaces of both webs have the same level."""
+    weight = FEATURES["counterweight"]
+    left, right = (
+        {"width": 0.17, "journal_end": 0.09, "counterweight": weight | {"thickness": thickness}}
+        for thickness in (0.036, 0.034)
+    )
+    throw = CrankThrow(**FEATURES | {"counterweight": None, "left_web": left, "right_web": right})
+    mesh = mesh_throw(throw, 3.0)
+    weighed = [f"counterweight.{size}" for size in ("outer_radius", "inner_radius", "angle")]
+    wanted = [f"{web}_web.{size}" for size in (*weighed, "width") for web in ("left", "right")]
+    velocities = node_velocities(mesh, boundary_motion(throw, mesh, wanted), "auto")
+    slopes = mass_slopes(mesh, list(velocities.values()))
+    assert velocities.keys() == {*wanted}
+    for path, (slope, _) in zip(velocities, slopes, strict=True):
+        size = lengths_of(throw)[path]
+        low, high = (with_length(throw, path, size * factor).volume for factor in (0.999, 1.001))
+        assert size * slope == close(np.log(high / low) / 0.002, abs=2e-3)
+
+
+def test_a_thickness_given_twice_leaves_a_plain_web(featured):
+    """Whatever places along the shaft round to."""
+    plain = with_length(featured, "web_tip_thickness", featured.web_thickness)
+    for length in np.linspace(0.05, 0.07, 9):
+        assert len(with_length(plain, "main_journal_length", length).parts.webs[0].slopes) == 1
 
 
 # Powers of the size: forces, moments, the pin's compliance.
