@@ -7,6 +7,7 @@ lookup does not load a mesher. The stubs, here and in the topics' folders, decla
 
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 PACKAGES = ("crankbase", "geometry", "fem", "regression", "dynamics")
 
@@ -41,4 +42,13 @@ _check_packages()
 # Only now is it sure that this is our own one.
 from crankbase.public_names import lazy_exports  # noqa: E402
 
-__getattr__, __dir__ = lazy_exports(__name__, __file__)
+_public_name, __dir__ = lazy_exports(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name, or the version, which is the one that results record."""
+    if name == "__version__":
+        from crankfem.analyses.provenance import program_version
+
+        return program_version()
+    return _public_name(name)

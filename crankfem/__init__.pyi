@@ -1,5 +1,7 @@
 """The names of crankfem itself and its topics, with their homes; loaded from there when first used."""
 
+__version__: str
+
 from crankbase.errors import InputError as InputError
 from crankbase.errors import MeshError as MeshError
 from crankbase.errors import MissingLibraryError as MissingLibraryError

@@ -93,6 +93,8 @@ from geometry.throw import CrankThrow
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from fem.exchange import SkfemThrow
+    from fem.fillet_peaks import LoadedThrow
     from fem.sensitivities import DimensionChange, Sensitivities
 
 
@@ -722,6 +724,64 @@ class ThrowAnalysis(SolvedSuperelement):
         return throw_grid(
             self.stiffness, ANGLES_DEG, {name: self.over_angle(name) for name in LABELS}
         )
+
+    def to_skfem(self) -> "SkfemThrow":
+        """Return the whole throw for scikit-fem: mesh, basis, and displacements under unit loads.
+
+        Solved parts are mirrored, so that forms see the whole throw. Ends are pinned. The displacements are
+        those of the finite elements, whose compliances are those of ``discrete``.
+
+        Examples
+        --------
+        >>> import crankfem as cf
+        >>> from skfem.models.elasticity import linear_elasticity
+        >>> throw = cf.CrankThrow(
+        ...     crank_radius=0.170, main_journal_diameter=0.220, pin_diameter=0.180,
+        ...     main_journal_length=0.120, pin_length=0.139, web_width=0.300, web_thickness=0.068,
+        ... )
+        >>> analysis = cf.analyze_throw(throw, accuracy=0.1)
+        >>> given, steel = analysis.to_skfem(), analysis.material
+        >>> form = linear_elasticity(steel.lame_constant, steel.shear_modulus)
+        >>> pulled = given.displacement["axial force"]
+        >>> twice_energy = pulled @ form.assemble(given.basis) @ pulled
+        >>> bool(abs(twice_energy / analysis.discrete.axial_compliance() - 1.0) < 1e-9)
+        True
+        """
+        from fem.exchange import skfem_throw
+
+        return skfem_throw(self._under_unit_loads())
+
+    def to_meshio(self) -> Any:
+        """Return the whole throw for meshio: curved elements, and fields at the nodes under unit loads.
+
+        Returns
+        -------
+        meshio.Mesh
+            Cells "tetra10", and "triangle6" of the named surfaces; the cell data "left end", "pin",
+            "fillet" and so on are 1 on theirs. For each load of `to_skfem` the point data "displacement,
+            axial force [m/N]" (n, 3) and "stress, axial force [Pa/N]" (n, 6): xx, yy, zz, xy, yz, zx,
+            recovered from the elements. The ends are pinned; nothing is corrected for discretization. Files
+            for solvers are better written by `write_mesh`.
+        """
+        from fem.exchange import meshio_throw
+
+        return meshio_throw(self._under_unit_loads())
+
+    def to_pyvista(self) -> Any:
+        """Return the whole throw for PyVista, with the fields of `to_meshio`.
+
+        Returns
+        -------
+        pyvista.UnstructuredGrid
+        """
+        import pyvista
+
+        return pyvista.from_meshio(self.to_meshio())
+
+    def _under_unit_loads(self) -> "LoadedThrow":
+        from fem.exchange import loaded_throw
+
+        return loaded_throw(self.throw, self.mesh, self.material, self.discrete.classes)
 
 
 # Bytes of a process that has loaded what solving needs, and for each unknown of a quarter or half with all

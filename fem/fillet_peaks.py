@@ -36,16 +36,15 @@ from crankbase.summaries import summarized
 from fem.correction import StressRecovery, stresses_at
 from fem.material import Material
 from fem.solver import SharedSolver, assemble_stiffness
-from fem.superelement import RX, RY, CondensedClass, EndSections, condense, nodes_on
+from fem.superelement import RX, RY, CondensedClass, EndSections, condense
 from fem.supports import STRETCH, TWIST, unit_response
 from fem.symmetry import (
-    CUTS,
     MirrorImage,
     SymmetryClass,
-    mirror_images,
     symmetry_classes,
     unit_pin_loads,
 )
+from fem.whole_throw import WholeNodes, whole_facets, whole_nodes
 from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.mesher import Throw
 from geometry.parts import Cylinder, DrillingExit, ThrowParts, WebPlate
@@ -497,7 +496,7 @@ class LoadedThrow:
     end_sections: str
 
     @cached_property
-    def whole(self) -> "WholeNodes":
+    def whole(self) -> WholeNodes:
         """Numbers of the whole throw's nodes."""
         return whole_nodes(self.mesh)
 
@@ -552,17 +551,35 @@ def solve_unit_loads(
     """
     stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
     pins = unit_pin_loads(mesh)
-    shares = []
     shared = SharedSolver(solver)
     try:
-        for symmetry in symmetry_classes(mesh.part):
-            if any(_excites(load, symmetry) for load in loads):
-                part = condense(mesh, stiffness, pins, symmetry, shared, end_sections)
-                fields = np.stack([_field(part, load) for load in loads], axis=-1)
-                shares.append((symmetry, fields))
+        parts = [
+            condense(mesh, stiffness, pins, symmetry, shared, end_sections)
+            for symmetry in symmetry_classes(mesh.part)
+            if any(_excites(load, symmetry) for load in loads)
+        ]
     finally:
         shared.close()
-    return LoadedThrow(mesh, material, tuple(loads), tuple(shares), shared.solver, end_sections)
+    return under_unit_loads(mesh, loads, material, parts)
+
+
+def under_unit_loads(
+    mesh: ThrowMesh,
+    loads: Sequence[UnitLoad],
+    material: Material,
+    parts: Sequence[CondensedClass],
+) -> LoadedThrow:
+    """Return the displacements of a solved throw under unit loads, ends pinned.
+
+    Parameters
+    ----------
+    parts : sequence of CondensedClass
+        At least those that the loads excite, with rigid or averaged sections, not corrected.
+    """
+    shares = tuple(
+        (part.symmetry, np.stack([_field(part, load) for load in loads], axis=-1)) for part in parts
+    )
+    return LoadedThrow(mesh, material, tuple(loads), shares, parts[0].solver, parts[0].end_sections)
 
 
 def _excites(load: UnitLoad, symmetry: SymmetryClass) -> bool:
@@ -584,60 +601,6 @@ def _field(part: CondensedClass, load: UnitLoad) -> Array:
         on_it = (pins == load.pin) & (components < 3)
         field = field + part.pin_fields[:, :, on_it] @ load.direction[components[on_it]]
     return np.asarray(field)
-
-
-@dataclass(frozen=True)
-class WholeNodes:
-    """Numbers of nodes of a whole throw, those on the cuts shared by the images.
-
-    Attributes
-    ----------
-    numbers : (images, n) array
-        Number of each node of the mesh in each image.
-    """
-
-    images: tuple[MirrorImage, ...]
-    numbers: Integers
-
-    def collect(self, values: Sequence[Array]) -> Array:
-        """Values of the whole throw's nodes (w, ...) from those of each image (n, ...)."""
-        count = int(self.numbers.max()) + 1
-        whole = np.empty((count, *values[0].shape[1:]))
-        for number, value in zip(self.numbers, values, strict=True):
-            whole[number] = value
-        return whole
-
-
-def whole_nodes(mesh: ThrowMesh) -> WholeNodes:
-    """Number the nodes of a whole throw."""
-    images = mirror_images(mesh)
-    places = {(image.across_crank, image.across_middle): k for k, image in enumerate(images)}
-    count = len(mesh.points)
-    numbers = np.arange(len(images) * count).reshape(len(images), count)
-    cut_crank, cut_middle = CUTS[mesh.part]
-    for (across_crank, across_middle), place in places.items():
-        if cut_crank and across_crank:
-            shared = nodes_on(mesh, CRANK_PLANE)
-            numbers[place, shared] = numbers[places[False, across_middle], shared]
-        if cut_middle and across_middle:
-            shared = nodes_on(mesh, MIDDLE_PLANE)
-            numbers[place, shared] = numbers[places[across_crank, False], shared]
-    _, packed = np.unique(numbers, return_inverse=True)
-    return WholeNodes(images, packed.reshape(numbers.shape))
-
-
-# The corners and edge middles of a six-node triangle seen from its other side.
-TURNED = [0, 2, 1, 5, 4, 3]
-
-
-def whole_facets(nodes: WholeNodes, facets: Integers) -> Integers:
-    """Facets (images t, 6) of a whole throw from those (t, 6) of the meshed part, outside kept."""
-    return np.concatenate(
-        [
-            number[facets[:, TURNED] if image.inside_out else facets]
-            for image, number in zip(nodes.images, nodes.numbers, strict=True)
-        ]
-    )
 
 
 # Allowed: size beside the fillet's radius, layers beside a, elements across the web.

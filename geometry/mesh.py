@@ -632,8 +632,11 @@ def six_node_triangles(mesh: ThrowMesh, corners: NDArray[np.int64]) -> NDArray[n
     return np.column_stack([corners, *(middles[np.searchsorted(keys, w)] for w in wanted)])
 
 
-def flat_triangles(mesh: ThrowMesh, corners: NDArray[np.int64] | None = None) -> NDArray[np.int64]:
-    """Flat triangles (t, 3), four to each curved one (k, 3); of all surfaces, cuts included, by default."""
-    every = np.concatenate(list(mesh.surfaces.values())) if corners is None else corners
-    sides = six_node_triangles(mesh, every)
-    return np.concatenate([sides[:, list(part)] for part in SUBTRIANGLES])
+def flattened(facets: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Flat triangles (4 t, 3), four to each six-node one (t, 6)."""
+    return np.concatenate([facets[:, list(corners)] for corners in SUBTRIANGLES])
+
+
+def flat_triangles(mesh: ThrowMesh) -> NDArray[np.int64]:
+    """Flat triangles (t, 3), four to each curved one, over all surfaces, cuts included."""
+    return flattened(six_node_triangles(mesh, np.concatenate(list(mesh.surfaces.values()))))

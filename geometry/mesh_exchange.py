@@ -16,9 +16,10 @@ FIELD_WIDTH = 20  # characters of a number that CalculiX and Abaqus read
 ENTRIES_PER_LINE = 16
 
 
-def named_surfaces(mesh: ThrowMesh) -> dict[str, NDArray[np.int64]]:
-    """Return the corners (k, 3) of the facets of each surface that has any."""
-    return {name: corners for name, corners in mesh.surfaces.items() if len(corners)}
+def surface_triangles(mesh: ThrowMesh) -> dict[str, NDArray[np.int64]]:
+    """Return the facets (t, 6) of each surface that has any: corners, then the middles of 01 12 02."""
+    surfaces = {name: corners for name, corners in mesh.surfaces.items() if len(corners)}
+    return {name: six_node_triangles(mesh, corners) for name, corners in surfaces.items()}
 
 
 def set_name(surface: str) -> str:
@@ -27,9 +28,22 @@ def set_name(surface: str) -> str:
 
 
 def meshio_mesh(
-    mesh: ThrowMesh, point_data: Mapping[str, NDArray[np.float64]] | None = None
+    points: NDArray[np.float64],
+    elements: NDArray[np.int64],
+    surfaces: Mapping[str, NDArray[np.int64]],
+    point_data: Mapping[str, NDArray[np.float64]],
 ) -> Any:
     """Return a mesh as meshio's, with a flag for each named surface.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        [m]
+    elements : (m, 10) array
+    surfaces : mapping
+        Facets (t, 6) by the name of their surface.
+    point_data : mapping
+        Values (n, ...) at the nodes.
 
     Returns
     -------
@@ -39,14 +53,12 @@ def meshio_mesh(
     """
     import meshio
 
-    surfaces = named_surfaces(mesh)
-    triangles = six_node_triangles(mesh, np.concatenate(list(surfaces.values())))
-    owner = np.repeat(np.arange(len(surfaces)), [len(corners) for corners in surfaces.values()])
-    inside = np.zeros(len(mesh.elements), dtype=np.int8)
+    owner = np.repeat(np.arange(len(surfaces)), [len(facets) for facets in surfaces.values()])
+    inside = np.zeros(len(elements), dtype=np.int8)
     return meshio.Mesh(
-        mesh.points,
-        [("tetra10", mesh.elements), ("triangle6", triangles)],
-        point_data=dict(point_data or {}),
+        points,
+        [("tetra10", elements), ("triangle6", np.concatenate(list(surfaces.values())))],
+        point_data=dict(point_data),
         cell_data={
             name: [inside, (owner == number).astype(np.int8)]
             for number, name in enumerate(surfaces)
@@ -80,12 +92,12 @@ def inp_lines(mesh: ThrowMesh) -> Iterator[str]:
     yield from inp_nodes_and_elements(mesh.points, mesh.elements, "THROW")
     keys = facet_keys(mesh.elements[:, FACETS].reshape(-1, 3))
     order = np.argsort(keys)
-    for surface, corners in named_surfaces(mesh).items():
+    for surface, facets in surface_triangles(mesh).items():
         yield f"*NSET, NSET={set_name(surface)}"
-        numbers = (np.unique(six_node_triangles(mesh, corners)) + 1).tolist()
+        numbers = (np.unique(facets) + 1).tolist()
         for start in range(0, len(numbers), ENTRIES_PER_LINE):
             yield ",".join(map(str, numbers[start : start + ENTRIES_PER_LINE]))
         yield f"*SURFACE, NAME={set_name(surface)}, TYPE=ELEMENT"
-        places = order[np.searchsorted(keys, facet_keys(corners), sorter=order)]
+        places = order[np.searchsorted(keys, facet_keys(facets[:, :3]), sorter=order)]
         for element, face in zip(*np.divmod(places, len(FACETS)), strict=True):
             yield f"{element + 1},S{face + 1}"

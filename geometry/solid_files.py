@@ -21,11 +21,10 @@ from geometry.mesh import (
     ThrowMesh,
     check_solid,
     checked_part,
-    flat_triangles,
-    six_node_triangles,
+    flattened,
     solid_properties,
 )
-from geometry.mesh_exchange import inp_lines, meshio_mesh, named_surfaces, set_name
+from geometry.mesh_exchange import inp_lines, meshio_mesh, set_name, surface_triangles
 from geometry.mesher import TIME_LIMIT
 from geometry.parts import ThrowParts
 from geometry.solid import LEFT_END, RIGHT_END, make_solid, remove_loose
@@ -176,7 +175,8 @@ def write_mesh(
             lines = "".join(f"{line}\n" for line in (*_inp_head(mesh), *inp_lines(mesh)))
             part.write_text(lines, encoding="ascii")
         elif ending == ".vtu":
-            meshio_mesh(mesh, point_data).write(part)
+            surfaces = surface_triangles(mesh)
+            meshio_mesh(mesh.points, mesh.elements, surfaces, point_data or {}).write(part)
         elif ending in SURFACE_ENDINGS:
             part.write_text("".join(_stl_lines(mesh)), encoding="ascii")
         else:
@@ -217,7 +217,7 @@ def _check_point_data(
 
 
 def _inp_head(mesh: ThrowMesh) -> Iterator[str]:
-    names = ", ".join(map(set_name, named_surfaces(mesh)))
+    names = ", ".join(map(set_name, surface_triangles(mesh)))
     yield "** Mesh of a crank throw, written by crankfem; lengths in m. For CalculiX and Abaqus: add"
     yield "** material, supports and loads, or include this file in a deck with *INCLUDE, INPUT=..."
     yield "** z along the shaft, from the center of the left end section; y to the first pin's axis."
@@ -225,9 +225,9 @@ def _inp_head(mesh: ThrowMesh) -> Iterator[str]:
 
 
 def _stl_lines(mesh: ThrowMesh) -> Iterator[str]:
-    for surface, corners in named_surfaces(mesh).items():
+    for surface, sides in surface_triangles(mesh).items():
         yield f"solid {set_name(surface)}\n"
-        facets = mesh.points[flat_triangles(mesh, corners)]
+        facets = mesh.points[flattened(sides)]
         normals = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
         normals /= np.linalg.norm(normals, axis=1)[:, None]
         for (x, y, z), facet in zip(normals.tolist(), facets.tolist(), strict=True):
@@ -247,12 +247,11 @@ def _write_by_gmsh(mesh: ThrowMesh, path: Path) -> None:
         _add_elements(gmsh, volume, 11, elements, 1)
         gmsh.model.addPhysicalGroup(3, [volume], name=VOLUME)
         first = len(elements) + 1
-        for name, corners in named_surfaces(mesh).items():
+        for name, facets in surface_triangles(mesh).items():
             surface = gmsh.model.addDiscreteEntity(2)
             # scikit-fem has the triangle's edges in the order 01 12 02, gmsh 01 12 20.
-            triangles = six_node_triangles(mesh, corners) + 1
-            _add_elements(gmsh, surface, 9, triangles, first)
-            first += len(triangles)
+            _add_elements(gmsh, surface, 9, facets + 1, first)
+            first += len(facets)
             gmsh.model.addPhysicalGroup(2, [surface], name=name)
         try:
             gmsh.write(str(path))

@@ -6,6 +6,7 @@ from fem.angle_law import AngleLaw as AngleLaw
 from fem.calculix import write_calculix as write_calculix
 from fem.end_reactions import EndReaction as EndReaction
 from fem.end_reactions import Reactions as Reactions
+from fem.exchange import SkfemThrow as SkfemThrow
 from fem.fillet_peaks import FilletMeshing as FilletMeshing
 from fem.fillet_peaks import FilletPeak as FilletPeak
 from fem.fillet_peaks import FilletStresses as FilletStresses

@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 
 import crankfem as cf
 from crankbase.summaries import summarized, summary_text
+from crankfem.analyses.provenance import provenance
 
 HEAVY = (
     *("gmsh", "vtk", "vtkmodules", "pyvista", "matplotlib", "skfem", "pypardiso", "meshio"),
@@ -72,6 +73,10 @@ def test_all_ways_to_a_name_of_a_topic(spawn):
 @pytest.mark.parametrize("module", [cf, cf.chains])
 def test_only_public_names_are_listed(module):
     assert [name for name in dir(module) if not name.startswith("__")] == module.__all__
+
+
+def test_the_version_is_the_one_that_results_record():
+    assert cf.__version__ == provenance().version
 
 
 def test_an_unknown_name():

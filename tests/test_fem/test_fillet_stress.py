@@ -23,13 +23,13 @@ from fem.fillet_peaks import (
     throw_fillets,
     unit_loads,
     von_mises,
-    whole_nodes,
 )
 from fem.fillet_stress import fillet_stresses, nominal_stress, torsion_modulus, web_section
 from fem.material import STEEL, Material
 from fem.solver import assemble_stiffness, symmetric_product
 from fem.superelement import nodes_on
 from fem.symmetry import SymmetryClass, radial_directions
+from fem.whole_throw import whole_nodes
 from geometry.imported import import_throw
 from geometry.mesh import mesh_throw
 from geometry.sizes import SizeMap

@@ -31,7 +31,8 @@ from crankfem.report.interactive.style import (
     shortest,
 )
 from fem.analysis import ThrowAnalysis
-from fem.fillet_peaks import FilletStresses, whole_nodes
+from fem.fillet_peaks import FilletStresses
+from fem.whole_throw import whole_nodes
 from geometry.mesh import SUBTRIANGLES
 
 Array = NDArray[np.float64]

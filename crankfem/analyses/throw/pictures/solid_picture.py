@@ -15,10 +15,9 @@ from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.stress_picture import (
     outside_corners,
     outside_facets,
-    whole_points,
 )
 from crankfem.analyses.throw.pictures.stress_rendering import Scene
-from fem.fillet_peaks import whole_facets, whole_nodes
+from fem.whole_throw import whole_facets, whole_nodes, whole_points
 from geometry.crankshaft import Crankshaft
 from geometry.mesher import Throw, mesh_isolated
 from geometry.solid import BORE, COUNTERWEIGHT, FILLET, LEFT_END, RIGHT_END, WEB

@@ -20,13 +20,11 @@ from fem.fillet_peaks import (
     FilletStresses,
     OilHolePeak,
     UnitLoad,
-    WholeNodes,
     von_mises,
-    whole_facets,
-    whole_nodes,
 )
 from fem.superelement import RZ, UZ
 from fem.supports import end_motions
+from fem.whole_throw import whole_facets, whole_nodes, whole_points
 from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 from geometry.solid_files import write_mesh
@@ -97,11 +95,6 @@ def stressed_surface(stresses: FilletStresses) -> ThrowSurface:
     equivalent[stresses.surface.nodes] = von_mises(stresses.surface.stress)
     facets = whole_facets(whole, outside_facets(mesh))
     return ThrowSurface(whole_points(mesh, whole), facets, equivalent)
-
-
-def whole_points(mesh: ThrowMesh, whole: WholeNodes) -> Array:
-    """Return the nodes (n, 3) of a whole throw [m]."""
-    return whole.collect([image.points(mesh.points) for image in whole.images])
 
 
 def outside_facets(mesh: ThrowMesh) -> Integers:
