@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.array_checks import FloatArray, positive_number
+from crankbase.array_checks import ComplexArray, FloatArray, positive_number
 from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from dynamics.assessment.limits import AmplitudeCurve
@@ -117,7 +117,7 @@ def with_resonances(excitation: OrderExcitation, chain: Chain) -> OrderExcitatio
     Parameters
     ----------
     excitation : OrderExcitation
-        Forces on the first nodes of the chain.
+        Forces on the first nodes of the chain, and pressing of its first elements, if any.
 
     Returns
     -------
@@ -125,11 +125,11 @@ def with_resonances(excitation: OrderExcitation, chain: Chain) -> OrderExcitatio
         Adds the speeds, between the first and the last one given, at which an order meets a damped natural
         frequency; forces there are interpolated linearly.
     """
-    orders, speeds, forces = excitation.orders, excitation.speeds, excitation.forces
-    count = chain.inertia.size
-    if forces.shape[2] > count:
+    orders, speeds, forces = excitation.orders, excitation.speeds, excitation.acting
+    count, known = chain.inertia.size, excitation.forces.shape[2]
+    if known > count:
         raise InputError(
-            f"excitation: given forces on {forces.shape[2]} nodes; allowed are up to {count}, because "
+            f"excitation: given forces on {known} nodes; allowed are up to {count}, because "
             "the chain has so many."
         )
     meeting = (damped_frequencies(chain)[:, np.newaxis] / orders).reshape(-1)
@@ -142,9 +142,14 @@ def with_resonances(excitation: OrderExcitation, chain: Chain) -> OrderExcitatio
         share = (finer - speeds[right - 1]) / (speeds[right] - speeds[right - 1])
         weight = share[:, np.newaxis]
         at = (1.0 - weight) * forces[:, right - 1] + weight * forces[:, right]
-    padded: NDArray[np.complex128] = np.zeros((orders.size, finer.size, count), dtype=complex)
-    padded[:, :, : forces.shape[2]] = at
-    return OrderExcitation(orders, finer, padded)
+
+    def padded(values: ComplexArray, places: int) -> ComplexArray:
+        return np.pad(values, ((0, 0), (0, 0), (0, places - values.shape[2])))
+
+    pressing = None
+    if excitation.pressing is not None:
+        pressing = padded(at[:, :, known:], len(chain.elements))
+    return OrderExcitation(orders, finer, padded(at[:, :, :known], count), pressing)
 
 
 def damped_frequencies(chain: Chain) -> FloatArray:

@@ -165,13 +165,13 @@ def axial_excitation(
         As `axial_throw_forces`, and if the chain is not axial or has other throws.
     """
     pressing = axial_throw_forces(forces, compliances, influence, pins)
-    return OrderExcitation(
-        forces.orders, forces.speeds, axial_section_forces(pressing, engine_chain)
-    )
+    return pressing_excitation(forces.orders, forces.speeds, pressing, engine_chain)
 
 
-def axial_section_forces(pressing: ComplexArray, engine_chain: "EngineChain") -> ComplexArray:
-    """Return the forces on the nodes of an axial chain from those that push throws' ends apart.
+def pressing_excitation(
+    orders: FloatArray, speeds: FloatArray, pressing: ComplexArray, engine_chain: "EngineChain"
+) -> OrderExcitation:
+    """Return the excitation of an axial chain by throws that push their ends apart.
 
     Parameters
     ----------
@@ -180,8 +180,9 @@ def axial_section_forces(pressing: ComplexArray, engine_chain: "EngineChain") ->
 
     Returns
     -------
-    complex ndarray of shape (K, S, nodes)
-        -P on the section before each throw, +P on that after it [N].
+    OrderExcitation
+        -P on the section before each throw, +P on that after it [N]. No axial force acts on a pin from
+        outside, so the force through the throw is that of its spring less P.
     """
     if engine_chain.kind != "axial":
         raise InputError(
@@ -194,10 +195,10 @@ def axial_section_forces(pressing: ComplexArray, engine_chain: "EngineChain") ->
             f"compliances: given {pressing.shape[2]} for a chain of {len(sections)} sections; allowed "
             f"are {len(sections) - 1}, because a throw lies between two sections."
         )
-    count = engine_chain.chain.inertia.size
-    return _summed_at_nodes(pressing, sections[1:], count) - _summed_at_nodes(
-        pressing, sections[:-1], count
-    )
+    chain = engine_chain.chain
+    # The throws are the first elements of the chain.
+    elements = np.pad(pressing, ((0, 0), (0, 0), (0, len(chain.elements) - pressing.shape[2])))
+    return OrderExcitation(orders, speeds, elements @ chain.elongations(), elements)
 
 
 def _nodes_of_cylinders(engine_chain: "EngineChain", throws: tuple[int, ...]) -> list[int]:
@@ -293,11 +294,17 @@ def combined_excitation(*excitations: OrderExcitation) -> OrderExcitation:
             )
     every = np.sort(np.concatenate([excitation.orders for excitation in excitations]))
     orders = every[np.diff(every, prepend=0.0) > SAME_ORDER * every]
-    forces = np.zeros((orders.size, *first.forces.shape[1:]), dtype=np.complex128)
+    count = first.forces.shape[2]
+    most = max(
+        (excitation.acting for excitation in excitations), key=lambda acting: acting.shape[2]
+    )
+    acting = np.zeros((orders.size, *most.shape[1:]), dtype=np.complex128)
     for excitation in excitations:
         places = np.argmin(np.abs(orders[:, np.newaxis] - excitation.orders), axis=0)
-        np.add.at(forces, places, excitation.forces)
-    return OrderExcitation(orders, first.speeds, forces)
+        added = excitation.acting
+        np.add.at(acting[:, :, : added.shape[2]], places, added)
+    pressing = acting[:, :, count:] if acting.shape[2] > count else None
+    return OrderExcitation(orders, first.speeds, acting[:, :, :count], pressing)
 
 
 def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: float) -> FloatArray:
@@ -428,7 +435,7 @@ def axial_excitation_of_torsion(
         )
     torques = _torque_of_parts(elastic_loads(response), torsional)
     pressing = torques @ lengthening.T / e
-    return OrderExcitation(response.orders, response.speeds, axial_section_forces(pressing, axial))
+    return pressing_excitation(response.orders, response.speeds, pressing, axial)
 
 
 def _torque_of_parts(torques: ComplexArray, torsional: EngineChain) -> ComplexArray:

@@ -98,6 +98,7 @@ class ComplexModes:
         forces: ComplexArray,
         rows: FloatArray,
         power: int = 1,
+        balanced: ComplexArray | None = None,
     ) -> ComplexArray:
         """Return the contribution of each mode to a linear combination of the motion.
 
@@ -112,6 +113,9 @@ class ComplexModes:
         power : int, optional
             Of i w - s in the denominator: 1, or 3 for half the second derivative over the
             frequency, with the sign changed.
+        balanced : ndarray of shape (f, q), complex, optional
+            Part of the forces whose effect without vibration is no part of the combination: each mode's is
+            taken off, as of loads that pushing elements (`OrderExcitation.pressing`) do not carry at rest.
 
         Returns
         -------
@@ -132,7 +136,11 @@ class ComplexModes:
             check_sizes(name, np.asarray(values, dtype=np.complex128))
         gap = 1j * angular_frequencies[:, np.newaxis] - eigenvalues
         met = np.abs(gap) <= UNBOUNDED_WITHIN * np.abs(eigenvalues)
-        parts = (forces @ inputs.T) * (rows @ outputs.T) / np.where(met, np.inf, gap**power)
+        moved = rows @ outputs.T
+        parts = (forces @ inputs.T) * moved / np.where(met, np.inf, gap**power)
+        if balanced is not None:
+            still = np.abs(eigenvalues) <= ROUND_OFF * np.max(np.abs(eigenvalues), initial=0.0)
+            parts += (balanced @ inputs.T) * moved / np.where(still, np.inf, eigenvalues)
         total = np.zeros((angular_frequencies.size, self.eigenvalues.size + 1), dtype=np.complex128)
         np.add.at(total.T, self.places, parts.T)
         return total

@@ -19,7 +19,7 @@ from dynamics.indices import within
 from dynamics.response.complex_modes import ComplexModes, complex_modes, modes_at
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import harmonic_response
-from dynamics.response.loads import LinearQuantities, load_quantities, motion_rows
+from dynamics.response.loads import LinearQuantities, load_quantities, motion_rows, pushing
 from dynamics.response.order_excitation import OverSpeed
 from dynamics.response.resonance import LEAST_RATIO, speeds_about
 
@@ -273,10 +273,15 @@ def criticals_of(
     modes = complex_modes(response) if modes is None else modes
     ends = _checked_ends(response, speed_range)
     # Most points of a whole crankshaft are free of forces.
-    nodes = np.flatnonzero(np.any(response.excitation.forces, axis=(0, 1)))
-    forces = OverSpeed.of(response.speeds, response.excitation.forces[:, :, nodes])
+    acting, expand = response.excitation.acting, response.system.expand
+    places = np.flatnonzero(np.any(acting, axis=(0, 1)))
     vibration = _Vibration(
-        response, modes, quantities.under(nodes), forces, response.system.expand[nodes]
+        response,
+        modes,
+        quantities.under(places),
+        OverSpeed.of(response.speeds, acting[:, :, places]),
+        np.pad(expand, ((0, acting.shape[2] - len(expand)), (0, 0)))[places],
+        pushing(response)[places],
     )
     maxima = vibration.maxima()
     scales = _largest(maxima, np.isfinite(maxima.values), len(names))
@@ -318,8 +323,10 @@ def _quantities(
     loads = load_quantities(response, elements)
     if elements is not None:
         return loads
+    more = ((0, len(nodes)), (0, 0))
     return replace(
         loads,
+        direct=None if loads.direct is None else np.pad(loads.direct, more),
         names=(*loads.names, *nodes),
         rows=np.concatenate((loads.rows, moved)),
         loads=np.arange(len(loads.names) + len(nodes)) < len(loads.names),
@@ -377,6 +384,7 @@ class _Vibration:
     quantities: LinearQuantities
     forces: OverSpeed
     expand: FloatArray
+    pushes: FloatArray
 
     def answer(
         self, orders: NDArray[np.intp], speeds: FloatArray
@@ -473,10 +481,12 @@ class _Vibration:
         w = self.response.orders[orders] * speeds
         rows = self.quantities.rows_at(places, w, speeds)
         value = self.quantities.each(places, w, speeds, motion, forces)
+        # Motions have their static part.
+        balanced = self.quantities.loads[places][:, np.newaxis] * (forces @ self.pushes)
         forces = forces @ self.expand
         size = np.where(value == 0.0, 1.0, np.abs(value))[:, np.newaxis]
         phase = np.conj(value[:, np.newaxis] / size)
-        *powers, reached = self._contributions(w, speeds, forces, rows)
+        *powers, reached = self._contributions(w, speeds, forces, balanced, rows)
         parts, bends = ((power * phase).real for power in powers)
         shares = parts / size
         # Where nothing bounds the amplitude, the mode at its own frequency makes it.
@@ -501,7 +511,12 @@ class _Vibration:
         )
 
     def _contributions(
-        self, w: FloatArray, speeds: FloatArray, forces: ComplexArray, rows: FloatArray
+        self,
+        w: FloatArray,
+        speeds: FloatArray,
+        forces: ComplexArray,
+        balanced: ComplexArray,
+        rows: FloatArray,
     ) -> tuple[ComplexArray, ComplexArray, NDArray[np.bool_]]:
         """Return `ComplexModes.contributions` of power 1 and 3, and which modes are in their band.
 
@@ -511,7 +526,8 @@ class _Vibration:
         def of(modes: ComplexModes, some: slice) -> list[NDArray[Any]]:
             given = w[some], forces[some], rows[some]
             reached = modes.magnifiers(w[some]) >= BAND * modes.largest_magnifiers
-            return [*(modes.contributions(*given, power) for power in (1, 3)), reached]
+            first = modes.contributions(*given, balanced=balanced[some])
+            return [first, modes.contributions(*given, 3), reached]
 
         if not self.response.system.varying:
             first, third, reached = of(self.modes, slice(None))

@@ -210,6 +210,12 @@ def forced_response(
             f"excitation: given forces on {excitation.forces.shape[2]} nodes; allowed is one on each "
             f"of {nodes}, because the system has so many."
         )
+    pressing = excitation.pressing
+    if chain is not None and pressing is not None and pressing.shape[2] != len(chain.elements):
+        raise InputError(
+            f"excitation: given the pressing of {pressing.shape[2]} elements; allowed is that of each of "
+            f"{len(chain.elements)}, because the chain has so many."
+        )
     shape = excitation.forces.shape[:2]
     check_memory(
         COPIES * 16.0 * math.prod(shape) * (nodes + len(system.mass)),

@@ -36,10 +36,11 @@ class ElementLoads:
     ----------
     elements : OrderSeries
         Total load of each element: (k (1 + i eta) + i w c) times its twist or
-        lengthening d, the motion of its second node minus that of its first. Positive where it
+        lengthening d, the motion of its second node minus that of its first, less the force P with which
+        it pushes its ends apart (`OrderExcitation.pressing`). Positive where it
         drives the first node forwards and holds the second one back.
     elastic : OrderSeries
-        The part k d, which strains the element; the rest is loss factor and viscous damping.
+        The part k d - P, which strains the element; the rest is loss factor and viscous damping.
     ground : OrderSeries
         Load of each node's spring and damper to ground, (g + i w c) x; zero at a
         node without.
@@ -49,6 +50,9 @@ class ElementLoads:
     Notes
     -----
     Along an element with distributed inertia the load varies; k d is its mean.
+
+    A throw whose pin carries Z lengthens by d = N / k + c Z under the axial force N through it, as nothing
+    outside pulls at the pin: N = k d - P with P = k c Z. It equals what accelerates the masses beside it.
     """
 
     elements: OrderSeries
@@ -111,7 +115,7 @@ def element_loads(response: ForcedResponse) -> ElementLoads:
 
     complex_stiffness = chain.stiffness * (1.0 + 1j * chain.loss_factor) + 1j * w * chain.damping
     ground = (chain.ground + 1j * w * chain.ground_damping) * response.motion
-    elements = complex_stiffness * twist
+    elements = _less_pressing(complex_stiffness * twist, response)
     for spring, added in varying_stiffness(response):
         at = spring.place
         if spring.to_ground:
@@ -134,7 +138,13 @@ def elastic_loads(response: ForcedResponse) -> ComplexArray:
         if not spring.to_ground:
             twist = response.motion @ chain.elongations()[spring.place]
             loads[:, :, spring.place] += added.real * twist
-    return loads
+    return _less_pressing(loads, response)
+
+
+def _less_pressing(loads: ComplexArray, response: ForcedResponse) -> ComplexArray:
+    """Return loads of all elements less the forces with which these push their ends apart."""
+    pressing = response.excitation.pressing
+    return loads if pressing is None else loads - pressing
 
 
 def varying_stiffness(response: ForcedResponse) -> list[tuple[Varying, ComplexArray]]:
@@ -262,7 +272,7 @@ class LinearQuantities:
         Which are loads; the others are motions.
     inertia : ndarray of shape (p, q), optional
     direct : ndarray of shape (p, n), optional
-        Per force on the nodes.
+        Per force, in the order of `OrderExcitation.acting`.
     varying : tuple of int and VaryingSpring
         Loads of springs that vary: that number of `rows` is for the constant stiffness alone.
     """
@@ -309,13 +319,13 @@ class LinearQuantities:
             values if self.direct is None else values + np.sum(forces * self.direct[places], axis=1)
         )
 
-    def under(self, nodes: NDArray[np.intp]) -> "LinearQuantities":
-        """Return the same for forces on some of the nodes."""
-        return self if self.direct is None else replace(self, direct=self.direct[:, nodes])
+    def under(self, places: NDArray[np.intp]) -> "LinearQuantities":
+        """Return the same for some of the forces."""
+        return self if self.direct is None else replace(self, direct=self.direct[:, places])
 
     def series(self, response: ForcedResponse) -> OrderSeries:
         """Return them by order and speed, 0 where the response is unbounded."""
-        forces = response.excitation.forces
+        forces = response.excitation.acting
         values = self.at(response.angular_frequencies, response.speeds, response.unknowns, forces)
         values = np.where(response.unbounded[:, :, np.newaxis], 0.0, values)
         return OrderSeries(response.orders, response.speeds, values, response.unbounded, self.names)
@@ -324,7 +334,7 @@ class LinearQuantities:
 def load_quantities(
     response: ForcedResponse, elements: Sequence[int | str] | None = None
 ) -> LinearQuantities:
-    """Return the loads k d of elements; of all elements by default."""
+    """Return the loads k d - P of elements, as `ElementLoads.elastic`; of all elements by default."""
     chain = chain_of(response)
     why = "a load is that of an element"
     chosen = range(len(chain.elements)) if elements is None else elements
@@ -333,16 +343,36 @@ def load_quantities(
     ]
     rows = chain.stiffness[:, np.newaxis] * chain.elongations() @ response.system.expand
     springs = zip(chain.varying, chain.varying_springs(response.system.expand), strict=True)
+    excitation, direct = response.excitation, None
+    if excitation.pressing is not None:
+        direct = np.zeros((len(places), excitation.acting.shape[2]))
+        direct[range(len(places)), excitation.forces.shape[2] + np.array(places)] = -1.0
     return LinearQuantities(
         names=tuple(chain.elements[place] for place in places),
         rows=rows[places],
         loads=np.ones(len(places), dtype=bool),
+        direct=direct,
         varying=tuple(
             (places.index(varying.place), spring)
             for varying, spring in springs
             if not varying.to_ground and varying.place in places
         ),
     )
+
+
+def pushing(response: ForcedResponse) -> FloatArray:
+    """Return what of `OrderExcitation.acting` pushes elements' ends apart, as forces on the unknowns.
+
+    Returns
+    -------
+    ndarray of shape (n + e, q)
+        Per force; those on nodes push no element.
+    """
+    acting, expand = response.excitation.acting, response.system.expand
+    rows = np.zeros((acting.shape[2], expand.shape[1]))
+    if response.excitation.pressing is not None:
+        rows[len(expand) :] = chain_of(response).elongations() @ expand
+    return rows
 
 
 def motion_rows(

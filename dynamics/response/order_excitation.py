@@ -92,37 +92,55 @@ class OrderExcitation:
         Speed of the crankshaft [rad/s], above zero, ascending.
     forces : array_like of shape (K, S, n), complex
         Amplitudes of the forces on the n nodes [N m on a torsional chain, N on an axial one].
+    pressing : array_like of shape (K, S, e), complex, optional
+        Amplitudes of the forces with which the e elements of a chain push their ends apart, as forces
+        within them would lengthen them; in the same units. They are among `forces`, -P on an element's
+        first node and P on its second, and are no load of the element: that is its spring's less P.
 
     Raises
     ------
     InputError
         If orders or speeds are not above zero and ascending, or the forces are not finite numbers
-        for every order, speed and node.
+        for every order, speed and node or element.
     """
 
     orders: FloatArray
     speeds: FloatArray
     forces: ComplexArray
+    pressing: ComplexArray | None = None
 
     def __post_init__(self) -> None:
         orders = checked_orders(self.orders)
         speeds = checked_speeds(self.speeds)
-        forces = complex_array("forces", self.forces)
-        if forces.ndim != 3 or forces.shape[:2] != (orders.size, speeds.size):
-            raise InputError(
-                f"forces: given an array of shape {forces.shape}; allowed is ({orders.size}, "
-                f"{speeds.size}, n), because there is one for each order, speed and node."
-            )
-        check_sizes("forces", forces)
-        forces.setflags(write=False)
         object.__setattr__(self, "orders", read_only(orders))
         object.__setattr__(self, "speeds", read_only(speeds))
-        object.__setattr__(self, "forces", forces)
+        self._check("forces", self.forces, "n", "node")
+        if self.pressing is not None:
+            self._check("pressing", self.pressing, "e", "element")
+
+    def _check(self, name: str, values: ArrayLike, count: str, place: str) -> None:
+        """Check and keep the amplitudes of one kind."""
+        array, known = complex_array(name, values), (self.orders.size, self.speeds.size)
+        if array.ndim != 3 or array.shape[:2] != known:
+            raise InputError(
+                f"{name}: given an array of shape {array.shape}; allowed is ({known[0]}, {known[1]}, "
+                f"{count}), because there is one for each order, speed and {place}."
+            )
+        check_sizes(name, array)
+        array.setflags(write=False)
+        object.__setattr__(self, name, array)
 
     @property
     def angular_frequencies(self) -> FloatArray:
         """Angular frequency of each order at each speed [rad/s], (K, S)."""
         return np.outer(self.orders, self.speeds)
+
+    @property
+    def acting(self) -> ComplexArray:
+        """Forces on the nodes, and after them those with which elements push, (K, S, n) or (K, S, n + e)."""
+        if self.pressing is None:
+            return self.forces
+        return np.concatenate((self.forces, self.pressing), axis=2)
 
     def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> FloatArray:
         """Return the forces at shaft angles, all orders together, without their mean, (m, n).
@@ -156,8 +174,10 @@ class OrderExcitation:
             If the speeds are not ascending, or outside the range.
         """
         wanted = checked_speeds(speeds)
-        forces = forces_at(self, np.arange(self.orders.size)[:, np.newaxis], wanted)
-        return OrderExcitation(self.orders, wanted, forces)
+        every = np.arange(self.orders.size)[:, np.newaxis]
+        acting, count = acting_at(self, every, wanted), self.forces.shape[2]
+        pressing = None if self.pressing is None else acting[:, :, count:]
+        return OrderExcitation(self.orders, wanted, acting[:, :, :count], pressing)
 
     def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``forces`` over order, speed and node.
@@ -178,10 +198,10 @@ class OrderExcitation:
         )
 
 
-def forces_at(
+def acting_at(
     excitation: OrderExcitation, order_index: NDArray[np.int64], speeds: FloatArray
 ) -> ComplexArray:
-    """Return forces at pairs of order and speed [rad/s] (m,), which are broadcast, (m, n), interpolated."""
+    """Return what acts at pairs of order and speed [rad/s] (m,), which are broadcast, interpolated."""
     low, high = excitation.speeds[[0, -1]]
     outside = (speeds < low * (1.0 - ROOM)) | (speeds > high * (1.0 + ROOM))
     if np.any(outside):
@@ -189,7 +209,7 @@ def forces_at(
             f"speeds: given {speeds[outside][0]:g} rad/s; allowed are {low:g} to {high:g} rad/s, "
             "because the excitation is known between them."
         )
-    over_speed = OverSpeed.of(excitation.speeds, excitation.forces)
+    over_speed = OverSpeed.of(excitation.speeds, excitation.acting)
     return over_speed.at(order_index, np.clip(speeds, low, high))
 
 

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
+from crankbase.array_checks import ComplexArray
 from crankbase.frames import table_of
 from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, result
 from dynamics import wording
 from dynamics.indices import index_of_name
 from dynamics.response.complex_modes import ComplexModes, complex_modes, modes_at
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.loads import named_quantity
+from dynamics.response.loads import named_quantity, pushing
 from dynamics.response.order_excitation import OrderExcitation, checked_speed_index
 from dynamics.response.series import OrderSeries, extreme_angles
 
@@ -271,8 +272,9 @@ def peak_cause(
     that of the mode's peak, w_0 sqrt(1 - 2 d^2); near the resonance within 10 %, the usual margin of
     critical speeds. Where no mode gives more than half, it is amplified if the modes together, with
     their parts p_k, exceed twice what they give statically, |sum p_k| > 2 |sum p_k / D_k|. Otherwise it
-    is forced: its size is that of its forces. If more than half of
-    these, by their effect, come from another vibration whose order is at a resonance or near
+    is forced: its size is that of its forces. Of a load through pushing elements, whose static part is
+    none, a mode's part is what its vibration adds to that at rest. If more than half of
+    these forces, by their effect, come from another vibration whose order is at a resonance or near
     one, that resonance is named.
     """
     number = index_of_name("place", place, series.names, "the series", "a peak is that of a place")
@@ -287,14 +289,22 @@ def peak_cause(
     contributions = 0.5 * (phasors * turned).real
     w = series.orders * speed
     speeds = np.full(w.size, speed)
-    forces = response.excitation.forces[:, index] @ response.system.expand
+    nodes, pushes = len(response.system.expand), pushing(response)
+
+    def on_unknowns(excitation: OrderExcitation) -> tuple[ComplexArray, ComplexArray | None]:
+        """Return all forces, and of a load those that its element or others push with."""
+        acting = excitation.acting[:, index]
+        balanced = None if quantity.direct is None else acting @ pushes
+        return acting[:, :nodes] @ response.system.expand, balanced
+
+    forces, balanced = on_unknowns(response.excitation)
     if response.system.varying:
         # Modes are those at the main order; how springs differ at others acts as forces.
         main = int(np.argmax(contributions))
         modes = modes_at(response, float(w[main]), speed)
         forces = forces - modes.system.varying_forces(w, speeds, response.unknowns[:, index])
     rows = quantity.rows_at(np.zeros(w.size, dtype=np.intp), w, speeds)
-    made = modes.contributions(w, forces, rows)
+    made = modes.contributions(w, forces, rows, balanced=balanced)
     whole = np.sum(made, axis=1, keepdims=True)
     size = np.where(whole == 0.0, 1.0, np.abs(whole))
     shares = (made / size * np.conj(whole / size)).real[:, :-1]
@@ -303,11 +313,11 @@ def peak_cause(
     static = np.abs(np.sum(shares / np.where(magnifiers > 0.0, magnifiers, 1.0), axis=1))
     brought = np.zeros(w.size)
     if driven is not None:
-        driven_orders = np.isin(series.orders, driven[0].orders)
-        other = np.zeros(forces.shape, dtype=np.complex128)
-        other[driven_orders] = driven[0].forces[:, index] @ response.system.expand
-        through = np.sum(modes.contributions(w, other, rows), axis=1, keepdims=True)
-        brought = (through / size * np.conj(whole / size)).real[:, 0]
+        of = np.isin(series.orders, driven[0].orders)
+        other, balanced = on_unknowns(driven[0])
+        through = modes.contributions(w[of], other, rows[of], balanced=balanced)
+        whole_through = np.sum(through, axis=1, keepdims=True)
+        brought[of] = (whole_through / size[of] * np.conj(whole[of] / size[of])).real[:, 0]
     parts = []
     for at, order in enumerate(series.orders.tolist()):
         ranked = np.abs(modes.eigenvalues.imag - w[at]) if endless[at] else -shares[at]

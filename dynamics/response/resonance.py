@@ -25,7 +25,7 @@ from dynamics.indices import index_of_name
 from dynamics.plots.campbell import draw_campbell
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import NO_WORK, UNDAMPED, harmonic_response
-from dynamics.response.order_excitation import forces_at
+from dynamics.response.order_excitation import acting_at
 
 # Forces act together if their sum reaches this share of the sum of their sizes.
 IN_PHASE = 0.99
@@ -132,7 +132,7 @@ def resonances(
     modes = np.array([critical.mode for critical in criticals])
     speeds = np.array([critical.speed for critical in criticals])
     order_places = np.searchsorted(response.orders, [critical.order for critical in criticals])
-    forces = forces_at(excitation, order_places, speeds)
+    forces = acting_at(excitation, order_places, speeds)[:, : len(system.expand)]
     unknown_forces = forces @ system.expand
     rigid = system.rigid.shape[1]
     natural = system.natural[rigid + modes]

@@ -469,7 +469,8 @@ class SteadyMotion(CycleMotion):
         Of the nodes [rad or m]; zero if it is unbounded. Rigid-body motion of a free system is that
         caused by the forces, with zero mean.
     torque : ndarray of shape (m, e)
-        Of the spring of each element of a chain [N m or N]; e is 0 for other systems.
+        Of each element of a chain, that of its spring less the force with which it pushes its ends apart
+        (`OrderExcitation.pressing`) [N m or N]; e is 0 for other systems.
     unbounded : bool
         Whether an undamped mode is excited at its own frequency: there is no steady motion.
     step : float
@@ -593,7 +594,10 @@ def steady_from(
         turns=turns,
         shaft_angle_deg=np.degrees(angles),
         motion=motion,
-        torque=spring_torques(system.chain, motion),
+        torque=spring_torques(system.chain, motion)
+        - _pushed(
+            system.chain, [(0.0, excitation)], np.zeros(count), angles, np.full(count, speed)
+        ),
         unbounded=unbounded,
         step=step,
         system=system,
@@ -607,6 +611,33 @@ def spring_torques(chain: Chain | None, motion: FloatArray) -> FloatArray:
     if chain is None:
         return np.zeros((len(motion), 0))
     return np.asarray(motion @ (chain.stiffness[:, np.newaxis] * chain.elongations()).T)
+
+
+def _pushed(
+    chain: Chain | None,
+    excitations: Sequence[tuple[float, OrderExcitation]],
+    times: FloatArray,
+    angles: FloatArray,
+    speeds: FloatArray,
+) -> FloatArray:
+    """Return the force with which each element pushes its ends apart, (m, e); it is no load of the element.
+
+    Parameters
+    ----------
+    excitations : sequence of (float, OrderExcitation)
+        Each in place of those before from its time on [s].
+    times, angles, speeds : (m,) arrays
+        [s, rad, rad/s].
+    """
+    pushed = np.zeros((times.size, 0 if chain is None else len(chain.elements)))
+    for begins, excitation in excitations if chain is not None else ():
+        rows = times >= begins
+        pushed[rows] = 0.0
+        if excitation.pressing is not None:
+            alone = OrderExcitation(excitation.orders, excitation.speeds, excitation.pressing)
+            forces = OrderForces.of(alone, np.eye(pushed.shape[1]))
+            pushed[rows] = forces.at(angles[rows], speeds[rows])
+    return pushed
 
 
 def _periodic_start(
@@ -804,6 +835,8 @@ def transient_motion(
     if start == "steady":
         state = _steady_start(system, excitation, speed)
     times, states, error, complete = _integrate_segments(space, acting, pieces, state, progress)
+    turned, excitations = speed.angle_deg(times), [(float(times[0]), excitation), *changes]
+    pushed = _pushed(system.chain, excitations, times, np.radians(turned), speed.speed(times))
     motion, rigid = space.motion(states)
     rigid_motion = rigid @ space.inputs[:, : space.rigid].T
     elastic = motion - rigid_motion
@@ -815,10 +848,10 @@ def transient_motion(
     return TransientMotion(
         time=times,
         shaft_speed=speed.speed(times),
-        shaft_angle_deg=speed.angle_deg(times),
+        shaft_angle_deg=turned,
         motion=elastic,
         rigid_motion=rigid_motion,
-        torque=spring_torques(system.chain, elastic),
+        torque=spring_torques(system.chain, elastic) - pushed,
         complete=complete,
         step=longest,
         force_error=error,

@@ -5,9 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
+from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
@@ -34,7 +37,9 @@ from dynamics.gas.gas_cycle import gas_cycle, usual_gas_cycle
 from dynamics.gas.pressure import cylinder_volume, gas_pressure, motored_from_compression
 from dynamics.harmonics import harmonics
 from dynamics.response.forced import forced_response
+from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
+from equilibrium import unbalanced
 from parts_in_a_line import cylinder as made_cylinder
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
@@ -149,6 +154,66 @@ def test_torsion_lengthens_throws_as_the_tangential_forces_do_when_the_shaft_is_
     direct = axial_excitation(FORCES, AXIAL, E_THROWS, influence)
     # Inertia torques are 1e-6 of those of the gas here: 1e-4 kg m^2, 1e-13 rad/(N m), 600 rad/s.
     assert found.forces == close(direct.forces, abs=1e-5 * np.abs(direct.forces).max())
+
+
+@pytest.mark.slow
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10_000))
+def test_bodies_of_any_engine_are_in_equilibrium(seed):
+    """The force through each throw accelerates all masses towards the free end, since none acts on pins."""
+    draw = np.random.default_rng(seed)
+    count = int(draw.integers(1, 8))
+    per_throw = int(draw.integers(1, 3))
+    throws = np.repeat(np.arange(count), per_throw)
+    shape = (5, SPEEDS.size, throws.size)
+    tangential, radial = 1e4 * (draw.normal(size=(2, *shape)) + 1j * draw.normal(size=(2, *shape)))
+    forces = replace(
+        FORCES,
+        orders=np.sort(draw.uniform(0.5, 12.0, 5)),
+        tangential=tangential,
+        radial=radial,
+        throws=tuple(throws.tolist()),
+    )
+    cranks = torsional_chain(
+        10 ** draw.uniform(-9.0, -7.0, count),
+        10 ** draw.uniform(-1.0, 1.0, count),
+        draw.uniform(1.0, 300.0),
+        draw.uniform(0.1, 3.0),
+        loss_factor=draw.choice([0.0, 0.02]),
+        throw_damping=draw.uniform(0.0, 20.0),
+        cylinders=per_throw,
+        damper=draw.choice([ViscousDamper(2.0, 300.0), RubberDamper(2.0, 1e5, 0.2), None]),
+    )
+    turned = damped(cranks.chain, modal_damping=draw.choice([None, 0.01]))
+    twisted = forced_response(turned, torque_excitation(forces, cranks))
+    torques = np.zeros_like(twisted.motion)
+    np.add.at(
+        torques,
+        (..., np.array(cranks.throw_nodes)[throws]),
+        RADIUS * tangential,
+    )
+    assert unbalanced(twisted, torques) < 1e-9
+
+    compliances = 10 ** draw.uniform(-10.0, -8.0, count)
+    engine = axial_chain(
+        compliances,
+        draw.uniform(20.0, 500.0, count),
+        draw.uniform(0.0, 1000.0),
+        int(draw.integers(0, count + 1)),
+        draw.choice([0.0, 1e9]),
+        {0: draw.uniform(0.0, 50.0)},
+        thrust_damping=draw.uniform(0.0, 1e4),
+        damping=draw.choice([0.0, 1e3]),
+        loss_factor=draw.choice([0.0, 0.02]),
+        damper=draw.choice([AxialDamper(damping=1e5, stiffness=1e8, mass=20.0), None]),
+    )
+    influence = draw.normal(size=(count, throws.size, 2)) * compliances[:, np.newaxis, np.newaxis]
+    own = axial_excitation(forces, engine, compliances, influence, range(throws.size))
+    by_parts = draw.normal(size=(count, count + 1)) * 1e-9
+    by_torque = axial_excitation_of_torsion(twisted, cranks, engine, compliances, by_parts)
+    pulled = damped(engine.chain, modal_damping=draw.choice([None, 0.01]))
+    answer = forced_response(pulled, combined_excitation(own, by_torque))
+    assert unbalanced(answer, np.zeros_like(answer.motion)) < 1e-9
 
 
 def test_orders_of_engine_and_propeller_combine():

@@ -18,6 +18,7 @@ from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.editing import join_chains
 from dynamics.chains.shaft_line import Coupling, RigidBody, ShaftLine
 from dynamics.chains.varying import Variation, Varying
+from dynamics.excitation.chain_excitation import combined_excitation
 from dynamics.harmonics import harmonics
 from dynamics.plots.curves import quantity_display
 from dynamics.response.damped_criticals import damped_criticals
@@ -27,6 +28,7 @@ from dynamics.response.linear_system import EngineMagnifier, chain_system, dampe
 from dynamics.response.loads import (
     alternating_stress,
     element_loads,
+    load_quantities,
     named_quantity,
     power_balance,
     section_modulus,
@@ -40,6 +42,7 @@ from dynamics.response.series import (
     extreme_angles,
     synthesis,
 )
+from equilibrium import unbalanced
 
 TWO = Chain([1.0, 1.0], [2e4], names=["pulley", "flywheel"])  # 200 rad/s
 SPEEDS = np.array([50.0, 100.0, 150.0])
@@ -211,12 +214,18 @@ def any_chain(seed):
     )
 
 
-def any_excitation(chain, seed, speeds=(20.0, 50.0, 110.0)):
+def pressed(chain, seed, speeds=(20.0, 50.0, 110.0)):
+    """An excitation from outside and by elements that push their ends apart, and the part from outside."""
     draw = np.random.default_rng(seed)
-    shape = (2, len(speeds), chain.inertia.size)
-    return OrderExcitation(
-        [1.0, 2.5], speeds, draw.normal(size=shape) + 1j * draw.normal(size=shape)
+    outside, pressing = (
+        draw.normal(size=shape) + 1j * draw.normal(size=shape)
+        for shape in ((2, len(speeds), n) for n in (chain.inertia.size, len(chain.elements)))
     )
+    pushed = outside.copy()
+    for place, (first, second) in enumerate(chain.connections):
+        pushed[:, :, first] -= pressing[:, :, place]
+        pushed[:, :, second] += pressing[:, :, place]
+    return OrderExcitation([1.0, 2.5], speeds, pushed, pressing), outside
 
 
 @settings(max_examples=15, deadline=None)
@@ -224,7 +233,7 @@ def any_excitation(chain, seed, speeds=(20.0, 50.0, 110.0)):
 def test_any_chain(seed):
     """Modal equals direct, power in equals heat, and every node is in equilibrium."""
     chain = any_chain(seed)
-    excitation = any_excitation(chain, seed)
+    excitation, outside = pressed(chain, seed)
     modal = forced_response(chain, excitation, magnifier=50.0)
     direct = forced_response(chain, excitation, magnifier=50.0, method="direct")
     largest = np.max(np.abs(direct.motion), axis=2, keepdims=True)
@@ -234,20 +243,62 @@ def test_any_chain(seed):
     assert balance.error < 1e-9
     assert np.all(balance.rest > 0.0)
 
-    # The loads of elements, ground and dashpots are all that acts besides force and inertia.
-    own = forced_response(chain, excitation)
-    loads = element_loads(own)
-    dashpot = np.zeros((1, 6))
-    dashpot[0, [0, 3]] = -1.0, 1.0
-    w = own.angular_frequencies[:, :, np.newaxis]
-    left = (
-        loads.elements.values @ chain.elongations()
-        + loads.dashpots.values @ dashpot
-        + loads.ground.values
-        - w**2 * (own.motion @ chain.mass_matrix())
-        - excitation.forces
-    ) @ chain.expansion()
-    assert np.max(np.abs(left)) < 1e-10 * np.max(np.abs(loads.elements.values))
+    # The loads of elements, ground and dashpots are all that acts besides outside force and inertia.
+    for damping in ({}, {"magnifier": 50.0}):
+        answer = forced_response(chain, excitation, **damping)
+        assert unbalanced(answer, outside) < 1e-10
+        strained, named = element_loads(answer).elastic, load_quantities(answer).series(answer)
+        np.testing.assert_allclose(named.values, strained.values, rtol=1e-9, atol=1e-12)
+
+
+def test_what_pushes_elements_apart_is_interpolated_and_added_with_its_forces():
+    chain = any_chain(5)
+    acting, outside = pressed(chain, 5)
+    plain = OrderExcitation(acting.orders, acting.speeds, outside)
+
+    def from_outside(excitation):
+        return excitation.forces - excitation.pressing @ chain.elongations()
+
+    for change in (
+        lambda excitation: excitation.at_speeds([20.0, 35.0, 90.0]),
+        lambda excitation: with_resonances(excitation, chain),
+    ):
+        np.testing.assert_allclose(from_outside(change(acting)), change(plain).forces, atol=1e-12)
+    both = combined_excitation(OrderExcitation([1.0, 3.0], acting.speeds, outside), acting)
+    assert both.orders.tolist() == [1.0, 2.5, 3.0]
+    np.testing.assert_allclose(
+        from_outside(both), [2.0 * outside[0], outside[1], outside[1]], atol=1e-12
+    )
+    with pytest.raises(
+        InputError, match=r"^pressing: given an array of shape \(2, 3\); allowed is"
+    ):
+        replace(acting, pressing=np.ones((2, 3)))
+    with pytest.raises(InputError, match=r"^excitation: given the pressing of 2 elements; allowed"):
+        forced_response(chain, replace(acting, pressing=np.ones((2, 3, 2))))
+
+
+def test_load_of_an_element_that_pushes_its_ends_apart_is_what_its_masses_take():
+    """Two equal masses pushed apart by P: k d = P w_n^2 / (w_n^2 - w^2 + i w w_n / M), and N = k d - P."""
+    speeds, push, magnifier = np.linspace(10.0, 300.0, 400), 7.0, 25.0
+    forces = push * np.array([-1.0, 1.0]) * np.ones((1, speeds.size, 2))
+    acting = OrderExcitation([1.0], speeds, forces, np.full((1, speeds.size, 1), push))
+    answer = forced_response(damped(TWO, modal_damping=0.5 / magnifier), acting)
+
+    def by_hand(w, natural=200.0):
+        apart = natural**2 - w**2 + 1j * w * natural / magnifier
+        return push * (natural**2 / apart - 1.0)
+
+    load = element_loads(answer).elastic
+    np.testing.assert_allclose(load.values[0, :, 0], by_hand(speeds), rtol=1e-9)
+    (peak,) = (one for one in damped_criticals(answer) if one.of_load)
+    assert peak.amplitude == close(np.max(np.abs(by_hand(np.linspace(199, 201, 999)))))
+    assert peak.mode_share == close(1.0, rel=1e-6)
+    # The mode makes the whole load at each speed, so far below its resonance the order is forced.
+    for speed, state in ((60.0, "forced"), (200.0, "at resonance")):
+        index = int(np.argmin(np.abs(speeds - speed)))
+        (part,) = peak_cause(answer, load, 0, index).parts
+        assert (part.mode, part.state) == (1, state)
+        assert part.mode_share == close(1.0, rel=1e-6)
 
 
 def test_unbounded_within_1e_9_and_a_number_beyond():

@@ -20,6 +20,7 @@ from dynamics.excitation.cylinders import cylinder_forces
 from dynamics.gas.pressure import gas_pressure
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import chain_system
+from dynamics.response.loads import element_loads
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.transient.motions import envelope_over, steady_motion, transient_motion
 from dynamics.transient.propagator import LoadStep, SpeedCurve, viscous_system
@@ -54,6 +55,29 @@ def test_forces_between_speeds_follow_the_square_of_the_speed():
     chain = row(damping=5.0)
     one, other = (steady_motion(chain, own, 73.0).motion for own in (acting, exact))
     assert np.allclose(one, other, rtol=0.0, atol=EXACT * np.abs(other).max())
+
+
+@pytest.mark.slow
+def test_elements_that_push_their_ends_apart_carry_no_part_of_it():
+    chain, plain = row(damping=5.0), excitation(3).forces
+    forces = np.zeros((*plain.shape[:2], 4), dtype=complex)
+    for place, (left, right) in enumerate(chain.connections):
+        forces[:, :, left] -= plain[:, :, place]
+        forces[:, :, right] += plain[:, :, place]
+    acting = OrderExcitation(ORDERS, SPEEDS, forces, plain)
+    by_orders = element_loads(forced_response(chain, acting)).elastic
+    steady = steady_motion(chain, acting, SPEEDS[1])
+    wanted = by_orders.at_angle(1, shaft_angle_deg=steady.shaft_angle_deg)
+    assert np.allclose(steady.torque, wanted, rtol=0.0, atol=EXACT * np.abs(wanted).max())
+    # From a second excitation on at half of the time, half as large.
+    half = OrderExcitation(ORDERS, SPEEDS, 0.5 * forces, 0.5 * plain)
+    curve = SpeedCurve([0.0, 40.0], [SPEEDS[1], SPEEDS[1]])
+    run = transient_motion(chain, acting, curve, changes=[(0.5, half)])
+    wanted = by_orders.at_angle(1, shaft_angle_deg=run.shaft_angle_deg)
+    early, late = run.time < 0.5, run.time > 39.0
+    most = np.abs(wanted).max()
+    assert np.allclose(run.torque[early], wanted[early], rtol=0.0, atol=1e-7 * most)
+    assert np.allclose(run.torque[late], 0.5 * wanted[late], rtol=0.0, atol=1e-7 * most)
 
 
 def test_loss_factors_become_viscous():

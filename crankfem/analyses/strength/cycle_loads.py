@@ -76,7 +76,7 @@ class ShaftLoads:
     normal, misfiring : tuple of LargestLoad
         Torque next to each throw; misfiring in the worst case, empty if not calculated.
     axial : tuple of LargestLoad
-        Axial force through each throw in normal firing, without the part of its own pin's lengthening.
+        Axial force through each throw in normal firing.
     passed_on : tuple of float
         Largest sum of the engine's mean torque and a throw's alternating one [N m].
     barred : tuple of pairs of float
@@ -181,21 +181,7 @@ def _cases(
 
 
 def _loads(_: EngineFile, axial: ChainAnswer, torsional: ChainAnswer) -> Series:
-    return {"axial": _through_throws(axial), "torsional": torsional.loads.elastic}
-
-
-def _through_throws(axial: ChainAnswer) -> OrderSeries:
-    """Return the axial force through each throw.
-
-    In the chain the forces on a throw's pin push its ends apart with P; the spring between them carries P
-    even where the ends are free and no force passes through the throw. So P is subtracted.
-    """
-    throws, elastic = axial.engine_chain.throws, axial.loads.elastic
-    before = list(axial.engine_chain.sections[:throws])
-    pressing = -np.cumsum(axial.response.excitation.forces[:, :, before], axis=2)
-    return replace(
-        elastic, values=elastic.values[:, :, :throws] - pressing, names=elastic.names[:throws]
-    )
+    return {"axial": axial.crank_elements, "torsional": torsional.loads.elastic}
 
 
 def _amplitude(file: EngineFile, series: OrderSeries) -> FloatArray:
