@@ -4,13 +4,12 @@ import math
 import re
 from collections.abc import Sequence
 from contextlib import suppress
-from functools import cache
 from itertools import pairwise
-from typing import Any
 
 from crankbase.choices import is_number, is_whole
 from crankbase.errors import InputError, quoted, shortened
-from crankbase.input_file import LARGEST_POWER, LONGEST_QUANTITY
+from crankbase.input_file import LONGEST_QUANTITY
+from crankbase.units import NoUnitError, OtherKindError, like_named, size_in, unit_quantity
 
 # The units of tables, axes and sentences: the SI unit of each, and its size in it.
 UNITS: dict[str, tuple[str, float]] = {
@@ -211,7 +210,7 @@ _SPACES = " \u00a0\u2009\u202f"
 _MARKS = rf".,'\u2019_{_SPACES}"
 SEPARATED_NUMBER = rf"[+-]?\d+(?:[{_MARKS}]\d+)*\.?(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(
-    rf"([+-]?)(\d[\d{_MARKS}]*?)((?:[eE][+-]?\d+)?)[\s]*((?:1\s*/\s*)?[^\W\d_].*|[%°].*|)"
+    rf"([+-]?)(\d[\d{_MARKS}]*?)((?:[eE][+-]?\d+)?)[\s]*((?:1?\s*/\s*\(?)?[^\W\d_].*|[%°℃].*|)"
 )
 _WHOLE = re.compile(rf"\d+|[1-9]\d{{0,2}}([{_MARKS}])\d{{3}}(?:\1\d{{3}})*")
 _PLAIN = re.compile(r"\d+\.?\d*")
@@ -261,10 +260,10 @@ TURNING = ("1/min", "rad/s")
 PLAIN_SIZES = {
     (name, unit): size for name, (unit, size) in UNITS.items() if (name, unit) != TURNING
 }
-# Size in SI of the smallest unit, so that its inverse is a number too.
-SMALLEST_UNIT = 1e-300
 # Units that large numbers are shown a thousandfold in.
 THOUSANDFOLD, KILO_FROM = ("N", "N m", "W"), 1e4
+# What an example of a temperature is [K].
+ROOM_TEMPERATURE = 293.15
 # Nobody means so many of a usual unit.
 LARGEST_MEANT = 1e4
 # Numbers from here on get an exponent; smaller ones a person reads without one.
@@ -272,92 +271,9 @@ WRITTEN_OUT = 1e7
 
 # A decimal number, then a unit. pint itself would calculate ("17 0 mm" is a product to it), drop
 # commas ("1,2 mm" would be 12 mm) and take a unit alone for one of it.
-NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.ASCII)
-# "g/cm3" is meant as g/cm^3.
-POWER = re.compile(r"([A-Za-z])([2-4])\b")
-# What pint may see of a unit, as it spells units itself: names, ones and brackets with exponents, multiplied
-# and divided. Anything else it would calculate first, however long that takes.
-_NUMBER = r"[+-]?(?!0\d)(?:\d+\.?\d*|\.\d+)"
-_EXPONENT = rf"(?:\*\*\s*(?:(?P<power>{_NUMBER})|\(\s*(?P<root>{_NUMBER})\s*(?:/\s*\d+\s*)?\)))?"
-_FACTOR = re.compile(rf"(?<![\w.])[^\W\d]\w*\s*{_EXPONENT}")
-_BRACKET = re.compile(rf"\(\s*1\s*(?:[*/]\s*1\s*)*\)\s*{_EXPONENT}")
-# Pint 0.26 leaves the space of "N m", which older releases made a sign; both multiply from left to right.
-_SPACE = re.compile(r"(?<=[\w.)])\s+(?=[\w.(])")
-_PRODUCT = re.compile(r"\s*(?:1(?:\.0*)?\s*(?:[*/]\s*1(?:\.0*)?\s*)*)?")
-
-
-POUND = re.compile(r"\blbs?\b")
-
-
-class NoUnitError(ValueError):
-    """Text that is no unit."""
-
-
-@cache
-def unit_registry() -> Any:
-    """Return the one pint registry; built on first use because it takes 0.2 s."""
-    import pint
-
-    registry: Any = pint.UnitRegistry()
-    registry.define("@alias revolution = rev")
-    return registry
-
-
-def unit_quantity(text: str) -> Any:
-    """Return pint's unit quantity, 1, of a unit written as text; one without unit for empty text.
-
-    Raises
-    ------
-    NoUnitError
-        If the text is no unit that pint knows, is too long, has exponents that nobody writes, or is of
-        a size that is no number.
-    """
-    registry = unit_registry()
-    spelled = _normalized_unit(text)
-    from pint.errors import PintError
-
-    try:
-        quantity = registry.Quantity(1.0, registry.parse_units(spelled))
-        size = float(quantity.to_root_units().magnitude)
-    # Pint takes "nan" for a number, and fails by an assertion where it finds no unit at all.
-    except (PintError, OverflowError, ValueError, AssertionError):
-        raise NoUnitError(text) from None
-    if not SMALLEST_UNIT <= size <= 1.0 / SMALLEST_UNIT:
-        raise NoUnitError("too small or large for a number")
-    return quantity
-
-
-def _normalized_unit(text: str) -> str:
-    """Normalize a unit as pint does before it calculates, and refuse what is no product of powers.
-
-    Raises
-    ------
-    NoUnitError
-    """
-    from pint.util import string_preprocessor
-
-    if len(text) > LONGEST_QUANTITY:
-        raise NoUnitError("too long")
-    spelled = POWER.sub(r"\1^\2", text)
-    for step in (*unit_registry().preprocessors, string_preprocessor):
-        spelled = step(spelled)
-    spelled = _SPACE.sub("*", spelled)
-    powers = 1.0
-
-    def factor(match: re.Match[str]) -> str:
-        nonlocal powers
-        power = abs(float(match["power"] or match["root"] or 1.0))
-        if power == 0.0:
-            raise NoUnitError("a unit to the power of zero is none")
-        powers *= max(1.0, power)
-        return "1"
-
-    left, more = _FACTOR.sub(factor, spelled), 1
-    while more:
-        left, more = _BRACKET.subn(factor, left)
-    if powers > LARGEST_POWER or _PRODUCT.fullmatch(left) is None:
-        raise NoUnitError("no product of powers")
-    return spelled
+NUMBER_AND_UNIT = re.compile(
+    r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*"
+)
 
 
 def parse_quantity(
@@ -402,7 +318,9 @@ def parse_quantity(
         raise InputError(f'{fault}; write a number with its unit, like "{example}"{remedy}.')
     if not isinstance(text, str):
         raise _without_unit(fault, _shortened_text(text), unit, limits, remedy)
-    value = _evaluate(text, unit, fault, limits, remedy)
+    value = _evaluate(text.replace("\u2212", "-"), unit, fault, limits, remedy)
+    if unit == "K" and value < 0.0:
+        raise InputError(f"{fault}, which is below absolute zero{remedy}.")
     if not math.isfinite(value):
         raise InputError(f"{fault}, which is not finite{remedy}.")
     return value
@@ -415,6 +333,7 @@ WRITTEN = {
     "Pa": ("MPa", "GPa", "kPa", "Pa"),
     "rad": ("deg", "rad"),
     "rad/s": ("1/min", "rad/s"),
+    "K": ("degC", "K"),
     "N": ("N", "kN", "MN"),
     "W": ("kW", "MW", "W"),
 }
@@ -430,7 +349,18 @@ KINDS = {
     "kg m^2": "moment of inertia",
     "N/m": "stiffness",
     "N m/rad": "torsional stiffness",
+    "N m s/rad": "torsional damping",
+    "N s/m": "damping",
+    "rad/(N m)": "torsional flexibility",
+    "m/N": "flexibility",
     "N": "force",
+    "N m": "torque",
+    "W": "power",
+    "Hz": "frequency",
+    "K": "temperature",
+    "s": "time",
+    "m^2": "area",
+    "kg/m^3": "density",
 }
 
 
@@ -462,7 +392,8 @@ def other_unit(text: object, unit: str, value: float, limits: Limits) -> str:
     if match is None or _is_within(value, limits):
         return ""
     for usual in WRITTEN.get(unit, ()) if abs(float(match[1])) < LARGEST_MEANT else ():
-        if _is_within(float(match[1]) * float(unit_quantity(usual).to(unit).magnitude), limits):
+        size, zero = size_in(usual, unit)
+        if _is_within(float(match[1]) * size + zero, limits):
             return f"{match[1]} {usual}"
     return ""
 
@@ -489,18 +420,20 @@ def _example(unit: str, limits: Limits, number: str = "") -> str:
     """Write a quantity that is allowed: the number that was given in a usual unit, else one in the range."""
     units = WRITTEN.get(unit, (unit,))
     for usual in units if number else ():
-        value = float(number) * float(unit_quantity(usual).to(unit).magnitude)
-        if _is_within(value, limits):
+        size, zero = size_in(usual, unit)
+        if _is_within(float(number) * size + zero, limits):
             return f"{number} {usual}"
     low, high = limits
     if low is not None and high is not None:
         middle = math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
     else:
-        middle = 1.0 if low is None and high is None else float(low or high or 0.0)
+        any_size = ROOM_TEMPERATURE if unit == "K" else 1.0
+        middle = any_size if low is None and high is None else float(low or high or 0.0)
     for usual in units:
-        size = float(unit_quantity(usual).to(unit).magnitude)
-        for rounded in (float(f"{middle / size:.1g}"), middle / size):
-            if 0.01 <= abs(rounded) < 1e5 and _is_within(rounded * size, limits):
+        size, zero = size_in(usual, unit)
+        exact = (middle - zero) / size
+        for rounded in (float(f"{exact:.1g}"), exact):
+            if 0.01 <= abs(rounded) < 1e5 and _is_within(rounded * size + zero, limits):
                 return f"{rounded:g} {usual}"
     return f"{middle:g} {unit}"
 
@@ -524,25 +457,24 @@ def _evaluate(text: str, unit: str, fault: str, limits: Limits, remedy: str) -> 
         return _scaled(float(match[1]), size)
     if match is not None and (match[2], unit) == TURNING:
         return _scaled(float(match[1]), 1.0 / 60.0) * (2.0 * math.pi)
+    usual = f"write it in {WRITTEN.get(unit, (unit,))[0]} or a like unit{remedy}."
     try:
         if match is None:
             raise NoUnitError("no number in front")
-        number, quantity = float(match[1]), unit_quantity(match[2])
-    except NoUnitError:
-        meant = tuple(
-            reading if reading[-1].isalpha() else _example(unit, limits, reading)
-            for reading in (readings(text) if len(text) <= LONGEST_QUANTITY else ())
-            if reading[-1].isalpha() or re.fullmatch(r"[+-]?\d+(\.\d+)?", reading)
-        )
+        if not match[2]:
+            raise _without_unit(fault, match[1], unit, limits, remedy)
+        size, zero = size_in(match[2], unit)
+    except NoUnitError as error:
+        if error.cure:
+            raise InputError(f"{fault}; {error.cure}{remedy}.") from None
+        meant = _read_as(text, unit, limits)
         if meant:
             raise InputError(
                 f"{fault}; write a decimal point and no separators, like {either(meant)}{remedy}."
             ) from None
-        if match is not None and re.fullmatch(r"[^\W\d]\w*", match[2]):
-            raise InputError(
-                f"{fault}, in an unknown unit; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
-                f"unit{remedy}."
-            ) from None
+        if error.name and match is not None:
+            like = _in_like_named(match[1], match[2], error.name, unit)
+            raise InputError(f"{fault}, in the unknown unit {error.name}; {like}{usual}") from None
         # As behind a sign for a diameter: "Ø180 mm".
         tail = re.sub(r"^[^\d.+\-\u2012-\u2015\u2212]+", "", text[:LONGEST_QUANTITY])
         example, behind = _example(unit, limits), NUMBER_AND_UNIT.fullmatch(tail)
@@ -552,47 +484,70 @@ def _evaluate(text: str, unit: str, fault: str, limits: Limits, remedy: str) -> 
         raise InputError(
             f'{fault}, which is not one number with one unit; write for example "{example}"{remedy}.'
         ) from None
-    if quantity.unitless and not match[2]:
-        raise _without_unit(fault, match[1], unit, limits, remedy)
-    turning = (
-        unit == "rad/s"
-        and quantity.check("1/[time]")
-        and "radian" not in str(quantity.to_root_units().units)
-    )
-    from pint.errors import PintError
-
-    try:
-        # "500 1/min" and "8.3 Hz" mean revolutions in a field of speeds.
-        size = float(quantity.to("1/s" if turning else unit).magnitude)
-    except PintError:  # of another dimension, or an offset unit such as degC
-        # Where pounds of mass make no sense they are pounds of force: "lb in s2", "lb in/rad".
-        force = POUND.sub("lbf", text)
-        if force != text:
-            with suppress(InputError):
-                return _evaluate(force, unit, fault, limits, remedy)
+    except OtherKindError:
+        assert match is not None
         kind = KINDS.get(unit, f"quantity in {unit}")
-        raise InputError(
-            f"{fault}, which is no {kind}; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
-            f"unit{remedy}."
-        ) from None
-    return _scaled(number, size) * (2.0 * math.pi if turning else 1.0)
+        weighed = _flywheel_effect(float(match[1]), match[2]) if unit == "kg m^2" else None
+        if weighed is not None:
+            raise InputError(
+                f"{fault}, a flywheel effect G D^2; write an inertia, a quarter of its mass and diameter "
+                f'squared, "{weighed / 4.0:.6g} kg m^2", or "{weighed:.6g} kg m^2" where a flywheel_effect '
+                f"is wanted{remedy}."
+            ) from None
+        raise InputError(f"{fault}, which is no {kind}; {usual}") from None
+    return _scaled(float(match[1]), size) + zero
+
+
+def _read_as(text: str, unit: str, limits: Limits) -> tuple[str, ...]:
+    """Return what a quantity with separators in its number may mean, as far as a field can read it."""
+    meant = []
+    for reading in readings(text) if len(text) <= LONGEST_QUANTITY else ():
+        match = NUMBER_AND_UNIT.fullmatch(reading)
+        if match is None or not match[2]:
+            meant += [_example(unit, limits, reading)] if match is not None else []
+            continue
+        with suppress(NoUnitError, OtherKindError):
+            size_in(match[2], unit)
+            meant.append(reading)
+    return tuple(meant)
+
+
+def _in_like_named(number: str, text: str, name: str, unit: str) -> str:
+    """Return "did you mean ...? " of the quantity with units that differ in capital letters alone."""
+    likely = []
+    for other in like_named(name):
+        spelling = text.replace(name, other)
+        with suppress(NoUnitError, OtherKindError):
+            size_in(spelling, unit)
+            likely.append(f'"{number} {spelling}"')
+    return f"did you mean {' or '.join(likely)}? " if likely else ""
+
+
+def _flywheel_effect(number: float, text: str) -> float | None:
+    """Return a flywheel effect by weight, such as 40 kgf m2, as one by mass [kg m^2]; None for another."""
+    try:
+        size, _ = size_in(text, "N m^2")
+    except (NoUnitError, OtherKindError):
+        return None
+    return number * size / size_in("kgf", "N")[0]
 
 
 def _scaled(number: float, factor: float) -> float:
     """Multiply so that "51 mm" is exactly what Python writes as 0.051."""
     inverse = round(1.0 / factor) if factor < 1.0 else 0
-    return number / inverse if inverse and 1.0 / inverse == factor else number * factor
+    exact = inverse and math.isclose(1.0 / inverse, factor, rel_tol=1e-15)
+    return number / inverse if exact else number * factor
 
 
 def _pure_number(text: object, fault: str, limits: str) -> float:
-    if (
-        isinstance(text, str)
-        and NUMBER_AND_UNIT.fullmatch(text)
-        and not text.strip()[-1:].isalpha()
-    ):
+    short = text if isinstance(text, str) and len(text) <= LONGEST_QUANTITY else ""
+    match = NUMBER_AND_UNIT.fullmatch(short)
+    if match is not None and not match[2]:
         raise InputError(f"{fault}, a number in quotes; write it without quotes{limits}.")
     if not isinstance(text, float) and not is_whole(text):
-        meant = readings(text) if isinstance(text, str) and len(text) <= LONGEST_QUANTITY else ()
+        meant = readings(short)
+        if match is not None and match[2] == "%":
+            meant = (f"{without_noise(float(match[1]) / 100.0):g}",)
         like = f", like {either(meant)}" if meant else ""
         raise InputError(f"{fault}; write a plain number without a unit{like}{limits}.")
     if not is_number(text):  # also a whole number of hundreds of digits

@@ -18,11 +18,10 @@ from crankbase.quantity import (
     UNBOUNDED,
     UNITS,
     WRITTEN_OUT,
-    NoUnitError,
     format_quantity,
-    unit_quantity,
     without_noise,
 )
+from crankbase.units import Kind, NoUnitError, kind_of, kind_of_si, unit_quantity
 
 SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
 # A user who reads angles in degrees does not mean speeds in degrees per second.
@@ -39,9 +38,6 @@ _QUANTITY = re.compile(
 )
 
 _SENTENCE_END = re.compile(r"(?<=[\w%)\]\"]\.) (?=[A-Z0-9])")
-
-# Dimension of a unit, and the power of the angle in it: a speed of rotation is no frequency.
-Kind = tuple[frozenset[tuple[str, float]], float]
 
 
 @dataclass(frozen=True)
@@ -166,7 +162,7 @@ class OutputUnits:
         return (_joined(names), size) if changed else None
 
     def _requested(self, unit: str) -> tuple[str, float] | None:
-        kind = _kind_of_si(unit)
+        kind = kind_of_si(unit)
         for wished_kind, name, size in self.wished:
             # One word for the unit of energy, such as J, is no unit of torque.
             if wished_kind == kind and not (unit == "N m" and re.fullmatch(r"\w+", name)):
@@ -209,12 +205,13 @@ def _parsed(name: str) -> tuple[Kind, float]:
         if not name or re.match(r"\d", name.removeprefix("1/")):
             raise NoUnitError("a number or nothing")
         quantity = unit_quantity(name)
-    except NoUnitError:
+    except NoUnitError as error:
+        no_unit = f"; {error.cure}" if error.cure else ", which is no unit"
         raise InputError(
-            f"--units: given {name!r}, which is no unit; allowed are units with commas between them, like "
+            f"--units: given {name!r}{no_unit}; allowed are units with commas between them, like "
             '"in, lbf, ksi", or one of imperial and SI.'
         ) from None
-    kind, shifted = _kind(quantity.to_root_units()), not quantity._is_multiplicative
+    kind, shifted = kind_of(quantity), not quantity._is_multiplicative
     if shifted or kind not in _printed_kinds():
         raise InputError(
             f"--units: given {name!r}, of a kind that is never printed; allowed are units of length, "
@@ -224,21 +221,11 @@ def _parsed(name: str) -> tuple[Kind, float]:
     return kind, float(quantity.to_base_units().magnitude)
 
 
-def _kind(root: Any) -> Kind:
-    angle = float(dict(root.units._units).get("radian", 0.0))
-    return frozenset((name, float(power)) for name, power in root.dimensionality.items()), angle
-
-
-@cache
-def _kind_of_si(unit: str) -> Kind:
-    return _kind(unit_quantity(unit).to_root_units())
-
-
 @cache
 def _printed_kinds() -> frozenset[Kind]:
     units = {unit for unit, _ in UNITS.values()}
     factors = {factor for unit in units for factor, _ in _factors(unit)}
-    return frozenset(_kind_of_si(unit) for unit in units | factors)
+    return frozenset(kind_of_si(unit) for unit in units | factors)
 
 
 def _factors(unit: str) -> list[tuple[str, int]]:

@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from crankbase.quantity import NoUnitError, unit_quantity
+from crankbase.units import NoUnitError, unit_quantity
 
 
 def numbers_with_units(content):

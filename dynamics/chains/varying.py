@@ -11,6 +11,8 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, quantity_field
 
 Table = tuple[float | tuple[float, ...], ...]
+# Of springs of rubber or steel [K]: 50 K or 122 K is meant in degC or degF.
+TEMPERATURES = (150.0, 700.0)
 
 
 class StiffnessLaw(Protocol):
@@ -116,7 +118,9 @@ class Variation(InputModel):
     at_speed: tuple[float, ...] | None = quantity_field(
         "ascending speeds of the crankshaft at which at_torque is given", "rad/s", default=None
     )
-    at_temperature: float | None = quantity_field("temperature that it has", "K", default=None)
+    at_temperature: float | None = quantity_field(
+        "temperature that it has", "K", *TEMPERATURES, default=None
+    )
 
     @property
     def axes(self) -> dict[str, tuple[float, ...]]:
@@ -138,6 +142,12 @@ class Variation(InputModel):
                     f"variation.{name}: given {list(points)}; allowed are ascending numbers from 0, because "
                     "values between are interpolated."
                 )
+        low, high = TEMPERATURES
+        if self.temperature and not low <= self.temperature[0] <= self.temperature[-1] <= high:
+            raise InputError(
+                f"variation.temperature: given {list(self.temperature)} K; allowed are {low:g} K to "
+                f"{high:g} K, because it is that of rubber or steel."
+            )
         shape = tuple(len(points) for points in axes.values())
         for name in ("stiffness", "loss_factor", "damping"):
             values = getattr(self, name)

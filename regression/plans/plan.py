@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from crankbase.errors import InputError
 from crankbase.results import Quantity, Result, result
 from crankbase.summaries import summarized
+from crankbase.units import is_unit
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record
@@ -43,7 +44,6 @@ from regression.plans.relations import (
     constraint_violations,
     evaluate_expression,
     evaluation_order,
-    is_unit,
     read_constraint,
     read_expression,
     used_names,

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from crankbase.choices import did_you_mean, is_number
 from crankbase.errors import InputError, quoted
 from crankbase.input_file import LARGEST_POWER, LONGEST_EXPRESSION
-from crankbase.quantity import format_quantity, unit_registry
+from crankbase.quantity import format_quantity
+from crankbase.units import is_unit, pint_name, unit_registry
 
 TOKEN = re.compile(
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
@@ -68,7 +69,7 @@ def read_expression(text: object, field: str, units: Units) -> Expression:
         if kind == "name" and before[0] == "number" and token not in units:
             if not is_unit(token):
                 raise _unknown_name(token, text, field, units)
-            pieces[-1] += f"*{token}"
+            pieces[-1] += f"*{pint_name(token)}"
             continue
         operand = kind != "sign" or token == "("
         prefix = token in ("+", "-") and before[1] not in ("+", "-")
@@ -261,14 +262,6 @@ def evaluation_order(relations: Mapping[str, Expression]) -> tuple[str, ...]:
             f"study.relations: given a circle ({circle}); allowed are relations that end at the "
             "factors and the fields of [throw]."
         ) from None
-
-
-def is_unit(name: str) -> bool:
-    """Whether a name is that of a unit, such as h or mm."""
-    try:
-        return "." not in name and name in unit_registry()
-    except ValueError:  # "nan", which pint takes for a number
-        return False
 
 
 def used_names(expressions: Iterable[Expression]) -> set[str]:

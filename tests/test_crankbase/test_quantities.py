@@ -19,14 +19,14 @@ from crankbase.quantity import (
     format_quantity,
     parse_quantity,
     readings,
-    unit_registry,
 )
+from crankbase.units import NoUnitError, unit_quantity, unit_registry
 
 
-@pytest.mark.parametrize("text", [f"{'m ' * 200}", "ym^40"])
+@pytest.mark.parametrize("text", [f"{'m ' * 200}", "nm^40"])
 def test_units_too_long_or_of_no_size_are_none(text):
-    with pytest.raises(quantity.NoUnitError, match=r"too (long|small or large)"):
-        quantity.unit_quantity(text)
+    with pytest.raises(NoUnitError, match=r"too (long|small or large)"):
+        unit_quantity(text)
 
 
 def test_the_same_length_in_any_unit_is_the_same_number():
@@ -51,7 +51,7 @@ def test_millimetres_are_the_number_that_python_writes(number):
         ("8 1/s", 8.0),
         ("8 cycle/s", 8.0),
         ("30 deg/s", 30.0 / 360.0),
-        ("100 grad/s", 0.25),
+        ("100 gon/s", 0.25),
         ("5400 arcmin/s", 0.25),
     ],
 )
@@ -139,7 +139,7 @@ def test_shown_lengths_read_back(length):
         "1 (((((h^9)^9)^9)^9)^9)^9",
         "1 h squared squared squared squared squared squared",
         "5 mm^60/km^60/s",
-        "5 Ym^30/ym^30/s",
+        "5 km^80/nm^80/s",
         "1 " + "(" * 100 + "m",
         "1 m" + " " * 100_000 + "x",
         "1" * 5000 + " mm",
@@ -176,7 +176,7 @@ def test_a_failure_of_the_library_is_not_told_as_the_users(monkeypatch):
 
     monkeypatch.setattr(unit_registry(), "parse_units", fails)
     with pytest.raises(TypeError, match="of the library"):
-        parse_quantity("7 in", "m", "field")
+        parse_quantity("7 ft2/in", "m", "field")
 
 
 @pytest.mark.parametrize(("name", "unit"), [*PLAIN_SIZES, TURNING])
@@ -286,8 +286,8 @@ def test_what_is_meant_is_among_the_readings_and_no_digit_is_lost(whole, part, p
         ("Ø180 mm", 'write for example "180 mm"'),
         # Another sign than minus is not left out.
         ("\u20135 mm", 'write for example "(?!5 mm)'),
-        ("1.4 mmm", "in an unknown unit; write it in mm or a like unit"),
-        ("66 %", "which is no length; write it in mm"),
+        ("1.4 mmm", "in the unknown unit mmm; write it in mm or a like unit"),
+        ("66 %", "in the unknown unit %; write it in mm"),
     ],
 )
 def test_suggestion_keeps_the_digits(text, suggested):

@@ -9,8 +9,8 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.quantity import unit_registry
 from crankbase.table import SI, UNITS, Column, Table, parse_output_units
+from crankbase.units import unit_registry
 from crankfem.cli import console
 from crankfem.files.reading.data_files import input_path
 
@@ -72,7 +72,8 @@ def test_quantities_in_sentences():
         ("parsek", "given 'parsek', which is no unit; allowed are units with commas between"),
         ("in, mm", "given 'in' and 'mm', which are units of one kind"),
         ("in,, lbf", "given '', which is no unit"),
-        ("ohm", "given 'ohm', of a kind that is never printed"),
+        ("VA kg", "given 'VA kg', of a kind that is never printed"),
+        ("ton", "given 'ton'; write t (1000 kg)"),
         ("degC", "given 'degC', of a kind that is never printed"),
         ("1e3 in", "given '1e3 in', which is no unit"),
     ],

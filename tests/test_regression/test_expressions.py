@@ -9,6 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankbase.units import is_unit
 from parts_in_a_line import crank_throw
 from regression.fits.equation_text import equation_text, term_symbols
 from regression.fits.fits import fit_form
@@ -20,7 +21,6 @@ from regression.plans.relations import (
     constraint_violations,
     evaluate_expression,
     evaluation_order,
-    is_unit,
     read_constraint,
     read_expression,
 )
