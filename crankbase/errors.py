@@ -8,6 +8,8 @@ from contextlib import contextmanager
 LONGEST_QUOTE = 80
 # A whole message is longer only by its list of what is allowed.
 LONGEST_MESSAGE = 4000
+# Of the errors of an input so many are told, and how many more there are.
+MOST_TOLD = 20
 CUT = " ... "
 # Where a quoted text or a list may begin; an apostrophe within a word begins none.
 _GIVEN = re.compile(
@@ -87,6 +89,14 @@ def _closing(message: str, place: int) -> int:
         if depth == 0:
             return bracket.end()
     return place
+
+
+def first_sentences(message: str) -> list[str]:
+    """Return the first errors of a message, and how many more there are: a person mends a few at a time."""
+    sentences = message.split("\n")
+    if len(sentences) <= MOST_TOLD + 1:
+        return sentences
+    return [*sentences[:MOST_TOLD], f"{len(sentences) - MOST_TOLD} more errors are not shown."]
 
 
 class InputError(ValueError):

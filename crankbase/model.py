@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 from crankbase.choices import allowed_names, is_number
-from crankbase.errors import InputError, InputErrors, named, quoted
+from crankbase.errors import MOST_TOLD, InputError, InputErrors, named, quoted
 from crankbase.quantity import DISPLAY_UNITS, Limits, format_quantity, other_unit, parse_quantity
 
 if TYPE_CHECKING:
@@ -27,12 +27,14 @@ def field_extra(info: FieldInfo, key: str) -> Any:
 
 def sentences(model: type[BaseModel], error: ValidationError) -> list[str]:
     """Turn what pydantic found into sentences for people, one for each field."""
-    by_field: dict[str, str] = {}
-    for finding in error.errors():
-        by_field.setdefault(
-            str(finding["loc"][0]) if finding["loc"] else "", sentence(model, finding)
-        )
-    return list(by_field.values())
+    by_field = {
+        str(finding["loc"][0]) if finding["loc"] else "": finding
+        for finding in reversed(error.errors())
+    }
+    findings = list(by_field.items())[::-1]
+    # Suggestions take their time; beyond the first ones nobody reads them.
+    first = [sentence(model, finding) for _, finding in findings[:MOST_TOLD]]
+    return first + [f"{name}: {finding['msg']}." for name, finding in findings[MOST_TOLD:]]
 
 
 def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
@@ -95,6 +97,7 @@ _BOUNDS = {
     "finite_number": "a finite number",
     "greater_than_equal": "a number of {ge:g} or more",
     "less_than_equal": "a number of {le:g} or less",
+    "too_long": "a list of {max_length} at most",
 }
 
 
@@ -157,12 +160,18 @@ def length_field(meaning: str, limits: tuple[float, float], **declared: Any) -> 
     return quantity_field(meaning, "m", minimum=limits[0], maximum=limits[1], **declared)
 
 
-def part_field(meaning: str, kind: type["InputModel"], *, many: bool = False) -> Any:
-    """Declare an optional part of a record that is a record itself, or a list of such (`many`)."""
+def part_field(
+    meaning: str, kind: type["InputModel"], *, many: bool = False, most: int | None = None
+) -> Any:
+    """Declare an optional part of a record that is a record itself, or a list of such (`many`).
+
+    A list holds `most` at most.
+    """
     return Field(
         () if many else None,
         description=meaning,
-        json_schema_extra={"part": kind.section, "many": many},
+        max_length=most,
+        json_schema_extra={"part": kind.section, "many": many, "most": most},
     )
 
 
@@ -373,6 +382,9 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         converted: dict[str, Any] = {}
         errors = InputErrors()
         for key, text in values.items():
+            if key not in cls.model_fields and len(errors.errors) >= MOST_TOLD:
+                errors.errors.append(InputError(f"{prefix}{named(key)}: unknown field."))
+                continue
             with errors.noted():
                 converted[key] = _value_from_text(cls, key, text, f"{prefix}{named(key)}")
         if errors.errors:
@@ -444,6 +456,11 @@ def _parts_from_text(kind: type[InputModel], info: FieldInfo, value: object, nam
         if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
             raise InputError(
                 f"{name}: given {quoted(value)}; allowed is a list of tables, each under [[{name}]]."
+            )
+        most = field_extra(info, "most")
+        if most is not None and len(value) > most:
+            raise InputError(
+                f"{name}: given a list of {len(value)} tables; allowed is one of {most} at most."
             )
         parts, errors = [], InputErrors()
         for place, item in enumerate(value):

@@ -367,6 +367,8 @@ def plain(value: Any) -> Any:
     if _is_input(value):
         value = value.model_dump(mode="json")
     if isinstance(value, np.ndarray | np.generic):
+        if value.dtype.kind in "bif" and np.isfinite(value).all():
+            return value.tolist()
         value = value.tolist()
     if isinstance(value, complex):
         return [value.real, value.imag]

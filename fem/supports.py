@@ -289,15 +289,18 @@ def _middle_motions(
 ) -> Array:
     """Coupled motions of the middle one of 2 reach + 1 throws."""
     count = len(throw) // 2
-    places = np.arange(-reach, reach + 1)
-    steps = np.where(places < 0, support.left_deg, support.right_deg)
-    stiffness = np.zeros((count * (len(places) + 1),) * 2)
+    stiffness = np.zeros((count * (2 * reach + 2),) * 2)
     sides = np.zeros((len(stiffness), loads.shape[1]))
-    for place, angle_deg in enumerate((steps * places).tolist()):
-        both = np.kron(np.eye(2), turn(angle_deg))
-        part = slice(count * place, count * place + 2 * count)
-        stiffness[part, part] += both @ throw @ both.T
-        sides[part] += both @ loads
+    # Each section moves in the frame of the throw on its right: the throws of a side are alike.
+    to_left, to_right = (
+        block_diag(np.eye(count), turn(angle)) for angle in (support.left_deg, support.right_deg)
+    )
+    for places, both in ((range(reach), to_left), (range(reach, 2 * reach + 1), to_right)):
+        own_stiffness, own_loads = both.T @ throw @ both, both.T @ loads
+        for place in places:
+            part = slice(count * place, count * place + 2 * count)
+            stiffness[part, part] += own_stiffness
+            sides[part] += own_loads
     middle = slice(count * reach, count * reach + 2 * count)
     # Only sections that one throw joins are coupled.
     width = 2 * count - 1
@@ -306,7 +309,7 @@ def _middle_motions(
         diagonal = np.diagonal(stiffness, off)
         start = max(off, 0)
         banded[width - off, start : start + len(diagonal)] = diagonal
-    return np.asarray(solve_banded((width, width), banded, sides)[middle])
+    return np.asarray(to_right @ solve_banded((width, width), banded, sides)[middle])
 
 
 def class_axial_compliances(part: CondensedClass, support: str) -> tuple[float, float]:

@@ -19,6 +19,8 @@ FILLET_RADIUS = (0.0, 0.3)
 BORE, BORE_OFFSET = (0.0, 2.0), (-1.0, 1.0)
 WEB_END, CORNER = (0.0005, 4.0), (0.0, 2.0)
 HOLE, EXIT_RADIUS = (0.00002, 0.5), (0.0, 0.2)
+# No bearing stands between a few pins; no throw is drilled more often.
+MOST_FURTHER_PINS, MOST_OIL_HOLES = 7, 40
 STEEPEST_TILT = 0.6981317007977318  # 40 deg: sharper lips have no stress that can be told
 OUTLINE_NAMES = " or ".join(OUTLINES)
 
@@ -333,10 +335,16 @@ class ThrowDimensions(InputModel):
     left_web: Web | None = part_field("values of the left web alone", Web)
     right_web: Web | None = part_field("values of the right web alone", Web)
     further_pins: tuple[FurtherPin, ...] = part_field(
-        "further pins without a main bearing before them", FurtherPin, many=True
+        "further pins without a main bearing before them",
+        FurtherPin,
+        many=True,
+        most=MOST_FURTHER_PINS,
     )
     oil_holes: tuple[OilHole, ...] = part_field(
-        "straight oil holes across pins and main journals", OilHole, many=True
+        "straight oil holes across pins and main journals",
+        OilHole,
+        many=True,
+        most=MOST_OIL_HOLES,
     )
 
 

@@ -17,7 +17,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.progress import TimeElapsedColumn as Elapsed
 from rich.text import Text
 
-from crankbase.errors import InputError, visible, with_short_quotes
+from crankbase.errors import InputError, first_sentences, visible, with_short_quotes
 from crankbase.quantity import split_quantity
 from crankbase.table import SI, Main, OutputUnits, Table
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
@@ -273,7 +273,7 @@ def _exit_broken_pipe() -> NoReturn:
 
 def _stop(message: str, code: int) -> NoReturn:
     # Several errors of a file stand below each other.
-    sentence = "\n       ".join(map(with_short_quotes, message.split("\n")))
+    sentence = "\n       ".join(map(with_short_quotes, first_sentences(message)))
     errors.print(Text("Error:", "bold red"), sentence, soft_wrap=True, highlight=False)
     raise SystemExit(code)
 

@@ -1,7 +1,11 @@
 """The application: all routes behind the guard, the page beside them."""
 
 import asyncio
+import logging
+import os
 import socket
+import struct
+import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import cache
@@ -10,6 +14,7 @@ from importlib.resources import files
 from typing import Any
 
 import uvicorn
+from anyio import to_thread
 from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
 from pydantic_core import to_json
@@ -30,7 +35,17 @@ from crankfem.service.asking import (
     problem_response,
     read_question,
 )
-from crankfem.service.guard import COOKIE, REFUSED, SESSION, Guard, Settings, is_key
+from crankfem.service.guard import (
+    COOKIE,
+    KEYED,
+    REFUSED,
+    SENT,
+    SESSION,
+    Guard,
+    Settings,
+    is_key,
+    log_writer,
+)
 from crankfem.service.job_routes import job_routes
 from crankfem.service.job_runner import JobRunner
 from crankfem.service.job_store import JobStore
@@ -114,7 +129,7 @@ def _service_routes(settings: Settings) -> APIRouter:
         if settings.key is None or not is_key(asked.key, settings.key):
             raise asking.ProblemError(401, "The key of this service is missing or wrong.")
         response = await read_service()
-        response.set_cookie(COOKIE, settings.key, httponly=True, samesite="strict")
+        response.set_cookie(COOKIE, settings.session, httponly=True, samesite="strict")
         return response
 
     return routes
@@ -129,9 +144,10 @@ def _page_routes() -> APIRouter:
 
     @routes.get("/page/{name}")
     async def read_page_file(name: str) -> Response:
-        if name not in _page_files():
+        page = await to_thread.run_sync(_page_files)
+        if name not in page:
             raise asking.ProblemError(404, "There is nothing at this path.")
-        text, media = _page_files()[name]
+        text, media = page[name]
         return Response(text, media_type=media)
 
     return routes
@@ -156,6 +172,7 @@ def _page_files() -> dict[str, tuple[bytes, str]]:
 
 LATE = HTTPStatus.REQUEST_TIMEOUT.value
 WAIT = 1  # seconds after which a refused connection may be tried again
+UNREAD = 262_144  # bytes of an answer that the system takes before they are read
 GRACE = 5  # seconds for requests under way when the service ends
 
 
@@ -174,14 +191,45 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
     full = Guard(_refuse_for_now, settings)
 
     class Protocol(AutoHTTPProtocol):  # type: ignore[misc, valid-type]
-        """A connection: refused where there are too many, closed where a request does not come in time."""
+        """A connection: closed where a request does not come in time, or its answer is not read.
+
+        Where there are too many, the one of them that waits longest for its client makes room; where none
+        does, or all of those have brought the key, the new one is refused.
+        """
 
         def connection_made(self, transport: Any) -> None:
             super().connection_made(transport)
-            if len(self.connections) > bounds.connections:
-                self.app = full
+            self.since, self._lost = time.monotonic(), False
             self._asked_before: Any = None
+            self._delivered = 0
+            if len(self.connections) > bounds.connections:
+                silent = [
+                    other for other in self.connections if other is not self and other.waits()
+                ]
+                if silent:
+                    min(silent, key=lambda other: other.since).drop()
+                else:
+                    self.app = full
             self._look_later()
+
+        def connection_lost(self, exc: Exception | None) -> None:
+            self._lost = True
+            super().connection_lost(exc)
+
+        def drop(self) -> None:
+            """Close it at once; without lingering the system, too, forgets what is not read."""
+            line = self.transport.get_extra_info("socket")
+            line.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            self.transport.abort()
+
+        def waits(self) -> bool:
+            """Return whether it waits for a client that has not brought the key."""
+            asked = self.cycle
+            if asked is None:
+                return True
+            unread = self.transport.get_write_buffer_size() > 0
+            waiting = asked.response_complete or asked.more_body or unread
+            return waiting and KEYED not in asked.scope
 
         def send_400_response(self, _: str) -> None:
             self.transport.write(unread)
@@ -191,20 +239,27 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
             asyncio.get_running_loop().call_later(bounds.seconds, self._look)
 
         def _look(self) -> None:
-            # The cycle is that of the request whose head came last.
-            asked = self.cycle
-            waits = asked is None or asked.response_complete or asked.more_body
-            if self.transport.is_closing():
+            if self._lost:
                 return
-            if waits and asked is self._asked_before:
+            # The cycle is that of the request whose head came last.
+            asked, unread = self.cycle, self.transport.get_write_buffer_size()
+            delivered = (0 if asked is None else asked.scope.get(SENT, 0)) - unread
+            little = delivered - self._delivered < bounds.reading * bounds.seconds
+            before, self._asked_before, self._delivered = self._asked_before, asked, delivered
+            if asked is not before:
+                self.since = time.monotonic()
+            elif unread and little:
+                self.drop()
+                return
+            elif not (self.transport.is_closing() or unread) and (
+                asked is None or asked.response_complete or asked.more_body
+            ):
                 if asked is None or asked.response_complete or not asked.response_started:
                     self.transport.write(late)
                 if asked is not None:
                     asked.scope[REFUSED] = LATE
                 self.transport.close()
-            else:
-                self._asked_before = asked
-                self._look_later()
+            self._look_later()
 
     config = uvicorn.Config(
         app,
@@ -212,17 +267,23 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
         ws="none",
         proxy_headers=False,
         access_log=False,
+        log_config=None,
         log_level="warning",
         server_header=False,
         timeout_graceful_shutdown=GRACE,
         h11_max_incomplete_event_size=65536,
     )
-    server = _Server(config, runner)
-    with _listening(settings) as listener:
-        host, port = listener.getsockname()[:2]
-        shown = f"[{host}]" if ":" in host else host
-        tell(f"http://{shown}:{port}/")
-        server.run(sockets=[listener])
+    logging.getLogger().addHandler(log_writer())
+    # Jobs and their files, also those that their processes write, are for the user alone.
+    os.umask(0o077)
+    try:
+        with _listening(settings) as listener:
+            host, port = listener.getsockname()[:2]
+            shown = f"[{host}]" if ":" in host else host
+            server = _Server(config, runner, lambda: tell(f"http://{shown}:{port}/"))
+            server.run(sockets=[listener])
+    finally:
+        log_writer().drain()
 
 
 async def _refuse_for_now(scope: Scope, receive: Receive, send: Send) -> None:
@@ -241,9 +302,14 @@ def _refusal(status: int, detail: str) -> bytes:
 
 
 class _Server(uvicorn.Server):
-    def __init__(self, config: uvicorn.Config, runner: Any) -> None:
+    def __init__(self, config: uvicorn.Config, runner: Any, tell: Callable[[], None]) -> None:
         super().__init__(config)
-        self._runner = runner
+        self._runner, self._tell = runner, tell
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started:
+            self._tell()
 
     def handle_exit(self, sig: int, frame: Any) -> None:  # noqa: ARG002 - uvicorn's names
         # Who follows a job is let go first: the server waits for all that is under way, once.
@@ -258,6 +324,8 @@ def _listening(settings: Settings) -> socket.socket:
     listener = socket.socket(family, socket.SOCK_STREAM)
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        # Of each connection: the system would keep some megabytes for those who do not read.
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, UNREAD)
         listener.bind((host, settings.port))
     except OSError as error:
         listener.close()

@@ -15,7 +15,7 @@ from starlette.responses import Response
 from starlette.routing import Match
 
 from crankbase.choices import is_number
-from crankbase.errors import InputError
+from crankbase.errors import InputError, first_sentences
 from crankbase.model import InputModel, field_extra, part_kind, quantity_field
 from fem.material import STEEL, Material
 from fem.supports import Neighbors, Support
@@ -41,9 +41,9 @@ class ProblemError(Exception):
 
 
 def field_errors(error: InputError) -> list[dict[str, str]]:
-    """Return the errors by field: "field", empty where a message names none, and "message"."""
+    """Return the first errors by field: "field", empty where a message names none, and "message"."""
     errors = []
-    for sentence in error.sentences:
+    for sentence in first_sentences(str(error)):
         named = _FIELD.match(sentence)
         errors.append({"field": named["field"] if named else "", "message": sentence})
     return errors
@@ -100,6 +100,8 @@ async def answer_fault(_: Request, error: Exception) -> Response:
 Asked = TypeVar("Asked", bound=InputModel)
 Pin = tuple[float, float, float]
 JSON = b"application/json"
+# Of a question, but for a file with its tables: a lookup of many throws has one list for each dimension.
+MOST_LISTS, MOST_TEXTS = 500, 25_000
 UNIT_FORCE = 1e5  # towards the shaft [N]
 
 
@@ -241,21 +243,51 @@ class KeyQuestion(InputModel):
     key: str = Field(description="key of the service")
 
 
-async def read_question(request: Request, kind: type[Asked]) -> Asked:
-    """Read the body of a request.
+async def read_body(request: Request) -> bytes:
+    """Return the body of a request.
 
     Raises
     ------
     ProblemError
-        If it is no JSON object.
+        If it is said to be anything but JSON.
     """
     media = next(
         (value for name, value in request.scope["headers"] if name == b"content-type"), b""
     )
     if media != JSON and media.partition(b";")[0].strip().lower() != JSON:
         raise ProblemError(415, "The body of the request must be application/json.")
+    return await request.body()
+
+
+async def read_question(request: Request, kind: type[Asked]) -> Asked:
+    """Read the body of a request; what it holds is counted before it is read.
+
+    Raises
+    ------
+    ProblemError
+        If it is no JSON object, or has too many lists or texts.
+    """
+    body = await read_body(request)
+    if body.count(b"[") + body.count(b"{") > MOST_LISTS or body.count(b'"') > 2 * MOST_TEXTS:
+        raise ProblemError(
+            413,
+            f"The body of the request has more than {MOST_LISTS} lists and tables, or more than {MOST_TEXTS} "
+            "names and texts; allowed are so many, because a question about one throw has some ten, and one "
+            "about many takes their dimensions as lists of numbers in SI units.",
+        )
+    return parse_question(body, kind)
+
+
+def parse_question(body: bytes, kind: type[Asked]) -> Asked:
+    """Parse the body of a request.
+
+    Raises
+    ------
+    ProblemError
+        If it is no JSON object.
+    """
     try:
-        content = from_json(await request.body(), allow_inf_nan=False)
+        content = from_json(body, allow_inf_nan=False)
     except ValueError as error:
         raise ProblemError(400, f"The body of the request is not JSON: {error}.") from None
     if not isinstance(content, dict):

@@ -2,10 +2,15 @@
 
 import contextlib
 import hmac
+import logging
+import os
+import queue
 import re
-import sys
+import secrets
+import threading
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cache
 from http.cookies import CookieError, SimpleCookie
 from pathlib import Path
 from typing import Any
@@ -21,11 +26,56 @@ from crankbase.errors import InputError
 from crankfem.service.asking import ProblemError, problem, problem_response
 
 
+class LogWriter(logging.Handler):
+    """Writes lines to standard error from a thread of its own: nothing else waits for whoever reads them.
+
+    Lines that find no space, or no reader, are lost.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._lines: queue.Queue[str] = queue.Queue(MOST_LINES)
+        threading.Thread(target=self._write, daemon=True).start()
+
+    def write(self, line: str) -> None:
+        """Have a line written."""
+        with contextlib.suppress(queue.Full):
+            self._lines.put_nowait(line)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Have what a library logs written."""
+        self.write(self.format(record))
+
+    def drain(self) -> None:
+        """Wait for the lines to be written, a little."""
+        deadline = time.monotonic() + DRAINING
+        while self._lines.unfinished_tasks and time.monotonic() < deadline:
+            time.sleep(0.01)
+
+    def _write(self) -> None:
+        while True:
+            left = f"{self._lines.get()}\n".encode()
+            # No buffer of Python's: its lock would be held at the end of the process, too.
+            with contextlib.suppress(OSError):
+                while left:
+                    left = left[os.write(STANDARD_ERROR, left) :]
+            self._lines.task_done()
+
+
+STANDARD_ERROR = 2
+# Lines that wait to be written; seconds for them when the service ends.
+MOST_LINES, DRAINING = 1000, 1.0
+
+
+@cache
+def log_writer() -> LogWriter:
+    """Return the writer of the log, which begins with its first line."""
+    return LogWriter()
+
+
 def log_line(**entries: Any) -> None:
-    """Write a line; one that finds no space, or no reader, is lost."""
-    line = to_json({"time": round(time.time(), 3)} | entries).decode()
-    with contextlib.suppress(OSError, ValueError):
-        sys.stderr.write(f"{line}\n")
+    """Write a line of the log."""
+    log_writer().write(to_json({"time": round(time.time(), 3)} | entries).decode())
 
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
@@ -40,9 +90,14 @@ class Bounds:
     Attributes
     ----------
     body : int
-        Of a request [byte]; a lookup of 100,000 throws takes about 6 MB.
+        Of a lookup of many throws, or of a file with its tables [byte]; 100,000 throws take about 6 MB.
+    small_body : int
+        Of any other request [byte].
     seconds : float
-        For a request to arrive, its head and then its body [s].
+        For a request to arrive, its head and then its body; and for so much of an answer to be read
+        as `reading` demands [s].
+    reading : float
+        Least speed at which an answer must be read [byte/s].
     waiting : int
         Jobs that may wait.
     running : int
@@ -56,13 +111,15 @@ class Bounds:
     check_seconds : float
         For reading and checking an uploaded file [s].
     rows : int
-        Of one lookup.
+        Of one lookup: throws, each counted once for every response.
     connections : int
-        At a time.
+        At a time; beyond, whoever waits longest without a key gives way.
     """
 
-    body: int = 32 * MEGABYTE
+    body: int = 8 * MEGABYTE
+    small_body: int = MEGABYTE // 10
     seconds: float = 10.0
+    reading: float = 2000.0
     waiting: int = 20
     running: int = 1
     workers: int = 2
@@ -87,14 +144,17 @@ class Settings:
         Port; 0 for any free one.
     key : str or None
         That every request to the API must bring; always there where others than this machine can ask.
+    session : str
+        What a browser that has given the key brings in its place, until the service ends.
     """
 
     folder: Path
     models: Path | None = None
     host: str = "127.0.0.1"
     port: int = 8765
-    key: str | None = None
+    key: str | None = field(default=None, repr=False)
     bounds: Bounds = Bounds()
+    session: str = field(default_factory=secrets.token_urlsafe, repr=False)
 
     def __post_init__(self) -> None:
         if not is_whole_within(self.port, 0, 65535):
@@ -135,18 +195,23 @@ class Settings:
         return "OPEN TO OTHER MACHINES that reach this one and bring the key; without TLS"
 
 
-COOKIE = "crankfem_key"
+COOKIE = "crankfem_session"
 API, SESSION = "/api", "/api/session"
 # Of the request that brings the key, the only one whose body is read without it [byte].
 KEY_BODY = 10_000
+# Requests whose bodies may be large.
+LARGE = re.compile(r"/api/(?:files/check|studies|engines|models/[^/]*/lookup)")
+# An answer is handed on in pieces of this size: the next one when the last was read [byte].
+PIECE = 65536
 # Whoever passes a request on may take another of two than this service does.
 ONCE = (b"host", b"content-length", b"transfer-encoding", b"authorization", b"origin")
 # A name, or an IPv6 address in brackets, and a port.
 HOST = re.compile(
     r"(?:\[(?P<address>[0-9A-Fa-f]*:[0-9A-Fa-f:.]*)\]|(?P<name>[\w.-]*))(?::[0-9]*)?", re.ASCII
 )
-# Where the server notes the status of what it refused itself.
-REFUSED = "crankfem.refused"
+# Where the server notes the status of what it refused itself, and the guard how much it answered and whether
+# the request brought the key.
+REFUSED, SENT, KEYED = "crankfem.refused", "crankfem.sent", "crankfem.keyed"
 # The page takes nothing from elsewhere; plotly writes styles and makes pictures of what it draws.
 POLICY_NAME = b"content-security-policy"
 POLICY = (
@@ -185,8 +250,15 @@ class Guard:
                 if all(name != POLICY_NAME for name, _ in headers):
                     headers.append(API_POLICY if _is_api(scope) else POLICY)
                 headers.extend(HEADERS)
-            else:
-                size += len(message.get("body", b""))
+            body = message.get("body", b"")
+            for place in range(PIECE, len(body), PIECE):
+                size = scope[SENT] = size + PIECE
+                piece = body[place - PIECE : place]
+                await send({"type": "http.response.body", "body": piece, "more_body": True})
+            if body:
+                last = body[(len(body) - 1) // PIECE * PIECE :]
+                size = scope[SENT] = size + len(last)
+                message = {**message, "body": last}
             await send(message)
 
         try:
@@ -232,15 +304,20 @@ class Guard:
         most = self._most(scope)
         if length is not None and not (length.isdigit() and float(length) <= most):
             return 413, _too_large(most)
-        key = self._settings.key
-        needs_key = key is not None and _is_api(scope) and scope["path"] != SESSION
-        if needs_key and not _brings(headers, str(key)):
-            return 401, "The key of this service is missing or wrong."
+        if self._settings.key is not None and _is_api(scope) and scope["path"] != SESSION:
+            if not _brings(headers, self._settings.key, self._settings.session):
+                return 401, "The key of this service is missing or wrong."
+            scope[KEYED] = True
         return None
 
     def _most(self, scope: Scope) -> int:
         """Largest body of a request [byte]."""
-        return min(KEY_BODY, self._bounds.body) if scope["path"] == SESSION else self._bounds.body
+        most = self._bounds.small_body
+        if scope["path"] == SESSION:
+            most = KEY_BODY
+        elif LARGE.fullmatch(scope["path"]):
+            most = self._bounds.body
+        return min(most, self._bounds.body)
 
     @staticmethod
     def _bounded(receive: Receive, most: int) -> Receive:
@@ -267,7 +344,7 @@ def is_key(text: str, key: str) -> bool:
     return hmac.compare_digest(text.encode(), key.encode())
 
 
-def _brings(headers: dict[bytes, bytes], key: str) -> bool:
+def _brings(headers: dict[bytes, bytes], key: str, session: str) -> bool:
     kind, _, token = headers.get(b"authorization", b"").decode("latin-1").partition(" ")
     if kind.lower() == "bearer" and is_key(token, key):
         return True
@@ -275,7 +352,7 @@ def _brings(headers: dict[bytes, bytes], key: str) -> bool:
         cookie = SimpleCookie(headers.get(b"cookie", b"").decode("latin-1")).get(COOKIE)
     except CookieError:
         return False
-    return cookie is not None and is_key(cookie.value, key)
+    return cookie is not None and is_key(cookie.value, session)
 
 
 def _origin_host(origin: str) -> str | None:

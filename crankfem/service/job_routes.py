@@ -1,5 +1,6 @@
 """Jobs: submitted, followed, canceled, their results and files; and files checked before."""
 
+import asyncio
 import json
 import re
 from collections.abc import AsyncIterator, Mapping
@@ -20,6 +21,7 @@ from crankfem.service.asking import (
     FileQuestion,
     ProblemError,
     StressQuestion,
+    read_body,
     read_question,
 )
 from crankfem.service.guard import Bounds
@@ -61,7 +63,7 @@ def throw_report(folder: Path) -> str:
 def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
     """Make the routes of jobs."""
     routes = APIRouter(prefix="/api")
-    checker = IsolatedProcess()
+    checker, checking = IsolatedProcess(), asyncio.Lock()
     followers = Followers(store, lambda: runner.stopping)
 
     def queued(asked: type[InputModel]) -> dict[str, Any]:
@@ -84,25 +86,33 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         return answer(job_named(name), 202, {"Location": f"/api/jobs/{name}"})
 
     async def submit_file(request: Request, kind: str, section: str) -> Response:
-        asked = await read_question(request, FileQuestion)
-        checked = await anyio.to_thread.run_sync(check, asked)
+        asked, checked = await read_file_question(request)
         if section not in checked["commands"]:
             raise InputError(
                 f"text: given a {checked['kind']} file that serves {', '.join(checked['commands'])}; allowed "
                 f"is one that serves {section}."
             )
-        return submit(kind, asked.name.removesuffix(".toml"), asked.model_dump())
+        return await anyio.to_thread.run_sync(
+            submit, kind, asked["name"].removesuffix(".toml"), asked
+        )
 
-    def check(asked: FileQuestion) -> dict[str, Any]:
-        """Check a file in a separate process with a limit of time."""
+    async def read_file_question(request: Request) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Read and check a file in a separate process with a limit of time, one at a time."""
+        body = await read_body(request)
+        async with checking:
+            asked, checked = await anyio.to_thread.run_sync(check, body)
+        if isinstance(asked, int):
+            raise ProblemError(asked, checked)
+        return asked, checked
+
+    def check(body: bytes) -> Any:
         try:
             # A process that has just started takes its time on a busy machine.
             checker.call("crankfem.service.tasks:load_checks", time_limit=LOADING)
-            task, limit = "crankfem.service.tasks:check_upload", bounds.check_seconds
-            checked: dict[str, Any] = checker.call(task, asked.model_dump(), time_limit=limit)
+            task, limit = "crankfem.service.tasks:check_body", bounds.check_seconds
+            return checker.call(task, body, time_limit=limit)
         except ProcessLostError as lost:
             raise InputError(f"text: given a file that cannot be checked: {lost}.") from None
-        return checked
 
     @routes.post("/throws/analysis", tags=["throws"], **queued(AnalysisQuestion))
     async def analyze_throw(request: Request) -> Response:
@@ -121,8 +131,8 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
     @routes.post("/files/check", tags=["files"], **described(CheckedText, FileQuestion))
     async def check_uploaded(request: Request) -> Response:
         """Check a file: return its interpretation, or errors by field."""
-        asked = await read_question(request, FileQuestion)
-        return answer(await anyio.to_thread.run_sync(check, asked))
+        _, checked = await read_file_question(request)
+        return answer(checked)
 
     @routes.post("/studies", tags=["files"], **queued(FileQuestion))
     async def run_study(request: Request) -> Response:
@@ -142,7 +152,8 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
     @routes.get("/jobs", tags=["jobs"], **described(Jobs))
     async def list_jobs() -> Response:
         """List the newest jobs."""
-        return answer({"jobs": store.jobs(MOST_LISTED)})
+        jobs = await anyio.to_thread.run_sync(store.jobs, MOST_LISTED)
+        return answer({"jobs": jobs})
 
     @routes.get("/jobs/{name}", tags=["jobs"], **described(Job, None, 404))
     async def read_job(name: str) -> Response:

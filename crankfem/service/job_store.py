@@ -37,6 +37,7 @@ _COLUMNS = {
 }
 VERSION = 1
 FILE, FOLDERS = "jobs.sqlite", "jobs"
+OWNER = 0o700  # of what users send and jobs write nobody else reads anything
 # What a job keeps for itself: its store and the lists of its files.
 OWN_ENDINGS = (".sqlite", ".sqlite-wal", ".sqlite-shm", ".sqlite-claims")
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT)
@@ -65,7 +66,10 @@ class JobStore:
         self._lock = threading.RLock()
         try:
             self.folder = folder = folder.absolute()
-            (folder / FOLDERS).mkdir(parents=True, exist_ok=True)
+            if not folder.is_dir():
+                folder.mkdir(OWNER, parents=True)
+            (folder / FOLDERS).mkdir(OWNER, exist_ok=True)
+            (folder / FOLDERS).chmod(OWNER)  # made by an earlier release, perhaps
             self._base = sqlite3.connect(
                 folder / FILE, check_same_thread=False, isolation_level=None
             )
@@ -77,6 +81,7 @@ class JobStore:
             )
             self._held.execute("PRAGMA locking_mode = EXCLUSIVE")
             self._held.execute("BEGIN EXCLUSIVE")
+            (folder / FILE).chmod(0o600)
             (version,) = self._base.execute("PRAGMA user_version").fetchone()
             if version > VERSION:
                 raise InputError(
@@ -105,7 +110,7 @@ class JobStore:
         with self._changing():
             if self.count("queued") >= waiting:
                 return None
-            place.mkdir()
+            place.mkdir(OWNER)
             try:
                 self._base.execute(
                     "INSERT INTO jobs (id, kind, title, question, state, created) "

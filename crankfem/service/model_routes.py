@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import anyio.to_thread
 import numpy as np
 from anyio import to_thread
 from fastapi import APIRouter
@@ -183,18 +182,21 @@ def model_routes(models: Models, bounds: Bounds) -> APIRouter:
         asked, model = await read_question(request, LookupQuestion), models.named(name)
         counts = {len(value) for value in asked.dimensions.values() if isinstance(value, list)}
         rows = max(counts, default=None)
-        if rows is not None and rows > bounds.rows:
+        responses = len(model.responses) if asked.responses is None else len(asked.responses)
+        if rows is not None and rows * responses > bounds.rows:
             raise InputError(
-                f"dimensions: given {rows} throws; allowed is {bounds.rows} at most in one request."
+                f"dimensions: given {rows} throws for {responses} responses; allowed are "
+                f"{bounds.rows // responses} throws at most in one request."
             )
         if rows is None or rows < MANY:
             return answer(_lookups(model, asked, rows))
-        return await anyio.to_thread.run_sync(lambda: answer(_lookups(model, asked, rows)))
+        return await to_thread.run_sync(lambda: answer(_lookups(model, asked, rows)))
 
     @routes.get("", **described(ModelNames))
     async def list_models() -> Response:
         """List the available models."""
-        return answer({"models": models.names()})
+        names = await to_thread.run_sync(models.names)
+        return answer({"models": names})
 
     @routes.get("/{name}", **described(ModelDescription, None, 404, 422))
     async def describe_model(name: str) -> Response:
@@ -350,8 +352,9 @@ async def validate_throw(request: Request) -> Response:
 async def outline_throw(request: Request) -> Response:
     """Draw the side or front view of a throw to scale."""
     asked = await read_question(request, OutlineQuestion)
-    letters = LETTERS if asked.letters else None
-    return Response(outline_svg(asked.read_throw().parts, asked.view, letters), media_type=SVG)
+    letters, parts = LETTERS if asked.letters else None, asked.read_throw().parts
+    drawn = await to_thread.run_sync(outline_svg, parts, asked.view, letters)
+    return Response(drawn, media_type=SVG)
 
 
 @routes.post("/formulas", **described(Formulas, FormulasQuestion))

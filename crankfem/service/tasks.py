@@ -7,12 +7,19 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, first_sentences
 from crankbase.outputs import write_text
 from crankbase.results import Result, json_text
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import TomlFile, read_toml
-from crankfem.service.asking import UNIT_FORCE, AnalysisQuestion, FileQuestion, StressQuestion
+from crankfem.service.asking import (
+    UNIT_FORCE,
+    AnalysisQuestion,
+    FileQuestion,
+    ProblemError,
+    StressQuestion,
+    parse_question,
+)
 from regression.records import Outcome
 
 _PLAIN = re.compile(r"[A-Za-z0-9][\w .()+-]{0,79}", re.ASCII)
@@ -236,6 +243,20 @@ _JOBS: dict[str, Callable[[Mapping[str, Any], Path, int, ToldProgress], None]] =
     "study": _study,
     "engine": _engine,
 }
+
+
+def check_body(body: bytes) -> tuple[dict[str, Any], dict[str, Any]] | tuple[int, str]:
+    """Read and check the body of a request with a file: return the question, and what the file is.
+
+    Returns status and sentence of a body that is no question.
+    """
+    try:
+        question = parse_question(body, FileQuestion).model_dump()
+        return question, check_upload(question)
+    except ProblemError as refused:
+        return refused.status, refused.detail
+    except InputError as error:
+        raise InputError("\n".join(first_sentences(str(error)))) from None
 
 
 def check_upload(question: Mapping[str, Any]) -> dict[str, Any]:

@@ -15,13 +15,14 @@ from functools import partial
 from itertools import product
 from pathlib import Path
 from random import Random
+from urllib.error import URLError
 
 import psutil
 from fault_disk import mounted
 from fault_tools import HANGS, Bench, Finding, kill, rows, workers
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))
-from serving import THROW, Served
+from serving import THROW, Served, save_model
 
 ENDED = ("done", "failed", "canceled")
 JOB = {"throw": THROW, "accuracy": 0.01}
@@ -278,6 +279,109 @@ def _mean(port: int) -> float:
         line.getresponse().read()
     line.close()
     return 1e3 * (time.perf_counter() - began) / ASKED
+
+
+# Seconds of the service's processor for one request, and until its health is answered beside it.
+MOST_WORK, MOST_WAIT = 1.0, 0.2
+HELD, HELD_SECONDS = 500, 120.0
+
+
+def _heavy_requests() -> Iterator[tuple[str, bytes]]:
+    """Yield paths and bodies that take long, up to the limits of size."""
+    law, check, lookup = "/api/throws/law", "/api/files/check", "/api/models/six/lookup"
+    between = {"gamma_deg": 0.01, "left_gamma_deg": 0.013, "pin_force": [0.0, -1e5, 0.0]}
+    names = {f"name_{place}": 1 for place in range(6000)}
+    pins = [{"length": 0.139}] * 5000
+    questions: list[tuple[str, dict[str, object]]] = [
+        (law, {"throw": THROW, "ranges": True, "slopes": True}),
+        (law, {"throw": THROW, "support": "neighbors"} | between),
+        (law, {"throw": THROW | {"further_pins": pins}}),
+        (law, {"throw": THROW | names}),
+        (law, {"throw": THROW} | names),
+        ("/api/throws/outline", {"throw": THROW, "letters": True}),
+        ("/api/throws/formulas", {"throw": THROW}),
+        (check, {"text": "[throw]\n" + "\n".join(f"{name} = 1" for name in names)}),
+        (check, {"text": "[throw]\n" + "\n".join(["[[throw.further_pins]]"] * 20_000)}),
+        (check, {"text": "[throw]", "tables": {f"{name}.csv": "1" for name in names}}),
+        (lookup, {"dimensions": {name: [size] * 100_000 for name, size in THROW.items()}}),
+        (
+            lookup,
+            {"dimensions": {"web_thickness": [f"{60 + 1e-3 * at} mm" for at in range(24_000)]}},
+        ),
+        (lookup, {"dimensions": {"web_thickness": [1] * 100_000}}),
+    ]
+    yield from ((path, json.dumps(question).encode()) for path, question in questions)
+    for path in (law, check, lookup):
+        for part in (b"[]", b"{}", b"1", b'""', b'{"a":[0]}'):
+            yield path, b'{"throw": [' + b",".join([part] * (7_000_000 // (len(part) + 1))) + b"]}"
+        yield path, b"{" + b",".join(b'"%d":1' % place for place in range(600_000)) + b"}"
+
+
+def heavy_requests(bench: Bench, draw: Random, store: Path) -> Finding:
+    """Ask what takes longest: it is answered or refused in little work, and health is answered beside it."""
+    finding = Finding()
+    models = store.with_suffix("") / "models"
+    models.mkdir(parents=True)
+    save_model(models)
+    with _service(store.with_suffix(""), finding, "--models", str(models)) as service:
+        process, ended, waits = psutil.Process(service.process.pid), threading.Event(), [0.0]
+
+        def ask_health() -> None:
+            while not ended.wait(0.02):
+                began = time.perf_counter()
+                service.ask("/api/health")
+                waits[0] = max(waits[0], time.perf_counter() - began)
+
+        beside = threading.Thread(target=ask_health, daemon=True)
+        service.ask("/api/throws/outline", {"throw": THROW})  # loads what draws
+        beside.start()
+        for path, body in _heavy_requests():
+            waits[0], before = 0.0, sum(process.cpu_times()[:2])
+            status = 413  # the service closes on who still sends what is too large
+            with suppress(URLError):
+                status = service.ask(path, body)[0]
+            work = sum(process.cpu_times()[:2]) - before
+            finding.inputs += 1
+            finding.says(
+                f"{path} {len(body) / 1e6:.2f} MB: {status}, {work:.2f} s of the processor, "
+                f"health in {waits[0]:.2f} s"
+            )
+            finding.hangs += work > MOST_WORK or waits[0] > MOST_WAIT or status >= 500
+        ended.set()
+        beside.join()
+    return finding
+
+
+def silent_readers(bench: Bench, draw: Random, store: Path) -> Finding:
+    """Ask for the largest file on all connections, again and again, and read nothing; a key is served."""
+    finding = Finding()
+    with _service(store.with_suffix(""), finding, key=KEY, workers=1) as service:
+        address = ("127.0.0.1", int(service.address.rpartition(":")[2]))
+        held: list[socket.socket] = []
+        ends, slowest, dropped = time.monotonic() + HELD_SECONDS, 0.0, 0
+        while time.monotonic() < ends:
+            kept = [
+                line for line in held if line.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) == 0
+            ]
+            dropped, held = dropped + len(held) - len(kept), kept
+            while len(held) < HELD:
+                held.append(line := socket.socket())
+                line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+                line.connect(address)
+                line.sendall(b"GET /page/plotly.js HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            began = time.perf_counter()
+            status, _, _ = service.ask("/api", Authorization=f"Bearer {KEY}")
+            slowest = max(slowest, time.perf_counter() - began)
+            finding.inputs += 1
+            finding.lost += status != 200
+            time.sleep(0.2)
+        for line in held:
+            line.close()
+        memory = psutil.Process(service.process.pid).memory_info().rss
+        finding.says(
+            f"{dropped} dropped; slowest answer with the key {slowest:.2f} s; memory {memory / 1e6:.0f} MB"
+        )
+    return finding
 
 
 def server(bench: Bench, draw: Random, store: Path) -> Finding:

@@ -35,6 +35,8 @@ ATTACKS: dict[str, tuple[Attack, int]] = {
     "disk of the service full, jobs in the queue": (fault_service.disk_full, 9),
     "pairs of headers, under both parsers": (fault_service.header_pairs, 3000),
     "400 followers of the service's jobs": (fault_service.followers, 1200),
+    "heaviest requests to the service": (fault_service.heavy_requests, 31),
+    "500 silent readers of the service": (fault_service.silent_readers, 200),
     "mesher killed or aborted": (fault_kills.mesher_killed, 15),
     "mesher stopped (hangs)": (fault_kills.mesher_hang, 3),
     "worker stopped (hangs)": (fault_kills.worker_hang, 3),

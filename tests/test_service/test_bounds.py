@@ -1,6 +1,8 @@
 """Who may ask, how much, how slowly."""
 
+import http.client
 import json
+import os
 import socket
 import subprocess
 import sys
@@ -8,14 +10,16 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
+from urllib.parse import quote
 
 import psutil
 import pytest
 
-from crankbase.errors import InputError
+from crankbase.errors import MOST_TOLD, InputError
+from crankfem.cli.commands.serve import _read_key
 from crankfem.client import Client, RefusedError
 from crankfem.service.guard import Settings
-from serving import Served
+from serving import ROOT, Served
 
 KEY = "a key of twenty chars"
 
@@ -24,6 +28,7 @@ KEY = "a key of twenty chars"
 def locked(tmp_path_factory):
     """A service with a key."""
     folder = tmp_path_factory.mktemp("locked")
+    (folder / "key").touch(0o600)
     (folder / "key").write_text(f"{KEY}\n")
     with Served(folder, "--key-file", str(folder / "key")) as served:
         yield served
@@ -54,7 +59,7 @@ def test_without_the_key_nothing_is_answered(locked):
         assert locked.ask(path)[0] == 401
     assert told["title"] == "Unauthorized"
     assert locked.ask("/api/jobs", Authorization="Bearer wrong")[0] == 401
-    assert locked.ask("/api/jobs", Cookie="crankfem_key=wrong; =;")[0] == 401
+    assert locked.ask("/api/jobs", Cookie=f"crankfem_session={KEY}; =;")[0] == 401
     assert Client(locked.address, KEY).jobs() == []
     assert locked.ask("/")[0] == 200  # the page asks for the key
 
@@ -66,6 +71,8 @@ def test_the_page_brings_the_key_as_a_cookie_that_scripts_do_not_see(locked):
     cookie = headers["Set-Cookie"]
     assert "HttpOnly" in cookie
     assert "SameSite=strict" in cookie
+    assert KEY not in cookie
+    assert quote(KEY) not in cookie
     assert locked.ask("/api/jobs", Cookie=cookie.partition(";")[0])[0] == 200
 
 
@@ -102,7 +109,9 @@ def test_its_own_origin_and_names_are_answered(service):
         (b"", 400),
         (b"[1]", 400),
         (b'{"throw": NaN}', 400),
-        (b'{"throw": ' + b"[" * 100_000, 400),
+        (b'{"throw": ' + b"[" * 400, 400),
+        (b'{"throw": ' + b"[" * 40_000, 413),
+        (b'{"throw": [' + b'"",' * 30_000 + b'""]}', 413),
         (b"\xff\xfe", 400),
         (b'{"throw": {"crank_radius": 1e999}}', 422),
         (b'{"throw": {"crank_radius": ' + b"9" * 5000 + b"}}", 400),
@@ -153,7 +162,7 @@ def small(request, tmp_path_factory):
     """A service with a key and a low limit, under each parser of requests."""
     folder = tmp_path_factory.mktemp(request.param)
     hidden = ["httptools"] if request.param == "h11" else []
-    with Served(folder, key=KEY, hidden=hidden, body=MOST) as served:
+    with Served(folder, key=KEY, hidden=hidden, body=MOST, small_body=MOST) as served:
         yield served
 
 
@@ -240,24 +249,138 @@ def test_slow_heads_and_bodies_are_refused(serve, tmp_path):
 
 @pytest.mark.further
 def test_connections_beyond_the_limit_are_refused_until_others_close(serve, tmp_path):
-    service = serve(tmp_path, connections=2)
+    """Those that have brought the key are kept, even while nothing is asked."""
+    service = serve(tmp_path, connections=2, key=KEY)
     port = int(service.address.rpartition(":")[2])
+    asked = f"GET /api HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {KEY}\r\n\r\n"
     with ExitStack() as held:
         for _ in range(2):
-            held.enter_context(socket.create_connection(("127.0.0.1", port)))
-        status, headers, told = service.ask("/api/throws/law", {"throw": {}})
+            kept = held.enter_context(socket.create_connection(("127.0.0.1", port)))
+            kept.sendall(asked.encode())
+            assert kept.recv(1000).startswith(b"HTTP/1.1 200")
+        key = {"Authorization": f"Bearer {KEY}"}
+        status, headers, told = service.ask("/api/throws/law", {"throw": {}}, **key)
         assert status == json.loads(told)["status"] == 503
         assert json.loads(told)["detail"] == "Too many connections are open; try again later."
         assert headers["Content-Type"] == "application/problem+json"
         assert int(headers["Retry-After"]) > 0
         assert headers["X-Content-Type-Options"] == "nosniff"
     time.sleep(0.2)
-    assert service.ask("/api/jobs")[0] == 200
+    assert service.ask("/api/jobs", **key)[0] == 200
     assert 503 in [
         json.loads(line)["status"]
         for line in service.log.read_text().splitlines()[1:]
         if "{" in line
     ]
+
+
+LARGEST = "/page/plotly.js"
+
+
+def silent_reader(service, held):
+    """Ask for the largest file, and read nothing of it."""
+    reader = held.enter_context(socket.socket())
+    reader.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    reader.connect(("127.0.0.1", int(service.address.rpartition(":")[2])))
+    reader.sendall(f"GET {LARGEST} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+    return reader
+
+
+@pytest.mark.slow
+def test_those_who_read_nothing_make_room_for_others(serve, tmp_path):
+    service = serve(tmp_path, connections=8, key=KEY)
+    process = psutil.Process(service.process.pid)
+    assert service.ask(LARGEST)[0] == 200
+    before = process.memory_info().rss
+    with ExitStack() as held:
+        for _ in range(24):
+            silent_reader(service, held)
+        assert service.ask("/api", Authorization=f"Bearer {KEY}")[0] == 200
+        assert len(process.net_connections()) <= 8 + 1
+    assert process.memory_info().rss - before < 10_000_000
+
+
+@pytest.mark.further
+@pytest.mark.parametrize("pause", [None, 0.05])
+def test_an_answer_that_is_not_read_is_dropped_in_time(serve, tmp_path, pause):
+    """Also one of which a few bytes are read now and then."""
+    service = serve(tmp_path, seconds=0.5)
+    process = psutil.Process(service.process.pid)
+    with ExitStack() as held:
+        reader = silent_reader(service, held)
+        deadline = time.monotonic() + 30.0
+        while any(kept.status == "ESTABLISHED" for kept in process.net_connections()):
+            assert time.monotonic() < deadline
+            if pause is not None:
+                try:
+                    reader.recv(1)
+                except ConnectionResetError:
+                    break
+            time.sleep(pause or 0.05)
+    assert service.ask(LARGEST)[0] == 200
+
+
+@pytest.mark.slow
+def test_a_log_that_nobody_reads_stops_nothing(tmp_path):
+    """A pipe holds 64 kB, some 600 lines."""
+    command = [sys.executable, "-P", "-m", "crankfem", "serve", "--json", "--port", "0"]
+    with subprocess.Popen(
+        [*command, "--folder", str(tmp_path / "service")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=os.environ
+        | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])},
+    ) as process:
+        try:
+            told = b""
+            while b"}" not in told:
+                told += process.stdout.readline()
+            address = json.loads(told)["address"].removeprefix("http://").rstrip("/")
+            asked = http.client.HTTPConnection(address, timeout=60)
+            for _ in range(1500):
+                asked.request("GET", "/api")
+                assert asked.getresponse().read()
+            process.terminate()
+            process.wait(timeout=60)  # and it ends
+        finally:
+            process.kill()
+
+
+def test_jobs_are_read_by_their_user_alone(service):
+    folder = service.folder / "service"
+    for place in (folder, folder / "jobs", folder / "jobs.sqlite"):
+        assert place.stat().st_mode & 0o077 == 0, place
+
+
+def test_a_key_that_others_can_read_is_refused(tmp_path):
+    key = tmp_path / "key"
+    key.write_text(KEY)
+    key.chmod(0o640)
+    with pytest.raises(InputError, match="chmod 600"):
+        _read_key(key)
+    key.chmod(0o600)
+    assert _read_key(key) == KEY
+
+
+def test_of_many_errors_the_first_are_told_and_how_many_more(service, throw):
+    names = {f"name_{place}": 1 for place in range(3000)}
+    status, told = service.json("/api/throws/validate", {"throw": throw | names})
+    assert status == 422
+    assert len(told["errors"]) == MOST_TOLD + 1
+    assert told["errors"][-1]["message"] == f"{3000 - MOST_TOLD} more errors are not shown."
+    status, told = service.json("/api/throws/validate", {"throw": throw} | names)
+    assert status == 422
+    assert len(told["errors"]) == MOST_TOLD + 1
+    assert told["errors"][-1]["message"] == f"{3000 - MOST_TOLD} more errors are not shown."
+
+
+@pytest.mark.parametrize("name", ["further_pins", "oil_holes"])
+def test_lists_of_a_throw_are_short(service, throw, name):
+    status, told = service.json("/api/throws/law", {"throw": throw | {name: [{}] * 60}})
+    assert status == 422
+    (error,) = told["errors"]
+    assert error["field"] == f"throw.{name}"
+    assert "a list of 60 tables" in error["message"]
 
 
 def test_nonsense_on_the_line_is_refused(service):

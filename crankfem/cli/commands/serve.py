@@ -1,5 +1,7 @@
 """The service of an API and a page."""
 
+import os
+import stat
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -82,6 +84,11 @@ def _read_key(file: Path | None) -> str | None:
     try:
         if (entry := not_a_file(file)) is not None:
             raise InputError(f"--key-file: given {file}, which {entry}.")
+        if os.name == "posix" and file.stat().st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+            raise InputError(
+                f"--key-file: given {file}, which others than its owner can use; allowed is one of its "
+                f"owner's alone (chmod 600 {file}), because whoever reads the key can use the service."
+            )
         return file.read_text(encoding="ascii").strip()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from crankbase.choices import did_you_mean
-from crankbase.errors import InputError, InputErrors, shortened
+from crankbase.errors import MOST_TOLD, InputError, InputErrors, shortened
 from crankbase.input_file import (
     DEEPEST_TABLE,
     LARGEST_TEXT_FILE,
@@ -421,7 +421,8 @@ class TomlFile:
         try:
             yield
         except InputError as error:
-            raise InputError("\n".join(map(self._with_line, error.sentences))) from None
+            first, others = error.sentences[:MOST_TOLD], error.sentences[MOST_TOLD:]
+            raise InputError("\n".join([*map(self._with_line, first), *others])) from None
 
     def _with_line(self, sentence: str) -> str:
         """Add to a sentence about a field in which line of the file it is."""
