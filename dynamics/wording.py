@@ -40,16 +40,31 @@ def limit_at(name: str, place: str) -> str:
     return name if name.endswith(f" of {place}") else f"{name}, {place}"
 
 
-def use_in_words(unit: str, speed: float, value: float, permitted: float, digits: int = 4) -> str:
-    """State the value of a quantity at a speed [rad/s] and the permitted value there."""
+def use_in_words(
+    unit: str,
+    speed: float,
+    value: float,
+    permitted: float,
+    digits: int = 4,
+    *,
+    passing: bool = False,
+) -> str:
+    """State the value of a quantity at a speed [rad/s] and the permitted value there, or that for passing."""
     reached, allowed = quantities_apart(value, permitted, unit, digits)
     if np.isinf(value):
-        return f"unbounded at {speed_text(speed)}, where {allowed} is permitted"
+        may = "may be passed" if passing else "is permitted"
+        return f"unbounded at {speed_text(speed)}, where {allowed} {may}"
     used = value / permitted
     most = "at most " if used <= 1.0 else ""
-    return (
-        f"{most}{reached} at {speed_text(speed)}, {format_usage(used)} of the permitted {allowed}"
-    )
+    of = f"{allowed} that may be passed" if passing else f"permitted {allowed}"
+    return f"{most}{reached} at {speed_text(speed)}, {format_usage(used)} of the {of}"
+
+
+def share_of_limit(used: float, *, passing: bool) -> str:
+    """Write the share of a limit that is used: of that for running, or of that for passing."""
+    if np.isinf(used):
+        return "unbounded"
+    return f"{format_usage(used)} of {'what may be passed' if passing else 'its limit'}"
 
 
 def check_sentence(
@@ -220,9 +235,14 @@ def shares_of_peak(speed: float, shares: Sequence[tuple[str, float]]) -> str:
     return f"At {significant(speed * RPM, 3)} 1/min, {named} of the amplitude{less}."
 
 
-def barring(low: float, high: float, allowed: bool) -> str:
-    """State whether running speeds [rad/s] may be barred."""
-    return f"{shown_range(low, high)} {'can' if allowed else 'cannot'} be barred."
+def barring(low: float, high: float, position: str, allowed: bool) -> str:
+    """State whether speeds [rad/s] may be barred or passed, without the reasons."""
+    shown = shown_range(low, high)
+    if position == "above":
+        return f"{shown}, above the running range, exceeds a limit."
+    if position == "below":
+        return f"{shown} is passed on every start{'' if allowed else ', too severely'}."
+    return f"{shown} {'can' if allowed else 'cannot'} be barred."
 
 
 def restricted_while_misfiring(remaining: SpeedRanges) -> str:

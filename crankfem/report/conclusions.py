@@ -19,7 +19,6 @@ from crankfem.report.text_filters import (
     sentence,
     with_three_digits,
 )
-from dynamics.assessment.barred_ranges import BarredRange
 from dynamics.assessment.limits import LimitUse
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.indices import within
@@ -28,6 +27,7 @@ from dynamics.wording import (
     barring,
     limit_at,
     restricted_while_misfiring,
+    share_of_limit,
     shares_of_peak,
 )
 
@@ -90,18 +90,20 @@ def misfiring_decides(vibration: EngineVibration) -> bool:
 
 
 def verdict_line(vibration: EngineVibration, strength: "EngineStrength | None" = None) -> str:
-    """Return the verdict of a run in one line: the headline, and the limit that is used most."""
+    """Return the verdict of a run in one line: the headline, and the limit that decides."""
     assessment = vibration.assessment
     if assessment is None:
         return f"Verdict: {VERDICTS['not judged']}."
-    worst = assessment.verdict.worst
-    used = "unbounded" if math.isinf(worst.used) else f"{format_usage(worst.used)} of its limit"
+    check = assessment.verdict.deciding
+    used = share_of_limit(check.used, passing=check.passing)
+    if check.passing:
+        used = f"{used} at {speed_shown(check.worst_speed)}"
     status, of = verdict_status(vibration), ""
     if misfiring_decides(vibration):
         of = ". With all cylinders firing"
     elif too_weak(strength) and status != "not acceptable":
         of = ". Vibration"
-    return f"Verdict: {headline(vibration, strength)}{of}: {worst.limit.name} {used}."
+    return f"Verdict: {headline(vibration, strength)}{of}: {check.limit.name} {used}."
 
 
 # Of the report's first screen.
@@ -124,8 +126,8 @@ def findings(results: "RunResults") -> list[Statement]:
     -------
     list of tuples of two str
         The report's section of each, and the statement: what looks wrong in the input, what is reached of
-        the limit used most and where, how the whole crankshaft differs, which orders make it, what can help,
-        which speeds may be barred, what misfiring does, what decides by assumption and should be given
+        the limit that decides and where, how the whole crankshaft differs, which orders make it, what can
+        help, which speeds may be barred, what misfiring does, what decides by assumption and should be given
         (before the limits if the verdict is undecided), what the models leave open, and whether the
         crankshaft is strong enough.
     """
@@ -134,7 +136,7 @@ def findings(results: "RunResults") -> list[Statement]:
         return [("inputs", text) for text in (*_warned(results), *_without_forces(results))]
     # What decides comes first.
     assumed, open_ = " ".join(_assumed(results, assessment)), assessment.undecided
-    remedy = _remedy(results, assessment.verdict.worst)
+    remedy = _remedy(results, assessment.verdict.deciding)
     found = [
         *(("inputs", text) for text in _warned(results)),
         ("inputs", assumed if open_ else ""),
@@ -162,7 +164,7 @@ def main_findings(results: "RunResults") -> list[tuple[str, str, str]]:
         found = [("Input", "inputs", text) for text in _warned(results)]
         found += [("Critical speeds", "campbell", count), ("What helps", "inputs", wanted)]
         return [*found, ("Why", "inputs", calculated)][:MOST_FINDINGS]
-    cause = assessment.verdict.worst.cause
+    cause = assessment.verdict.deciding.cause
     weak = strength is not None and too_weak(strength)
     # What decides by assumption first, of several fields the first one; how many are assumed is on a tile.
     assumed = [text for text in _assumed(results, assessment) if not text[0].isdigit()]
@@ -182,22 +184,22 @@ def main_findings(results: "RunResults") -> list[tuple[str, str, str]]:
 
 
 def _main_cause(assessment: Assessment) -> str:
-    worst = assessment.verdict.worst
-    assert worst.cause is not None
-    if math.isinf(worst.worst_value):
+    check = assessment.verdict.deciding
+    assert check.cause is not None
+    if math.isinf(check.worst_value):
         return _cause(assessment)
-    return shares_of_peak(worst.worst_speed, worst.cause.main_shares[:2])
+    return shares_of_peak(check.worst_speed, check.cause.main_shares[:2])
 
 
 def _measures(results: "RunResults", assessment: Assessment) -> str:
     """State in short what can be done where a limit is exceeded."""
     verdict, misfiring = assessment.verdict, results.vibration.misfiring
     told = [
-        barring(span.low, span.high, span.allowed)
-        for span in _deciding_first(verdict.barred)
-        if span.position == "running"
+        barring(span.low, span.high, span.position, span.allowed)
+        for span in verdict.deciding_first
+        if span.position == "running" or not span.allowed
     ][:MOST_RANGES]
-    remedy = _remedy(results, verdict.worst)
+    remedy = _remedy(results, verdict.deciding)
     if remedy is not None:
         told.append(remedy.short)
     elif misfiring is not None and not misfiring.passed:
@@ -224,46 +226,41 @@ def reached_and_permitted(use: LimitUse, unit: str) -> tuple[str, str]:
 
 
 def _reached(assessment: Assessment) -> str:
-    worst, most = assessment.verdict.worst, assessment.verdict.checks[0]
-    shown = _share(worst.at_worst, worst.limit.unit)
-    if worst.worst_speed != most.worst_speed and not most.in_running_range:
-        place = "" if most.place == worst.place else f"{limit_at(most.limit.name, most.place)}: "
+    verdict = assessment.verdict
+    check, most = verdict.deciding, verdict.checks[0]
+    shown = _share(check.at_worst, check.limit.unit, check.passing)
+    if not most.in_running_range and most.used > check.used and not check.passing:
+        place = "" if most.place == check.place else f"{limit_at(most.limit.name, most.place)}: "
         above = _share(most.at_worst, most.limit.unit)
         shown = f"{shown}; above the running range {place}{above}"
-    elif worst.running is not None and not worst.in_running_range:
-        running = _share(worst.running, worst.limit.unit)
-        shown = f"{running}; above the running range {shown}"
-    others = sum(not check.passed for check in assessment.verdict.checks) - 1
+    others = sum(
+        not other.passed and (other.limit.name, other.place) != (check.limit.name, check.place)
+        for other in verdict.checks
+    )
     more = f"; {others} more {'location exceeds' if others == 1 else 'locations exceed'} a limit"
     condition = "With the values used: " if assessment.undecided else ""
-    limit = worst.limit.name if condition else worst.limit.name.capitalize()
-    return f"{condition}{limit_at(limit, worst.place)}: {shown}{more if others > 0 else ''}."
+    limit = check.limit.name if condition else check.limit.name.capitalize()
+    return f"{condition}{limit_at(limit, check.place)}: {shown}{more if others > 0 else ''}."
 
 
 def _cause(assessment: Assessment) -> str:
-    worst = assessment.verdict.worst
-    if worst.cause is None:
+    check = assessment.verdict.deciding
+    if check.cause is None:
         return ""
-    return sentence(f"at {speed_shown(worst.worst_speed)}, {worst.cause.reasons}")
+    return sentence(f"at {speed_shown(check.worst_speed)}, {check.cause.reasons}")
 
 
-def _share(use: LimitUse, unit: str) -> str:
+def _share(use: LimitUse, unit: str, passing: bool = False) -> str:
     reached, permitted = reached_and_permitted(use, unit)
     at = f"{reached} at {speed_shown(use.speed)}"
     if math.isinf(use.used):
         return f"{at}, permitted is {permitted}"
-    return f"{at}, {format_usage(use.used)} of the permitted {permitted}"
+    of = f"{permitted} that may be passed" if passing else f"permitted {permitted}"
+    return f"{at}, {format_usage(use.used)} of the {of}"
 
 
 def _ranges(assessment: Assessment) -> list[str]:
-    verdict = assessment.verdict
-    spans = (*_deciding_first(verdict.barred), *verdict.started_through)
-    return [f"{range_sentence(span)}." for span in spans]
-
-
-def _deciding_first(barred: Sequence[BarredRange]) -> list[BarredRange]:
-    """Return ranges of speed with those first that cannot be barred."""
-    return sorted(barred, key=lambda span: span.allowed)
+    return [f"{range_sentence(span)}." for span in assessment.verdict.deciding_first]
 
 
 def _assumed(results: "RunResults", assessment: Assessment) -> list[str]:
@@ -441,7 +438,7 @@ class Remedy:
 
 
 def _remedy(results: "RunResults", worst: LimitCheck) -> Remedy | None:
-    """Return whether more damping can help at the worst place, where a limit is exceeded.
+    """Return whether more damping can help where the limit that decides is exceeded.
 
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
     that alone exceeds the limit, no damping keeps it.

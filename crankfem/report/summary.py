@@ -97,7 +97,7 @@ def tiles(results: "RunResults") -> list[Record]:
     vibration = results.vibration
     assessment = vibration.assessment
     made = (
-        None if assessment is None else _worst_use(assessment),
+        None if assessment is None else _deciding_use(assessment),
         _first_frequencies(vibration),
         _worst_critical(vibration),
         None if assessment is None else _misfiring(vibration),
@@ -111,19 +111,21 @@ def tiles(results: "RunResults") -> list[Record]:
 Tile = tuple[str, str, list[str], str, str]
 
 
-def _worst_use(assessment: Assessment) -> Tile:
-    worst, most = assessment.verdict.worst, assessment.verdict.checks[0]
-    reached, permitted = reached_and_permitted(worst.at_worst, worst.limit.unit)
+def _deciding_use(assessment: Assessment) -> Tile:
+    check, most = assessment.verdict.deciding, assessment.verdict.checks[0]
+    reached, permitted = reached_and_permitted(check.at_worst, check.limit.unit)
+    may = f"{permitted} may be passed" if check.passing else f"permitted {permitted}"
     details = [
-        limit_at(worst.limit.name, worst.place),
-        f"{reached} at {speed_shown(worst.worst_speed)}, permitted {permitted}",
+        limit_at(check.limit.name, check.place),
+        f"{reached} at {speed_shown(check.worst_speed)}, {may}",
     ]
-    if most.worst_speed != worst.worst_speed and not most.in_running_range:
+    if most.worst_speed != check.worst_speed and not most.in_running_range:
         details.append(
             f"above the running range {format_usage(most.used)} at {speed_shown(most.worst_speed)}"
         )
-    over = "" if all(check.passed for check in assessment.verdict.checks) else "over"
-    return "Worst use of a limit", format_usage(worst.used), details, "limits", over
+    passed = check.passed and all(other.passed for other in assessment.verdict.checks)
+    label = "Deciding use of a limit"
+    return label, format_usage(check.used), details, "limits", "" if passed else "over"
 
 
 def _first_frequencies(vibration: EngineVibration) -> Tile:

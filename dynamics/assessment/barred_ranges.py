@@ -1,7 +1,7 @@
 """Barred speed ranges: where limits are exceeded, widened by the rule and merged."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
@@ -13,10 +13,33 @@ from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.results import Internal, Part, Result, Speed, result
 from dynamics import wording
-from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
+from dynamics.assessment.limits import (
+    AmplitudeCurve,
+    LimitUse,
+    VibrationLimit,
+    checked_rated_speed,
+    usage,
+    worst_use,
+)
 from dynamics.indices import at_most, within
 
 Position = Literal["below", "running", "above"]
+
+
+@dataclass(frozen=True)
+class DecidingUse:
+    """The use of a limit at a place for which a range of speeds is barred, or cannot be.
+
+    Parameters
+    ----------
+    passing : bool
+        Whether the limit is that for passing.
+    """
+
+    limit: VibrationLimit
+    curve: AmplitudeCurve
+    use: LimitUse
+    passing: bool
 
 
 @result("low", "high", "allowed", "position", "peaks", "limits", eq=True)
@@ -41,6 +64,9 @@ class BarredRange(Result):
         that widens the range about peaks.
     full_load : bool
         Whether it lies below the running speeds and was calculated at full load, so that it is not judged.
+    deciding : DecidingUse or None
+        For which it is barred or, if it cannot be, for which it is refused: what exceeds the limit for
+        passing only where nothing else refuses it. None if it was read from JSON.
     """
 
     low: Speed
@@ -52,6 +78,7 @@ class BarredRange(Result):
     position: Position = "running"
     ends: str = ""
     full_load: Internal[bool] = False
+    deciding: Internal[DecidingUse | None] = field(default=None, compare=False)
 
     @cached_property
     def allowed(self) -> Part[bool]:
@@ -254,7 +281,7 @@ def barred_ranges(
     running range free: since touching ranges are merged, separate ones always leave speeds between them.
     """
     widened = [
-        _Widened(*_widened(exceeded, rule), exceeded, limit, curve.name)
+        _Widened(*_widened(exceeded, rule), exceeded, limit, curve)
         for limit, curve in findings
         for exceeded in exceeded_ranges(limit, curve, limit_end_speed(limit, running_range))
     ]
@@ -282,7 +309,12 @@ class _Widened:
     high: float
     exceeded: ExceededRange
     limit: VibrationLimit
-    place: str
+    curve: AmplitudeCurve
+
+    @property
+    def place(self) -> str:
+        """Where the amplitude is."""
+        return self.curve.name
 
 
 def _barred(
@@ -302,10 +334,12 @@ def _barred(
         else "above"
     )
     refusals, remarks = [], []
-    too_much: list[tuple[bool, float, str, float, float, str, float]] = []
+    too_much: list[DecidingUse] = []
     if at_most(low, running_range[0]) and at_most(running_range[1], high):
         refusals.append(wording.NO_SPEED_LEFT)
-    end = min(rule.highest_by(item.limit) for item in group)
+    # Below the running range nothing is barred, but only what the limit for passing covers may be passed.
+    highest_by = rule.highest_by if position != "below" else _passing_end
+    end = min(highest_by(item.limit) for item in group)
     if position == "above":
         most = max(group, key=lambda item: item.exceeded.used)
         applies_to = limit_end_speed(most.limit, running_range)
@@ -334,11 +368,20 @@ def _barred(
         runs = within(speeds, *running_range) & (share > 1.0)
         worst = int(np.argmax(np.where(runs, share, 0.0) if np.any(runs) else share))
         if share[worst] > 1.0:
-            sizes = (float(values[worst]), float(passing[worst]))
-            reached = (curve.name, *sizes, limit.unit, float(speeds[worst]))
-            too_much.append((bool(runs[worst]), float(share[worst]), *reached))
+            use = LimitUse(*(float(each[worst]) for each in (speeds, values, passing)))
+            too_much.append(DecidingUse(limit, curve, use, passing=True))
+    deciding = _most_used(group, running_range)
     if too_much:
-        refusals.append(wording.too_much(*max(too_much)[2:], others=len(too_much) - 1))
+        passed = max(too_much, key=lambda most: _running_first(most.use, running_range))
+        if not refusals:
+            deciding = passed
+        use = passed.use
+        refusals.append(
+            wording.too_much(
+                *(passed.curve.name, use.value, use.permitted, passed.limit.unit, use.speed),
+                others=len(too_much) - 1,
+            )
+        )
     if any(item.exceeded.cut_off for item in group):
         remarks.append(wording.CUT_OFF)
     return BarredRange(
@@ -351,7 +394,32 @@ def _barred(
         position=position,
         ends=_ends(group, rule),
         full_load=position == "below" and full_load,
+        deciding=deciding,
     )
+
+
+def _passing_end(limit: VibrationLimit) -> float:
+    return np.inf if limit.passing is None else limit.passing.high
+
+
+def _running_first(use: LimitUse, running_range: tuple[float, float]) -> tuple[bool, float]:
+    """Rank uses: what is exceeded at running speeds first, then the largest."""
+    return bool(within(use.speed, *running_range)) and use.used > 1.0, use.used
+
+
+def _most_used(group: Sequence[_Widened], running_range: tuple[float, float]) -> DecidingUse:
+    """Return the largest use of the limits for running, at running speeds if one is exceeded there."""
+    low, high = running_range
+    uses = [
+        DecidingUse(item.limit, item.curve, use, passing=False)
+        for item in group
+        for first, last in (
+            (item.exceeded.low, item.exceeded.high),
+            (max(item.exceeded.low, low), min(item.exceeded.high, high)),
+        )
+        if (use := worst_use(item.limit, item.curve, first, last)) is not None
+    ]
+    return max(uses, key=lambda most: _running_first(most.use, running_range))
 
 
 def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:

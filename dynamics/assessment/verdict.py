@@ -86,6 +86,9 @@ class LimitCheck(Result):
         Contributions of orders to the amplitude at the worst speed, if known.
     highest_running : float
         The highest running speed [rad/s]; speeds judged above it are reported separately.
+    passing : bool
+        Whether the permitted value is that for passing, which decides about a range that is to be barred
+        or is passed on starting.
     """
 
     limit: Flat[VibrationLimit]
@@ -97,6 +100,7 @@ class LimitCheck(Result):
     judged: Internal[tuple[float, float]]
     cause: PeakCause | None = None
     highest_running: Internal[float] = np.inf
+    passing: bool = False
 
     @cached_property
     def place(self) -> Part[str]:
@@ -141,8 +145,8 @@ class LimitCheck(Result):
 
     @property
     def at_running_speeds(self) -> "LimitCheck":
-        """The same check at its worst running speed, if any."""
-        if self.running is None or at_most(self.worst_speed, self.highest_running):
+        """The same check at its worst running speed, if any; one for passing as it is."""
+        if self.passing or self.running is None or at_most(self.worst_speed, self.highest_running):
             return self
         worst = self.running
         return replace(
@@ -185,7 +189,13 @@ class LimitCheck(Result):
     @property
     def use(self) -> str:
         """What is reached at the worst speed, and what is permitted there."""
-        return use_in_words(self.limit.unit, self.worst_speed, self.worst_value, self.permitted)
+        return use_in_words(
+            self.limit.unit,
+            self.worst_speed,
+            self.worst_value,
+            self.permitted,
+            passing=self.passing,
+        )
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude and the permitted value over the speed, with a dot at the worst speed.
@@ -269,9 +279,10 @@ class Verdict(Result):
         [rad/s].
     remarks : tuple of str
         Open questions.
-    worst : LimitCheck
-        The check that decides, at its worst running speed; where limits are exceeded above the running
-        range alone, `checks[0]`.
+    deciding : LimitCheck
+        The check for which the status is what it is, at the speed that decides: where a range cannot be
+        barred or passed, what refuses it (`BarredRange.deciding`), else what makes a range to be barred,
+        else the largest use at running speeds.
     """
 
     status: Status
@@ -282,7 +293,19 @@ class Verdict(Result):
         tuple[float, float], Quantity("rad/s", exported="1/min", key="running_rpm")
     ]
     remarks: Internal[tuple[str, ...]]
-    worst: LimitCheck
+    deciding: LimitCheck
+
+    @property
+    def deciding_first(self) -> tuple[BarredRange, ...]:
+        """All ranges: that of `deciding` first, then those that cannot be barred or passed."""
+        check = self.deciding
+
+        def decides(span: BarredRange) -> bool:
+            inside = bool(within(check.worst_speed, span.low, span.high))
+            return inside and check.limit.name in span.limits
+
+        each = (*self.barred, *self.started_through)
+        return tuple(sorted(each, key=lambda span: (span.allowed, not decides(span))))
 
     @property
     def ranges_to_bar(self) -> list[tuple[float, float]]:
@@ -292,17 +315,15 @@ class Verdict(Result):
     @cached_property
     def sentence(self) -> Part[str]:
         """The verdict in words, with the ranges and the worst finding."""
-        worst, most, above = self.worst, self.checks[0], ""
-        if most.curve is worst.curve:  # which tells both
-            worst = most
-        elif most.used > worst.used:
+        check, most, above = self.deciding, self.checks[0], ""
+        if check.curve is most.curve and check.worst_speed == most.at_running.speed:
+            check = most  # which tells both
+        elif most.used > check.used and not most.in_running_range:
             place = limit_at(most.limit.name, most.curve.name)
             above = f" Above the running range, {place}: {most.use}."
-        text = f"{self.headline}: {worst.sentence}{above}"
-        if self.status != "not acceptable":
-            return text
-        exceeded = (*self.barred, *self.started_through)
-        return f"{text} {' '.join(f'{one.sentence}.' for one in exceeded if not one.allowed)}"
+        text = f"{self.headline}: {check.sentence}{above}"
+        refused = [f" {span.sentence}." for span in self.deciding_first if not span.allowed]
+        return f"{text}{''.join(refused)}"
 
     @cached_property
     def headline(self) -> Part[str]:
@@ -405,7 +426,6 @@ def judge(
         if limit.remark:
             noted.append(f"{limit.name}: {limit.remark}")
     ranked = tuple(sorted(checks, key=lambda check: -check.used))
-    at_running = max((check.at_running_speeds for check in ranked), key=lambda check: check.used)
     return Verdict(
         status=status_by(ranges),
         checks=ranked,
@@ -413,7 +433,30 @@ def judge(
         started_through=below,
         running_range=(low, high),
         remarks=tuple(dict.fromkeys(noted)),
-        worst=ranked[0] if at_running.passed and not ranked[0].passed else at_running,
+        deciding=_deciding(ranked, ranges),
+    )
+
+
+def _deciding(checks: Sequence[LimitCheck], ranges: Sequence[BarredRange]) -> LimitCheck:
+    """Return the check that decides, by the ranges of `barred_ranges` or, without any, at running speeds."""
+    refused = [span for span in ranges if not span.allowed]
+    decides = [
+        (span.position == "running", span.deciding.use.used, span.deciding)
+        for span in refused or ranges
+        if span.deciding is not None and not (span.allowed and span.position == "below")
+    ]
+    if not decides:
+        return max((check.at_running_speeds for check in checks), key=lambda check: check.used)
+    *_, most = max(decides, key=lambda ranked: ranked[:2])
+    check = next(
+        check for check in checks if check.curve is most.curve and check.limit is most.limit
+    )
+    return replace(
+        check,
+        worst_speed=most.use.speed,
+        worst_value=most.use.value,
+        permitted=most.use.permitted,
+        passing=most.passing,
     )
 
 

@@ -446,11 +446,39 @@ def test_uses_at_and_above_running_speeds_stand_apart(results):
         check["running"] = own | {"used": used}
         check["above"] = own | {"used": used + 0.3, "speed_rpm": 570.0}
         check["in_running_range"] = False
+    first = results["vibration"]["assessment"]["deciding"]
+    kept = {"value": 0.8 * first["permitted"], "used": 0.8}
+    results["vibration"]["assessment"]["deciding"] = first | first["running"] | kept
+    first["used"] = 1.1
     (shown,) = worst_of_each(typed(results).vibration.assessment.verdict.checks[:2])
     assert (shown.use.used, shown.above.used) == (0.9, 1.2)
     assert (
         "80 % of the permitted 21.2 MPa; above the running range" in conclusions(typed(results))[0]
     )
+
+
+def test_every_sentence_takes_the_limit_that_decides(results):
+    """A propeller shaft, 118 MPa where 95.7 may be passed below the running range; all else is kept."""
+    assessment = results["vibration"]["assessment"]
+    for check in assessment["checks"]:
+        check |= {"value": 0.8 * check["permitted"], "used": 0.8, "passed": True}
+    deciding = copy.deepcopy(assessment["checks"][0])
+    deciding |= {"limit": "torsional stress of propeller shaft", "place": "propeller shaft"}
+    deciding |= {"value": 118e6, "permitted": 95.7e6, "used": 118.0 / 95.7, "speed_rpm": 150.0}
+    assessment |= {"deciding": deciding | {"passed": False, "passing": True}}
+    assessment |= {"status": "not acceptable", "headline": "Not acceptable", "barred": []}
+    vibration = typed(results).vibration
+    share = "123 % of what may be passed at 150 1/min"
+    assert f"torsional stress of propeller shaft {share}" in verdict_line(vibration)
+    first = summary(typed(results))
+    tile = first["tiles"][0]
+    assert (tile["value"], tile["mark"]) == ("123 %", "over")
+    assert tile["details"][1] == "118 MPa at 150 1/min, 95.7 MPa may be passed"
+    told = {label: text for label, _, text in first["findings"]}
+    assert told["Why"].startswith("At 150 1/min, ")
+    reached = "118 MPa at 150 1/min, 123 % of the 95.7 MPa that may be passed"
+    assert any(reached in text for text in conclusions(typed(results)))
+    assert vibration.assessment.verdict.deciding.passing
 
 
 def test_what_the_bearings_change_is_told_once(results):

@@ -561,7 +561,7 @@ CHANGED = {
     ],
     "reactions": ["Z = 100 kN towards the shaft axis (a round value"],
     "verdict": [
-        "Worst use of a limit 11545 % torsional stress of crankshaft, cylinder 4 - cylinder 5",
+        "Deciding use of a limit 11545 % torsional stress of crankshaft, cylinder 4 - cylinder 5",
         "2450 MPa at 498 1/min, permitted 21.2 MPa",
     ],
     "limits": [

@@ -133,7 +133,7 @@ def test_the_worst_is_the_worst_at_running_speeds_with_its_own_place_and_speed()
 
     findings = [(CRANKSHAFT, curve("a", 60e6, 90e6)), (CRANKSHAFT, curve("b", 65e6, 80e6))]
     verdict = judge(findings, RUNNING, RULE)
-    worst = verdict.worst
+    worst = verdict.deciding
     assert (worst.curve.name, worst.worst_value) == ("b", 65e6)
     assert RUNNING[0] <= worst.worst_speed <= RUNNING[1]
     assert worst.permitted == CRANKSHAFT.continuous.at(np.array([worst.worst_speed]))[0]
@@ -146,8 +146,75 @@ def test_the_worst_is_the_worst_at_running_speeds_with_its_own_place_and_speed()
     # Where nothing is exceeded at running speeds, what is above them decides.
     findings = [(CRANKSHAFT, curve("a", 6e6, 90e6)), (CRANKSHAFT, curve("b", 7e6, 1e6))]
     kept = judge(findings, RUNNING, RULE)
-    assert kept.worst is kept.checks[0]
-    assert kept.worst.curve.name == "a"
+    assert kept.deciding.curve is kept.checks[0].curve
+    assert kept.deciding.worst_speed == kept.checks[0].worst_speed
+    assert kept.deciding.curve.name == "a"
+
+
+def other(name, at, height):
+    return replace(peak(at, height), name=name)
+
+
+PASSED = given_limit("torque", 2e3, "N m", applies_to="coupling", source="maker", passing=4e3)
+
+
+@pytest.mark.parametrize("at", [20.0, 29.5])
+def test_where_what_is_passed_on_starting_refuses_that_decides(at):
+    """At running speeds all is kept; the range that cannot be passed is below, or reaches into them."""
+    # The rule's range about a peak of a hundredth's width is wide enough to reach running speeds from 29.5.
+    curves = [(PASSED, other("coupling", at, 5e3)), (CRANKSHAFT, other("shaft", 60.0, 25e6))]
+    curves[0] = (
+        PASSED,
+        AmplitudeCurve("coupling", SPEEDS, 5e3 * np.exp(-(((SPEEDS - at) / 0.1) ** 2))),
+    )
+    verdict = judge(curves, RUNNING, RULE)
+    assert verdict.status == "not acceptable"
+    assert all(check.passed for check in verdict.checks)
+    check = verdict.deciding
+    assert (check.limit, check.curve.name, check.passing) == (PASSED, "coupling", True)
+    assert (check.worst_speed, check.permitted) == (close(at), 4e3)
+    # By its own numbers: what is reached there, of what may be passed.
+    assert check.worst_value == check.curve.values[np.argmin(np.abs(SPEEDS - at))]
+    assert check.used == check.worst_value / 4e3 > 1.0
+    assert not verdict.deciding_first[0].allowed
+    assert "coupling: 5000 N m" in verdict.sentence
+    assert "that may be passed" in check.use
+
+
+def test_of_two_ranges_the_one_that_cannot_be_barred_decides():
+    """More of its limit is used where barring helps than where it does not."""
+    curves = [(PASSED, other("coupling", 50.0, 3.9e3)), (CRANKSHAFT, other("shaft", 90.0, 35e6))]
+    verdict = judge(curves, RUNNING, RULE)
+    assert verdict.checks[0].curve.name == "coupling"
+    check = verdict.deciding
+    assert (check.curve.name, check.passing) == ("shaft", False)
+    assert check.worst_speed == close(90.0, rel=0.01)
+    assert (
+        check.used
+        == check.worst_value / CRANKSHAFT.continuous.at(check.worst_speed * np.ones(1))[0]
+    )
+    assert verdict.deciding_first[0].limits == (CRANKSHAFT.name,)
+    assert verdict.sentence.startswith(f"{verdict.headline}: {CRANKSHAFT.name}, shaft: ")
+
+
+def test_what_makes_a_barred_range_decides_though_its_peak_is_below_the_running_range():
+    curves = [(PASSED, other("coupling", 29.0, 3.9e3)), (CRANKSHAFT, other("shaft", 60.0, 25e6))]
+    verdict = judge(curves, RUNNING, RULE)
+    assert verdict.status == "barred range needed"
+    assert len(verdict.barred) == 1
+    check = verdict.deciding
+    assert (check.curve.name, check.passing) == ("coupling", False)
+    assert check.used > 1.0
+
+
+def test_below_the_running_range_nothing_is_barred_but_passed():
+    """0.8 of the rated speed ends what may be barred; a set passes resonances above it on starting."""
+    curve = AmplitudeCurve("coupling", SPEEDS, 3e3 * np.exp(-(((SPEEDS - 81.0) / 0.2) ** 2)))
+    assert judge([(PASSED, curve)], (93.0, 100.0), RULE).status == "fine"
+    until = replace(PASSED, passing=constant_curve(4e3, 0.0, 80.0))
+    verdict = judge([(until, curve)], (93.0, 100.0), RULE)
+    assert verdict.status == "not acceptable"
+    assert verdict.deciding.used > 1.0
 
 
 def test_a_range_that_reaches_into_the_running_range_is_barred():

@@ -23,9 +23,9 @@ def test_place_value_speed_and_cause_are_of_one_point(figure):
     inside = speeds <= run.engine_file.engine.highest_speed * (1.0 + 1e-9)
     inside &= speeds >= run.engine_file.engine.lowest_speed * (1.0 - 1e-9)
     stress = forced.stress.synthesis.amplitude[inside]
-    allowed = verdict.worst.limit.continuous.at(speeds[inside])
+    allowed = verdict.deciding.limit.continuous.at(speeds[inside])
     at, place = np.unravel_index(np.argmax(stress / allowed[:, np.newaxis]), stress.shape)
-    worst = verdict.worst
+    worst = verdict.deciding
     assert worst.curve.name == forced.stress.names[place] == "cylinder 5 - cylinder 6"
     figure("stress at the worst running speed", worst.worst_value, stress[at, place], 1e-9, "Pa")
     figure("its speed", worst.worst_speed, speeds[inside][at], 1e-9, "rad/s")

@@ -576,14 +576,14 @@ def assess(
         for name, series in limited_series(engine_file, axial, torsional).items()
         for place in series.names
     }
-    *checks, worst = (
+    *checks, deciding = (
         replace(
             check,
             cause=cause_at(
                 vibration, torsional, series, check.curve.name, check.worst_speed, check.limit.unit
             ),
         )
-        for check in (*verdict.checks, verdict.worst)
+        for check in (*verdict.checks, verdict.deciding)
         for vibration, series in (limited[check.limit.name, check.curve.name],)
     )
 
@@ -617,7 +617,7 @@ def assess(
             barred = _joined([ranges_to_bar(ranges) for ranges in tried.values()])
         uncertain[vibration.kind] = _uncertainty(engine_file, answer, spreads, held, barred)
     return Assessment(
-        verdict=replace(verdict, checks=tuple(checks), worst=worst),
+        verdict=replace(verdict, checks=tuple(checks), deciding=deciding),
         limits=limits,
         decision=decide(verdict.status, trials),
         remarks=remarks,

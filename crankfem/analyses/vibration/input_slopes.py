@@ -31,7 +31,6 @@ from crankfem.analyses.vibration.engine_limits import limit_findings
 from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.crank_throws import PLAIN
-from dynamics.assessment.limits import usage
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.excitation.cylinders import CylinderHarmonics
 from fem.analysis import ThrowAnalysis
@@ -188,7 +187,8 @@ class _Model:
             speeds = np.array([self.check.worst_speed])
             for limit, curve in limit_findings(file, *engine.at(shaft.harmonics, speeds)):
                 if (limit.name, curve.name) == (self.check.limit.name, self.check.curve.name):
-                    used = float(usage(limit, curve)[0])
+                    # What is permitted at this speed does not change with the inputs.
+                    used = float(curve.values[0]) / self.check.permitted
         return np.array([cranks.first_frequency, pulled.first_frequency, used], dtype=float)
 
 

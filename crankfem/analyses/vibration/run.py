@@ -269,7 +269,7 @@ class EngineVibration(Result):
             self.shaft,
             self.axial.chosen,
             self.torsional.chosen,
-            None if self.assessment is None else self.assessment.verdict.worst,
+            None if self.assessment is None else self.assessment.verdict.deciding,
         )
 
     def to_pandas(self) -> Any:

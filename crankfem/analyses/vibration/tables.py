@@ -118,14 +118,13 @@ def assessment_parts(assessment: Assessment, units: OutputUnits = SI) -> Iterato
 
 def range_sentences(assessment: Assessment, units: OutputUnits = SI) -> Iterator[str]:
     """Return ranges of speed that are barred or passed, and what makes their ends."""
-    for passed in (*assessment.verdict.barred, *assessment.verdict.started_through):
+    for passed in assessment.verdict.deciding_first:
         # The verdict has the reasons of those that cannot be accepted.
-        if passed.allowed:
-            text = f"{passed.sentence}."
-        elif passed.position == "running":
-            text = wording.barring(passed.low, passed.high, allowed=False)
-        else:
-            text = f"{passed.shown} exceeds limits."
+        text = (
+            f"{passed.sentence}."
+            if passed.allowed
+            else wording.barring(passed.low, passed.high, passed.position, allowed=False)
+        )
         yield Main(units.text(f"Range {text} Its ends: {passed.ends}."))
 
 

@@ -213,7 +213,7 @@ def _stress(run: EngineVibration) -> Diagram:
 
 def _worst(run: EngineVibration) -> LimitCheck:
     assert run.assessment is not None
-    return run.assessment.verdict.worst
+    return run.assessment.verdict.deciding
 
 
 def _worst_stress(run: EngineVibration) -> LimitCheck:
