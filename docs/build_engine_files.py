@@ -63,11 +63,12 @@ stiffer = engine.changed(throw={"web_thickness": 0.075}, flywheel={"inertia": 30
 damper = {"kind": "viscous", "ring_inertia": 6.0, "damping": 3000.0}
 damped = engine.changed(torsional_damper=damper)
 throw = engine.throw.changed(pin_fillet_radius=0.010)
+damped.save("damped.toml")  # with sources; replaces no file that it has not written
 ```
 
 Each section takes its changed fields in SI units, a whole section, or None to be left out; named throws as
 `throws={"heavy": {"web_thickness": 0.03}}`. Changes are checked as a file is. `cf.engine_vibration(damped)`
-calculates the changed engine; `cf.engines.mechanism_of(engine)` is its mechanism, for `cf.run_mechanism`.
+calculates it; `cf.engines.mechanism_of(engine)` is its mechanism, for `cf.run_mechanism`.
 """
 
 STUDY = """

@@ -16,12 +16,13 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from crankbase.choices import is_number
 from crankbase.errors import InputError, quoted
-from crankbase.model import InputModel, field_extra
+from crankbase.model import field_extra
 from crankbase.quantity import parse_quantity
 from crankfem.analyses.file_check import throw_shape
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.formula_records import formulas_of
 from crankfem.analyses.throw.law_record import LAW_BANDS, end_answers, neighbor_answers
+from crankfem.files.reading.toml_text import record_values, toml_text
 from crankfem.service.answers import (
     Formulas,
     Law,
@@ -343,7 +344,7 @@ async def validate_throw(request: Request) -> Response:
             "shape": throw_shape(throw).to_record(),
             "dimensions": throw.model_dump(mode="json", exclude_defaults=True),
             "material": material.model_dump(),
-            "toml": "\n".join([*_toml("throw", throw), *_toml("material", material)]) + "\n",
+            "toml": toml_text({"throw": record_values(throw), "material": record_values(material)}),
         }
     )
 
@@ -363,23 +364,3 @@ async def evaluate_formulas(request: Request) -> Response:
     asked = await read_question(request, FormulasQuestion)
     formulas = formulas_of(asked.read_throw(), asked.read_material(), asked.gamma_deg)
     return answer(formulas.to_record())
-
-
-def _toml(section: str, record: InputModel, many: bool = False) -> list[str]:
-    """Write a record as a section of a file, its parts as sections of their own."""
-    lines, parts = [f"[[{section}]]" if many else f"[{section}]"], []
-    for name in record.model_fields_set & set(type(record).model_fields):
-        value, info = getattr(record, name), type(record).model_fields[name]
-        unit = field_extra(info, "unit")
-        if isinstance(value, InputModel):
-            parts += ["", *_toml(f"{section}.{name}", value)]
-        elif isinstance(value, tuple):
-            for table in value:
-                parts += ["", *_toml(f"{section}.{name}", table, many=True)]
-        elif unit == "":
-            lines.append(f"{name} = {value!r}")
-        elif isinstance(value, float):
-            lines.append(f'{name} = "{value!r} {unit}"')
-        elif value is not None:
-            lines.append(f'{name} = "{value}"')
-    return [*lines, *parts, ""] if not many and "." not in section else [*lines, *parts]

@@ -1,18 +1,27 @@
 """Read engine files, and check their sections against each other."""
 
 import math
+import os
+import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from crankbase.choices import check_kind
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankbase.model import InputModel
+from crankbase.outputs import write_errors, write_text
 from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
 from crankfem.files.chain.chain_file import PLANT, plant_chain, read_shaft_lines
+from crankfem.files.engine.changed_content import (
+    changed_content,
+    lost_changes,
+    with_files_seen_from,
+)
 from crankfem.files.engine.file_kinds import SECTIONS, check_sections, engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
     MechanismSections,
@@ -30,7 +39,8 @@ from crankfem.files.reading.section_changes import (
     section_kinds,
     without_changed,
 )
-from crankfem.files.reading.toml_file import InputRecord, TomlFile
+from crankfem.files.reading.toml_file import InputRecord, TomlFile, sections_of
+from crankfem.files.reading.toml_text import toml_text
 from crankfem.files.sections.crank_throws import (
     PLAIN,
     ShaftLayout,
@@ -299,6 +309,8 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
         Short name to full citation.
     throws_by_name : dict
         The throws of sections [throws.NAME]; empty for a file with one [throw].
+    text : str
+        Of the file, without changes.
 
     Raises
     ------
@@ -341,6 +353,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
     provenance: dict[str, tuple[str, bool]]
     sources: dict[str, str]
     throws_by_name: dict[str, CrankThrow] = field(default_factory=dict)
+    text: str = field(default="", repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for name, throw in self.named_throws.items():
@@ -484,6 +497,57 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
             self, **made, study=study, records=records, provenance=provenance, throws_by_name=throws
         )
 
+    def save(self, path: str | Path) -> Path:
+        """Write the engine, with its changes, as a file that is read as the same engine.
+
+        Values that are unchanged stand as in the file that it was read from, with their sources and marked as
+        assumed or not, and the names of other files as seen from the new folder; its comments do not.
+
+        Parameters
+        ----------
+        path : path
+            A file ending in ``.toml``.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            If the ending is another, the file cannot be written or is not one that this method wrote, or a
+            change is not one of a section's fields, which are all that a file holds.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> engine = load_engine("6chn25-34").changed(rod={"length": 0.7})
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     load_engine(engine.save(Path(folder) / "long-rod.toml")).rod.length
+        0.7
+        """
+        check_kind("path", path, str | os.PathLike, "the name of a file ending in '.toml'")
+        path = Path(path)
+        if path.suffix != ".toml":
+            raise InputError(
+                f"{path.name}: given the ending {path.suffix!r}; allowed is '.toml', as engine files have it."
+            )
+
+        def read(text: str) -> EngineFile:
+            return load_engine(sections_of(self.files, tomllib.loads(text), text))
+
+        content = changed_content(tomllib.loads(self.text), read(self.text), self)
+        for name in lost_changes(read(toml_text(content)), self):
+            raise InputError(
+                f"{name}: given a change that a file cannot hold; allowed are changes of fields of sections, "
+                "by changed(), because a file names a table, a chain or the plan of a study."
+            )
+        head = f"# Written by crankfem from {self.path.name}: its values, changes and sources.\n\n"
+        moved = with_files_seen_from(path.parent, content, self.path.parent)
+        with write_errors(path):
+            return write_text(path, head + toml_text(moved), "input file")
+
     def _study_of(
         self, throws: Mapping[str, CrankThrow], made: Mapping[str, Any]
     ) -> "StudyPlan | None":
@@ -566,4 +630,5 @@ def _read_engine(content: TomlFile) -> EngineFile:
         provenance=content.provenance,
         sources=content.sources,
         throws_by_name={} if PLAIN in throws else throws,
+        text=content.text,
     )
