@@ -10,7 +10,14 @@ from pydantic.fields import FieldInfo
 
 from crankbase.choices import allowed_names, is_number
 from crankbase.errors import MOST_TOLD, InputError, InputErrors, named, quoted
-from crankbase.quantity import DISPLAY_UNITS, Limits, format_quantity, other_unit, parse_quantity
+from crankbase.quantity import (
+    DISPLAY_UNITS,
+    Limits,
+    effect_by_mass,
+    format_quantity,
+    other_unit,
+    parse_quantity,
+)
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
@@ -382,13 +389,25 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         converted: dict[str, Any] = {}
         errors = InputErrors()
         for key, text in values.items():
-            if key not in cls.model_fields and len(errors.errors) >= MOST_TOLD:
+            field = inertia_field(cls, key)
+            unknown = field is None and key not in cls.model_fields
+            if unknown and len(errors.errors) >= MOST_TOLD:
                 errors.errors.append(InputError(f"{prefix}{named(key)}: unknown field."))
                 continue
             with errors.noted():
-                converted[key] = _value_from_text(cls, key, text, f"{prefix}{named(key)}")
+                if field is None:
+                    converted[key] = _value_from_text(cls, key, text, f"{prefix}{named(key)}")
+                elif field not in values:
+                    converted[field] = _inertia_from_gd2(
+                        cls.model_fields[field], text, f"{prefix}{key}"
+                    )
+                else:
+                    raise InputError(
+                        f"{prefix}{key}: given together with {field}; allowed is one of the two, because GD2 "
+                        "is four times the inertia."
+                    )
         if errors.errors:
-            unread = set(values) - set(converted)
+            unread = {inertia_field(cls, key) or key for key in values} - set(converted)
             raise InputError.of_all(
                 [*errors.errors, *_field_errors(cls, converted, unread, prefix)]
             )
@@ -443,6 +462,60 @@ def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) 
             f"{name}: given {text!r}; did you mean {meant}? allowed is {range_text(info)}."
         )
     return value
+
+
+# GD2, mass times the square of the diameter of gyration, takes the place of any inertia under the inertia's
+# name with this ending.
+INERTIA, GD2 = "inertia", "flywheel_effect"
+GD2_OF_INERTIA = 4.0
+
+
+def inertia_field(kind: type[InputModel], key: str) -> str | None:
+    """Return the field of inertia that a key gives as GD2; None for any other key.
+
+    Parameters
+    ----------
+    kind : type
+        Of the record whose text has the key.
+    """
+    if not key.endswith(GD2) or key in kind.model_fields:
+        return None
+    name = key.removesuffix(GD2) + INERTIA
+    return name if is_inertia(kind.model_fields.get(name)) else None
+
+
+def gd2_name(field: str) -> str:
+    """Return the key that gives an inertia as GD2.
+
+    Examples
+    --------
+    >>> gd2_name("ring_inertia")
+    'ring_flywheel_effect'
+    """
+    return field.removesuffix(INERTIA) + GD2
+
+
+def is_inertia(info: FieldInfo | None) -> bool:
+    """Return whether a field is a moment of inertia."""
+    return info is not None and field_extra(info, "unit") == "kg m^2"
+
+
+def _inertia_from_gd2(info: FieldInfo, text: object, name: str) -> Any:
+    """Return the inertia [kg m^2] of a GD2, or of each in a list."""
+    if isinstance(text, list) and _holds_several(info):
+        return tuple(
+            _inertia_from_gd2(info, entry, f"{name}[{number}]") for number, entry in enumerate(text)
+        )
+    low, high = (None if end is None else GD2_OF_INERTIA * end for end in limits_of(info))
+    allowed = " to ".join(format_quantity(end, "kg m^2") for end in (low, high) if end is not None)
+    value = effect_by_mass(text)
+    if value is None:
+        value = parse_quantity(text, "kg m^2", name, allowed, (low, high))
+    if (low is not None and value < low) or (high is not None and value > high):
+        raise InputError(
+            f"{name}: given {quoted(text)}; allowed is {allowed} of GD2, four times the inertia."
+        )
+    return value / GD2_OF_INERTIA
 
 
 def _holds_several(info: FieldInfo) -> bool:

@@ -487,7 +487,7 @@ def _evaluate(text: str, unit: str, fault: str, limits: Limits, remedy: str) -> 
     except OtherKindError:
         assert match is not None
         kind = KINDS.get(unit, f"quantity in {unit}")
-        weighed = _flywheel_effect(float(match[1]), match[2]) if unit == "kg m^2" else None
+        weighed = effect_by_mass(text) if unit == "kg m^2" else None
         if weighed is not None:
             raise InputError(
                 f"{fault}, a flywheel effect G D^2; write an inertia, a quarter of its mass and diameter "
@@ -523,13 +523,23 @@ def _in_like_named(number: str, text: str, name: str, unit: str) -> str:
     return f"did you mean {' or '.join(likely)}? " if likely else ""
 
 
-def _flywheel_effect(number: float, text: str) -> float | None:
-    """Return a flywheel effect by weight, such as 40 kgf m2, as one by mass [kg m^2]; None for another."""
+def effect_by_mass(text: object) -> float | None:
+    """Return a flywheel effect GD2 by weight as one by mass [kg m^2]; None for any other text.
+
+    Examples
+    --------
+    >>> effect_by_mass("40 kgf m2")
+    40.0
+    """
+    short = text if isinstance(text, str) and len(text) <= LONGEST_QUANTITY else ""
+    match = NUMBER_AND_UNIT.fullmatch(short)
+    if match is None or not match[2]:
+        return None
     try:
-        size, _ = size_in(text, "N m^2")
+        size, _ = size_in(match[2], "N m^2")
     except (NoUnitError, OtherKindError):
         return None
-    return number * size / size_in("kgf", "N")[0]
+    return float(match[1]) * (size / size_in("kgf", "N")[0])
 
 
 def _scaled(number: float, factor: float) -> float:

@@ -19,6 +19,7 @@ pin_diameter = { value = "180 mm", source = "drawing 12.3" }
 fillet_radius = { value = "12 mm", assumed = "usual for this size" }
 ```
 
+An inertia may be given as GD2: `flywheel_effect = "1800 kg m^2"` (or kgf m2) for an `inertia` of 450.
 The report lists `assumed` values. `[sources]` explains short names of sources: `name = "full citation"`.
 Unknown sections and fields are refused. `crankfem new MY.toml --from 6chn25-34` copies a complete file;
 `crankfem fields throw` prints a section of this page.

@@ -10,6 +10,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.engine_mechanism import load_any, mechanism_of
+from crankfem.analyses.file_check import check_file
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.files.engine import usual_parts, usual_sizes
 from crankfem.files.engine.engine_file import EngineFile
@@ -60,6 +61,14 @@ def outwards(low, high):
     return math.floor(low / size[0]) * size[0], math.ceil(high / size[1]) * size[1]
 
 
+def throws_in(name):
+    """The different throws of a shipped engine."""
+    file = load_any(name)
+    return {
+        throw.model_dump_json(): throw for throw in getattr(file, "crank_throws", (file.throw,))
+    }.values()
+
+
 def test_usual_ranges_are_those_of_the_shipped_engines(shipped):
     values = {}
 
@@ -84,8 +93,24 @@ def test_usual_ranges_are_those_of_the_shipped_engines(shipped):
             add("FLYWHEEL", math.sqrt(file.flywheel.inertia / file.flywheel.mass) / bore)
             stiffness = file.thrust_bearing.stiffness / throw.main_journal_diameter
             add("THRUST", stiffness / 1e9)
+            if (end := file.free_end) is not None:
+                diameter = throw.main_journal_diameter
+                disk = 7850.0 * math.pi / 32.0 * (2.0 * diameter) ** 4 * 0.5 * diameter
+                add("FREE_END", end.inertia / disk)
+    for throw in (throw for name in shipped_names("engine") for throw in throws_in(name)):
+        for radius in (
+            throw.pin_fillet_radius,
+            throw.main_journal_fillet_radius,
+            throw.fillet_radius,
+        ):
+            if radius:
+                add("FILLET", radius / throw.main_journal_diameter)
+        for web in (throw, throw.left_web, throw.right_web):
+            if (weight := getattr(web, "counterweight", None)) is not None:
+                add("WEIGHT_ANGLE", math.degrees(weight.angle))
     ranges = {n: one for n, one in vars(usual_sizes).items() if isinstance(one, UsualRange)}
-    assert set(ranges) - set(values) == {"OIL_HOLE"}
+    ranges = {n: one for n, one in ranges.items() if one.basis == usual_sizes.SHIPPED}
+    assert ranges.keys() == values.keys()
     for name, found in values.items():
         usual = ranges[name]
         assert (usual.low, usual.high) == close(outwards(min(found), max(found))), name
@@ -98,7 +123,7 @@ SLIPS = {
     ),
     "throw.fillet_radius": (
         '"28 mm"',
-        "28 mm, which is 0.127 times main_journal_diameter; usual is 0 to 0.08",
+        "28 mm, which is 0.127 times main_journal_diameter; usual is 0.047 to 0.067",
     ),
     "rod.length": (
         '"7.2 m"',
@@ -134,7 +159,112 @@ def test_a_slip_is_warned_of_and_not_refused(tmp_path, six_cylinders, edit, fiel
     ]
     assert len(told) == 1
     assert said in told[0]
-    assert told[0].endswith(("(range of the shipped engines)", "law's training throws)"))
+    assert (
+        told[0]
+        .partition("; perhaps")[0]
+        .endswith(("(range of the shipped engines)", "law's training throws)"))
+    )
+
+
+# What a value is taken for; fields, unit behind the number, and factor or summand [Pa]. All of these are
+# sizes of the shipped engines, each of which has such a field.
+MISREADINGS = {
+    "GD2 for the inertia": (r"\w*inertia", "kg m.2", 4.0, 0.0),
+    "inertia for GD2": (r"\w*inertia", "kg m.2", 0.25, 0.0),
+    "per degree for per radian": ("coupling_stiffness", "k?N m/rad", math.radians(1.0), 0.0),
+    "per radian for per degree": ("coupling_stiffness", "k?N m/rad", math.degrees(1.0), 0.0),
+    "half the angle of a counterweight": ("angle", "deg", 0.5, 0.0),
+    "fillet's diameter for radius": (r"\w*fillet_radius", "mm", 2.0, 0.0),
+    "fillet's radius for diameter": (r"\w*fillet_radius", "mm", 0.5, 0.0),
+    "pressure above ambient": (r"(?:intake|exhaust)_pressure", "bar", 1.0, -1.01325),
+}
+COUNTS = dict(zip(MISREADINGS, (32, 32, 2, 2, 10, 18, 18, 4), strict=True))
+
+
+def misread(text, fields, unit, factor, summand):
+    """Yield a file's text with one value misread, and the value's field."""
+    value = re.compile(rf'^({fields}) = (?:\{{ value = )?"([\d.e+-]+) (?:{unit})"', re.MULTILINE)
+    for match in value.finditer(text.partition("\n[sources]")[0]):
+        start, end = match.span(2)
+        changed = factor * float(match[2]) + summand
+        if match[1] == "angle" and "counterweight]" not in text[text.rfind("\n[", 0, start) :][:40]:
+            continue
+        if float(match[2]):
+            yield match[1], f"{text[:start]}{changed:.12g}{text[end:]}"
+
+
+@pytest.mark.further
+@pytest.mark.parametrize("kind", MISREADINGS)
+def test_every_misreading_of_the_shipped_engines_is_named(tmp_path, kind):
+    for folder in ("tables", "chains"):
+        for path in (data_folder() / folder).iterdir():
+            (tmp_path / path.name).write_bytes(path.read_bytes())
+    silent, count = [], 0
+    for name in shipped_names("engine"):
+        for field, text in misread(input_path(name).read_text("utf-8"), *MISREADINGS[kind]):
+            (tmp_path / "mine.toml").write_text(text, "utf-8")
+            count += 1
+            try:
+                warnings = check_file(str(tmp_path / "mine.toml")).warnings
+            except InputError:
+                continue
+            if not any(f".{field}: " in warning and "perhaps" in warning for warning in warnings):
+                silent.append((name, field))
+    assert not silent
+    assert count == COUNTS[kind]
+
+
+GD2_FIELDS = {
+    "flywheel.inertia": "flywheel.flywheel_effect",
+    "driven.inertia": "driven.flywheel_effect",
+    "torsional_damper.ring_inertia": "torsional_damper.ring_flywheel_effect",
+    "free_end.inertia": "free_end.flywheel_effect",
+}
+
+
+@pytest.mark.parametrize("unit", ["kg m^2", "kgf m2", "kp m^2"])
+@pytest.mark.parametrize("field", GD2_FIELDS)
+def test_gd2_takes_the_place_of_any_inertia(tmp_path, edit, field, unit):
+    """GD2 is four times the inertia; as a weight in kgf it has the number that it has as a mass in kg."""
+    text = input_path("6chn18-22-set").read_text("utf-8")
+    section, name = field.split(".")
+    inertia = getattr(getattr(load_any("6chn18-22-set"), section), name)
+    given = f'{{ value = "{4.0 * inertia:g} {unit}", source = "data sheet 7" }}'
+    changed = edit(text, {field: None, GD2_FIELDS[field]: given})
+    (tmp_path / "mine.toml").write_text(changed, "utf-8")
+    read = load_any(tmp_path / "mine.toml")
+    assert getattr(getattr(read, section), name) == close(inertia, rel=1e-15)
+    (record,) = (record for record in read.records if record.field == field)
+    assert record.source == "data sheet 7"
+    assert record.given.startswith(f"{4.0 * inertia:g} {unit}")
+    assert mechanism_of(read).warnings == ()
+
+
+def test_gd2_beside_an_inertia_or_outside_its_range_is_refused(tmp_path, edit):
+    text = input_path("6chn25-34").read_text("utf-8")
+    for value, inertia, complaint in (
+        ('"1800 kg m^2"', '"450 kg m^2"', "flywheel.flywheel_effect: given together with inertia"),
+        ('"5e7 kg m^2"', None, "allowed is 4e-09 kg m\\^2 to 4e7 kg m\\^2"),
+        ('"1800 kg"', None, "flywheel.flywheel_effect: given '1800 kg', which is no moment"),
+    ):
+        changed = {"flywheel.inertia": inertia, "flywheel.flywheel_effect": value}
+        (tmp_path / "mine.toml").write_text(edit(text, changed), "utf-8")
+        with pytest.raises(InputError, match=complaint):
+            load_any(tmp_path / "mine.toml")
+
+
+@pytest.mark.parametrize(
+    ("name", "pressure"),
+    # What the cycle of each assumes, less an atmosphere.
+    [("vw-tdi", 0.1506), ("8chn13-14", 0.0913), ("8chn26-26", 0.1622), ("cat-3116", 0.1317)],
+)
+def test_an_intake_pressure_above_ambient_is_named(tmp_path, edit, name, pressure):
+    text = input_path(name).read_text("utf-8")
+    for shift, said in ((0.0, True), (0.101325, False)):
+        given = f'"{pressure + shift:.6f} MPa"'
+        (tmp_path / "mine.toml").write_text(edit(text, {"gas.intake_pressure": given}), "utf-8")
+        warnings = check_file(str(tmp_path / "mine.toml")).warnings
+        assert any("perhaps the pressure above ambient" in one for one in warnings) == said
 
 
 def test_the_throw_must_fit_the_bore():

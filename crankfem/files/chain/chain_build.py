@@ -47,7 +47,6 @@ UNITS = {
 # Of a piece of shaft.
 MODULI = {"torsional": "shear_modulus", "axial": "youngs_modulus"}
 INERTIA, STIFFNESS, DAMPING, FLEXIBILITY = UNITS["torsional"].values()
-GD2 = "GD2, mass times the square of the diameter of gyration: four times the inertia"
 H = "H, energy at rated speed per rated power"
 PER_UNIT = "rated torques per electrical radian"
 
@@ -117,7 +116,6 @@ class TorsionalNode(_Varies):
 
     name: str = Field(description="of the node")
     inertia: float = part_quantity("moment of inertia", INERTIA, 0.0)
-    flywheel_effect: float | None = quantity_field(GD2, INERTIA, 0.0, default=None)
     inertia_constant: float | None = quantity_field(H, "s", 0.0, default=None)
     entrained_share: float = quantity_field(
         "share added by entrained water", "", minimum=0.0, default=0.0, feature=True
@@ -173,7 +171,6 @@ class TorsionalChainSection(InputModel):
     inertia: tuple[float, ...] | None = quantity_field(
         "inertias in a row, in place of nodes", INERTIA, default=None
     )
-    flywheel_effect: tuple[float, ...] | None = quantity_field(GD2, INERTIA, default=None)
     inertia_constant: tuple[float, ...] | None = quantity_field(H, "s", default=None)
     stiffness: tuple[float, ...] | None = quantity_field(
         "stiffness between neighbors, in place of elements", STIFFNESS, default=None
@@ -203,7 +200,6 @@ class TorsionalChainSection(InputModel):
 
 
 TORSIONAL_ONLY = (
-    "flywheel_effect",
     "inertia_constant",
     "per_unit_stiffness",
     "base",

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
-from crankbase.model import InputModel, quantity_field
+from crankbase.model import GD2, InputModel, quantity_field
 from dynamics.chains.chain import Chain
 from dynamics.chains.coupling_damping import CONVENTIONS, SMALLEST_MAGNIFIER, in_all_conventions
 
@@ -46,7 +46,6 @@ def _converted(convert: Callable[[float], float], size: float, _base: object) ->
 
 
 FORMS = {
-    "flywheel_effect": Form("inertia", lambda gd2, _: gd2 / 4.0),
     "inertia_constant": Form("inertia", lambda h, base: h * base.inertia, True),
     # A flexibility of zero is a rigid joint.
     "flexibility": Form("stiffness", lambda e, _: 1.0 / e if e else math.inf),
@@ -130,9 +129,10 @@ def as_printed(chain: Chain, values: dict[str, Any], units: dict[str, str]) -> t
     """
     parts = [*values.get("nodes", ()), *values.get("elements", ())]
     pounds = re.search(r"\d lbs?\b", str(values))
-    if not pounds and not any({*FORMS, "referred_to"} & part.keys() for part in (values, *parts)):
+    other = {GD2, *FORMS}
+    if not pounds and not any({*other, "referred_to"} & part.keys() for part in (values, *parts)):
         return ()
-    kept = ("inertia", "mass", "stiffness", "loss_factor", *FORMS)
+    kept = ("inertia", "mass", "stiffness", "loss_factor", GD2, *FORMS)
     rows: list[tuple[str, Any, int]] = [
         (chain.names[k], values, k) for k in range(len(chain.names))
     ]

@@ -9,7 +9,7 @@ from pydantic_core import PydanticUndefined
 
 from crankbase.choices import allowed_names
 from crankbase.errors import InputError
-from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.model import InputModel, field_extra, gd2_name, is_inertia, part_kind
 from crankbase.quantity import DISPLAY_UNITS, format_quantity
 from crankfem.files.chain.chain_file import KINDS as CHAIN_KINDS
 from crankfem.files.engine.file_kinds import SECTIONS
@@ -101,6 +101,8 @@ def _row(name: str, info: FieldInfo) -> FieldRow:
     shown = "" if unit is None else DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
     symbol = field_extra(info, "symbol")
     meaning = (info.description or "") + (f" ({symbol})" if symbol else "")
+    if is_inertia(info):
+        meaning += f"; or {gd2_name(name)}, its GD2"
     return FieldRow(name, shown, _allowed(info), meaning)
 
 

@@ -154,17 +154,14 @@ shaft_ends.flange_diameter | 1.5 2 1.5 | journal | the main journal's diameter |
 shaft_ends.flange_thickness | 0.19 0.26 3 | journal | the main journal's diameter | | shipped
 flywheel.diametral_inertia | 0.5 1 1.5 | flywheel.inertia | its inertia about the shaft
 flywheel.overhang | 0 1 2 | journal | the main journal's diameter
-free_end.inertia | 0.0078 0.12 4 | crank_inertia | that of cranks and rods | | shipped
 free_end.mass | 0.5 10 4 | end | its inertia over the main journal's diameter squared
 free_end.diametral_inertia | 0.5 1 1.5 | free_end.inertia | its inertia about the shaft
-torsional_damper.ring_inertia | 0.1 0.4 4 | crank_inertia | that of cranks and rods
+torsional_damper.ring_inertia | 0.1 0.4 1.2 | crank_inertia | that of cranks and rods
 torsional_damper.damping | 0.4 1.2 5 | ring w | the ring's inertia times the shaft's first frequency
 torsional_damper.stiffness | 0.2 1 5 | ring w^2 | the ring's inertia times the shaft's first frequency squared
 torsional_damper.loss_factor | 0.05 0.4 3 | 1 | | of the stiffness
 axial_damper.damping | 0.1 0.5 5 | root | the root of thrust stiffness times the throws' mass
 axial_damper.stiffness | 0.01 1 3 | thrust_bearing.stiffness | that of the thrust bearing
-driven.inertia | 0.3 3 5 | engine | that of engine and flywheel
-driven.coupling_stiffness | 2.5 1000 2 | torque | the rated torque for each radian
 driven.coupling_loss_factor | 0.005 0.25 3 | 1 | | of the stiffness
 driven.coupling_damping | 0.001 0.5 3 | coupling | the coupling's stiffness over the rated speed
 damping.torsional_magnifier | 12 60 2.5 | 1 | the static amplitude
@@ -190,7 +187,7 @@ limits.axial_force | 0.1 2 5 | piston | on the piston | MPa
 two_mass_check.shaft_diameter | 0.7 1.3 1.5 | journal | the main journal's diameter
 two_mass_check.shaft_length | 0.4 1.5 3 | shaft | the length of all throws
 two_mass_check.shear_modulus | 0.95 1.05 1.5 | material.shear_modulus | that of the material
-two_mass_check.engine_inertia | 0.5 1.5 3 | crank_inertia | that of cranks and rods
+two_mass_check.engine_inertia | 0.5 1.5 1.6 | crank_inertia | that of cranks and rods
 two_mass_check.flywheel_inertia | 0.8 1.25 3 | flywheel.inertia | the flywheel's
 """
 
@@ -219,8 +216,38 @@ def part_warnings(scale: EngineScale) -> Iterator[str]:
     yield from near_angles("shaft.throw_angles", None if shaft is None else shaft.throw_angles)
     yield from near_angles("engine.bank_angles", engine.bank_angles)
     yield from _counterweights(scale)
+    yield from _driven(scale)
     if isinstance(scale.file, EngineFile):
         yield from (sentence for sentence, twice in first_nodes(scale.file) if twice)
+
+
+DRIVEN = Practice(0.3, 3.0, "is {} that of engine and flywheel", margin=5.0)
+# A rotor's volume goes with the torque T [N m] and its inertia with the volume to the power of 5/3: of
+# synchronous generators with 4 to 12 poles 1.2e-5 to 4e-5 kg m^2 for T = 1 N m.
+ROTOR = Practice(0.45, 1.6, "is {} that usual of a generator for the rated torque", margin=1.15)
+ROTOR_SCALE = 2.6e-5
+# A coupling that damps is of rubber, and soft.
+DAMPS = 0.05
+RUBBER = Practice(
+    2.5, 60.0, "is {} the rated torque for each radian, where rubber damps", margin=1.5
+)
+ANY_COUPLING = Practice(2.5, 1000.0, "is {} the rated torque for each radian")
+
+
+def _driven(scale: EngineScale) -> Iterator[str]:
+    """Compare a driven machine and its coupling with the rated torque."""
+    driven = scale.part("driven")
+    if driven is None:
+        return
+    usual, beside = DRIVEN, scale.value("engine")
+    if scale.file.engine.drives == "generator":
+        usual, beside = ROTOR, ROTOR_SCALE * scale.torque ** (5.0 / 3.0)
+    inertia, stiffness = driven.inertia, driven.coupling_stiffness
+    yield from usual.warning_of("driven.inertia", inertia, "kg m^2", inertia / beside)
+    coupling = RUBBER if driven.loss_factor >= DAMPS else ANY_COUPLING
+    yield from coupling.warning_of(
+        "driven.coupling_stiffness", stiffness, "N m/rad", stiffness / scale.torque
+    )
 
 
 # What a line's first node may have of the flywheel's inertia before it is perhaps the flywheel itself.

@@ -3,15 +3,18 @@
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from crankbase.errors import InputError
+from crankbase.model import GD2_OF_INERTIA, gd2_name
 from crankbase.quantity import format_quantity
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import MechanismSections
 from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.files.sections.engine_sections import ThrustBearing
 from dynamics.excitation.pressure_map import EnginePower
+from dynamics.gas.pressure import ATMOSPHERE
+from fem.material import STEEL
 from geometry.throw import CrankThrow
 from regression.law.throw_law import DIVISORS, FILLETS, RANGES, REAL, axial_law
 from regression.law.throw_law import PLAIN as PLAIN_RANGES
@@ -29,7 +32,8 @@ class UsualRange:
     """Smallest and largest usual value of a ratio, how it is written, and who has these values.
 
     `meaning` has braces for the value with its unit. A value beyond the range by the factor `margin` gets
-    a warning.
+    a warning. The ratio goes with the value to the `power`. `slips` are what else a value may be, by the
+    factor that would make it right.
     """
 
     low: float
@@ -38,6 +42,8 @@ class UsualRange:
     unit: str = "times"
     basis: str = SHIPPED
     margin: float = 2.0
+    power: float = 1.0
+    slips: tuple[tuple[float, str], ...] = ()
 
     def warning(self, field: str, text: str, value: float) -> Iterator[str]:
         """Give the sentence about a value far outside of the range; none about any other."""
@@ -52,13 +58,20 @@ class UsualRange:
     def warning_of(self, field: str, value: float, unit: str, ratio: float) -> Iterator[str]:
         """Give the sentence about a quantity in SI units, with the slip that one factor explains."""
         for sentence in self.warning(field, f"given {format_quantity(value, unit, 5)}", ratio):
-            slips = {1e3: "a unit's prefix", 1e-3: "a unit's prefix"}
+            slips = dict(self.slips)
             if "rad" in unit:
                 slips |= {math.degrees(1.0): "per degree", math.radians(1.0): "per degree"}
+            if unit == "kg m^2":
+                gd2 = gd2_name(field.rpartition(".")[2])
+                slips |= {
+                    1.0 / GD2_OF_INERTIA: f"GD2, which is given as {gd2}",
+                    GD2_OF_INERTIA: f"an inertia given as {gd2}",
+                }
+            slips |= {1e3: "a unit's prefix", 1e-3: "a unit's prefix"}
             suiting = (
                 f"; perhaps {slip}: {format_quantity(value * factor, unit, 3)} would suit"
                 for factor, slip in slips.items()
-                if self.low <= ratio * factor <= self.high
+                if self.low <= ratio * factor**self.power <= self.high
             )
             yield sentence + next(suiting, "")
 
@@ -73,10 +86,51 @@ ROD_MASS = UsualRange(0.98, 5.5, "is {} of swept volume", "kg/dm^3")
 PISTON_SPEED = UsualRange(5.5, 14.0, "gives a mean piston speed of {}", "m/s")
 HIGHEST_PISTON_SPEED = UsualRange(5.6, 16.0, "gives a mean piston speed of {}", "m/s")
 INDICATED = UsualRange(1.0, 2.4, "gives a mean indicated pressure of {}", "MPa")
-FLYWHEEL = UsualRange(1.4, 2.4, "gives a radius of gyration of {} the bore")
+# Range and margin are less than a factor of two, that of GD2 in the radius of gyration.
+FLYWHEEL = UsualRange(1.4, 2.4, "gives a radius of gyration of {} the bore", margin=1.15, power=0.5)
 THRUST = UsualRange(2.2, 3.7, "is {} of the main journal's diameter", "MN/m per mm", margin=5.0)
 # A ratio of a throw may be beyond the range of the law by this factor.
 THROW_MARGIN = 1.25
+FREE_END = UsualRange(
+    0.41,
+    1.3,
+    "is {} that of a steel disk of two main journals' diameter and half of it thick",
+    margin=1.25,
+)
+# In these a diameter taken for a radius, or half of an angle for all of it, is outside.
+FILLET = UsualRange(
+    0.047,
+    0.067,
+    "is {} main_journal_diameter",
+    margin=1.35,
+    slips=((0.5, "the diameter"), (2.0, "half of the radius")),
+)
+WEIGHT_ANGLE = UsualRange(
+    80.0,
+    150.0,
+    "is {}",
+    "deg",
+    margin=1.05,
+    slips=((2.0, "half of the angle"), (0.5, "twice the angle")),
+)
+# Of the gas exchange: share of the stroke behind the closing of the intake, 35 deg after the bottom, in
+# two-stroke engines 65 deg; exponent of compression; least compression ratio of a diesel engine, and the
+# intake pressure from which an engine is boosted.
+CAUGHT = {4: 0.91, 2: 0.71}
+EXPONENT = 1.35
+DIESEL, BOOSTED = 12.0, 1.2 * ATMOSPHERE
+# Burning all air gives the highest mean pressure; boosted diesel engines leave half of it.
+LEAN = UsualRange(
+    4.0,
+    9.5,
+    "gives a mean indicated pressure of {} that of the air caught",
+    basis=PRACTICE,
+    margin=1.0,
+)
+RICH = replace(LEAN, low=0.5, high=14.0)
+RISE = UsualRange(1.0, 2.0, "makes combustion raise the pressure {}", basis=PRACTICE, margin=1.0)
+ATMOSPHERIC = UsualRange(0.8, 6.0, "is {} the atmosphere", basis=PRACTICE, margin=1.1)
+EXHAUST = UsualRange(0.75, 1.4, "is {} intake_pressure", basis=PRACTICE, margin=1.1)
 OIL_HOLE = UsualRange(0.0, 0.2, "is {} its journal's diameter", basis=M53, margin=THROW_MARGIN)
 
 # Fillets over the main journal's diameter, in the middle of their usual range.
@@ -123,6 +177,11 @@ def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[str]:
                 if (value := getattr(part, field, None))
             ],
         )
+        for path, part, _ in parts[:3]:
+            if (weight := getattr(part, "counterweight", None)) is not None:
+                yield from WEIGHT_ANGLE.warning_of(
+                    f"{path}.counterweight.angle", weight.angle, "rad", math.degrees(weight.angle)
+                )
         for hole in throw.parts.drillings:
             yield from OIL_HOLE.warning(
                 f"{section}.oil_holes[{hole.number - 1}].diameter",
@@ -161,12 +220,12 @@ def _out_of_proportion(
     for field, value, ratio in sizes:
         by = DIVISORS.get(ratio, "main_journal_diameter")
         usual = UsualRange(*RANGES[ratio], f"is {{}} {by}", basis=LAW, margin=THROW_MARGIN)
+        if ratio in FILLETS:
+            usual = FILLET
         if by == "main_journal_diameter":
             low = max(low, value / (usual.high * usual.margin))
             high = min(high, value * usual.margin / usual.low if usual.low > 0.0 else math.inf)
-        remarks += usual.warning(
-            field, f"given {format_quantity(value, 'm')}", value / getattr(throw, by)
-        )
+        remarks += usual.warning_of(field, value, "m", value / getattr(throw, by))
     if len(remarks) > 1 and low <= high and not low <= journal <= high:
         suiting = " to ".join(format_quantity(end, "m", 3) for end in (low, high))
         remarks = [
@@ -227,10 +286,60 @@ def engine_warnings(
     if power is not None:
         mean = power.mean_indicated_pressure / 1e6
         yield from INDICATED.warning("gas", "the pressure over the cycle", mean)
+        yield from _gas_exchange(file, power)
     if file.flywheel is not None:
         inertia = file.flywheel.inertia
         gyration = math.sqrt(inertia / file.flywheel.mass)
         yield from warn("flywheel.inertia", inertia, "kg m^2", FLYWHEEL, gyration / bore)
+    if file.free_end is not None and not wrong_journal:
+        inertia = file.free_end.inertia
+        disk = 0.25 * math.pi * STEEL.density * journal**5
+        yield from warn("free_end.inertia", inertia, "kg m^2", FREE_END, inertia / disk)
+
+
+def _gas_exchange(file: EngineFile | MechanismSections, power: EnginePower) -> Iterator[str]:
+    """Compare given pressures of intake and exhaust with the mean pressure, and each other.
+
+    So much mean pressure needs so much air, and the peak is above the compression by so much; a pressure
+    above ambient is an atmosphere lower than the absolute one.
+    """
+    gas = file.gas
+    if gas is None:
+        return
+    ratio, caught = gas.compression_ratio, CAUGHT[file.engine.strokes]
+    compression = (1.0 + caught * (ratio - 1.0)) ** EXPONENT
+    points = () if file.load is None else file.load.points
+    full = (gas.intake_pressure, power.mean_indicated_pressure, gas.peak_pressure)
+    parts = [("gas.", *full)] + [
+        (
+            f"load.points[{place}].",
+            one.intake_pressure,
+            one.mean_effective_pressure,
+            one.peak_pressure,
+        )
+        for place, one in enumerate(points)
+    ]
+    for part, pressure, mean, peak in parts:
+        if pressure is None:
+            continue
+        name, lean = f"{part}intake_pressure", pressure >= BOOSTED and ratio >= DIESEL
+        yield from _absolute(LEAN if lean else RICH, name, pressure, mean / (caught * pressure))
+        yield from _absolute(ATMOSPHERIC, name, pressure, pressure / ATMOSPHERE)
+        if peak is not None and ratio >= DIESEL:
+            rise = (peak + ATMOSPHERE) / (pressure * compression)
+            yield from _absolute(RISE, name, pressure, rise)
+    if (exhaust := gas.exhaust_pressure) is not None:
+        name = "gas.exhaust_pressure"
+        yield from _absolute(ATMOSPHERIC, name, exhaust, exhaust / ATMOSPHERE)
+        if gas.intake_pressure is not None:
+            yield from _absolute(EXHAUST, name, exhaust, exhaust / gas.intake_pressure)
+
+
+def _absolute(usual: UsualRange, field: str, pressure: float, ratio: float) -> Iterator[str]:
+    """Give the sentence about an absolute pressure [Pa] with what it would be if it were above ambient."""
+    absolute = format_quantity(pressure + ATMOSPHERE, "Pa", 3)
+    for sentence in usual.warning(field, f"given {format_quantity(pressure, 'Pa', 5)}", ratio):
+        yield f"{sentence}; perhaps the pressure above ambient, {absolute} absolute"
 
 
 def _cylinders_in_line(file: EngineFile | MechanismSections) -> int:

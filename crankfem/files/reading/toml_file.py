@@ -19,7 +19,7 @@ from crankbase.input_file import (
     MOST_VALUES,
     STEP_ENDINGS,
 )
-from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.model import InputModel, field_extra, inertia_field, part_kind
 from crankbase.quantity import SEPARATED_NUMBER, either, format_quantity, readings
 from crankbase.results import Result
 from crankfem.files.reading.data_files import InputFiles
@@ -441,6 +441,8 @@ class TomlFile:
 
     def _record(self, section: str, made: InputModel, values: Mapping[str, Any]) -> None:
         """Record every value of a record, and of the nested records that the file gives."""
+        # An inertia may be given as GD2; under its own name it has that one's source.
+        as_gd2 = {inertia_field(type(made), key): key for key in values}
         for name, info in type(made).model_fields.items():
             field_name, value = f"{section}.{name}", getattr(made, name)
             if part_kind(info) is not None:
@@ -451,9 +453,15 @@ class TomlFile:
                     for place, part in enumerate(parts):
                         self._record(f"{field_name}[{place}]", value[place], part)
                 continue
-            if name in values:
-                source, assumed = self.provenance.get(field_name, (self.path.name, False))
-                shown = _show(values[name])
+            if name in values or name in as_gd2:
+                key = as_gd2.get(name, name)
+                origin = self.provenance.get(f"{section}.{key}")
+                source, assumed = origin or (self.path.name, False)
+                shown = _show(values[key])
+                if key != name:
+                    shown += f" ({key})"
+                    if origin is not None:
+                        self.provenance[field_name] = origin
             elif (
                 value is None
                 or field_extra(info, "feature")
