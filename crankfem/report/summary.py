@@ -100,7 +100,7 @@ def tiles(results: "RunResults") -> list[Record]:
         None if assessment is None else _deciding_use(assessment),
         _first_frequencies(vibration),
         _worst_critical(vibration),
-        None if assessment is None else _misfiring(vibration),
+        None if assessment is None or results.engine.driven_by else _misfiring(vibration),
         None if assessment is None else _whole(vibration, assessment),
         _assumed_inputs(results),
     )

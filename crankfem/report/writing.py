@@ -20,11 +20,13 @@ from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.analyses.vibration.tables import (
     element_table,
     limit_table,
+    met_while_running,
     misfiring_table,
     speed_table,
     whole_critical_table,
     whole_table,
 )
+from crankfem.files.engine.mechanism_cylinders import order_named
 from crankfem.report.conclusions import reached_and_permitted
 from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.figures import PLOTS, Figure, load_figures, packed
@@ -42,6 +44,7 @@ CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
 TABLES = (
     element_table,
     limit_table,
+    met_while_running,
     misfiring_table,
     speed_table,
     whole_critical_table,
@@ -136,6 +139,7 @@ def page_environment() -> "Environment":
     )
     environment.filters |= FILTERS | {make.__name__: make for make in TABLES}
     environment.globals |= {"source_words": source_label, "wording": wording}
+    environment.globals["order_named"] = order_named
     environment.filters["plot"] = PLOTS.__getitem__
     return environment
 

@@ -319,7 +319,7 @@ def _kept_or_exceeded(what: str, table: Table) -> tuple[str, ...]:
         if mark == "over"
     ]
     kept, exceeded = (
-        ("none in normal firing", "teeth part") if what == GEAR_HAMMER else ("kept", "exceeded")
+        ("none in normal running", "teeth part") if what == GEAR_HAMMER else ("kept", "exceeded")
     )
     if rows:
         return (f"{what}: {exceeded} ({'; '.join(rows)}).",)
@@ -376,7 +376,7 @@ def _normal(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     orders = tables.order_tables(cases)
     return DocumentPart(
         "stresses",
-        "Torsional stresses in normal firing",
+        "Torsional stresses in normal running",
         (
             *(f"{_upper(note)}." for note in cases.notes),
             "Diagrams: stress over speed; ranges to be barred are red, speeds outside the running range "
@@ -433,7 +433,7 @@ def _barred(run: EngineVibration, verdict: Verdict) -> DocumentPart:
         )
         listed.append(DocumentTable("barred_by_rule", ends))
     sentence = (
-        "Barred ranges are to be passed quickly; the table of normal firing gives the stresses while "
+        "Barred ranges are to be passed quickly; the table of normal running gives the stresses while "
         "passing."
     )
     return DocumentPart("barred", "Barred speed ranges", (sentence,), tuple(listed))

@@ -540,7 +540,7 @@ def normal_table(cases: FiringCases) -> Table:
     kept = [firing.kept[STRESS, name] for name in names]
     passed = [firing.passed.get((STRESS, name)) for name in names]
     return Table.of_columns(
-        "Normal firing: synthesized torsional stress",
+        "Normal running: synthesized torsional stress",
         *_shafts(cases),
         *_largest("largest", STRESSES, [firing.largest[STRESS, name] for name in names]),
         *_largest("kept", STRESSES, kept),
@@ -608,7 +608,7 @@ def order_tables(cases: FiringCases) -> list[Table]:
             ]
         tables.append(
             Table.of_columns(
-                "Normal firing: largest torsional stress by order, and its speed",
+                "Normal running: largest torsional stress by order, and its speed",
                 *columns,
                 note="Amplitudes of single orders up to the highest speed calculated; shafts by number.",
             )
@@ -645,9 +645,9 @@ def failing_table(cases: FiringCases, way: str) -> Table:
             [None if math.isinf(worst.permitted) else worst.permitted for worst in kept],
         ),
         (USED, map(_used, kept)),
-        note=f"{MEANING[way][0].upper()}{MEANING[way][1:]}; the others fire as before, at the speeds of "
-        "normal firing. Compared with the continuous limit, or with that for passing where it serves while a "
-        "cylinder misfires, outside ranges to be barred.",
+        note=f"{MEANING[way][0].upper()}{MEANING[way][1:]}; the others work as before, at the speeds of "
+        "normal running. Compared with the continuous limit, or with that for passing where it serves while "
+        "a cylinder fails, outside ranges to be barred.",
         marks=_marks("over", [worst.used > 1.0 for worst in kept]),
     )
 
@@ -670,7 +670,9 @@ def each_table(cases: FiringCases, way: str) -> Table:
 def torque_table(cases: FiringCases) -> Table:
     """Return the vibratory torque of each element in all cases of firing."""
     names = cases.normal[TORQUE].names
-    columns = _largest("normal firing", "kN m", [cases.firing.kept[TORQUE, name] for name in names])
+    columns = _largest(
+        "normal running", "kN m", [cases.firing.kept[TORQUE, name] for name in names]
+    )
     for way in cases.failing:
         columns += _largest(way, "kN m", [cases.worst(way, TORQUE, name) for name in names])
     return Table.of_columns(
@@ -747,7 +749,7 @@ def damper_table(run: EngineVibration, cases: FiringCases) -> Table | None:
         "Dampers, couplings and shafts with damping: vibratory torque and heat at running speeds",
         [
             Column("part", words=True),
-            Column("firing", words=True),
+            Column("case", words=True),
             Column("torque", "kN m"),
             SPEED,
             Column("permitted", "kN m", missing="not given"),
@@ -795,7 +797,7 @@ def gear_table(run: EngineVibration, cases: FiringCases) -> Table | None:
             [name, *numbers, "teeth part" if share[worst] > 1.0 else "teeth stay in contact"]
         )
     return Table(
-        "Gears in normal firing: worst running speed",
+        "Gears in normal running: worst running speed",
         [
             Column("gear", words=True),
             SPEED,

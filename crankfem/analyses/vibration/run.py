@@ -372,7 +372,8 @@ def engine_vibration(
         )
         ready = EngineChains.of(read, axial, torsional, shaft)
         axial_force = axial_cycle(ready, harmonics)
-        tell("Calculating misfiring")
+        if not read.engine.driven_by:
+            tell("Calculating misfiring")
         misfiring, note = misfiring_or_reason(ready, mechanism, harmonics)
         if held:
             tell("Varying the main bearings")

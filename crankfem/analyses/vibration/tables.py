@@ -639,5 +639,14 @@ def critical_lines(run: EngineVibration, kind: str) -> list[CriticalLine]:
     return lines
 
 
+def met_while_running(run: EngineVibration, kind: str) -> bool:
+    """Whether any critical speed of one kind is a running speed."""
+    return any(
+        known.in_running_range
+        for line in critical_lines(run, kind)
+        if (known := line.peak or line.critical) is not None
+    )
+
+
 def _distance(line: CriticalLine, margin: CriticalRange) -> float:
     return math.inf if line.speed is None else abs(line.speed - margin.nominal)
