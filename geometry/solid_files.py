@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -149,9 +149,9 @@ def write_mesh(
     mesh : ThrowMesh
         Coordinates are written in m.
     path : path
-        Its ending is the format: ``.msh`` and ``.med`` (volume and surfaces are groups), ``.inp`` (each
-        surface a set of nodes and a surface of element faces, such as LEFT_END; only nodes and elements, to
-        be included in a deck), ``.vtu`` (cell data of each surface's name are 1 on it), ``.stl`` (flat
+        Its ending is the format: ``.msh`` and ``.med`` (volume and surfaces are groups, in a .med with names
+        such as LEFT_END), ``.inp`` (each surface a set of nodes and a surface of element faces of such a
+        name; for a deck to include), ``.vtu`` (cell data of each surface's name are 1 on it), ``.stl`` (flat
         triangles of the surfaces, each a solid of its name).
     point_data : dict, optional
         Values at the nodes (n, ...), such as displacements, in a ``.vtu``.
@@ -180,7 +180,7 @@ def write_mesh(
         elif ending in SURFACE_ENDINGS:
             part.write_text("".join(_stl_lines(mesh)), encoding="ascii")
         else:
-            _write_by_gmsh(mesh, part)
+            _write_by_gmsh(mesh, part, set_name if ending == ".med" else str)
     return path
 
 
@@ -238,21 +238,21 @@ def _stl_lines(mesh: ThrowMesh) -> Iterator[str]:
         yield f"endsolid {set_name(surface)}\n"
 
 
-def _write_by_gmsh(mesh: ThrowMesh, path: Path) -> None:
+def _write_by_gmsh(mesh: ThrowMesh, path: Path, group_name: Callable[[str], str]) -> None:
     """Write discrete entities with physical groups, which are the groups of a .med file."""
     with gmsh_session(VOLUME) as gmsh:
         volume = gmsh.model.addDiscreteEntity(3)
         gmsh.model.mesh.addNodes(3, volume, np.arange(1, len(mesh.points) + 1), mesh.points.ravel())
         elements = mesh.elements[:, np.argsort(GMSH_TO_SKFEM)] + 1
         _add_elements(gmsh, volume, 11, elements, 1)
-        gmsh.model.addPhysicalGroup(3, [volume], name=VOLUME)
+        gmsh.model.addPhysicalGroup(3, [volume], name=group_name(VOLUME))
         first = len(elements) + 1
         for name, facets in surface_triangles(mesh).items():
             surface = gmsh.model.addDiscreteEntity(2)
             # scikit-fem has the triangle's edges in the order 01 12 02, gmsh 01 12 20.
             _add_elements(gmsh, surface, 9, facets + 1, first)
             first += len(facets)
-            gmsh.model.addPhysicalGroup(2, [surface], name=name)
+            gmsh.model.addPhysicalGroup(2, [surface], name=group_name(name))
         try:
             gmsh.write(str(path))
         except Exception as error:  # gmsh raises bare Exception
