@@ -1,6 +1,7 @@
 """Write throws and crankshafts as STEP, and meshes in the formats of other programs."""
 
 import math
+import os
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.calls import ProcessLostError
+from crankbase.choices import check_kind
 from crankbase.errors import InputError, MeshError
 from crankbase.input_file import STEP_ENDINGS
 from crankbase.outputs import atomic_file, write_errors, write_text
@@ -167,6 +169,8 @@ def write_mesh(
         If the ending is unknown, the values are not those of the nodes or the format has no place for them,
         or the file cannot be written or is not ours.
     """
+    check_kind("mesh", mesh, ThrowMesh, "a ThrowMesh, as mesh_throw returns")
+    check_kind("path", path, str | os.PathLike, "the name of a file")
     path = Path(path)
     ending = check_ending(path)
     _check_point_data(mesh, point_data or {}, ending)

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 import crankfem as cf
 from crankbase.errors import InputError
-from crankbase.model import InputModel
+from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.quantity import parse_quantity
 from crankfem.files.engine.changed_content import lost_changes
-from crankfem.files.engine.file_kinds import engine_sections, file_kind
+from crankfem.files.engine.file_kinds import SECTIONS, engine_sections, file_kind
 from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.reading.toml_text import quantity_text, toml_text
 
@@ -182,7 +182,16 @@ def test_what_a_file_cannot_hold_is_refused(tmp_path):
     )
 
 
-UNITS = ["m", "Pa", "rad", "rad/s", "kg", "kg m^2", "N/m", "N m/rad", "W", "m/N", "kg/m^3", "s"]
+def units_of(model):
+    for info in model.model_fields.values():
+        if part := part_kind(info):
+            yield from units_of(part)
+        elif unit := field_extra(info, "unit"):
+            yield unit
+
+
+# Of all fields of engine files.
+UNITS = sorted({unit for section in SECTIONS.values() for unit in units_of(section.model)})
 
 
 @given(value=st.floats(-1e12, 1e12, allow_subnormal=False), unit=st.sampled_from(UNITS))

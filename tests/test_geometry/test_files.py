@@ -343,6 +343,9 @@ def test_unknown_endings_and_missing_folders(mesh, tmp_path):
     for ending in (".bdf", ".vtk", ".ply", ".obj"):
         with pytest.raises(InputError, match=rf"'\{ending}'; allowed for a mesh are \.msh"):
             write_mesh(mesh, tmp_path / f"throw{ending}")
+    for name, given in (("mesh", (3, "throw.inp")), ("path", (mesh, 3))):
+        with pytest.raises(InputError, match=f"{name}: given 3"):
+            write_mesh(*given)
     for ending in MESH_ENDINGS:
         with pytest.raises(InputError, match="cannot be written"):
             write_mesh(mesh, tmp_path / "nowhere" / f"throw{ending}")
