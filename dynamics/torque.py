@@ -335,11 +335,11 @@ class EngineTorque(Result):
 
     @property
     def nonuniformity(self) -> Number | None:
-        """Degree of nonuniformity, (largest - least) / mean; None where the mean is round-off."""
+        """Degree of nonuniformity, (largest - least) / size of the mean; None where that is round-off."""
         total, mean = self.total, self.mean
         if abs(mean) <= NO_MEAN * float(np.max(np.abs(self.per_cylinder))):
             return None
-        return float(np.ptp(total) / mean)
+        return float(np.ptp(total)) / abs(mean)
 
     @property
     def energy_error(self) -> Number:

@@ -101,10 +101,12 @@ def _matters(record: InputRecord, mechanism: MechanismFile, engine: EngineFile |
     gas = mechanism.gas
     if record.field == "engine.drives":
         return mechanism.power is None or not mechanism.power.driven
+    if record.field == "gas.compression_ratio" and gas is not None and gas.compressor is not None:
+        return False
     if (
         record.field == "gas.compression_ratio"
         and gas is not None
-        and (gas.pressure_table is not None or gas.compressor is not None)
+        and gas.pressure_table is not None
     ):
         return engine is None or engine.misfire is not None
     if record.field == "gas_map.rated_load":

@@ -50,7 +50,7 @@ from dynamics.engine.rods import PointMotion, RodModel, TurnMotion, carried_poin
 from dynamics.gas.gas_cycle import FullLoad, GasCycle, GasCycleResult, gas_cycle
 from dynamics.gas.pressure import ATMOSPHERE, GasPressure, Position
 from dynamics.harmonics import Harmonics, harmonics
-from dynamics.plots.curves import FROM_FIRING, KILO, angle_axis, number_axis
+from dynamics.plots.curves import KILO, angle_axis, from_top, number_axis
 from dynamics.plots.load_diagrams import Frame, check_polar, developed_load, draw_polar_loads
 
 # Angles among which a piston's ends of stroke are looked for, and steps of Newton's method after.
@@ -408,7 +408,7 @@ def piston_forces(forces: MechanismForces, cylinder: int) -> Diagram:
             Series(name, KILO * values[cylinder - 1][order], color=color, dash=dash)
             for values, color, dash, name in looks
         ),
-        FROM_FIRING,
+        from_top(forces.engine.strokes),
         "force [kN]",
         signed=True,
         x_step=90.0,

@@ -51,7 +51,7 @@ from dynamics.gas.pressure import (
     indicated_work,
     periodic_slope,
 )
-from dynamics.plots.curves import FROM_FIRING, MEGA, draw_over_angle
+from dynamics.plots.curves import MEGA, draw_over_angle, from_top
 from dynamics.response.order_excitation import checked_orders, checked_speeds
 
 
@@ -396,7 +396,8 @@ class PressureMap:
         shades = np.linspace(0.0, LIGHTEST, len(curves))
         colors = list(colormaps["viridis"](shades))
         axes, label = new_axes(axes), "absolute pressure [MPa]"
-        draw_over_angle(axes, self._angles(), curves, label, angle_label=FROM_FIRING, colors=colors)
+        from_firing = from_top(self.strokes)
+        draw_over_angle(axes, self._angles(), curves, label, angle_label=from_firing, colors=colors)
         axes.set_ylim(bottom=0.0)
         at_load = "" if self.loads is None else f" at load {self.loads[place]:g}"
         write_title(axes, f"Gas pressure{at_load}")

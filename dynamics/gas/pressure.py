@@ -31,7 +31,7 @@ from dynamics.cycle import (
     is_even_cycle,
 )
 from dynamics.harmonics import SampleRows, TableKind, possible_cycles, read_sample_rows
-from dynamics.plots.curves import FROM_FIRING, MEGA, draw_over_angle
+from dynamics.plots.curves import MEGA, draw_over_angle, from_top
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
@@ -177,7 +177,7 @@ class GasPressure:
             {"pressure": MEGA * self.pressure},
             "absolute pressure [MPa]",
             title="Gas pressure",
-            angle_label=FROM_FIRING,
+            angle_label=from_top(self.strokes),
         )
         axes.set_ylim(bottom=0.0)
         return axes

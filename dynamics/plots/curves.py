@@ -157,7 +157,11 @@ LINE = 1.4
 # Room for the round-off of an angle.
 SAME = 1.0 + 1e-9
 FROM_TOP = "crank angle from the top [deg]"
-FROM_FIRING = "crank angle from the firing top [deg]"
+
+
+def from_top(strokes: int) -> str:
+    """Label crank angles from a cylinder's top: of two in a cycle of four strokes the firing one."""
+    return FROM_TOP if strokes == 2 else "crank angle from the firing top [deg]"
 
 
 def draw_over_angle(

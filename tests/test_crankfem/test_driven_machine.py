@@ -121,3 +121,10 @@ def test_a_diagram_with_a_flat_delivery_is_that_of_a_compressor(tmp_path, compre
     read = read_pressure_table(table, 2, fires=False)
     assert read.peak_pressure == 4e5
     assert read.at(angle_deg=200.0) == close(pressure.at(angle_deg=200.0), 1e-5)
+
+
+@pytest.mark.slow
+def test_torque_is_told_by_its_size(compressor):
+    torque = cf.run_mechanism(mechanism_of(compressor)).torque
+    assert torque.mean < 0.0
+    assert torque.nonuniformity == close(np.ptp(torque.total) / -torque.mean)

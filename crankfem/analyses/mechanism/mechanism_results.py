@@ -155,17 +155,21 @@ class MechanismResults(Result):
             weights=[load.largest for load in self.main_bearings],
         )
 
+    @property
+    def _driven(self) -> bool:
+        return self.rated is not None and bool(self.rated.driven)
+
     def answer(self, units: OutputUnits = SI) -> str:
         """State power and torque."""
         torque, moment = self.torque, units.of("kN m")
-        driven = self.rated is not None and bool(self.rated.driven)
-        firing = intervals_text(self.firing_intervals_deg, units, driven=driven)
+        firing = intervals_text(self.firing_intervals_deg, units, driven=self._driven)
+        taken = ", which the machine takes" if self._driven else ""
         return (
             f"{self.engine} at {units.of('1/min').with_name(self.speed, 5)}, rods as "
             f"{self.rod_model}: indicated power {units.of('kW').with_name(self.power)}, mean indicated "
             f"pressure {units.of('MPa').with_name(self.mean_indicated_pressure)}, torque "
             f"{moment.with_name(torque.mean)} ({moment.number(torque.smallest)} to "
-            f"{moment.with_name(torque.largest)}){', which the machine takes' if driven else ''}; {firing}."
+            f"{moment.with_name(torque.largest)}){taken}; {firing}."
         )
 
     def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
@@ -173,6 +177,7 @@ class MechanismResults(Result):
         if self.rated is not None and self.rated.rated is not None:
             sentence = self.rated.sentence
             yield Main(units.text(f"{sentence[0].upper()}{sentence[1:]}."))
+        top = "top" if self._driven else "firing top"
         yield Table(
             "Cylinders",
             [
@@ -194,13 +199,13 @@ class MechanismResults(Result):
                 ]
                 for row in self.cylinders
             ],
-            note="p: peak pressure, absolute, and its angle from the firing top; p_i: mean indicated "
+            note=f"p: peak pressure, absolute, and its angle from the {top}; p_i: mean indicated "
             "pressure; N, pin, T: largest side force, piston-pin force and tangential force.",
             merged=True,
             main=True,
         )
         yield Table(
-            "Crankpin bearings, angle from the firing top of the cylinder whose rod is on the pin",
+            f"Crankpin bearings, angle from the {top} of the cylinder whose rod is on the pin",
             [Column("cylinder", words=True), *LOAD_COLUMNS],
             [
                 [

@@ -329,7 +329,8 @@ class EngineHarmonics(FiredCylinders):
         )
         if self.cylinder is not None:
             yield from (
-                _pin_force_table(self.cylinder, force, units) for force in ("tangential", "radial")
+                _pin_force_table(self.cylinder, force, self.strokes, units)
+                for force in ("tangential", "radial")
             )
         yield from self.star_parts(hinged=self.hinged_rods)
 
@@ -378,7 +379,9 @@ def engine_harmonics(
     )
 
 
-def _pin_force_table(cylinder: PinForceHarmonics, force: str, units: OutputUnits) -> Table:
+def _pin_force_table(
+    cylinder: PinForceHarmonics, force: str, strokes: int, units: OutputUnits
+) -> Table:
     causes = cylinder.by_cause[force]
     shown = table_unit(np.ravel([part.amplitude for part in causes.values()]), "N", units)
     mean = table_unit([part.mean for part in causes.values()], "N", units)
@@ -388,8 +391,9 @@ def _pin_force_table(cylinder: PinForceHarmonics, force: str, units: OutputUnits
         columns += [shown.column(f"{cause} M_k"), Column(f"{cause} a_k", "deg", decimals=2)]
         values += [part.amplitude, part.phase]
     letter = {"tangential": "T", "radial": "Z"}[force]
+    top = "top" if strokes == 2 else "firing top"
     title = units.text(
-        f"Cylinder {cylinder.number}: {force} force {letter} on the crankpin, phases from its "
-        f"firing top at {cylinder.firing_angle_deg:g} deg; mean [{mean.name}]: {means}"
+        f"Cylinder {cylinder.number}: {force} force {letter} on the crankpin, phases from its {top} at "
+        f"{cylinder.firing_angle_deg:g} deg; mean [{mean.name}]: {means}"
     )
     return Table(title, columns, np.column_stack(values).tolist())
