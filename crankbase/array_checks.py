@@ -329,8 +329,9 @@ def refuse_many_turns(field: str, angles: Iterable[float]) -> None:
     largest = max(angles, key=abs, default=0.0)
     if abs(largest) > TURNS[-1] * (1.0 + SAME):
         raise InputError(
-            f"{field}: given {largest:g} rad, more than two turns; allowed is -4 pi to 4 pi (-720 to 720 "
-            "deg). In Python, angles of records are radians: write math.radians(...) around degrees."
+            f"{field}: given {math.degrees(largest):.6g} deg ({largest:.6g} rad), more than two turns; "
+            "allowed is -720 deg to 720 deg, in Python -4 pi to 4 pi rad, because the angles of records are "
+            "in rad there."
         )
 
 
@@ -339,11 +340,12 @@ def radians_of(field: str, angles_deg: ArrayLike, *, vector: bool = False) -> Fl
     return np.radians(checked_degrees(field, angles_deg, vector=vector))
 
 
-def refuse_crank_radians(field: str, angles_deg: ArrayLike) -> None:
+def refuse_crank_radians(field: str, angles_deg: ArrayLike, *, written: bool = False) -> None:
     """Refuse angles of cranks, or at which cylinders fire, that are radians: [0, 2.09, 4.19].
 
-    Interpreted as radians they are all within two revolutions and simple fractions of one, one twelfth or
-    more, but they are not round numbers of degrees.
+    `written` is whether they are quantities with units, of a file or the command line. Interpreted as radians
+    they are all within two revolutions and simple fractions of one, one twelfth or more, but they are not
+    round numbers of degrees.
     """
     angles = finite_array(field, angles_deg).ravel()
     if angles.size < 2 or np.max(np.abs(angles)) > TURNS[-1] or np.ptp(angles) < 1.0:
@@ -352,7 +354,7 @@ def refuse_crank_radians(field: str, angles_deg: ArrayLike) -> None:
     off = np.min(np.max(np.abs(taken - steps * np.round(taken / steps)), axis=0))
     halves = np.abs(2.0 * angles - np.round(2.0 * angles)) < SAME
     if off <= (ROUNDED if angles.size > 2 else ROUNDED_PAIR) and not np.all(halves):
-        raise _radians_error(field, angles)
+        raise _radians_error(field, angles, written=written)
 
 
 def refuse_radians_between(field: str, angle_deg: float, low_deg: float, high_deg: float) -> None:
@@ -368,8 +370,13 @@ def refuse_radians_between(field: str, angle_deg: float, low_deg: float, high_de
         )
 
 
-def _radians_error(field: str, angles: FloatArray) -> InputError:
+def _radians_error(field: str, angles: FloatArray, *, written: bool = False) -> InputError:
+    low, high = (f"{end + 0.0:.4g}" for end in (np.min(angles), np.max(angles)))
+    largest = angles[np.argmax(np.abs(angles))]
+    cure, unit = ": write numpy.degrees(...) around them", ""
+    if written:
+        cure, unit = f', or the unit rad, like "{largest:.4g} rad"', " deg"
     return InputError(
-        f"{field}: given {angles.size} angles from {np.min(angles):.4g} to {np.max(angles):.4g}, those of "
-        "turns in radians; allowed are degrees: write numpy.degrees(...) around them."
+        f"{field}: given {angles.size} angles from {low} to {high}{unit}, those of turns in radians; "
+        f"allowed are degrees{cure}."
     )

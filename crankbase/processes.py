@@ -64,7 +64,7 @@ def start_child(
     home = str(Path(__file__).resolve().parent.parent)
     paths = [home, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     python_path = {"PYTHONPATH": os.pathsep.join(paths)}
-    end, held = os.pipe()
+    end, held = map(_beyond_standard_streams, os.pipe())
     try:
         process = subprocess.Popen(
             # -P keeps a folder named like our packages in the working directory out of the way.
@@ -83,6 +83,17 @@ def start_child(
         os.close(end)
     weakref.finalize(process, os.close, held)
     return process
+
+
+def _beyond_standard_streams(end: int) -> int:
+    """Move an open file from the number of a closed standard stream, where a child has its own."""
+    if end > 2 or os.name != "posix":
+        return end
+    import fcntl
+
+    moved = fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 3)
+    os.close(end)
+    return moved
 
 
 def end_child(process: subprocess.Popen[bytes]) -> None:

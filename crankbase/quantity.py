@@ -92,17 +92,32 @@ def factor_of(unit: str) -> float:
 
 
 UNBOUNDED = "unbounded"
+# What is below is round-off: nobody measures a picometer or a millionth of a newton.
+ROUND_OFF = {"m": 1e-12, "rad": 1e-12, "N": 1e-6, "N m": 1e-6}
+
+
+def without_round_off(value: float, unit: str) -> float:
+    """Return an SI number, zero in place of round-off.
+
+    Examples
+    --------
+    >>> without_round_off(7.9e-16, "m"), without_round_off(7.9e-6, "m")
+    (0.0, 7.9e-06)
+    """
+    return 0.0 if abs(value) < ROUND_OFF.get(unit, 0.0) else value
 
 
 def without_noise(value: float) -> float:
     """Return a number without the noise of round-off, so that equal ones on a tie are written alike.
+
+    Zero has no sign.
 
     Examples
     --------
     >>> without_noise(0.1 + 0.2)
     0.3
     """
-    return float(f"{value:.12g}")
+    return float(f"{value:.12g}") + 0.0
 
 
 def format_number(value: float, digits: int) -> str:
@@ -125,7 +140,7 @@ def compact(value: float, digits: int = 3) -> str:
     >>> compact(1.4e8), compact(0.5)
     ('1.4e8', '0.5')
     """
-    return f"{value:.{digits}g}".replace("e+0", "e").replace("e+", "e")
+    return f"{value + 0.0:.{digits}g}".replace("e+0", "e").replace("e+", "e")
 
 
 def significant(value: float, digits: int = 4) -> str:
@@ -147,8 +162,8 @@ def nano(value: float, digits: int = 4) -> str:
     return significant(value * 1e9, digits)
 
 
-def percent(share: float, digits: int = 2) -> str:
-    """Write a share in per cent; what is next to nothing as that.
+def percent(share: float, digits: int = 2, *, signed: bool = False) -> str:
+    """Write a share in per cent, with a plus if `signed`; what is next to nothing as that.
 
     Examples
     --------
@@ -160,7 +175,10 @@ def percent(share: float, digits: int = 2) -> str:
     'below 0.001'
     """
     hundredfold = share * 100.0
-    return "below 0.001" if 0.0 < abs(hundredfold) < 1e-3 else format_number(hundredfold, digits)
+    if 0.0 < abs(hundredfold) < 1e-3:
+        return "below 0.001"
+    text = format_number(hundredfold, digits)
+    return f"+{text}" if signed and hundredfold >= 0.0 else text
 
 
 def fixed(value: float, digits: int = 1) -> str:
@@ -330,7 +348,7 @@ Limits = tuple[float | None, float | None]
 # Units in which people write what has a unit of SI, the most usual first.
 WRITTEN = {
     "m": ("mm", "m", "um"),
-    "Pa": ("MPa", "GPa", "kPa", "Pa"),
+    "Pa": ("MPa", "GPa", "bar", "kPa", "Pa"),
     "rad": ("deg", "rad"),
     "rad/s": ("1/min", "rad/s"),
     "K": ("degC", "K"),
@@ -580,6 +598,7 @@ def format_quantity(value: float, unit: str, digits: int = 6) -> str:
     '3370 N m'
     """
     shown, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
+    value = without_round_off(value, unit)
     if shown.startswith(POWER_OF_TEN):
         return f"{value / size:.{digits}g}e-9 {unit}"
     if unit in THOUSANDFOLD and abs(value) >= KILO_FROM:

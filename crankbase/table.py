@@ -19,7 +19,9 @@ from crankbase.quantity import (
     UNITS,
     WRITTEN_OUT,
     format_quantity,
+    percent,
     without_noise,
+    without_round_off,
 )
 from crankbase.units import Kind, NoUnitError, kind_of, kind_of_si, unit_quantity
 
@@ -54,20 +56,24 @@ class OutputUnit:
         Whether the user requested it.
     replaced : float
         Size of the unit that it replaces; its own if there is none.
+    si : str
+        Its SI unit, if the unit is one of `UNITS` or replaces it.
     """
 
     name: str
     size: float
     wished: bool = False
     replaced: float = 1.0
+    si: str = ""
 
     def number(self, value: float | None, digits: int = 4) -> str:
         """Write an SI number in this unit, without it; "unbounded" for None."""
         if value is None:
             return UNBOUNDED
+        value = without_round_off(value, self.si)
+        if self.name == "%":
+            return percent(value, digits)
         text = f"{without_noise(value / self.size):.{digits}g}"
-        if self.name == "%" and "e+" in text:
-            return f"{value / self.size:.0f}"
         if "e+" in text and abs(float(text)) < WRITTEN_OUT:
             return f"{float(text):.0f}"
         return text
@@ -118,9 +124,9 @@ class OutputUnits:
         unit, size = UNITS[printed.removeprefix(POWER_OF_TEN)]
         unit_in_use = self._converted(unit)
         if unit_in_use is None:
-            return OutputUnit(printed, size * (1e-9 if power else 1.0))
+            return OutputUnit(printed, size * (1e-9 if power else 1.0), si=unit)
         scale = 1e-9 if power else 1.0
-        return OutputUnit(power + unit_in_use[0], unit_in_use[1] * scale, True, size * scale)
+        return OutputUnit(power + unit_in_use[0], unit_in_use[1] * scale, True, size * scale, unit)
 
     def quantity(self, value: float, unit: str, digits: int = 6) -> str:
         """Write a number in the SI unit `unit` with its display unit."""

@@ -10,6 +10,7 @@ from crankbase.quantity import (
     compact,
     format_quantity,
     format_usage,
+    percent,
     quantities_apart,
     significant,
 )
@@ -298,7 +299,7 @@ def other_frequency(name: str, shaft: float, difference: float, limit: float) ->
 def mixed_mode(kind: str, shaft: float, share: float, limit: float) -> str:
     """State how little of a mode of the whole crankshaft [Hz] is of a chain's kind."""
     return (
-        f"The whole shaft's mode at {shaft:.1f} Hz is only {100.0 * share:.3g} % {kind}, less than "
+        f"The whole shaft's mode at {shaft:.1f} Hz is only {percent(share, 3)} % {kind}, less than "
         f"{100.0 * limit:.0f} %."
     )
 
@@ -416,7 +417,7 @@ def differing_mode(
 
 def impure_mode(kind: str, shaft: float | None, share: float) -> str:
     """State the share of its energy that is of a kind."""
-    return f"its {kind} mode at {shaft:.1f} Hz is only {100.0 * share:.3g} % {kind}"
+    return f"its {kind} mode at {shaft:.1f} Hz is only {percent(share, 3)} % {kind}"
 
 
 def whole_use(
@@ -610,7 +611,7 @@ def misfiring_assumed(
         "maker says so, with limits.passing_while_misfiring"
     )
     return (
-        f"misfiring of {which}: {100.0 * missing_share:.3g} % of the combustion is missing, {still}; the "
+        f"misfiring of {which}: {percent(missing_share, 3)} % of the combustion is missing, {still}; the "
         "others fire as before, so the mean torque is lower",
         f"while misfiring, {deciding}; only running speeds are judged",
     )

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from crankbase.diagrams import BLUE, COLORS, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.quantity import percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -119,7 +120,7 @@ def plot_compliance(
             color=BLUE,
             alpha=0.2,
             linewidth=0.0,
-            label=f"estimated error, {100.0 * error:.2g} %",
+            label=f"estimated error, {percent(error, 2)} %",
         )
     draw_supports(axes, bounds)
     ends = np.concatenate([shown, SHOWN * np.array(list(bounds.values()))])

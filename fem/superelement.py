@@ -18,7 +18,7 @@ from scipy import sparse
 from scipy.linalg import block_diag, null_space, qr
 
 from crankbase.array_checks import finite_vector, refuse_crank_radians
-from crankbase.choices import check_choice
+from crankbase.choices import check_choice, check_kind
 from crankbase.diagrams import display_unit, draw_groups, draw_matrix, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import grid, table
@@ -966,6 +966,10 @@ def shaft_compliances(
         raise InputError(
             f"crank_angles_deg: given {len(crank_angles_deg)} for {len(throws)} throws; allowed is "
             "one for each of at least one throw."
+        )
+    for place, throw in enumerate(throws):
+        check_kind(
+            f"throws[{place}]", throw, Superelement, "a Superelement, as the one of an analysis"
         )
     count = len(throws)
     angles = finite_vector("crank_angles_deg", crank_angles_deg).tolist()

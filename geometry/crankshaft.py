@@ -11,6 +11,7 @@ from pydantic import model_validator
 
 from crankbase.array_checks import finite_vector, refuse_crank_radians
 from crankbase.calls import ProcessLostError
+from crankbase.choices import check_kind
 from crankbase.errors import InputError, MeshError
 from crankbase.model import InputModel, length_field
 from crankbase.quantity import format_quantity
@@ -115,6 +116,8 @@ class Crankshaft:
                 f"crank_angles_deg: given {len(self.crank_angles_deg)} for {len(self.throws)} throws; "
                 "allowed is one for each of at least one throw."
             )
+        for place, throw in enumerate(self.throws):
+            check_kind(f"throws[{place}]", throw, CrankThrow, "a CrankThrow")
         finite_vector("crank_angles_deg", self.crank_angles_deg)
         refuse_crank_radians("crank_angles_deg", self.crank_angles_deg)
         for number, (first, second) in enumerate(
@@ -248,6 +251,12 @@ def throw_masses(throw: CrankThrow, density: float) -> MassProperties:
     MeshError
         If the solid cannot be built.
     """
+    check_kind(
+        "throw",
+        throw,
+        CrankThrow,
+        "a CrankThrow; of an imported throw analyze_throw gives the mass",
+    )
     check_density(density)
     try:
         solid = shared_process().call(

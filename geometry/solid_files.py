@@ -58,6 +58,12 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
     MeshError
         If the kernel cannot build the solid.
     """
+    check_kind(
+        "solid",
+        solid,
+        CrankThrow | Crankshaft,
+        "a CrankThrow or a Crankshaft; an imported throw is in its STEP file",
+    )
     path = Path(path)
     if path.suffix.lower() not in STEP_ENDINGS:
         raise InputError(

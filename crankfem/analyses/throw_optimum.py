@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError, MeshError, SolveError
-from crankbase.quantity import format_quantity
+from crankbase.quantity import format_quantity, percent
 from crankfem.analyses.engine_optimum import check_one_throw, first_frequency
 from crankfem.analyses.shaft.chains import (
     engine_axial_chain,
@@ -463,7 +463,7 @@ class ThrowSearch:
         aims = [self.aim(here, REACH * 0.5**halved) for halved in range(6)]
         promise, refusal = max(self.gain(now, aim) for aim, _, _ in aims), aims[0][2]
         gain = (
-            "no gain above 0.1 %" if promise < PRECISION else f"a gain of {100.0 * promise:.2g} %"
+            "no gain above 0.1 %" if promise < PRECISION else f"a gain of {percent(promise, 2)} %"
         )
         told = [
             f"throws analyzed: {len(self.found)}; the slopes of this one promise {gain} within "

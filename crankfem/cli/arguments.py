@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from crankbase.array_checks import refuse_crank_radians
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.input_file import STEP_ENDINGS
@@ -376,7 +377,9 @@ def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) ->
                 "for each cylinder."
             )
         # Rounding takes away what the way over radians adds.
-        return [round(math.degrees(angle), 9) for angle in radians]
+        degrees = [round(math.degrees(angle), 9) for angle in radians]
+        refuse_crank_radians("--firing-angles", degrees, written=True)
+        return degrees
     if order is None:
         return []
     numbers = firing_order_from_text(order, "--firing-order: ")

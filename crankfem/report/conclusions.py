@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crankbase.quantity import RPM, UNBOUNDED, format_usage, quantities_apart, significant
+from crankbase.quantity import RPM, UNBOUNDED, format_usage, percent, quantities_apart, significant
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.run import EngineVibration
@@ -373,7 +373,7 @@ def _by_whole(vibration: EngineVibration, assessment: Assessment) -> str:
             f"Its largest {kind} critical speed in the running range: order {worst.order:g} at "
             f"{significant(worst.speed * RPM, DIGITS)} 1/min, "
             f"{quantity(worst.value, worst.unit, DIGITS)} at {worst.place}"
-            + (f", damping {100.0 * damping:.2g} %." if damping else ".")
+            + (f", damping {percent(damping, 2)} %." if damping else ".")
         )
     return with_three_digits(" ".join(found))
 

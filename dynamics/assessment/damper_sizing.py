@@ -12,7 +12,7 @@ from crankbase.choices import check_choice
 from crankbase.diagrams import BLUE, RED, legend_inside, new_axes, with_gaps, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
-from crankbase.quantity import RPM, format_quantity
+from crankbase.quantity import RPM, format_quantity, percent
 from crankbase.results import result
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, positive_range, usage
 from dynamics.chains.chain import Chain
@@ -540,7 +540,7 @@ class _Sizing:
 
 
 def _share(used: float) -> str:
-    return f"{100.0 * used:.4g} %" if np.isfinite(used) else "all and more (unbounded vibration)"
+    return f"{percent(used, 4)} %" if np.isfinite(used) else "all and more (unbounded vibration)"
 
 
 def _first_frequency(chain: Chain) -> float:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from crankbase.array_checks import FloatArray, positive_vector
 from crankbase.frames import Row
-from crankbase.quantity import format_quantity
+from crankbase.quantity import format_quantity, percent
 from crankbase.results import Internal, Number, Quantity, Result, Speed, result
 from crankbase.summaries import summarized
 from dynamics.assessment.limits import checked_rated_speed, checked_running_range
@@ -60,7 +60,7 @@ class CriticalRange(Result):
     def sentence(self) -> str:
         """For example "mode 1 with order 6: 1500 1/min (1450 to 1560 1/min), 12 % off running speeds"."""
         away = (
-            f"{100.0 * self.margin:.3g} % off running speeds"
+            f"{percent(self.margin, 3)} % off running speeds"
             if self.margin > 0.0
             else "may be met on running"
         )

@@ -23,7 +23,7 @@ from crankbase.diagrams import (
 )
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table, table_of
-from crankbase.quantity import RPM, format_quantity
+from crankbase.quantity import RPM, format_quantity, percent
 from crankbase.results import Flat, InItsUnit, Internal, Number, Part, Quantity, Result, result
 from dynamics.assessment.barred_ranges import (
     BarredRange,
@@ -217,7 +217,7 @@ class LimitCheck(Result):
             axes.plot(rpm, passing, ":", color=ORANGE, label="permitted in passing")
         if np.isfinite(self.worst_value):
             worst = (RPM * self.worst_speed, drawn.factor * self.worst_value)
-            axes.plot(*worst, "o", color=BLUE, label=f"worst: {100.0 * self.used:.3g} % used")
+            axes.plot(*worst, "o", color=BLUE, label=f"worst: {percent(self.used, 3)} % used")
         else:
             axes.axvline(RPM * self.worst_speed, color=RED, linestyle=":", label="unbounded")
         set_speed_axis(axes, speeds)

@@ -20,6 +20,7 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.frames import Axes
+from crankbase.quantity import percent
 from dynamics.indices import grouped
 
 ORDER_LABEL = "harmonic order [cycles per revolution]"
@@ -192,7 +193,7 @@ def draw_star(
         axes.text(x + at.imag - shift, y + at.real, label, fontsize=8, ha=side, va="center")
     if star.kind == "minor":
         _arrow(axes, center, complex(star.vectors.sum()) / star.largest, SUM, 2.6)
-    kind = star.kind if star.kind != "minor" else f"minor, {100.0 * star.share:.3g} %"
+    kind = star.kind if star.kind != "minor" else f"minor, {percent(star.share, 3)} %"
     axes.text(
         x, y + 0.5 * STAR_STEP + 0.02, f"{words}\n{kind}", fontsize=8, ha="center", va="center"
     )

@@ -15,7 +15,7 @@ from crankbase.array_checks import (
     nonnegative_number,
     positive_number,
 )
-from crankbase.choices import check_choice
+from crankbase.choices import check_choice, check_kind
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes
@@ -662,6 +662,8 @@ def hole_stress(
     M_BO = M_BTO cos(psi) + M_BRO sin(psi) over pi/32 (D^4 - D_BH^4) / D. A force bends the pin in its
     own direction; the radial force points to the shaft, so it counts as negative in M_BRO.
     """
+    check_kind("throw", throw, SupportedThrow, "a SupportedThrow")
+    check_kind("web", web, CrankWeb, "a CrankWeb")
     directions = DIRECTIONS_DEG if angle_deg is None else finite_array("angle_deg", [angle_deg])
     psi = np.radians(directions)
     moments = np.outer(np.cos(psi), throw.moment(at, throw.tangential)) - np.outer(

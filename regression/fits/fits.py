@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.diagrams import new_axes
 from crankbase.errors import InputError
 from crankbase.frames import table
+from crankbase.quantity import percent
 from crankbase.results import Internal, result
 from regression.fits.equation_text import term_effects
 from regression.fits.forms import (
@@ -123,11 +124,11 @@ class Fit(FitErrors):
         """Summarize the fit in a line; coefficients and statistics would fill screens."""
         heldout = self.largest_heldout_error
         judged = (
-            "" if heldout is None else f", {100.0 * heldout:.3g} % at {self.heldout_runs} held out"
+            "" if heldout is None else f", {percent(heldout, 3)} % at {self.heldout_runs} held out"
         )
         return (
             f"Fit({self.form} of {', '.join(self.factors)}: {self.coefficient_count} coefficients, largest "
-            f"error {100.0 * self.largest_error:.3g} % at {self.runs} runs{judged})"
+            f"error {percent(self.largest_error, 3)} % at {self.runs} runs{judged})"
         )
 
     @property

@@ -31,7 +31,7 @@ from pathlib import Path
 from typing import Annotated
 
 from crankbase.errors import InputError
-from crankbase.quantity import format_quantity
+from crankbase.quantity import format_quantity, percent
 from crankbase.results import Internal, Quantity, Result, result
 from fem.material import Material
 from geometry.throw import CrankThrow
@@ -243,7 +243,7 @@ def _tsniimf_remarks(case: ThrowCase) -> Remarks:
     share = case.pin / (case.pin + FRAME_WEB * case.web)
     yield Remark(
         "The formula includes only the webs: the crankpin, "
-        f"{100.0 * share:.2g} % of a slender frame of these dimensions, is left out."
+        f"{percent(share, 2)} % of a slender frame of these dimensions, is left out."
     )
     yield from no_angle_remarks(case)
     yield from unused_bores_remarks(case)
@@ -320,7 +320,7 @@ def _guglielmotti_remarks(case: ThrowCase) -> Remarks:
     elif case.throw.overlap > 0.0:
         yield Remark(
             f"Main journal and crankpin overlap by {case.overlap_text}, and the formula is for slow-speed "
-            f"shafts: it includes {100.0 * share**2:.2g} % of the plain web's bending."
+            f"shafts: it includes {percent(share**2, 2)} % of the plain web's bending."
         )
 
 

@@ -1046,6 +1046,7 @@ def mass_law(throw: CrankThrow, *, density: float = 7850.0) -> MassLaw:
     """
     from geometry.mass import check_density  # loads the mesher's modules
 
+    check_kind("throw", throw, CrankThrow, "a CrankThrow")
     check_density(density)
     webs = {"left_web.": throw.left_web, "right_web.": throw.right_web}
     for name, holder in {"": throw, **webs}.items():

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.quantity import format_number
 from fem.material import Material
 from regression.fits.forms import GROUPS, FittedForm, Term, code, group_named
 from regression.fits.selection import COVERAGE
@@ -166,7 +167,7 @@ class OutOfRange:
         """One sentence for a value that is returned nevertheless."""
         return (
             f"{self._given}; the range of the fit is {self._range}; "
-            f"{100.0 * self.distance:.3g} % of its width outside it the error is unknown."
+            f"{format_number(100.0 * self.distance, 3)} % of its width outside it the error is unknown."
         )
 
     @property
@@ -174,8 +175,8 @@ class OutOfRange:
         """One sentence for a value that is refused."""
         return (
             f"{self._given}; allowed is the range of the fit, {self._range}, because a result "
-            f"{100.0 * self.distance:.3g} % of its width beyond it has no known error and strict results are "
-            "requested."
+            f"{format_number(100.0 * self.distance, 3)} % of its width beyond it has no known error and "
+            "strict results are requested."
         )
 
     def check_distance(self) -> None:

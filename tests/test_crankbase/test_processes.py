@@ -2,6 +2,7 @@
 
 import signal
 import subprocess
+import sys
 
 import psutil
 import pytest
@@ -24,6 +25,23 @@ with scratch_folder() as folder:
     (folder / "inner" / "file").touch()
     time.sleep(60)
 """
+
+
+CALL = """
+import os
+from geometry.gmsh_session import IsolatedProcess
+for stream in {closed}:
+    os.close(stream)
+os._exit(IsolatedProcess().call("math:isqrt", 49, time_limit=60.0))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("closed", [(0,), (0, 1, 2)])
+def test_a_child_works_where_standard_streams_are_closed(closed):
+    # Else its pipes get the numbers of the streams.
+    made = subprocess.run([sys.executable, "-c", CALL.format(closed=closed)], timeout=120)
+    assert made.returncode == 7
 
 
 @pytest.fixture

@@ -20,6 +20,7 @@ from crankbase.quantity import (
     parse_quantity,
     readings,
 )
+from crankbase.table import Column
 from crankbase.units import NoUnitError, unit_quantity, unit_registry
 
 
@@ -293,6 +294,29 @@ def test_what_is_meant_is_among_the_readings_and_no_digit_is_lost(whole, part, p
 def test_suggestion_keeps_the_digits(text, suggested):
     with pytest.raises(InputError, match=suggested):
         parse_quantity(text, "m", "throw.crank_radius")
+
+
+def test_zero_has_no_sign_and_round_off_is_zero():
+    column = Column("amplitude", "um", 3)
+    assert {column.text(amplitude) for amplitude in (0.0, -0.0, 7.9e-16, -7.9e-16)} == {"0"}
+    assert column.text(7.9e-9) == "0.0079"
+    for write in (
+        lambda value: quantity.format_number(value, 3),
+        quantity.compact,
+        quantity.significant,
+        lambda value: format_quantity(value, "N m"),
+        lambda value: Column("share", "%").text(value),
+    ):
+        assert write(-0.0) == write(0.0)
+
+
+@pytest.mark.parametrize(
+    ("share", "written"),
+    [(39.4, "3940"), (0.0, "0"), (0.5, "50"), (-0.0123, "-1.23"), (2e-12, "below 0.001")],
+)
+def test_a_share_has_no_exponent(share, written):
+    assert quantity.percent(share, 3) == written
+    assert Column("share", "%", 3).text(share) == written
 
 
 @pytest.mark.parametrize("given", ["+5,N'%4", "847,e+8Å4*"])

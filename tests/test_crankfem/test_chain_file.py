@@ -339,6 +339,7 @@ def test_unusable_files_are_refused(load, text, message):
         ("axial\na  1\n", "line 2: inertia: given '1', a bare number"),
         ("axial\na  1 kg\na  1 kg\n", "line 3: given node 'a' a second time"),
         ("axial\na  1 kg  spring 3 N/m\n", "line 2: given 'spring 3 N/m'; allowed are ground"),
+        ("axial\na  1 kg  ground stif 3 N/m\n", "line 2: given 'ground stif 3 N/m'; allowed are"),
         ("axial\na  1 kg\n  3 N/m  lost 1\nb  1 kg\n", "line 3: given 'lost 1'; allowed are"),
         ("axial\na  1 kg\n  loss 1\nb  1 kg\n", "line 3: given loss; allowed is a stiffness"),
         ("axial\na  1 kg\n  3 N/m  loss x\nb  1 kg\n", "line 3: loss: given 'x'"),
@@ -355,6 +356,16 @@ def test_unusable_text_is_refused(text, message):
         read_chain_text(text, "mine.txt")
     assert str(raised.value).startswith("mine.txt: ")
     assert "\n" not in str(raised.value)
+
+
+def test_a_spring_to_ground_in_text_may_be_named_as_in_other_files():
+    lines = (
+        "torsional\na  1 kg m^2  {} 5 Nm/rad  ground damping 2 Nms/rad\n  3 Nm/rad\nb  1 kg m^2\n"
+    )
+    for word in ("ground", "ground stiffness"):
+        chain = read_chain_text(lines.format(word)).chain
+        assert chain.ground.tolist() == [5.0, 0.0]
+        assert chain.ground_damping.tolist() == [2.0, 0.0]
 
 
 def test_names_that_text_cannot_hold():

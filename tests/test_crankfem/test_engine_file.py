@@ -133,6 +133,17 @@ REFUSED = [
     ({"engine.firing_order": "[1, 5, 3, 6, 2, 2]"}, ["[1, 5, 3, 6, 2, 2]", "from 1 to 6 once"]),
     ({"engine.firing_order": "[1, 2, 3, 4, 5, 6]"}, ["[1, 2, 3, 4, 5, 6]", "crank is at the top"]),
     ({"engine.crank_angles": '["0 deg", "120 deg", "240 deg"]'}, ["given 3 angles", "6 cylinders"]),
+    (
+        {
+            "engine.crank_angles": '["0 deg", "2.094 deg", "4.189 deg", "4.189 deg", "2.094 deg", "0 deg"]'
+        },
+        ["engine.crank_angles: given 6 angles from 0 to 4.189 deg", '"4.189 rad"', "line "],
+    ),
+    (
+        {"engine.crank_angles": '["0 deg", "840 deg", "240 deg", "240 deg", "120 deg", "0 deg"]'},
+        ["engine.crank_angles: given 840 deg", "-720 deg to 720 deg"],
+    ),
+    ({"gas.peak_pressure": '"165 MPa"'}, ["'165 MPa'", "did you mean 165 bar?"]),
     ({"engine.lowest_speed": '"600 1/min"'}, ["600 1/min", "515 1/min"]),
     ({"throw.crank_radius": '"160 mm"'}, ["160 mm", "170 mm", "stroke"]),
     ({"rod.length": '"200 mm"'}, ["200 mm", "255 mm", "crank radii"]),

@@ -6,6 +6,7 @@ import re
 import sqlite3
 import stat
 import threading
+from pathlib import Path
 
 import meshio
 import numpy as np
@@ -26,11 +27,14 @@ from crankbase.outputs import (
     write_text,
     write_user_file,
 )
+from fem.superelement import shaft_compliances
+from geometry.crankshaft import Crankshaft, throw_masses
 from geometry.imported import import_throw
 from geometry.mesh import mesh_throw
 from geometry.solid_files import MESH_ENDINGS, write_mesh, write_step
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web
+from regression.law.throw_law import mass_law
 
 
 @pytest.fixture
@@ -383,3 +387,21 @@ def test_step_errors(dimensions, tmp_path):
         write_step(throw, tmp_path / "throw.iges")
     with pytest.raises(InputError, match="cannot be written"):
         write_step(throw, tmp_path / "nowhere" / "throw.step")
+
+
+@pytest.mark.parametrize(
+    "door",
+    [
+        lambda throw: write_step(throw, "throw.step"),
+        lambda throw: throw_masses(throw, 7850.0),
+        mass_law,
+        lambda throw: Crankshaft([throw], crank_angles_deg=[0.0]),
+        lambda throw: shaft_compliances([throw], crank_angles_deg=[0.0]),
+        lambda throw: write_mesh(throw, "throw.msh"),
+    ],
+)
+def test_a_throw_of_another_kind_is_refused_by_name(door):
+    with pytest.raises(
+        InputError, match=r"^(solid|throw|throws\[0\]|mesh): given .*; allowed is a"
+    ):
+        door(Path("throw.step"))

@@ -24,7 +24,7 @@ from crankbase.diagrams import (
 )
 from crankbase.errors import InputError
 from crankbase.frames import table
-from crankbase.quantity import RPM, format_quantity
+from crankbase.quantity import RPM, format_quantity, percent
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, Speed, result
 from crankbase.table import SI, Column, Main, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import AssumedInput, assumed_values
@@ -354,7 +354,7 @@ class HingeRun(Result):
             f"{moment.energy_swing / 1e3:.4g} kJ per revolution; integral of M_h over a revolution "
             f"{abs(moment.closing_error):.1e} of that of its absolute value."
         )
-        deviations = (f"{name} {100.0 * share:.2g} %" for name, share in self.deviations.items())
+        deviations = (f"{name} {percent(share, 2)} %" for name, share in self.deviations.items())
         yield (
             "Largest difference of M_h to exact kinematics, by the largest M_h: "
             f"{', '.join(deviations)}."
@@ -514,7 +514,7 @@ def _chosen_sentence(
     return (
         f"At {units.of('1/min').with_name(other.speed)} with the file's pressure of "
         f"{units.of('MPa').with_name(chosen.pressure)} {fate}; M_h lacks "
-        f"{100.0 * chosen.moment_residual:.3g} %, at most {100.0 * chosen.largest_residual:.3g} %; a "
+        f"{percent(chosen.moment_residual, 3)} %, at most {percent(chosen.largest_residual, 3)} %; a "
         f"fluctuation of {wanted:.3g} takes a flywheel of {_inertia(chosen.flywheel, units)}."
     )
 

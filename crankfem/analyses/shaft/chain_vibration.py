@@ -8,6 +8,7 @@ from typing import Annotated
 import numpy as np
 
 from crankbase.array_checks import FloatArray
+from crankbase.quantity import percent
 from crankbase.results import Hertz, Internal, Part, Quantity, Result, result
 from crankbase.table import Column, Table
 from crankfem.analyses.shaft.chains import MOTION
@@ -135,4 +136,4 @@ def chain_vibration(source: str | Path | TomlFile) -> ChainVibration:
 def _largest(shares: Mapping[str, float]) -> str:
     name = max(shares, key=lambda place: shares[place])
     share = shares[name]
-    return f"{name} {100.0 * share:.3g} %" if share > LEAST_SHARE and np.isfinite(share) else ""
+    return f"{name} {percent(share, 3)} %" if share > LEAST_SHARE and np.isfinite(share) else ""

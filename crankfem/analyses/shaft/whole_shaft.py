@@ -17,7 +17,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.choices import check_choice, check_not_given
 from crankbase.errors import InputError
 from crankbase.frames import table_of
-from crankbase.quantity import RPM, UNBOUNDED, significant
+from crankbase.quantity import RPM, UNBOUNDED, percent, significant
 from crankbase.results import Hertz, Internal, Number, Part, Quantity, Result, Speed, result
 from crankfem.analyses.shaft.chains import MOTION, magnifier_of, shaft_surroundings
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
@@ -110,7 +110,7 @@ def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
             damping.bending_magnifier is not None,
         )
     axial, torsional, bending = (
-        f"{100.0 * ratio:.3g} %{'' if own else ' (assumed)'}"
+        f"{percent(ratio, 3)} %{'' if own else ' (assumed)'}"
         for ratio, own in zip(_damping_ratios(engine_file), known, strict=True)
     )
     remarks = [

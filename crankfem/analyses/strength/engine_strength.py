@@ -10,7 +10,7 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.frames import DataFrame, table_of
-from crankbase.quantity import RPM, UNBOUNDED
+from crankbase.quantity import RPM, UNBOUNDED, percent
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
@@ -389,7 +389,7 @@ def strength_remarks(
             f"and stresses {met} the criteria of the rule's Appendix III at every fillet"
         )
     changes = dict.fromkeys(
-        f"{name} {100.0 * one:+.2g} %"
+        f"{name} {percent(one, 2, signed=True)} %"
         for web in judged
         for name, one in coefficient_differences(web).items()
     )
@@ -620,7 +620,7 @@ def unsafe_sentences(throws: Sequence[ThrowStrength]) -> tuple[str, ...]:
                 text = (
                     f"{symbol} is {formula:.3f} by the formula and {other:.3f} by finite "
                     f"elements{_method(symbol)}, {_more(formula, other)} more (estimated error "
-                    f"{100.0 * error:.2g} %): the formula is not conservative"
+                    f"{percent(error, 2)} %): the formula is not conservative"
                 )
                 webs.setdefault(text, []).append(name)
         texts += [
@@ -670,7 +670,7 @@ def _method(symbol: str) -> str:
 
 
 def _more(smaller: float, other: float) -> str:
-    return f"{100.0 * (other / smaller - 1.0):.2g} %"
+    return f"{percent(other / smaller - 1.0, 2)} %"
 
 
 def _shrunk(web: ThrowWeb) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from crankbase.diagrams import GREEN, ORANGE, figure, legend_below, with_gaps, write_title
 from crankbase.errors import InputError
-from crankbase.quantity import RPM, format_quantity
+from crankbase.quantity import RPM, format_quantity, percent
 from crankbase.table import Column, Table
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.shaft.chains import MOTION
@@ -294,7 +294,7 @@ def _findings(run: EngineVibration, cases: FiringCases, verdict: Verdict) -> Doc
             f"With {way}, the stress limits are {'kept' if worst.used <= 1.0 else 'exceeded'}. The worst "
             f"case is {name} with cylinder {cases.worst_cylinder(way, STRESS, name)} failing: "
             f"{worst.value / 1e6:.4g} MPa at {format_quantity(worst.speed, 'rad/s', 4)}, "
-            f"{100.0 * worst.used:.3g} % of the permitted stress."
+            f"{percent(worst.used, 3)} % of the permitted stress."
         )
     sentences.append(tables.major_sentences(run)[0])
     for what, table in (

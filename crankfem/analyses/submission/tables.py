@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from crankbase.array_checks import ComplexArray, FloatArray
-from crankbase.quantity import UNBOUNDED, format_quantity
+from crankbase.quantity import UNBOUNDED, format_quantity, percent
 from crankbase.summaries import summarized
 from crankbase.table import Cell, Column, OutputUnit, Table
 from crankfem.analyses.engine_mechanism import (
@@ -503,7 +503,7 @@ def major_sentences(run: EngineVibration) -> tuple[str, ...]:
     listed = ", ".join(
         f"order {critical.order:g} in mode {critical.mode + 1} at {critical.speed_rpm:.1f} 1/min"
         + (
-            f" (a mode with {100.0 * damped[critical.mode + 1]:.3g} % of critical damping)"
+            f" (a mode with {percent(damped[critical.mode + 1], 3)} % of critical damping)"
             if critical.mode + 1 in damped
             else ""
         )

@@ -10,6 +10,7 @@ import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError, MeshError, SolveError
+from crankbase.quantity import percent
 from crankbase.results import Number, Quantity, Result, made_from, result
 from crankbase.table import SI, Column, Main, OutputUnit, OutputUnits, Table
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
@@ -286,11 +287,11 @@ class StressResults(Result):
         if self.mesh == "m53":
             sentences += self.rule_sentences()
         errors = [peak.error_estimate for load in self.loads for peak in load.peaks]
-        met = "" if self.accuracy_met else f", not the {100.0 * self.accuracy:.2g} % requested"
+        met = "" if self.accuracy_met else f", not the {percent(self.accuracy, 2)} % requested"
         sentences.append(
             Main(
                 f"Estimated errors of the stresses: {100.0 * min(errors):.2g} to "
-                f"{100.0 * max(errors):.2g} %{met}."
+                f"{percent(max(errors), 2)} %{met}."
             )
         )
         return sentences

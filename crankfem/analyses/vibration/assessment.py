@@ -11,7 +11,7 @@ import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.frames import table_of
-from crankbase.quantity import RPM
+from crankbase.quantity import RPM, percent
 from crankbase.results import (
     Flat,
     Hertz,
@@ -402,7 +402,7 @@ def factor_range(spread: Spread) -> str:
     """
     low, high = spread.low, spread.high
     if max(abs(low - 1.0), abs(high - 1.0)) < 0.1:
-        return f"{100.0 * (low - 1.0):+.2g} to {100.0 * (high - 1.0):+.2g} % of"
+        return f"{percent(low - 1.0, 2, signed=True)} to {percent(high - 1.0, 2, signed=True)} % of"
     return f"{low:.3g} to {high:.3g} times"
 
 

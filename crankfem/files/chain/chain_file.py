@@ -30,7 +30,9 @@ from fem.material import STEEL, Material
 
 COLUMNS = re.compile(r"\s{2,}|\t+")
 HEADING = re.compile(r"(torsional|axial)(?:\s+chain)?\s*(?::\s*(.*))?")
-NODE_WORDS = ("ground damping", "ground")
+# "ground" alone is short for its stiffness.
+NODE_WORDS = ("ground stiffness", "ground damping", "ground")
+NODE_COLUMN = re.compile(r"(ground(?: stiffness| damping)?)\s+(?=[-+.\d])(.*)")
 LINK_WORDS = ("inertia", "damping", "loss", "dashpot", "gear", "from", "to")
 
 
@@ -138,11 +140,14 @@ def _node(where: str, columns: list[str], units: dict[str, str]) -> tuple[str, d
         )
     values = {"inertia": parse_quantity(columns[1], units["inertia"], f"{where}: inertia")}
     for column in columns[2:]:
-        word = next((word for word in NODE_WORDS if column.startswith(f"{word} ")), None)
-        if word is None:
-            raise InputError(f"{where}: given {column!r}; allowed are {', '.join(NODE_WORDS)}.")
+        match = NODE_COLUMN.fullmatch(column)
+        if match is None:
+            raise InputError(
+                f"{where}: given {column!r}; allowed are {', '.join(NODE_WORDS)}, each with a quantity."
+            )
+        word, text = match.groups()
         unit = units["damping" if word == "ground damping" else "stiffness"]
-        values[word] = parse_quantity(column[len(word) :].strip(), unit, f"{where}: {word}")
+        values[word.removesuffix(" stiffness")] = parse_quantity(text, unit, f"{where}: {word}")
     return columns[0], values
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from crankbase.errors import InputError
 from crankbase.model import GD2_OF_INERTIA, gd2_name
-from crankbase.quantity import format_quantity
+from crankbase.quantity import format_quantity, percent
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import MechanismSections
 from crankfem.files.sections.crank_throws import PLAIN
@@ -201,7 +201,7 @@ def _sharp_corners(section: str, throw: CrankThrow) -> Iterator[str]:
     usual = USUAL_FILLET * throw.main_journal_diameter
     try:
         more = axial_law(throw).pinned / axial_law(throw.changed(fillet_radius=usual)).pinned - 1.0
-        much = f"{100.0 * more:.2g} % above that with {format_quantity(usual, 'm', 3)}, by the law"
+        much = f"{percent(more, 2)} % above that with {format_quantity(usual, 'm', 3)}, by the law"
     except InputError:
         much = f"{SHARP} above that with their fillets in throws of the shipped engines, by the law"
     yield (

@@ -52,7 +52,7 @@ def pressure_warnings(
         piston_position(layout, 1), layout.cylinders[0].area, compression_ratio
     )
     exponent = -compression_line(pressure, volume)[0]
-    text = f"the pressure, with compression ratio {compression_ratio:g},"
+    text = f"the pressure, with compression ratio {compression_ratio:g}"
     for sentence in EXPONENT.warning(field, text, exponent):
         yield f"{sentence}; perhaps {hint}"
     peak = format_quantity(pressure.peak_pressure, "Pa", 3)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from crankbase.array_checks import refuse_many_turns
+from crankbase.array_checks import refuse_crank_radians, refuse_many_turns
 from crankbase.choices import check_choice
 from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, quantity_field
@@ -48,7 +48,9 @@ class ShaftLayout(InputModel):
                 f"{self.section}.throw_angles: missing; allowed are throw_angles, throws or both, because "
                 "these are what the section is for."
             )
-        refuse_many_turns(f"{self.section}.throw_angles", self.throw_angles or ())
+        angles, field = self.throw_angles or (), f"{self.section}.throw_angles"
+        refuse_many_turns(field, angles)
+        refuse_crank_radians(field, np.degrees(angles), written=True)
         return self
 
 

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from crankbase.array_checks import refuse_many_turns
+from crankbase.array_checks import refuse_crank_radians, refuse_many_turns
 from crankbase.choices import check_choice
 from crankbase.errors import InputError, quoted
 from crankbase.input_file import InputFile
@@ -143,6 +144,7 @@ class Engine(InputModel):
                 )
             if kind == "angles":
                 refuse_many_turns(f"engine.{name}", numbers or ())
+                refuse_crank_radians(f"engine.{name}", np.degrees(numbers or ()), written=True)
         if sorted(self.top_order) != list(range(1, self.cylinders + 1)):
             raise InputError(
                 f"engine.firing_order: given {list(self.top_order)}; allowed is each cylinder number "

@@ -3,6 +3,7 @@
 import re
 
 from crankbase.diagrams import display_unit, math_symbol
+from crankbase.quantity import percent
 from crankfem.analyses.study.fit_plots import factor_diagram, parity_diagrams
 from crankfem.analyses.study.response_fits import ResponseFits
 from crankfem.report.interactive.style import (
@@ -81,7 +82,7 @@ def parity(table: StudyTable, response: ResponseFits) -> Figure:
     ]
     labels = [
         f"{fit.form}{' (chosen)' if fit is response.chosen else ''}: held out within "
-        f"{100.0 * (fit.largest_heldout_error or 0.0):.2g} %"
+        f"{percent(fit.largest_heldout_error or 0.0, 2)} %"
         for fit in forms
     ]
     # The menu changes the values alone.

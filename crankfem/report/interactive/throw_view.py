@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from crankbase.quantity import UNITS
+from crankbase.quantity import UNITS, percent
 from crankfem.analyses.throw.pictures.stress_picture import (
     STRESS_SHOWN,
     load_title,
@@ -493,7 +493,7 @@ def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_Vie
                 f"stress, {load.name}",
                 (place,),
                 f"{load_title(load)}; largest at a fillet "
-                f"{largest:.3g} MPa, estimated error {100.0 * stresses.error_estimate:.2g} %",
+                f"{largest:.3g} MPa, estimated error {percent(stresses.error_estimate, 2)} %",
                 rounded(shown, 4),
                 float(largest),
                 f"von Mises stress<br>[MPa for 1 k{load.unit}]",
