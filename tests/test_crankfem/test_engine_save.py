@@ -196,7 +196,8 @@ UNITS = sorted({unit for section in SECTIONS.values() for unit in units_of(secti
 
 @given(value=st.floats(-1e12, 1e12, allow_subnormal=False), unit=st.sampled_from(UNITS))
 def test_a_quantity_is_read_as_the_number_that_was_written(value, unit):
-    assert parse_quantity(quantity_text(value, unit), unit, "field") == value
+    possible = abs(value) if unit == "K" else value
+    assert parse_quantity(quantity_text(possible, unit), unit, "field") == possible
 
 
 TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=5)
