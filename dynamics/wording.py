@@ -179,6 +179,13 @@ def range_ends(
     return "; ".join(parts)
 
 
+def begins_below(low: float, begins: float) -> str:
+    """State from where a range is passed that begins below the running range; nothing if it does not."""
+    if begins <= low:
+        return ""
+    return f"; from {speed_text(low)} to the lowest running speed it is passed on every start"
+
+
 def _used(share: float) -> str:
     return format_usage(None if np.isinf(share) else share)
 
@@ -246,11 +253,36 @@ def barring(low: float, high: float, position: str, allowed: bool) -> str:
     return f"{shown} {'can' if allowed else 'cannot'} be barred."
 
 
-def restricted_while_misfiring(remaining: SpeedRanges) -> str:
-    """State at which speeds to run while a cylinder misfires."""
+def restricted_while_misfiring(restriction: str) -> str:
+    """State at which speeds to run while a cylinder misfires, by `restricted_running`."""
+    return f"While a cylinder misfires, {restriction}."
+
+
+def restricted_running(advised: SpeedRanges, remaining: SpeedRanges, otherwise: SpeedRanges) -> str:
+    """State at which speeds to run while misfiring: `advised` of those that remain, [rad/s].
+
+    `otherwise` are speeds at which limits are exceeded, or which are to be barred, with normal firing too.
+    """
     if not remaining:
-        return "While a cylinder misfires, no running speed keeps the limits."
-    return f"While a cylinder misfires, restrict running to {_ranges(remaining)}."
+        return "no running speed keeps the limits"
+    if not advised:
+        low, high = max(remaining, key=lambda span: span[1] / span[0])
+        count = len(remaining)
+        some = (
+            f"{count} ranges too narrow to run in, the widest"
+            if count > 1
+            else "a range too narrow to run in,"
+        )
+        return f"limits are kept only in {some} {shown_range(low, high)}"
+    narrower = len(remaining) - len(advised)
+    left = f" (and {narrower} too narrow to run in)" if narrower else ""
+    too = "is" if len(otherwise) == 1 else "are"
+    apart = (
+        f"; {_ranges(otherwise)} {too} not to be run in with all cylinders firing either"
+        if otherwise
+        else ""
+    )
+    return f"restrict running to {_ranges(advised)}{left}{apart}"
 
 
 def others_contribute(rest: float, unit: str) -> str:
@@ -452,9 +484,16 @@ def _range_of(values: FloatArray, form: str) -> str:
 
 
 def first_frequencies(
-    kind: str, chain: FloatArray | None, shaft: FloatArray | None, others: Iterable[FloatArray]
+    kind: str,
+    mode: int,
+    chain: FloatArray | None,
+    shaft: FloatArray | None,
+    others: Iterable[FloatArray],
 ) -> str:
-    """State the first frequencies of a kind over the bearings' range [Hz]; empty where there are none."""
+    """State the frequencies of a mode over the bearings' range [Hz]; empty where there are none.
+
+    The mode is the crankshaft's own first, with its number in the chain.
+    """
     moved = [
         f"{_range_of(curve, '.1f')} Hz by the {by}"
         for by, curve in (("chain", chain), ("whole crankshaft", shaft))
@@ -464,9 +503,15 @@ def first_frequencies(
         return ""
     parts = " and ".join(f"{_range_of(curve, '.1f')} Hz" for curve in others)
     return (
-        f"first {kind} frequency of the crankshaft {', '.join(moved)}"
+        f"{_own_first(kind, mode)} {', '.join(moved)}"
         f"{f'; modes that are {kind} in part: {parts}' if parts else ''}"
     )
+
+
+def _own_first(kind: str, mode: int) -> str:
+    if mode == 1:
+        return f"first {kind} frequency"
+    return f"{kind} mode {mode}, the crankshaft's own first,"
 
 
 def over_bearings(lowest: float, highest: float, assumed: bool, frequencies: Iterable[str]) -> str:
@@ -580,16 +625,11 @@ def exceeded_alone(use: str, kept_at: float | None, reasons: str) -> str:
 
 
 def speeds_while_misfiring(
-    cylinders: Sequence[int], exceeded: SpeedRanges, remaining: SpeedRanges
+    cylinders: Sequence[int], exceeded: SpeedRanges, restriction: str
 ) -> str:
-    """State where limits are exceeded while cylinders misfire, those named or any, and what remains."""
-    keeps = (
-        f"restrict running to {_ranges(remaining)} then"
-        if remaining
-        else "no running speed keeps them"
-    )
+    """State where limits are exceeded while cylinders misfire, those named or any, and where to run then."""
     who = cylinders_named(cylinders) if cylinders else "a cylinder"
-    return f"While {who} misfires, limits are exceeded from {_ranges(exceeded)}: {keeps}."
+    return f"While {who} misfires, limits are exceeded from {_ranges(exceeded)}: {restriction}."
 
 
 def _ranges(ranges: SpeedRanges) -> str:

@@ -40,6 +40,9 @@ class EngineFrequencies:
         Of the engine's throw [kg], for models without mass.
     throw_inertias : (n,) array
         Of the throws with their shares of rods and pistons [kg m^2]; kept constant.
+    axial_mode, torsional_mode : int or None
+        Index of the mode that is the crankshaft's own first with the engine's throw: other throws change its
+        shape, not its number. By default found for each compliance.
     """
 
     engine_file: EngineFile
@@ -47,6 +50,8 @@ class EngineFrequencies:
     torsional_shares: Array
     throw_mass: float
     throw_inertias: Array
+    axial_mode: int | None = None
+    torsional_mode: int | None = None
 
     def axial(self, compliance: float, mass: float | None = None) -> float:
         """First axial natural frequency [Hz] for throws of this pinned compliance [m/N] and mass [kg]."""
@@ -55,7 +60,8 @@ class EngineFrequencies:
                 self.engine_file,
                 compliance * self.axial_shares,
                 self.throw_mass if mass is None else mass,
-            )
+            ),
+            self.axial_mode,
         )
 
     def torsional(self, compliance: float) -> float:
@@ -63,14 +69,15 @@ class EngineFrequencies:
         return first_frequency(
             engine_torsional_chain(
                 self.engine_file, compliance * self.torsional_shares, self.throw_inertias
-            )
+            ),
+            self.torsional_mode,
         )
 
 
-def first_frequency(named: EngineChain) -> float:
-    """Lowest frequency of the crankshaft itself [Hz], as in the engine's vibration."""
+def first_frequency(named: EngineChain, mode: int | None = None) -> float:
+    """Lowest frequency of the crankshaft itself [Hz], or that of the mode of an index."""
     modes = named.chain.modes()
-    first = named.first_mode(modes)
+    first = named.first_mode(modes) if mode is None else mode
     if first is None:
         raise InputError(
             f"--first-{named.kind}-frequency: given for an engine without a {named.kind} mode of the "
@@ -93,12 +100,20 @@ def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
     check_one_throw(engine_file)
     analysis = next(iter(analyze_throws(engine_file).values()))
     shaft = compliances_in_shaft(engine_file, analysis)
+    inertias = engine_throw_inertias(engine_file, analysis.masses.inertia_about_shaft)
+    chains = (
+        engine_axial_chain(engine_file, shaft.axial, analysis.mass),
+        engine_torsional_chain(engine_file, shaft.torsional, inertias),
+    )
+    axial_mode, torsional_mode = (named.first_mode(named.chain.modes()) for named in chains)
     return EngineFrequencies(
         engine_file=engine_file,
         axial_shares=shaft.axial / analysis.axial_compliance("pinned"),
         torsional_shares=shaft.torsional / analysis.torsional_compliance("pinned"),
         throw_mass=analysis.mass,
-        throw_inertias=engine_throw_inertias(engine_file, analysis.masses.inertia_about_shaft),
+        throw_inertias=inertias,
+        axial_mode=axial_mode,
+        torsional_mode=torsional_mode,
     )
 
 

@@ -69,7 +69,7 @@ def _of_vibration(vibration: EngineVibration) -> str:
     words, end = assessment.verdict.headline, ""
     if status == "undecided":
         words = f"{words} with the values used"
-        end = f"; {VERDICTS[status].lower()}"
+        end = f"; {_why_undecided(assessment)}"
     misfiring = misfiring_decides(vibration)
     if assessment.verdict.status == "not acceptable":
         return f"{words}{', also while a cylinder misfires' if misfiring else ''}{end}"
@@ -79,6 +79,16 @@ def _of_vibration(vibration: EngineVibration) -> str:
         words = f"{words}{normal}; limits are exceeded while a cylinder misfires"
     unjudged = status == "fine" and not _axial_judged(assessment)
     return f"{words}{'; axial vibration is not judged' if unjudged else ''}{end}"
+
+
+def _why_undecided(assessment: Assessment) -> str:
+    """State that a verdict is undecided, and whether it is because the models disagree."""
+    whole, undecided = assessment.by_whole_shaft, VERDICTS["undecided"].lower()
+    chains = assessment.verdict.status
+    if whole is None or (whole.status == "not acceptable") == (chains == "not acceptable"):
+        return undecided
+    other = "not acceptable" if whole.status == "not acceptable" else "acceptable"
+    return f"{undecided}, as that is by the lumped model: by the whole crankshaft it is {other}"
 
 
 def misfiring_decides(vibration: EngineVibration) -> bool:
@@ -203,7 +213,7 @@ def _measures(results: "RunResults", assessment: Assessment) -> str:
     if remedy is not None:
         told.append(remedy.short)
     elif misfiring is not None and not misfiring.passed:
-        told.append(restricted_while_misfiring(misfiring.remaining))
+        told.append(restricted_while_misfiring(misfiring.restriction))
     return " ".join(told)
 
 

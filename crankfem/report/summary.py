@@ -11,7 +11,7 @@ from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.vibration.assessment import Assessment, factor_range
 from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.analyses.vibration.tables import critical_lines, speed_table
+from crankfem.analyses.vibration.tables import CriticalLine, critical_lines, speed_table
 from crankfem.files.engine.mechanism_cylinders import order_named
 from crankfem.report.conclusions import (
     conclusions,
@@ -131,9 +131,12 @@ def _deciding_use(assessment: Assessment) -> Tile:
 def _first_frequencies(vibration: EngineVibration) -> Tile:
     values, details = [], []
     for kind in KINDS[::-1]:
-        mode = vibration.modes(kind).crankshaft_mode
-        values.append("none" if mode is None else _hertz(mode.frequency))
+        modes = vibration.modes(kind)
+        first, mode = modes.first_mode, modes.crankshaft_mode
+        values.append("none" if first is None else _hertz(first.frequency))
         known = []
+        if mode is not None and mode is not first:
+            known.append(f"{_hertz(mode.frequency)} Hz is the crankshaft's own first")
         if mode is not None and vibration.assessment is not None:
             bounds = vibration.assessment.uncertainty[kind].frequencies[mode.number - 1]
             known.append(_bounds(bounds.lowest, bounds.highest))
@@ -149,24 +152,50 @@ def _first_frequencies(vibration: EngineVibration) -> Tile:
 
 def _worst_critical(vibration: EngineVibration) -> Tile:
     label = "Worst critical speed"
-    lines = [line for kind in KINDS for line in critical_lines(vibration, kind) if line.speed]
-    if not lines:
+    every = [line for kind in KINDS for line in critical_lines(vibration, kind) if line.speed]
+    running = vibration.running_range
+    lines = [line for line in every if not line.passed(running)]
+    worst = _of_the_deciding(vibration, every)
+    if worst is None and not lines:
         return label, "none", ["in the running range"], "campbell", ""
-    # One without a margin to the running speeds, if any.
-    worst = max(
-        lines, key=lambda line: (line.margin is not None and not line.margin.margin, line.strength)
-    )
+    if worst is None:
+        # One without a margin to the running speeds, if any.
+        worst = max(
+            lines,
+            key=lambda line: (line.margin is not None and not line.margin.margin, line.strength),
+        )
     assert worst.speed is not None
     modes = ", ".join(map(str, worst.modes))
     details = [f"{worst.vibration}, order {worst.order:g}, mode {modes}"]
     peak, margin = worst.peak, worst.margin
     if peak is not None and np.isfinite(peak.limit_used):
-        details.append(f"this order alone: {format_usage(peak.limit_used)} of a limit")
+        passing = " for passing" if worst.passed(running) else ""
+        details.append(f"this order alone: {format_usage(peak.limit_used)} of a limit{passing}")
+    if worst.passed(running):
+        details.append("below the running range, passed on every start")
     if margin is not None:
         reach = f"uncertainty range {speed_shown(margin.low).partition(' ')[0]} to {speed_shown(margin.high)}"
         left = f"margin {significant(100.0 * margin.margin, 2)} %" if margin.margin else "no margin"
         details.append(f"{left}; {reach}")
     return label, speed_shown(worst.speed), details, "campbell", ""
+
+
+def _of_the_deciding(
+    vibration: EngineVibration, lines: Sequence[CriticalLine]
+) -> CriticalLine | None:
+    """Return the critical speed of the order that makes most of what decides, if a mode amplifies it."""
+    check = None if vibration.assessment is None else vibration.assessment.verdict.deciding
+    if check is None or check.cause is None or not check.cause.parts:
+        return None
+    main = max(check.cause.parts, key=lambda part: part.contribution)
+    if main.state == "forced":
+        return None
+    made = [
+        line
+        for line in lines
+        if (line.vibration, line.order) == (main.kind, main.order) and main.mode in line.modes
+    ]
+    return min(made, key=lambda line: abs((line.speed or 0.0) - check.worst_speed), default=None)
 
 
 def _misfiring(vibration: EngineVibration) -> Tile | None:
@@ -282,7 +311,7 @@ def uncertain_sentence(vibration: EngineVibration, assessment: Assessment, kind:
         return sentence
     bounds = uncertain.frequencies[first.number - 1]
     reach = _bounds(bounds.lowest, bounds.highest)
-    sentence += f" First natural frequency of the crankshaft {reach} by the chain"
+    sentence += f" First natural frequency of the crankshaft itself {reach} by the chain"
     swept = _swept(vibration, kind)
     return (
         f"{sentence}, {swept} by the whole crankshaft over this stiffness."
@@ -381,9 +410,9 @@ def worst_tables(vibration: EngineVibration, units: OutputUnits = SI) -> Iterato
             main=True,
         )
     speeds = speed_table(vibration, units, SPEEDS_SHOWN)
-    shown = ["vibration", "speed", "order", "peak at", "amplitude", "limit used", "margin"]
+    shown = ["vibration", "speed", "range", "order", "peak at", "amplitude", "limit used", "margin"]
     if vibration.forced_by_kind is None:
-        shown = ["vibration", "speed", "order", "mode", "phase sum"]
+        shown = ["vibration", "speed", "range", "order", "mode", "phase sum"]
     known = [column.name for column in speeds.columns]  # without peaks there are no amplitudes
     if speeds.rows:
         yield replace(speeds.select(*(name for name in shown if name in known)), note="", main=True)
@@ -394,16 +423,23 @@ def _apart(worst: WorstPlace) -> tuple[str, str]:
 
 
 def _frequency(vibration: EngineVibration, kind: str) -> Record:
-    elastic = vibration.modes(kind).elastic_modes
-    shown = vibration.modes(kind).crankshaft_mode
-    first = None if shown is None else shown.frequency
-    details = (
-        [] if first is None else [f"{significant(60.0 * first, 3)} 1/min, chain of the throws"]
-    )
+    modes = vibration.modes(kind)
+    first, shown = modes.first_mode, modes.crankshaft_mode
+    details = []
+    if first is not None:
+        details.append(f"{significant(60.0 * first.frequency, 3)} 1/min, chain of the throws")
     assessment, whole = vibration.assessment, vibration.whole_crankshaft
-    if assessment is not None and shown is not None:
-        bounds = assessment.uncertainty[kind].frequencies[shown.number - 1]
+    if first is not None and assessment is not None:
+        bounds = assessment.uncertainty[kind].frequencies[first.number - 1]
         details[0] = f"uncertainty range of the chain {_bounds(bounds.lowest, bounds.highest)}"
+    if first is not None and first is not shown:
+        details.append("a mode of coupling, damper or line")
+    if shown is not None and first is not shown:
+        own = f"{_hertz(shown.frequency)} Hz"
+        if assessment is not None:
+            bounds = assessment.uncertainty[kind].frequencies[shown.number - 1]
+            own += f" ({_bounds(bounds.lowest, bounds.highest)})"
+        details.append(f"the crankshaft's own first, mode {shown.number}: {own}")
     chain = None if whole is None else whole.comparison.chains.get(kind)
     if chain is not None and chain.modes:
         mode = chain.modes[0]
@@ -413,13 +449,9 @@ def _frequency(vibration: EngineVibration, kind: str) -> Record:
         # The range over the bearings is that of one mode, the one most alike.
         swept = "" if mode.further_frequency else _swept(vibration, kind)
         details.append(f"whole crankshaft in its bearings: {shaft}{f' ({swept})' if swept else ''}")
-    beside = elastic.index(shown) if shown is not None else len(elastic)
-    if beside:
-        lower = ", ".join(_hertz(mode.frequency) for mode in elastic[:beside])
-        details.append(f"lower modes of coupling, damper or line: {lower} Hz")
     return {
-        "label": f"First {kind} frequency{' of the crankshaft' if beside else ''}",
-        "value": "none" if first is None else f"{_hertz(first)} Hz",
+        "label": f"First {kind} frequency",
+        "value": "none" if first is None else f"{_hertz(first.frequency)} Hz",
         "details": details,
         "section": "",
         "mark": "",

@@ -48,6 +48,9 @@ class BarredRange(Result):
 
     Parameters
     ----------
+    low, high : float
+        Its ends [rad/s]. One that reaches into the running range from below begins with that: slower speeds
+        are passed on every start, and judged with it.
     peaks : tuple of float
         Speeds of the largest vibration in it, or of which it is a flank [rad/s].
     limits : tuple of str
@@ -384,15 +387,17 @@ def _barred(
         )
     if any(item.exceeded.cut_off for item in group):
         remarks.append(wording.CUT_OFF)
+    # What lies below the running range is passed on every start, and nothing is barred there.
+    begins = max(low, running_range[0]) if position == "running" else low
     return BarredRange(
-        low=float(low),
+        low=float(begins),
         high=float(high),
         peaks=tuple(sorted({peak for item in group for peak in item.exceeded.peaks})),
         limits=names,
         refusals=tuple(dict.fromkeys(refusals)),
         remarks=tuple(dict.fromkeys(remarks)),
         position=position,
-        ends=_ends(group, rule),
+        ends=_ends(group, rule) + wording.begins_below(float(low), float(begins)),
         full_load=position == "below" and full_load,
         deciding=deciding,
     )

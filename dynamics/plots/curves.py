@@ -389,8 +389,8 @@ def order_series(
 
 
 def barred_bands(barred: Sequence[tuple[float, float]]) -> tuple[Band, ...]:
-    """Return barred ranges of speed [rad/s] as shaded areas."""
-    return tuple(Band(low * RPM, high * RPM, BARRED, "barred") for low, high in barred)
+    """Return ranges of speed to be barred [rad/s] as shaded areas."""
+    return tuple(Band(low * RPM, high * RPM, BARRED, "to be barred") for low, high in barred)
 
 
 def outside_bands(speeds: FloatArray, running: tuple[float, float] | None) -> tuple[Band, ...]:

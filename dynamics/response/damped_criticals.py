@@ -101,8 +101,8 @@ class DampedCritical(Result):
     unit : str
         Of the amplitude, "N m", "N", "rad" or "m"; "SI" if the kind of the chain is not known.
     limit_used : float
-        Share of a limit that the order alone uses at this speed, the largest of all places; NaN where no
-        limit is stated.
+        Share of a limit that the order alone uses at this speed, the largest of all places, of the limit for
+        passing where the speed is only passed on starting; NaN where no limit is stated.
     """
 
     order: Number
@@ -189,6 +189,7 @@ def damped_criticals(
     speed_range: tuple[float, float] | None = None,
     modes: ComplexModes | None = None,
     first: Collection[str] = (),
+    below: bool = False,
 ) -> tuple[DampedCritical, ...]:
     """Find the critical speeds of a damped chain: the peaks of each order alone, at every place.
 
@@ -207,6 +208,9 @@ def damped_criticals(
         Of the system, if known.
     first : collection of str, optional
         Places to name before others, such as those with limits.
+    below : bool, optional
+        Whether peaks at lower speeds of the response, below the range, are returned too; their severity is
+        beside the peaks in the range, and at most 1.
 
     Returns
     -------
@@ -248,7 +252,12 @@ def damped_criticals(
             "the peaks."
         )
     return criticals_of(
-        response, _quantities(response, elements, node), speed_range, modes=modes, first=first
+        response,
+        _quantities(response, elements, node),
+        speed_range,
+        modes=modes,
+        first=first,
+        below=below,
     )
 
 
@@ -260,6 +269,7 @@ def criticals_of(
     modes: ComplexModes | None = None,
     first: Collection[str] = (),
     least: float | None = None,
+    below: bool = False,
 ) -> tuple[DampedCritical, ...]:
     """Find the critical speeds of a system in given quantities; see `damped_criticals`.
 
@@ -297,9 +307,11 @@ def criticals_of(
         # A mode may have its peak beyond the range, or one that is told with another mode's.
         makers = np.append(modes.numbers, 0)[made.mode]
         met = set(zip(response.orders[maxima.orders].tolist(), makers.tolist(), strict=True))
-        criticals = vibration.peaks(
-            maxima.chosen(inside), made.chosen(inside), scales, kinds, preferred, least
-        )
+        lower = ~inside & (maxima.speeds < ends[0])
+        for some in (inside, lower) if below else (inside,):
+            criticals += vibration.peaks(
+                maxima.chosen(some), made.chosen(some), scales, kinds, preferred, least
+            )
     met |= {(peak.order, number) for peak in criticals for number in peak.modes}
     for order in response.orders.tolist():
         for number in range(1, modes.undamped.size + 1):

@@ -494,12 +494,13 @@ AS_STORED = {
     "balance": ["1131 kg, 2460 mm long; balanced statically and dynamically."],
     "campbell": [
         "on a rigid shaft: 3, 6, 9, 12. Orders up to 12 are considered",
-        "speed [1/min] lowest highest undamped order mode phase sum peak at amplitude damping [%] margin [%]",
-        "axial 384 383 384 384 12 1 1.00 free end 116 µm 1.25 inside -",
-        "axial 512 510 512 512 9 1 1.00 free end 341 µm 1.25 inside -",
-        "torsional 435 431 435 435 12 1 1.00 free end 1.42 mrad 1.25 inside 34.5",
-        "+0 to +1.9 % of the value used. First natural frequency of the crankshaft 76.5 to 76.8 Hz by the ",
-        "axial 542 540 542 - 8.5 1 - - - - 4.9 -",
+        "speed [1/min] range lowest highest undamped order mode phase sum peak at amplitude damping [%] "
+        "margin [%]",
+        "axial 384 running 383 384 384 12 1 1.00 free end 116 µm 1.25 inside -",
+        "axial 512 running 510 512 512 9 1 1.00 free end 341 µm 1.25 inside -",
+        "torsional 435 running 431 435 435 12 1 1.00 free end 1.42 mrad 1.25 inside 34.5",
+        "+0 to +1.9 % of the value used. First natural frequency of the crankshaft itself 76.5 to 76.8 Hz by",
+        "axial 542 above 540 542 - 8.5 1 - - - - 4.9 -",
     ],
     "response": [
         "load [kN] at [1/min] plain sum [kN] main bearing 1 - main bearing 2 85.7 575 138 main bearing 2",
@@ -571,7 +572,7 @@ CHANGED = {
     "fillets": ["at most 27 % (requested: 10 %, not met): sufficient"],
     "campbell": [
         "of 200 random choices of the uncertain values, 90 % give 341 µm to 512 µm.",
-        "axial 384 383 384 384 12 1 1.00 free end unbounded 1.25 inside -",
+        "axial 384 running 383 384 384 12 1 1.00 free end unbounded 1.25 inside -",
     ],
     "checks": ["7 of 11 judged checks hold."],
 }

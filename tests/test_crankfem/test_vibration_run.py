@@ -15,7 +15,7 @@ from crankfem.analyses.vibration.chain_answers import nominal_section_modulus
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
 from crankfem.analyses.vibration.forced import forced_vibrations
-from crankfem.analyses.vibration.misfiring import _ranges
+from crankfem.analyses.vibration.misfiring import _crossings, _ranges
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration
 from crankfem.cli.console import write_columns
@@ -395,9 +395,23 @@ def test_uncertain_damping_is_also_what_the_magnifier_stands_for(coarse, tmp_pat
 def test_ranges_exceeded_while_misfiring_with_next_to_nothing_between_them_are_one():
     speeds = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 8.01, 9.0])
     flags = np.array([0, 1, 0, 1, 0, 0, 1, 0, 0, 1], dtype=bool)
-    assert _ranges(speeds, flags) == ((1.0, 5.0), (6.0, 9.0))
-    assert _ranges(speeds[:1], flags[1:2]) == ((1.0, 1.0),)
-    assert _ranges(speeds[:2], flags[:2]) == ((1.0, 2.0),)
+    crossings = {0: 1.5, 1: 2.49, 2: 2.5, 3: 4.75, 5: 6.25, 6: 7.98, 8: 8.009}
+    assert _ranges(speeds, flags, crossings) == ((1.5, 4.75), (6.25, 9.0))
+    assert _ranges(speeds[:1], flags[1:2], {}) == ((1.0, 1.0),)
+    assert _ranges(speeds[:2], flags[:2], {0: 1.25}) == ((1.25, 2.0),)
+
+
+def test_the_end_of_a_range_is_where_the_limit_is_met():
+    speeds = np.linspace(0.0, 10.0, 11)
+
+    def exceeded(some):
+        return np.sin(some) > 0.5
+
+    ends = np.array([np.pi / 6.0, 5.0 * np.pi / 6.0, 13.0 * np.pi / 6.0, 17.0 * np.pi / 6.0])
+    found = _crossings(exceeded, speeds, exceeded(speeds))
+    assert list(found) == [0, 2, 6, 8]
+    assert np.array([*found.values()]) == close(ends, rel=1e-3)
+    assert _crossings(exceeded, speeds[:1], exceeded(speeds[:1])) == {}
 
 
 @pytest.mark.further
@@ -439,7 +453,17 @@ def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_oth
     assert left[-1] == close([low + third, high - third])
     assert len(left) == len(found.remaining)
     assert found.outside([(1.01 * high, 2.0 * high)]).remaining == found.remaining
-    assert f"restrict running to {shown_range(*found.remaining[0])}" in found.sentence
+    assert f"restrict running to {shown_range(*found.advised[0])}" in found.sentence
+    # What is barred anyway lies between the speeds that remain, and is named.
+    barred = (low + third, high - third)
+    left = found.outside([barred])
+    assert left.otherwise == (barred,)
+    assert shown_range(*barred) in left.sentence
+    # Ranges too narrow to run in are no advice.
+    narrow = found.outside([(found.running_range[0], 0.97 * high)])
+    assert narrow.remaining == ((0.97 * high, high),)
+    assert narrow.advised == ()
+    assert "restrict running" not in narrow.sentence
     # Of the class or the maker's word the limit for passing serves, and the sentence says so.
     engine = engine.changed(misfire={"cylinders": list(check.cylinders)})
     said = engine_vibration(

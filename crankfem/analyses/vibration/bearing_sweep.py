@@ -90,10 +90,12 @@ class BearingSweep(Result):
     stiffness : (k,) array
         Lateral, of each main bearing, ascending over the range [N/m].
     chains, shaft : dict of str to (k,) array
-        By kind: the first frequency of the crankshaft itself by its chain, and that of the whole
-        crankshaft's mode that is most similar at the nominal stiffness, followed by its shape [Hz]; NaN
-        where there is none, or it is no longer like the chain's. Empty without a whole crankshaft to
-        compare.
+        By kind: the frequency of the crankshaft's own first mode by its chain, of the number that it has at
+        the nominal stiffness, and that of the whole crankshaft's mode that is most similar at the nominal
+        stiffness, followed by its shape [Hz]; NaN where there is none, or it is no longer like the chain's.
+        Empty without a whole crankshaft to compare.
+    modes : dict of str to int
+        By kind: the number of that mode of the chain, from 1.
     further : dict of str to (b, k) array
         By kind: other modes of the whole crankshaft that are like the chain's somewhere [Hz], as where
         coupling divides it between two; NaN elsewhere.
@@ -115,6 +117,7 @@ class BearingSweep(Result):
     statuses: tuple[Status, ...]
     further: Frequencies = field(default_factory=dict)
     beyond: Internal[tuple[str, ...]] = ()
+    modes: Annotated[dict[str, int], Quantity("1")] = field(default_factory=dict)
 
     @property
     def stiffness_range(self) -> str:
@@ -144,7 +147,11 @@ class BearingSweep(Result):
         held = self.bearings
         frequencies = [
             wording.first_frequencies(
-                kind, self.chains.get(kind), self.shaft.get(kind), self.further.get(kind, ())
+                kind,
+                self.modes.get(kind, 1),
+                self.chains.get(kind),
+                self.shaft.get(kind),
+                self.further.get(kind, ()),
             )
             for kind in KINDS[::-1]
         ]
@@ -227,11 +234,16 @@ def bearing_sweep(
         else [in_bearings(whole.crankshaft.shaft, own.stiffness - held.stiffness) for own in each]
     )
     modes = [crankshaft_modes(shaft) for shaft in shafts]
-    chains = {kind: np.array([_first(own.chain(kind)) for own in each]) for kind in KINDS}
+    # Of the nominal stiffness: a mode keeps its number over the range, not its shape.
+    firsts = {kind: _own_first(each[nominal].chain(kind)) for kind in KINDS}
+    chains = {
+        kind: np.array([_frequency(own.chain(kind), firsts[kind]) for own in each])
+        for kind in KINDS
+    }
     matched, further = {}, {}
     for kind in KINDS if shafts else ():
         own = [one.chain(kind) for one in each]
-        matched[kind], further[kind] = _followed(shafts, modes, own, nominal)
+        matched[kind], further[kind] = _followed(shafts, modes, own, nominal, firsts[kind])
     verdicts = [
         engine_verdict(engine_file, limit_findings(engine_file, *held_chain.answers))
         if held_chain.answers
@@ -261,6 +273,11 @@ def bearing_sweep(
             for name, checks in worst.items()
             if any(not at_most(c.worst_speed, c.highest_running) for c in checks)
         ),
+        modes={
+            kind: first - each[nominal].chain(kind).chain.modes().rigid + 1
+            for kind, first in firsts.items()
+            if first is not None
+        },
     )
 
 
@@ -299,10 +316,12 @@ def answers_by_chain(
     return answers
 
 
-def _first(chain: EngineChain) -> float:
-    modes = chain.chain.modes()
-    first = chain.first_mode(modes)
-    return math.nan if first is None else float(modes.frequencies[first])
+def _own_first(chain: EngineChain) -> int | None:
+    return chain.first_mode(chain.chain.modes())
+
+
+def _frequency(chain: EngineChain, mode: int | None) -> float:
+    return math.nan if mode is None else float(chain.chain.modes().frequencies[mode])
 
 
 def _followed(
@@ -310,13 +329,13 @@ def _followed(
     modes: Sequence[ShaftModes],
     chains: Sequence[EngineChain],
     nominal: int,
+    first: int | None,
 ) -> tuple[FloatArray, FloatArray]:
     """Frequencies of the whole crankshaft's modes like the chain's first one, followed by shape [Hz]."""
     rigid = modes[0].rigid
     follow = followed_modes(shafts[0].mass, [mode.shapes[:, rigid:] for mode in modes])
     frequencies, alike = np.full((2, *follow.shape), math.nan)
     for place, (shaft, chain_modes, chain) in enumerate(zip(shafts, modes, chains, strict=True)):
-        first = chain.first_mode(chain.chain.modes())
         if first is None:
             continue
         likeness = mode_likeness(shaft, chain_modes, chain, [first])[0]

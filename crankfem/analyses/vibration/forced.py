@@ -169,6 +169,8 @@ class ForcedVibration(ChainAnswer, Result):
         Peaks of each single order at any element or node, with all damping, ascending in speed, at
         all speeds assessed: the running range, and above it as far as a limit applies. Peaks of the forces
         are among them, not `in_band`. Orders that meet a mode without a peak have no speed and come last.
+    started_through : tuple of DampedCritical
+        The same below the running range, as far as calculated, which are passed on every start.
     axial_forces : AxialForceComparison or None
         Exciting force of each throw by its own coefficient and by the assembled shaft.
     """
@@ -183,6 +185,7 @@ class ForcedVibration(ChainAnswer, Result):
         tuple[float, float], Quantity("rad/s", exported="1/min", key="judged_rpm")
     ]
     resonances: tuple[DampedCritical, ...] = ()
+    started_through: tuple[DampedCritical, ...] = ()
     axial_forces: Internal[AxialForceComparison | None] = None
 
     @cached_property
@@ -472,14 +475,20 @@ def forced_vibrations(
         (quantities[name].kind, limits[name], series)
         for name, series in limited_series(engine_file, lengthened, twisted).items()
     ]
-    return (
+    lengthened, twisted = (
         replace(
-            lengthened,
-            axial_forces=compared,
-            resonances=resonances_of(engine_file, lengthened, limited),
-        ),
-        replace(twisted, resonances=resonances_of(engine_file, twisted, limited)),
+            forced,
+            resonances=tuple(peak for peak in peaks if not _is_passed(peak, forced)),
+            started_through=tuple(peak for peak in peaks if _is_passed(peak, forced)),
+        )
+        for forced in (lengthened, twisted)
+        for peaks in [resonances_of(engine_file, forced, limited, below=True)]
     )
+    return replace(lengthened, axial_forces=compared), twisted
+
+
+def _is_passed(peak: DampedCritical, forced: ForcedVibration) -> bool:
+    return peak.has_peak and not at_most(forced.running_range[0], peak.speed)
 
 
 def limit_curves(
@@ -534,8 +543,11 @@ def resonances_of(
     engine_file: EngineFile,
     forced: ForcedVibration,
     limited: Sequence[tuple[str, VibrationLimit, OrderSeries]] = (),
+    below: bool = False,
 ) -> tuple[DampedCritical, ...]:
     """Return the peaks of all elements and nodes, ascending in speed, and then modes without a peak.
+
+    `below` includes those below the running range.
 
     Major orders are those in which all cylinders fire in phase. A peak of the exciting forces
     without a mode near it is not a resonance; it is not `in_band`. `limited` has a kind of vibration, its
@@ -548,16 +560,18 @@ def resonances_of(
         speed_range=forced.judged_range,
         modes=forced.modes,
         first=[name for _, _, series in limited for name in series.names],
+        below=below,
     )
     listed = [
         replace(
             critical,
             kind="major" if np.any(np.isclose(major, critical.order)) else "minor",
             unit=motion.load if critical.of_load else motion.si,
-            in_running_range=_speed(critical) <= forced.running_range[1],
+            in_running_range=_speed(critical) <= forced.running_range[1]
+            and not _is_passed(critical, forced),
             limit_used=max(
                 (
-                    _used_alone(critical, limit, series)
+                    _used_alone(critical, limit, series, passed=_is_passed(critical, forced))
                     for kind, limit, series in limited
                     if kind == forced.kind and critical.has_peak
                 ),
@@ -570,11 +584,19 @@ def resonances_of(
     return tuple(sorted(listed, key=lambda critical: (not critical.has_peak, _speed(critical))))
 
 
-def _used_alone(critical: DampedCritical, limit: VibrationLimit, series: OrderSeries) -> float:
-    """Return the share of a limit that the order of a peak alone uses at its speed; 0 without a limit."""
+def _used_alone(
+    critical: DampedCritical, limit: VibrationLimit, series: OrderSeries, *, passed: bool
+) -> float:
+    """Return the share of a limit that the order of a peak alone uses at its speed; 0 without a limit.
+
+    Of a peak that is passed on starting, that of the limit for passing.
+    """
+    curve = limit.passing if passed else limit.continuous
+    if curve is None:
+        return 0.0
     order = int(np.argmin(np.abs(series.orders - critical.order)))
     speed = int(np.argmin(np.abs(series.speeds - critical.speed)))
-    permitted = limit.continuous.at(series.speeds[[speed]])
+    permitted = curve.at(series.speeds[[speed]])
     return float(np.max(series.amplitude[order, speed]) / permitted[0])
 
 

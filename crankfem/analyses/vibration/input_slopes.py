@@ -57,7 +57,7 @@ Share = Annotated[float | None, Quantity("1", "change in per cent for one per ce
 
 @result("field", "torsional", "axial", "limit")
 class InputSlope(Result):
-    """Changes with one input: of the first natural frequencies, and of the use of the worst limit.
+    """Changes with one input: of the crankshaft's own first frequencies, and of the use of the worst limit.
 
     A critical speed changes as the frequency of its mode. None where there is no such mode or limit.
     """
@@ -77,6 +77,8 @@ class VibrationSlopes(Result):
     limit, place : str or None
         The worst limit of the verdict, whose use at `speed` is meant: for small changes that of the largest,
         too. None without one.
+    modes : dict of str to int
+        By kind, the number of the mode whose frequency is meant: the crankshaft's own first.
     left_out : dict
         Dimensions of throws without slopes, and the reason.
     """
@@ -84,6 +86,7 @@ class VibrationSlopes(Result):
     limit: str | None
     place: str | None
     speed: Speed | None
+    modes: Annotated[dict[str, int], Quantity("1")]
     rows: tuple[InputSlope, ...]
     left_out: dict[str, str]
 
@@ -110,11 +113,15 @@ class VibrationSlopes(Result):
             f"Change in per cent for one per cent of an input{at}",
             self.rows,
             (Column("input", words=True), lambda row: row.field),
-            (Column("first torsional frequency", decimals=3), lambda row: row.torsional),
-            (Column("first axial frequency", decimals=3), lambda row: row.axial),
+            (Column(self._frequency("torsional"), decimals=3), lambda row: row.torsional),
+            (Column(self._frequency("axial"), decimals=3), lambda row: row.axial),
             (Column("limit's use", decimals=3), lambda row: row.limit),
             main=True,
         )
+
+    def _frequency(self, kind: str) -> str:
+        mode = self.modes.get(kind, 1)
+        return f"first {kind} frequency" if mode == 1 else f"frequency of {kind} mode {mode}"
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the changes of the worst limit's use, or of the first torsional frequency without a limit."""
@@ -123,7 +130,8 @@ class VibrationSlopes(Result):
         known = {field: share for field, share in shares.items() if share is not None}
         axes = new_axes(axes, height=1.2 + 0.3 * len(known))
         draw_rows(axes, [*known], [*known.values()], "per cent for one per cent of the input")
-        write_title(axes, self.limit or "First torsional frequency")
+        title = self._frequency("torsional")
+        write_title(axes, self.limit or f"{title[0].upper()}{title[1:]}")
         return axes
 
     def to_pandas(self) -> Any:
@@ -164,7 +172,10 @@ class _Model:
     check: LimitCheck | None
 
     def answers(self, shaft: _Shaft) -> Array:
-        """First torsional and axial frequency [Hz], and the worst limit's use; NaN where there is none."""
+        """Frequencies of the crankshaft's own first modes [Hz], the worst limit's use; NaN for none.
+
+        A mode keeps its number where inputs change it.
+        """
         file = shaft.engine_file
         inertias = engine_throw_inertias(file, shaft.inertias)
         chains = (
@@ -189,7 +200,16 @@ class _Model:
                 if (limit.name, curve.name) == (self.check.limit.name, self.check.curve.name):
                     # What is permitted at this speed does not change with the inputs.
                     used = float(curve.values[0]) / self.check.permitted
-        return np.array([cranks.first_frequency, pulled.first_frequency, used], dtype=float)
+        return np.array(
+            [
+                *(
+                    None if chosen.first_mode is None else new.modes.frequencies[chosen.first_mode]
+                    for chosen, new in ((self.torsional, cranks), (self.axial, pulled))
+                ),
+                used,
+            ],
+            dtype=float,
+        )
 
 
 def vibration_slopes(
@@ -239,10 +259,15 @@ def vibration_slopes(
         if np.any(np.abs(shares) > LEAST)
     ]
     rows.sort(key=lambda row: -abs(row.limit or 0.0) if check else -abs(row.torsional or 0.0))
+    numbers = {
+        kind: chosen.first_mode - chosen.modes.rigid + 1
+        for kind, chosen in (("torsional", torsional), ("axial", axial))
+        if chosen.first_mode is not None
+    }
     if check is None:
-        return VibrationSlopes(None, None, None, tuple(rows), left_out)
+        return VibrationSlopes(None, None, None, numbers, tuple(rows), left_out)
     return VibrationSlopes(
-        check.limit.name, check.curve.name, check.worst_speed, tuple(rows), left_out
+        check.limit.name, check.curve.name, check.worst_speed, numbers, tuple(rows), left_out
     )
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
@@ -266,6 +266,10 @@ def worst_of(
 SUMMED = ("tangential", "radial", "mean_tangential", "mean_radial")
 # Speeds that leave a smaller share of the speed between them leave none to run at.
 NARROW = 5e-3
+# A range is one to run in from this width on, as a share of its speed, or half of the running range's.
+USABLE = 0.05
+# An end of a range is sought at so many speeds between two calculated ones, and so often closer.
+PARTS, ROUNDS = 16, 3
 # Share of a limit by which misfiring uses more of it than normal firing, where that counts as new.
 NEWS = 0.1
 # By the key of `compared_quantities`.
@@ -289,11 +293,13 @@ class Misfiring(Result):
         Each quantity with its own worst case, those with a limit first: what normal firing keeps and
         misfiring exceeds, then the worst use.
     exceeded : tuple of pairs of floats
-        Ranges of running speeds in which a limit while misfiring is exceeded in any of the cases, each
-        widened to the next speeds at which all are kept [rad/s].
+        Ranges of running speeds in which a limit while misfiring is exceeded in any of the cases, from where
+        it is met to where it is met again [rad/s].
     remaining : tuple of pairs of floats
         Ranges of running speeds in which all limits are kept, in these cases and in normal firing, and
         nothing is barred [rad/s].
+    running_range : tuple of two floats
+        [rad/s].
     """
 
     cases: Annotated[tuple[Cylinders, ...], Quantity("1")]
@@ -302,6 +308,22 @@ class Misfiring(Result):
     checks: tuple[FiringCheck, ...]
     exceeded: SpeedRanges
     remaining: SpeedRanges
+    running_range: Annotated[
+        tuple[float, float], Quantity("rad/s", exported="1/min", key="running_rpm")
+    ]
+
+    @cached_property
+    def otherwise(self) -> Annotated[SpeedRanges, Quantity("rad/s", exported="1/min")]:
+        """Further speeds that do not remain: limits are exceeded, or they are to be barred, anyway."""
+        taken = sorted((*self.exceeded, *self.remaining))
+        return _between(_joined(taken), self.running_range)
+
+    @cached_property
+    def advised(self) -> Annotated[SpeedRanges, Quantity("rad/s", exported="1/min")]:
+        """Those of the ranges that remain in which an engine can be kept: at least `USABLE` wide."""
+        low, high = self.running_range
+        least = 1.0 + min(USABLE, 0.5 * (high / low - 1.0))
+        return tuple((first, last) for first, last in self.remaining if last >= least * first)
 
     @property
     def worst(self) -> FiringCheck:
@@ -330,8 +352,13 @@ class Misfiring(Result):
         sentences = [first, "" if newest else most.sentence]
         sentences.append("" if most.normal_keeps and most is self.worst else most.news)
         who = self.cases[0] if len(self.cases) == 1 else ()
-        sentences.append(wording.speeds_while_misfiring(who, self.exceeded, self.remaining))
+        sentences.append(wording.speeds_while_misfiring(who, self.exceeded, self.restriction))
         return " ".join(filter(None, sentences))
+
+    @property
+    def restriction(self) -> str:
+        """Where to run then, without its full stop."""
+        return wording.restricted_running(self.advised, self.remaining, self.otherwise)
 
     @cached_property
     def remarks(self) -> Part[tuple[str, ...]]:
@@ -505,14 +532,57 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
         )
         for key, by_case in each.items()
     ]
+    failing, normal = (
+        _ranges(speeds, flags, _crossings(partial(_exceeded, added, of), speeds, flags))
+        for flags, of in ((exceeded, cases), (unkept, [()]))
+    )
+    running = (float(speeds[0]), float(speeds[-1]))
     return Misfiring(
         cases=cases,
         missing_share=1.0 if misfire is None else misfire.missing_share,
         compression=misfire is None or misfire.compression,
         checks=tuple(sorted(checks, key=_rank)),
-        exceeded=_ranges(speeds, exceeded),
-        remaining=_between(_ranges(speeds, exceeded | unkept), (speeds[0], speeds[-1])),
+        exceeded=failing,
+        remaining=_between(_joined(sorted((*failing, *normal))), running),
+        running_range=running,
     )
+
+
+def _exceeded(
+    added: Superposition, cases: Sequence[Cylinders], speeds: FloatArray
+) -> NDArray[np.bool_]:
+    """Return at which speeds a limit is exceeded in any of the cases."""
+    quantities = compared_quantities(added.chains.engine_file)
+    above = np.zeros(speeds.shape, dtype=bool)
+    for case, found in added.at(speeds, cases):
+        for key, series in found.items():
+            limit = quantities[key].while_firing(case)
+            if limit is not None:
+                above = speeds_above(series, weights(limit, speeds), above)
+    return above
+
+
+def _crossings(
+    exceeded_at: Callable[[FloatArray], NDArray[np.bool_]],
+    speeds: FloatArray,
+    flags: NDArray[np.bool_],
+) -> dict[int, float]:
+    """Return the speeds at which flags change, by the index of the calculated speed before each."""
+    places = np.flatnonzero(flags[1:] != flags[:-1])
+    if not places.size:
+        return {}
+    low, high, before = speeds[places], speeds[places + 1], flags[places]
+    steps = np.arange(1, PARTS) / PARTS
+    for _ in range(ROUNDS):
+        tried = low[:, np.newaxis] + (high - low)[:, np.newaxis] * steps
+        asked = np.unique(tried)
+        flagged = exceeded_at(asked)[np.searchsorted(asked, tried)]
+        bounds = np.column_stack((low, tried, high))
+        # The first change, as there may be several.
+        changed = np.column_stack((flagged != before[:, np.newaxis], np.ones(len(low), dtype=bool)))
+        first, row = np.argmax(changed, axis=1), np.arange(len(low))
+        low, high = bounds[row, first], bounds[row, first + 1]
+    return dict(zip(places.tolist(), (0.5 * (low + high)).tolist(), strict=True))
 
 
 def _rank(check: FiringCheck) -> tuple[bool, bool, float]:
@@ -573,21 +643,29 @@ def _over_speed(
     return firing.speeds, normal, worst
 
 
-def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, float], ...]:
-    """Return the ranges of flagged speeds, each widened to the next speeds that are not.
-
-    Ranges between which no engine can run, as they leave less than `NARROW`, are one.
-    """
+def _ranges(
+    speeds: FloatArray, flags: NDArray[np.bool_], crossings: Mapping[int, float]
+) -> tuple[tuple[float, float], ...]:
+    """Return the ranges of flagged speeds, each from the crossing before it to the one behind it."""
     edges = np.diff(np.concatenate(([0], flags.astype(int), [0])))
-    last = speeds.size - 1
+    first, last = float(speeds[0]), float(speeds[-1])
     starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    ranges: list[tuple[float, float]] = []
-    for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
-        low, high = float(speeds[max(start - 1, 0)]), float(speeds[min(stop, last)])
-        if ranges and low <= ranges[-1][1] * (1.0 + NARROW):
-            low = ranges.pop()[0]
-        ranges.append((low, high))
-    return tuple(ranges)
+    return _joined(
+        (crossings.get(start - 1, first), crossings.get(stop - 1, last))
+        for start, stop in zip(starts.tolist(), stops.tolist(), strict=True)
+    )
+
+
+def _joined(ranges: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Join ascending ranges between which no engine can run, as they leave less than `NARROW`."""
+    joined: list[tuple[float, float]] = []
+    for low, high in ranges:
+        if joined and low <= joined[-1][1] * (1.0 + NARROW):
+            before = joined.pop()
+            joined.append((before[0], max(before[1], high)))
+        else:
+            joined.append((low, high))
+    return tuple(joined)
 
 
 def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:

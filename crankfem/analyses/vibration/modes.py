@@ -31,6 +31,7 @@ from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FREE_END, EngineChain
 from dynamics.critical import critical_speeds, engine_orders, major_orders, vector_sums
+from dynamics.indices import at_most, within
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from fem.superelement import ShaftCompliances
 from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
@@ -44,6 +45,10 @@ if TYPE_CHECKING:
 SHAPES_SHOWN = 3
 # Resultant of the cylinders on a mode shape from which they count as acting together.
 TOGETHER = 0.5
+# Critical speeds below the running range in a table.
+STARTED_SHOWN = 6
+# No engine turns as slowly [rad/s]: critical speeds are sought from there on.
+LEAST_SPEED = 1e-3
 Kind = Literal["axial", "torsional"]
 
 
@@ -72,10 +77,15 @@ class SourceResult:
         """Natural frequencies without rigid-body modes [Hz]."""
         return self.modes.elastic_frequencies
 
+    @cached_property
+    def first_mode(self) -> int | None:
+        """Index of the lowest mode of the crankshaft itself; see `EngineChain.first_mode`."""
+        return self.chain.first_mode(self.modes)
+
     @property
     def first_frequency(self) -> float | None:
-        """Lowest frequency of the crankshaft itself [Hz]; see `EngineChain.first_mode`."""
-        first = self.chain.first_mode(self.modes)
+        """Lowest frequency of the crankshaft itself [Hz]."""
+        first = self.first_mode
         return None if first is None else float(self.modes.frequencies[first])
 
     def plot(self, axes: "Axes | None" = None, count: int = SHAPES_SHOWN) -> "Axes":
@@ -191,6 +201,8 @@ class Vibration(Result):
         Sources that gave no usable compliance, with the reason.
     criticals : tuple of WeightedCritical
         In the running range, and above it as far as a limit applies; ascending speed.
+    started_through : tuple of WeightedCritical
+        Those of modes of coupling, damper or line below the running range, which every start passes.
     """
 
     kind: Kind
@@ -198,6 +210,7 @@ class Vibration(Result):
     others: Internal[tuple[SourceResult, ...]]
     unusable: tuple[str, ...]
     criticals: tuple[WeightedCritical, ...]
+    started_through: tuple[WeightedCritical, ...] = ()
 
     @cached_property
     def source(self) -> Part[str]:
@@ -277,6 +290,11 @@ class Vibration(Result):
     def elastic_modes(self) -> list[ChainMode]:
         """Modes without those of the rigid body."""
         return [mode for mode in self.modes if not mode.rigid]
+
+    @property
+    def first_mode(self) -> ChainMode | None:
+        """The mode of the lowest frequency above zero, whatever of the system moves in it."""
+        return next(iter(self.elastic_modes), None)
 
     @property
     def crankshaft_mode(self) -> ChainMode | None:
@@ -365,9 +383,17 @@ class Vibration(Result):
 
     def critical_table(self) -> Table:
         """Return the critical speeds; those at which the cylinders act in phase are marked."""
+        strongest = sorted(self.started_through, key=lambda critical: -critical.phase_sum)
+        below = sorted(strongest[:STARTED_SHOWN], key=lambda critical: critical.speed)
+        passed = ""
+        if below:
+            more = len(strongest) - len(below)
+            passed = ", and of coupling, damper or line below it, which every start passes" + (
+                f" ({more} of smaller phase sum are left out)" if more else ""
+            )
         return Table.of_records(
-            f"{self.kind.capitalize()} critical speeds in the running range, without damping",
-            self.criticals,
+            f"{self.kind.capitalize()} critical speeds in the running range{passed}, without damping",
+            (*below, *self.criticals),
             (Column("speed", "1/min", decimals=1), "speed"),
             (Column("order", digits=None), "order"),
             (Column("mode"), "mode"),
@@ -375,7 +401,7 @@ class Vibration(Result):
             (Column("phase sum", decimals=3), "phase_sum"),
             mark=lambda critical: (
                 ("chosen" if critical.phase_sum >= TOGETHER else "")
-                + ("" if critical.in_running_range else " above")
+                + ("" if critical.in_running_range else " below" if critical in below else " above")
             ),
         )
 
@@ -516,17 +542,30 @@ def _vibration(
             f"{', '.join(r.source for r in results)}"
             + (f" (not usable here: {'; '.join(unusable)})." if unusable else ".")
         )
-    criticals = () if chosen_alone else _criticals(engine_file, chosen, weights)
-    return Vibration(kind, chosen, tuple(results), tuple(unusable), criticals)
+    if chosen_alone:
+        return Vibration(kind, chosen, tuple(results), tuple(unusable), ())
+    ends = assessment_end_speeds(engine_file)
+    shares = chosen.chain.crankshaft_shares(chosen.modes)[chosen.modes.rigid :]
+    return Vibration(
+        kind,
+        chosen,
+        tuple(results),
+        tuple(unusable),
+        _criticals(engine_file, chosen, weights, (ends[0], ends[-1])),
+        tuple(
+            critical
+            for critical in _criticals(engine_file, chosen, weights, (LEAST_SPEED, ends[0]))
+            if shares[critical.mode - 1] < CRANKSHAFT_MODE and not at_most(ends[0], critical.speed)
+        ),
+    )
 
 
 def _criticals(
-    engine_file: EngineFile, result: SourceResult, weights: Weights
+    engine_file: EngineFile, result: SourceResult, weights: Weights, ends: tuple[float, float]
 ) -> tuple[WeightedCritical, ...]:
     engine = engine_file.engine
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
-    ends = assessment_end_speeds(engine_file)
-    criticals = critical_speeds(result.elastic_frequencies, orders, (ends[0], ends[-1]))
+    criticals = critical_speeds(result.elastic_frequencies, orders, ends)
     shapes = result.modes.shapes[:, result.modes.rigid :]
     majors = major_orders(orders, engine.firing_angles)
     return tuple(
@@ -540,7 +579,7 @@ def _criticals(
                 critical.order,
                 engine.firing_angles,
             ),
-            critical.speed <= engine.highest_speed,
+            bool(within(critical.speed, engine.lowest_speed, engine.highest_speed)),
             "major" if np.any(np.isclose(critical.order, majors)) else "minor",
         )
         for critical in criticals

@@ -207,6 +207,14 @@ class EngineVibration(Result):
         """Modes and critical speeds of one kind."""
         return self.axial if kind == "axial" else self.torsional
 
+    @cached_property
+    def running_range(
+        self,
+    ) -> Annotated[tuple[float, float], Quantity("rad/s", exported="1/min", key="running_rpm")]:
+        """Lowest and highest running speed."""
+        engine = self.engine_file.engine
+        return engine.lowest_speed, engine.highest_speed
+
     @property
     def worst_check(self) -> LimitCheck | None:
         """The limit with the largest use at its worst speed; None if nothing is forced."""

@@ -12,12 +12,13 @@ from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.assessment import ROWS_SHOWN, Assessment
 from crankfem.analyses.vibration.forced import ForcedVibration, PlacePeak
 from crankfem.analyses.vibration.misfiring import FiringCheck, Misfiring, Reached
-from crankfem.analyses.vibration.modes import TOGETHER, WeightedCritical
+from crankfem.analyses.vibration.modes import TOGETHER, Vibration, WeightedCritical
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.whole_verdict import WholeVibration
 from dynamics import wording
 from dynamics.assessment.separation import CriticalRange
 from dynamics.assessment.verdict import LimitCheck
+from dynamics.indices import at_most
 from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical
 from dynamics.wording import VERDICTS, limit_at
 
@@ -144,11 +145,14 @@ def judgment(assessment: Assessment) -> Iterator[str]:
 def resonance_table(forced: ForcedVibration, units: OutputUnits = SI) -> Table:
     """Return the most severe resonances, by speed."""
     kind, resonances = forced.kind, forced.resonances
-    # Running speeds come first; what lies above them fills what is left.
-    kept = sorted(
-        filter(is_listed, resonances), key=lambda peak: (not peak.in_running_range, -peak.severity)
+    kept = list(filter(is_listed, resonances))
+    # All that are as severe as the last one shown, so that each one left out is less so.
+    ranked = sorted((peak.severity for peak in kept), reverse=True)
+    least = ranked[min(ROWS_SHOWN, len(ranked)) - 1] if ranked else 0.0
+    worst = sorted(
+        (peak for peak in kept if peak.severity >= least),
+        key=lambda peak: peak.speed if peak.has_peak else math.inf,
     )
-    worst = sorted(kept[:ROWS_SHOWN], key=lambda peak: peak.speed if peak.has_peak else math.inf)
     running, judged = forced.running_range[1], forced.judged_range[1]
     where = "in the running range"
     if judged > running:
@@ -158,7 +162,7 @@ def resonance_table(forced: ForcedVibration, units: OutputUnits = SI) -> Table:
         )
     return Table.of_records(
         f"{kind.capitalize()} resonances {where}"
-        + (f", the {ROWS_SHOWN} most severe of {len(kept)}" if len(kept) > ROWS_SHOWN else ""),
+        + (f", the {len(worst)} most severe of {len(kept)}" if len(kept) > len(worst) else ""),
         worst,
         (replace(SPEED, missing="no peak"), lambda peak: peak.speed if peak.has_peak else None),
         (Column("order", digits=None), "order"),
@@ -174,7 +178,7 @@ def resonance_table(forced: ForcedVibration, units: OutputUnits = SI) -> Table:
             Column("kind", words=True),
             lambda peak: peak.kind + ("" if peak.in_running_range else ", above"),
         ),
-        note=left_out(resonances, worst),
+        note=left_out(forced, worst),
     )
 
 
@@ -217,9 +221,10 @@ def _in_its_unit(value: float, unit: str, units: OutputUnits, digits: int) -> st
     return units.of(motion.printed).with_name(value, digits)
 
 
-def left_out(every: Sequence[DampedCritical], shown: Sequence[DampedCritical]) -> str:
+def left_out(answer: ForcedVibration, shown: Sequence[DampedCritical]) -> str:
     """Say which peaks of one kind a table leaves out, and why; empty without any."""
-    peaks = [peak for peak in every if peak.has_peak and peak not in shown]
+    peaks = [peak for peak in answer.resonances if peak.has_peak and peak not in shown]
+    passed = [peak for peak in answer.started_through if is_listed(peak) and peak not in shown]
     beyond = [peak for peak in peaks if is_listed(peak)]
     forced = [peak for peak in peaks if not peak.in_band]
     small = len(peaks) - len(beyond) - len(forced)
@@ -239,6 +244,10 @@ def left_out(every: Sequence[DampedCritical], shown: Sequence[DampedCritical]) -
             f"{_counted(len(forced), 'peak')} of the exciting forces, where no mode reaches half of its "
             f"largest magnifier, the main one of order {worst.order:g} at {worst.speed_rpm:.4g} 1/min "
             f"({worst.place.split(', ')[0]})"
+        )
+    if passed:
+        texts.append(
+            f"{_counted(len(passed), 'critical speed')} below the running range, passed on every start"
         )
     return f"Not listed: {'; '.join(texts)}." if texts else ""
 
@@ -379,7 +388,9 @@ def whole_critical_table(whole: WholeVibration, kind: str) -> Table:
     """Return critical speeds of one kind: the largest of each place, then the largest."""
     criticals = whole.criticals[kind]
     largest = sorted(criticals.peaks, key=lambda peak: (peak.share < 1.0, -peak.value))
-    shown = sorted(largest[:ROWS_SHOWN], key=lambda peak: peak.speed)
+    # All that are the largest of their place, whatever their number.
+    count = max(ROWS_SHOWN, sum(peak.share >= 1.0 for peak in largest))
+    shown = sorted(largest[:count], key=lambda peak: peak.speed)
     left = criticals.left_out + len(largest) - len(shown)
     return Table.of_records(
         f"Critical speeds of the whole crankshaft: {kind} "
@@ -392,7 +403,7 @@ def whole_critical_table(whole: WholeVibration, kind: str) -> Table:
         (Column("mode", missing="none"), lambda peak: peak.mode or None),
         (Column("damping", "%", decimals=2, missing="-"), "damping_ratio"),
         (Column("range", words=True), lambda peak: "running" if peak.in_running_range else "above"),
-        note=f"{left} smaller {'one is' if left == 1 else 'ones are'} left out."
+        note=f"{left} {'is' if left == 1 else 'are'} left out, none the largest of its place."
         if left
         else "None is left out.",
     )
@@ -488,13 +499,21 @@ class CriticalLine:
         """Of the cylinders on the mode, if it is known."""
         return 0.0 if self.critical is None else self.critical.phase_sum
 
-    def outside(self, running: tuple[float, float] | None) -> bool:
-        """Return whether it lies outside the running range, if that is known [rad/s]."""
+    def passed(self, running: tuple[float, float]) -> bool:
+        """Return whether every start passes it: it lies below the running range [rad/s]."""
         speed = self.speed
-        if running is not None and speed is not None and self.peak is None:
-            return not running[0] <= speed <= running[1]
-        within = getattr(self.known, "in_running_range", True)
-        return not within or bool(self.margin and self.margin.margin)
+        return speed is not None and not at_most(running[0], speed)
+
+    def above(self, running: tuple[float, float]) -> bool:
+        """Return whether it lies above the running range [rad/s]."""
+        speed = self.speed
+        return speed is not None and not at_most(speed, running[1])
+
+    def outside(self, running: tuple[float, float]) -> bool:
+        """Return whether it lies outside the running range [rad/s]."""
+        return (
+            self.passed(running) or self.above(running) or bool(self.margin and self.margin.margin)
+        )
 
 
 def speed_table(
@@ -512,7 +531,9 @@ def speed_table(
         In which amplitudes are written.
     most : int
         How many are shown of each kind: those whose order alone uses most of a limit, without limits the
-        most severe, without forces those at which the cylinders act together most.
+        most severe, without forces those at which the cylinders act together most. Of those below the
+        running range, which every start passes, the first of each mode beside the crankshaft's own, and
+        others up to a third of that.
 
     Returns
     -------
@@ -520,10 +541,10 @@ def speed_table(
         Speeds at which the cylinders act in phase are marked, and those of an order that alone exceeds a
         limit.
     """
-    running = None if run.assessment is None else run.assessment.verdict.running_range
+    running = run.running_range
     shown = {
         kind: sorted(
-            sorted(critical_lines(run, kind), key=lambda line: line.strength, reverse=True)[:most],
+            _shown(critical_lines(run, kind), run.modes(kind), running, most),
             key=lambda line: (line.speed or math.inf, line.order),
         )
         for kind in MOTION
@@ -546,7 +567,7 @@ def speed_table(
         return lambda line: None if line.peak is None else read(line.peak)
 
     notes = {
-        kind: left_out(answer.resonances, [line.peak for line in shown[kind] if line.peak])
+        kind: left_out(answer, [line.peak for line in shown[kind] if line.peak])
         for kind, answer in (run.forced_by_kind or {}).items()
     }
     table = Table.of_records(
@@ -554,6 +575,12 @@ def speed_table(
         [line for lines in shown.values() for line in lines],
         (Column("vibration", words=True), "vibration"),
         (SPEED, lambda line: "no peak" if line.speed is None else line.speed),
+        (
+            Column("range", words=True, missing="running"),
+            lambda line: (
+                "start" if line.passed(running) else "above" if line.above(running) else None
+            ),
+        ),
         beside("lowest", "margin", "low"),
         beside("highest", "margin", "high"),
         beside("undamped", "peak", "undamped_speed"),
@@ -592,6 +619,20 @@ def speed_table(
     )
 
 
+def _shown(
+    lines: Sequence[CriticalLine], modes: Vibration, running: tuple[float, float], most: int
+) -> list[CriticalLine]:
+    """Return the lines that a table of so many shows, see `speed_table`."""
+    ranked = sorted(lines, key=lambda line: line.strength, reverse=True)
+    kept = [line for line in ranked if not line.passed(running)][:most]
+    passed = [line for line in ranked if line.passed(running)]
+    beside = [mode.number for mode in modes.elastic_modes if not mode.of_crankshaft]
+    firsts = [next((line for line in passed if line.modes[0] == number), None) for number in beside]
+    chosen = [line for line in firsts if line is not None]
+    others = [line for line in passed if line.peak and line not in chosen]
+    return kept + chosen + others[: max(0, most // 3 - len(chosen))]
+
+
 def _mark(line: CriticalLine) -> str:
     if line.peak is not None and line.peak.limit_used > 1.0:
         return "over"
@@ -610,8 +651,12 @@ def critical_lines(run: EngineVibration, kind: str) -> list[CriticalLine]:
     margin.
     """
     forced = run.forced_of(kind)
-    calculated = () if forced is None else forced.resonances
-    met = {(critical.mode, critical.order): critical for critical in run.modes(kind).criticals}
+    calculated = () if forced is None else (*forced.started_through, *forced.resonances)
+    modes = run.modes(kind)
+    met = {
+        (critical.mode, critical.order): critical
+        for critical in (*modes.started_through, *modes.criticals)
+    }
     lines = [
         CriticalLine(kind, peak, met.get((peak.mode, peak.order)))
         for peak in calculated
