@@ -5,6 +5,7 @@ import re
 import stat
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from crankbase.errors import InputError
 
@@ -133,10 +134,13 @@ class InputFile:
         What messages call it, and where it is unless it was sent.
     sent : bytes, optional
         Its content, if it was sent: nothing is opened then.
+    reading : optional
+        How a table in it is to be read, where the table does not say so.
     """
 
     path: Path
     sent: bytes | None = None
+    reading: Any = None
 
     @classmethod
     def of(cls, file: "GivenFile") -> "InputFile":

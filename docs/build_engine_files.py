@@ -54,6 +54,23 @@ throw_angles = ["0 deg", "240 deg", "120 deg"]
 `[hinged_rods]` describes rods hinged to other rods (`data/engines/8chn26-26.toml`). The firing order gives
 the sense of rotation. [Unequal throws](throws.md#unequal-throws-in-a-shaft) have names.
 
+## Tables
+
+A table of pressure, torque or gas force over the angle is text with commas, semicolons, tabs or spaces
+between cells, decimal points or commas, in UTF-8, UTF-16 or Windows-1252, or a spreadsheet (.xlsx;
+`pip install 'crankfem[spreadsheets]'`). The header names quantity and unit, as
+`crank_angle_deg;gauge_pressure_bar`; of any other table a `reading` says what its columns hold:
+
+```toml
+[gas]
+pressure_table = "bench.csv"
+reading = { columns = { crank_angle_deg = "CA", absolute_pressure_bar = 3 }, top = "360 deg" }
+```
+
+by heading or number from 1; `top` is the firing top in the table. Several cycles give their mean; `check`
+tells their scatter. Uneven samples are resampled, a closing row may differ by noise. Faults are told all at
+once.
+
 ## Changed in Python
 
 ```python

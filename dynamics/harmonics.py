@@ -1,9 +1,6 @@
 """Tables of samples over a working cycle, and the harmonics of a torque or force that repeats."""
 
-import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Annotated, Literal, get_args
 
 import numpy as np
@@ -11,198 +8,22 @@ from numpy.typing import ArrayLike
 
 from crankbase.array_checks import FloatArray, finite_vector, positive_number, radians_of, read_only
 from crankbase.choices import check_choice
-from crankbase.errors import InputError, shortened
+from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
-from crankbase.input_file import CSV, LARGEST_TABLE_FILE, GivenFile, InputFile
+from crankbase.input_file import GivenFile
 from crankbase.results import Internal, Number, Quantity, Result, result
 from crankbase.summaries import summarized
-from dynamics.cycle import (
-    check_even_cycle,
-    checked_strokes,
-    covers_cycle,
-    cycle_degrees,
-    first_not_increasing,
-    first_uneven,
-    has_closing_sample,
-    mean_step,
-    order_step,
-)
+from dynamics.cycle import check_even_cycle, cycle_degrees, is_even_cycle, order_step
 from dynamics.plots.harmonics import draw_harmonics, draw_samples, draw_single_harmonics
-
-# Fewer samples show no cycle.
-FEWEST_SAMPLES = 3
-
-
-@dataclass(frozen=True)
-class TableKind:
-    """Contents of a table, and words for its messages.
-
-    Parameters
-    ----------
-    angle_names, value_names : tuple of str
-        Allowed names of the first and of the second column.
-    headers : str
-        The allowed headers in words.
-    header_says : str
-        What follows from the header alone.
-    """
-
-    name: str
-    angle_names: tuple[str, ...]
-    value_names: tuple[str, ...]
-    headers: str
-    header_says: str
-
-
-@dataclass(frozen=True, eq=False)
-class SampleRows:
-    """A file as read.
-
-    Parameters
-    ----------
-    angle_name, value_name : str
-        The two names of the header.
-    angles, values : ndarray of shape (m,)
-        The two columns, in the units stated in their names; angles increase strictly.
-    lines : tuple of int
-        Line number of each row, counted from 1.
-    comments : tuple of str
-        The comment lines, without their number sign.
-    """
-
-    path: Path
-    angle_name: str
-    value_name: str
-    angles: FloatArray
-    values: FloatArray
-    lines: tuple[int, ...]
-    comments: tuple[str, ...]
-
-    @property
-    def source(self) -> str:
-        """The comments as one text."""
-        return "\n".join(self.comments)
-
-    def angle_error(self, index: int, message: str) -> InputError:
-        """Return the error for the angle of a row, with file and line."""
-        return InputError(f"{self.path}, line {self.lines[index]}: {self.angle_name}: {message}.")
-
-    def value_error(self, index: int, message: str) -> InputError:
-        """Return the error for the value of a row, with file and line."""
-        return InputError(f"{self.path}, line {self.lines[index]}: {self.value_name}: {message}.")
-
-    def step_error(self, index: int, allowed: str) -> InputError:
-        """Return the error for an angle [deg] that does not fit the one before it."""
-        before, after = self.angles[index - 1 : index + 1]
-        return self.angle_error(
-            index, f"given {after:g} deg after {before:g} deg; allowed are {allowed}"
-        )
-
-    def strokes(
-        self, cycles: Mapping[int, float], fits: Callable[[FloatArray, float], bool], also: str = ""
-    ) -> int:
-        """Return the strokes of the cycle that the angles cover.
-
-        Parameters
-        ----------
-        cycles : mapping of int to float
-            Length of the cycle [deg] for each number of strokes that is possible.
-        """
-        for strokes, cycle in cycles.items():
-            if fits(self.angles, cycle):
-                return strokes
-        lengths = " or ".join(f"{cycle:g} deg" for cycle in cycles.values())
-        raise self.angle_error(
-            -1,
-            f"given angles from {self.angles[0]:g} to {self.angles[-1]:g} deg in steps of "
-            f"{mean_step(self.angles):g} deg; allowed is one cycle of {lengths}, with or without the closing "
-            f"sample{also}, because what the table holds repeats with the cycle",
-        )
-
-    def check_closing(self, values: FloatArray, tolerance: float) -> None:
-        """Refuse a closing sample that differs from the first by more than a share of the largest."""
-        if abs(values[-1] - values[0]) > tolerance * np.max(np.abs(values)):
-            raise self.value_error(
-                -1,
-                f"given {self.values[-1]:g} for the closing sample; allowed is the {self.values[0]:g} of "
-                f"line {self.lines[0]}, because the closing sample repeats the first one cycle later",
-            )
-
-
-def possible_cycles(strokes: int | None) -> dict[int, float]:
-    """Return the length of the cycle [deg] for the strokes given, or for both."""
-    possible = (4, 2) if strokes is None else (checked_strokes(strokes),)
-    return {number: cycle_degrees(number) for number in possible}
-
-
-def read_sample_rows(path: GivenFile, kind: TableKind) -> SampleRows:
-    """Read comment lines, header and rows of two numbers."""
-    file = InputFile.of(path)
-    path = file.path
-    text = file.text(LARGEST_TABLE_FILE, f"a {kind.name}", f"a {kind.name} (CSV)", CSV)
-    names = ("", "")
-    comments: list[str] = []
-    lines: list[int] = []
-    samples: list[tuple[float, float]] = []
-    for number, line in enumerate(text.splitlines(), start=1):
-        stripped = line.strip()
-        if stripped.startswith("#"):
-            comments.append(stripped.lstrip("#").strip())
-        elif stripped and not names[0]:
-            names = _header(path, number, stripped, kind)
-        elif stripped:
-            samples.append(_sample(path, number, stripped, names))
-            lines.append(number)
-    if not names[0]:
-        raise InputError(
-            f"{path}: no header; allowed is {kind.headers}, because it says {kind.header_says}."
-        )
-    if len(samples) < FEWEST_SAMPLES:
-        raise InputError(
-            f"{path}: given {len(samples)} samples; allowed are {FEWEST_SAMPLES} or more, over a whole "
-            "cycle, because what the table holds repeats with it."
-        )
-    angles, values = np.array(samples, dtype=np.float64).T.copy()
-    rows = SampleRows(path, *names, angles, values, tuple(lines), tuple(comments))
-    index = first_not_increasing(angles)
-    if index is not None:
-        raise rows.step_error(
-            index, "strictly increasing angles, because the samples follow the crank"
-        )
-    return rows
-
-
-def _header(path: Path, number: int, line: str, kind: TableKind) -> tuple[str, str]:
-    names = [name.strip() for name in line.split(",")]
-    if len(names) != 2 or names[0] not in kind.angle_names or names[1] not in kind.value_names:
-        raise InputError(
-            f'{path}, line {number}: given the header "{shortened(line)}"; allowed is {kind.headers}, '
-            f"because it says {kind.header_says}."
-        )
-    return names[0], names[1]
-
-
-def _sample(path: Path, number: int, line: str, names: tuple[str, str]) -> tuple[float, float]:
-    cells = [cell.strip() for cell in line.split(",")]
-    if len(cells) != 2:
-        raise InputError(
-            f'{path}, line {number}: given "{shortened(line)}"; allowed are two numbers with a comma between '
-            f"them and decimal points, because the header is {names[0]},{names[1]}."
-        )
-    values: list[float] = []
-    for name, cell in zip(names, cells, strict=True):
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise InputError(
-                f'{path}, line {number}: {name}: given "{shortened(cell)}"; allowed are finite numbers, '
-                "because every sample counts."
-            )
-        values.append(value)
-    return values[0], values[1]
-
+from dynamics.sample_tables import (
+    WIDEST_GAP,
+    TableKind,
+    TableReading,
+    even_count,
+    one_cycle,
+    possible_cycles,
+    read_sample_rows,
+)
 
 Shown = Literal["amplitudes", "curves"]
 SHOWN: tuple[Shown, ...] = get_args(Shown)
@@ -474,15 +295,17 @@ def _first_angle(angles_deg: ArrayLike, count: int, strokes: int) -> float:
 
 CYCLE_ANGLE = "cycle_angle_deg"
 CRANK_ANGLE = "crank_angle_deg"
-TORQUE = "torque_Nm"
+UNITS = {"Nm": 1.0, "kNm": 1e3}
 # First and closing sample count as equal within this share of the largest torque.
 CLOSING_TOLERANCE = 1e-9
 
 TABLE = TableKind(
     name="torque table",
     angle_names=(CRANK_ANGLE, CYCLE_ANGLE),
-    value_names=(TORQUE,),
-    headers=f'"{CRANK_ANGLE},{TORQUE}" or "{CYCLE_ANGLE},{TORQUE}"',
+    value_names=tuple(f"torque_{unit}" for unit in UNITS),
+    units=UNITS,
+    si="N m",
+    headers=f'"{CRANK_ANGLE},torque_Nm" or "{CYCLE_ANGLE},torque_Nm", or "kNm" for "Nm"',
     header_says="which angle is meant and in which units",
 )
 
@@ -496,12 +319,15 @@ class TorqueTable:
     ----------
     source : str
         The comment lines of the file, without their number sign.
+    remarks : tuple of str
+        Changes made to the samples, a sentence each.
     """
 
     crank_angle_deg: FloatArray
     torque: FloatArray
     source: str
     strokes: int
+    remarks: tuple[str, ...] = ()
 
     def harmonics(self) -> Harmonics:
         """Return the harmonics of the torque [N m]."""
@@ -517,19 +343,24 @@ class TorqueTable:
         return table({"crank_angle": (self.crank_angle_deg, "deg"), "torque": (self.torque, "N m")})
 
 
-def read_torque_table(path: GivenFile, *, strokes: int | None = None) -> TorqueTable:
+def read_torque_table(
+    path: GivenFile, *, strokes: int | None = None, reading: TableReading | None = None
+) -> TorqueTable:
     """Read a torque table.
 
-    The file is CSV: comment lines that start with a number sign, the header
-    ``crank_angle_deg,torque_Nm`` or ``cycle_angle_deg,torque_Nm``, then one sample a line. The
-    crank angle [deg] covers 720 deg in a four-stroke and 360 deg in a two-stroke engine, the cycle
-    angle [deg] 360 deg in either. A closing sample that repeats the first is dropped.
+    The file has comment lines that start with a number sign, the header ``crank_angle_deg,torque_Nm`` or
+    ``cycle_angle_deg,torque_Nm`` (or ``kNm``), and one sample a line. The crank angle [deg] covers 720 deg in
+    a four-stroke and 360 deg in a two-stroke engine, the cycle angle [deg] 360 deg in either. The mean of
+    several cycles is taken. A closing sample that repeats the first but for noise is dropped. Uneven samples
+    are resampled. The remarks of the result state the changes.
 
     Parameters
     ----------
     strokes : int, optional
         Strokes per cycle, 2 or 4. Crank angles determine it; for cycle angles it is 4
         by default.
+    reading : TableReading, optional
+        Which columns are meant, where the header does not say so.
 
     Returns
     -------
@@ -537,28 +368,44 @@ def read_torque_table(path: GivenFile, *, strokes: int | None = None) -> TorqueT
         Crank angles [deg], torques [N m], source and strokes.
     """
     cycles = possible_cycles(strokes)
-    rows = read_sample_rows(path, TABLE)
-    index = first_uneven(rows.angles)
-    if index is not None:
-        usual = np.median(np.diff(rows.angles))
-        raise rows.step_error(
-            index, f"even steps (here {usual:g} deg), because the sums weigh all samples alike"
-        )
+    rows = read_sample_rows(path, TABLE, reading)
     if rows.angle_name == CYCLE_ANGLE:
         cycles = {4 if strokes is None else strokes: 360.0}
-    cycle_strokes = rows.strokes(
+    cycle_strokes, rows = one_cycle(
+        rows,
         cycles,
-        lambda angles, cycle: covers_cycle(angles, cycle) or has_closing_sample(angles, cycle),
+        tolerance=CLOSING_TOLERANCE,
+        widest=WIDEST_GAP,
+        what="torque",
+        even=True,
     )
-    used = rows.angles.size
-    if has_closing_sample(rows.angles, cycles[cycle_strokes]):
-        rows.check_closing(rows.values, CLOSING_TOLERANCE)
-        used -= 1
+    cycle = cycles[cycle_strokes]
+    angles, torque, remarks = rows.angles, rows.values, rows.remarks
+    if not is_even_cycle(angles, cycle):
+        angles, torque, remark = _resampled(angles, torque, cycle)
+        remarks = (*remarks, remark)
     return TorqueTable(
-        crank_angle_deg=read_only(
-            cycle_degrees(cycle_strokes) / cycles[cycle_strokes] * rows.angles[:used]
-        ),
-        torque=read_only(rows.values[:used].copy()),
+        crank_angle_deg=read_only(cycle_degrees(cycle_strokes) / cycle * angles),
+        torque=read_only(UNITS[rows.value_name.rpartition("_")[2]] * torque),
         source=rows.source,
         strokes=cycle_strokes,
+        remarks=remarks,
     )
+
+
+def _resampled(
+    angles: FloatArray, values: FloatArray, cycle: float
+) -> tuple[FloatArray, FloatArray, str]:
+    """Return even samples on the periodic cubic spline through uneven ones, and a remark."""
+    from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
+
+    count = even_count(angles, cycle)
+    places = angles[0] + cycle / count * np.arange(count)
+    curve = CubicSpline(
+        np.append(angles, angles[0] + cycle), np.append(values, values[0]), bc_type="periodic"
+    )
+    remark = (
+        f"The {angles.size} uneven samples were replaced by {count} even ones in steps of "
+        f"{cycle / count:.4g} deg on the periodic cubic spline through them."
+    )
+    return places, np.asarray(curve(places), dtype=np.float64), remark

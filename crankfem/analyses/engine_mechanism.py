@@ -291,7 +291,10 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
     if gas is None:
         pressure: tuple[GasPressure, ...] = ()
     elif gas.pressure_table is not None:
-        table = file.files.named("gas.pressure_table", gas.pressure_table, "tables")
+        table = replace(
+            file.files.named("gas.pressure_table", gas.pressure_table, "tables"),
+            reading=gas.reading,
+        )
         diagram = read_pressure_table(table, layout.strokes, fires=not engine.driven_by)
         pressure = (diagram,) * len(layout.cylinders)
     elif (cycle := gas.compressor) is not None:

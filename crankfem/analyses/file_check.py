@@ -298,7 +298,7 @@ def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
         input_values(read),
         read.throw,
         _arrangement(Engine.from_text(content.sections["engine"])),
-        (*read.remarks, *gas),
+        (*read.remarks, *gas, *_of_tables(read)),
         read.warnings,
         _in_mechanism(read, content),
         read.material,
@@ -321,6 +321,10 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     study = ("doe",) if read.study is not None else ()
     mechanism = mechanism_of(read)
     remarks = [_thrust_bearing(read), *mechanism.remarks, *_power(mechanism)]
+    remarks += _of_tables(mechanism)
+    if read.torque_table is not None:
+        torque = read_torque_table(read.torque_table, strokes=read.engine.strokes)
+        remarks += [f"torque.table: {remark}" for remark in torque.remarks]
     behind = read.behind_coupling
     if behind is not None and behind.loss_factor:
         remarks.append(f"coupling: {in_all_conventions(behind.loss_factor)}")
@@ -392,6 +396,13 @@ def _power(mechanism: MechanismFile) -> tuple[str, ...]:
     """What is said of the power; one that does not fit is a warning of the mechanism already."""
     power = mechanism.power
     return () if power is None or not power.consistent else (power.sentence,)
+
+
+def _of_tables(mechanism: MechanismFile) -> list[str]:
+    """State what was done to the samples of a pressure table."""
+    if mechanism.gas is None or mechanism.gas.pressure_table is None:
+        return []
+    return [f"gas.pressure_table: {remark}" for remark in mechanism.pressure[0].changes]
 
 
 def _without_gas() -> str:

@@ -33,6 +33,7 @@ from dynamics.hinge.profile import (
     hinge_moment,
     hinge_profile,
 )
+from dynamics.sample_tables import TableReading
 
 
 class Crank(InputModel):
@@ -166,6 +167,7 @@ class RunningPoint(InputModel):
         description="gas force on the piston over the crank angle, in place of the three pressures: CSV "
         "file in the folder of the hinge file",
     )
+    reading: TableReading | None = part_field("how the table is to be read", TableReading)
     pressure: float | None = quantity_field(
         "pressure of the spring's gas at the top dead center to evaluate here, above ambient_pressure, "
         "beside the best one; at design_speed only that of [hinge]",
@@ -314,7 +316,9 @@ class HingeFile:
     def _gas_force(self, point: RunningPoint) -> GasForce:
         """Gas force of an operating point, by its table or by the cycle model."""
         if point.pressures is None or self.cycle is None:
-            return read_gas_force(self._table(point.gas_force_table or ""))
+            return read_gas_force(
+                replace(self._table(point.gas_force_table or ""), reading=point.reading)
+            )
         mean, peak, charge = point.pressures
         try:
             cycle = two_stroke_cycle(

@@ -9,3 +9,4 @@ from dynamics.gas.pressure import GasPressure as GasPressure
 from dynamics.gas.pressure import gas_pressure as gas_pressure
 from dynamics.gas.pressure import indicated_work as indicated_work
 from dynamics.gas.pressure import read_pressure_table as read_pressure_table
+from dynamics.sample_tables import TableReading as TableReading

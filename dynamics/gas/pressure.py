@@ -1,7 +1,7 @@
 """The absolute pressure in a cylinder over one working cycle, its volume, and the work of the gas."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -24,14 +24,22 @@ from crankbase.frames import Axes, DataFrame, table
 from crankbase.input_file import GivenFile
 from crankbase.summaries import summarized
 from dynamics.cycle import (
-    PLACE_TOLERANCE,
     checked_strokes,
     cycle_degrees,
     first_not_increasing,
     is_even_cycle,
 )
-from dynamics.harmonics import SampleRows, TableKind, possible_cycles, read_sample_rows
 from dynamics.plots.curves import MEGA, draw_over_angle, from_top
+from dynamics.sample_tables import (
+    WIDEST_GAP,
+    SampleRows,
+    TableKind,
+    TableReading,
+    even_count,
+    one_cycle,
+    possible_cycles,
+    read_sample_rows,
+)
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
@@ -41,10 +49,6 @@ if TYPE_CHECKING:
 ATMOSPHERE = 101325.0
 # [Pa] No piston engine stands more.
 HIGHEST_PEAK = 50e6
-# [deg] A wider gap between samples could hide the whole rise of the pressure.
-WIDEST_GAP = 10.0
-# [deg] Steps of samples that are made even, between which half the smallest gap is taken.
-FINEST_STEP, COARSEST_STEP = 0.1, 1.0
 # [deg] Angles moved less than this to their even places are taken as even without a remark.
 SILENT_SHIFT = 1e-6
 # The first sample lies within a step from the top, but for rounding [steps].
@@ -309,9 +313,7 @@ def _resampled(
     angles: FloatArray, values: FloatArray, cycle: float
 ) -> tuple[FloatArray, FloatArray, str]:
     """Return even samples on the curve through uneven ones, one of them on the peak, and a remark."""
-    smallest = float(np.min(np.diff(angles, append=angles[0] + cycle)))
-    step = min(max(smallest / 2.0, FINEST_STEP), COARSEST_STEP)
-    count = math.ceil(cycle / step - 1e-9)
+    count = even_count(angles, cycle)
     step = cycle / count
     first = float(np.mod(angles[int(np.argmax(values))], step))
     places = first + step * np.arange(count, dtype=np.float64)
@@ -372,6 +374,8 @@ TABLE = TableKind(
     value_names=tuple(
         f"{kind}_pressure_{unit}" for kind in ("absolute", "gauge") for unit in UNITS
     ),
+    units=UNITS,
+    si="Pa",
     headers=(
         f'"{CRANK_ANGLE},absolute_pressure_bar" or the like with "gauge" for "absolute" and '
         '"MPa", "kPa" or "Pa" for "bar"'
@@ -381,17 +385,21 @@ TABLE = TableKind(
 
 
 def read_pressure_table(
-    path: GivenFile, strokes: int | None = None, *, fires: bool = True
+    path: GivenFile,
+    strokes: int | None = None,
+    *,
+    fires: bool = True,
+    reading: TableReading | None = None,
 ) -> GasPressure:
     """Read a pressure table.
 
-    The file is CSV: comment lines that start with a number sign, which state the source; the
+    The file has comment lines that start with a number sign, which state the source; the
     header ``crank_angle_deg,absolute_pressure_bar``, or ``gauge`` for ``absolute`` and ``MPa``,
     ``kPa`` or ``Pa`` for ``bar``; then one sample a line. Angles count from the firing top dead
     center and cover one cycle, 720 deg in a four-stroke and 360 deg in a two-stroke engine,
-    wherever it starts (0 to 720, -360 to 360). A closing sample that repeats the first is dropped.
-    Uneven angles are resampled. 101325 Pa are added to gauge pressure. The remarks of the result
-    state the changes.
+    wherever it starts (0 to 720, -360 to 360). The mean of several cycles is taken. A closing sample that
+    repeats the first is dropped. Uneven angles are resampled. 101325 Pa are added to gauge pressure. The
+    remarks of the result state the changes.
 
     Parameters
     ----------
@@ -399,6 +407,8 @@ def read_pressure_table(
         Strokes per cycle, 2 or 4; by default found from the angles.
     fires : bool, optional
         Whether it is an engine's; that of a compressor is highest while it delivers, before the top.
+    reading : TableReading, optional
+        Which columns are meant, where the header does not say so.
 
     Returns
     -------
@@ -416,52 +426,25 @@ def read_pressure_table(
         compressor -150 to 10 deg).
     """
     cycles = possible_cycles(strokes)
-    samples = read_sample_rows(path, TABLE)
-    remarks: list[str] = []
-    kind, _, unit = samples.value_name.split("_")
-    pressure = UNITS[unit] * samples.values
+    cycle_strokes, rows = one_cycle(
+        read_sample_rows(path, TABLE, reading),
+        cycles,
+        tolerance=CLOSING_TOLERANCE,
+        widest=WIDEST_GAP,
+        what="pressure",
+    )
+    remarks = rows.remarks
+    kind, _, unit = rows.value_name.split("_")
+    pressure = UNITS[unit] * rows.values
     if kind == "gauge":
         pressure += ATMOSPHERE
-        remarks.append(f"{ATMOSPHERE:g} Pa of atmosphere were added to the gauge pressure.")
-    cycle_strokes, rows, pressure = one_cycle(samples, cycles, pressure, "pressure")
-    if rows.angles.size < samples.angles.size:
-        remarks.append(f"The closing sample at {samples.angles[-1]:g} deg was dropped.")
+        added = f"{ATMOSPHERE:g} Pa of atmosphere were added to the gauge pressure."
+        remarks = (added, *remarks)
     _check_pressure(rows, pressure, ENGINE if fires else COMPRESSOR)
     _check_peak_angle(rows, pressure, cycles[cycle_strokes], ENGINE if fires else COMPRESSOR)
     return gas_pressure(
-        pressure, cycle_strokes, source=rows.source, remarks=tuple(remarks), angles_deg=rows.angles
+        pressure, cycle_strokes, source=rows.source, remarks=remarks, angles_deg=rows.angles
     )
-
-
-def one_cycle(
-    rows: SampleRows, cycles: Mapping[int, float], values: FloatArray, what: str
-) -> tuple[int, SampleRows, FloatArray]:
-    """Return the strokes, and rows and values over one cycle with small gaps, the closing sample dropped."""
-
-    def closes(angles: FloatArray, cycle: float) -> bool:
-        tolerance = PLACE_TOLERANCE * float(np.median(np.diff(angles)))
-        return abs(float(angles[-1] - angles[0]) - cycle) <= tolerance
-
-    widest = WIDEST_GAP * (1.0 + 1e-9)
-    strokes = rows.strokes(
-        cycles,
-        lambda angles, cycle: (
-            closes(angles, cycle) or 0.0 < cycle - float(angles[-1] - angles[0]) <= widest
-        ),
-        f" and open by {WIDEST_GAP:g} deg at most",
-    )
-    if closes(rows.angles, cycles[strokes]):
-        rows.check_closing(values, CLOSING_TOLERANCE)
-        rows = replace(rows, angles=rows.angles[:-1], values=rows.values[:-1])
-        values = values[:-1]
-    index, gap = widest_gap(rows.angles, cycles[strokes])
-    # The gap to the next cycle is small already, or the strokes would not have been found.
-    if index > 0 and gap > widest:
-        raise rows.step_error(
-            index,
-            f"gaps of {WIDEST_GAP:g} deg at most, because a wider one may hide the {what}'s rise",
-        )
-    return strokes, rows, values
 
 
 def _check_pressure(rows: SampleRows, pressure: FloatArray, allowed: Peak) -> None:

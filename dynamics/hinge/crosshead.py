@@ -31,8 +31,14 @@ from dynamics.engine.forces import (
 from dynamics.engine.layout import EngineCylinder, EngineLayout
 from dynamics.engine.rods import ConnectingRod, check_reach
 from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle, usual_gas_cycle
-from dynamics.gas.pressure import ATMOSPHERE, one_cycle
-from dynamics.harmonics import TableKind, read_sample_rows
+from dynamics.gas.pressure import ATMOSPHERE, CLOSING_TOLERANCE
+from dynamics.sample_tables import (
+    WIDEST_GAP,
+    TableKind,
+    TableReading,
+    one_cycle,
+    read_sample_rows,
+)
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -232,18 +238,25 @@ TABLE = TableKind(
     name="gas force table",
     angle_names=(CRANK_ANGLE,),
     value_names=tuple(f"gas_force_{unit}" for unit in UNITS),
+    units=UNITS,
+    si="N",
     headers=f'"{CRANK_ANGLE},gas_force_N", or "kN" or "MN" for "N"',
     header_says="in which unit the force is given",
 )
 
 
-def read_gas_force(path: GivenFile) -> GasForce:
+def read_gas_force(path: GivenFile, reading: TableReading | None = None) -> GasForce:
     """Read a gas force table.
 
-    The file is CSV: comment lines that start with a number sign, the header
+    The file has comment lines that start with a number sign, the header
     ``crank_angle_deg,gas_force_N`` (or ``kN``, ``MN``), then one sample a line. Angles count from the top
     dead center and cover a revolution, wherever it starts, in steps of up to 10 deg; the force is positive
     towards the shaft. A closing sample that repeats the first is dropped.
+
+    Parameters
+    ----------
+    reading : TableReading, optional
+        Which columns are meant, where the header does not say so.
 
     Returns
     -------
@@ -251,9 +264,14 @@ def read_gas_force(path: GivenFile) -> GasForce:
         Force [N] at crank angles [rad] from the top: the periodic cubic spline through the
         samples.
     """
-    rows = read_sample_rows(path, TABLE)
+    _, rows = one_cycle(
+        read_sample_rows(path, TABLE, reading),
+        {2: TURN_DEG},
+        tolerance=CLOSING_TOLERANCE,
+        widest=WIDEST_GAP,
+        what="force",
+    )
     force = rows.values * UNITS[rows.value_name.rpartition("_")[2]]
-    _, rows, force = one_cycle(rows, {2: TURN_DEG}, force, "force")
     angles = np.radians(rows.angles)
     from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
 

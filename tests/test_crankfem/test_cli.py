@@ -347,7 +347,7 @@ def test_exports_that_cannot_be(call, case):
     [
         (("nowhere.csv",), "nowhere.csv: cannot be read as a torque table"),
         (("yamz5340_torque_one_throw.csv", "--strokes", "3"), "strokes: given 3; allowed are 2"),
-        (("wrong.csv",), 'wrong.csv, line 1: given the header "a;b"'),
+        (("wrong.csv",), 'wrong.csv, line 1: given the header "a,b"'),
     ],
 )
 def test_harmonics_refuses(call, tmp_path, arguments, fragment):

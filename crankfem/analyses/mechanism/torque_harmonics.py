@@ -181,6 +181,7 @@ class TableHarmonics(Result):
     residual_rms: Annotated[FloatArray | None, Quantity("N m", left_out=True)] = None
     residual_largest: Annotated[FloatArray | None, Quantity("N m", left_out=True)] = None
     cylinders: Annotated[SummedCylinders | None, Quantity(left_out=True)] = None
+    remarks: tuple[str, ...] = ()
 
     def parts(self, units: OutputUnits = SI) -> Parts:
         """Return tables and sentences; orders above the usual ones only if all are above."""
@@ -190,6 +191,7 @@ class TableHarmonics(Result):
         if harmonics.orders[0] <= USUAL_ORDERS < harmonics.orders[-1]:
             harmonics = harmonics.up_to(USUAL_ORDERS)
         kept = harmonics.orders.size
+        yield from (f"Note: {remark}" for remark in self.remarks)
         residuals = {"residual rms": self.residual_rms[:kept], "largest residual": largest[:kept]}
         yield Main(
             f"Mean {_torque(harmonics.mean, units)}; {harmonics.samples} samples resolve orders up to "
@@ -235,6 +237,7 @@ def table_harmonics(
         residual_rms=np.sqrt(np.mean(residual**2, axis=1)),
         residual_largest=np.max(np.abs(residual), axis=1),
         cylinders=summed_cylinders(drawn, firing_angles_deg) if firing_angles_deg else None,
+        remarks=table.remarks,
     ), drawn
 
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from crankbase.array_checks import FloatArray
     from crankfem.analyses.mechanism.torque_harmonics import EngineHarmonics, TableHarmonics
     from dynamics.harmonics import Harmonics
+    from dynamics.sample_tables import TableReading
 
 
 ROD_MODELS_FILE = "rod_models.svg"
@@ -109,6 +110,7 @@ class _Request:
     cylinder: int | None
     speed: str | None
     firing: tuple[str | None, str | None]
+    reading: "TableReading"
     csv: Path | None
     pictures: str | None
     sums: Path | None
@@ -120,7 +122,7 @@ def harmonics(
         str,
         typer.Argument(
             metavar="TORQUE.csv|ENGINE.toml",
-            help="Torque over one cycle; or an engine file or the name of a shipped engine.",
+            help="Torque over a cycle (CSV, .xlsx); or an engine file or the name of a shipped engine.",
             autocompletion=completion.engines_and_tables,
         ),
     ],
@@ -150,6 +152,14 @@ def harmonics(
             help="With a torque table: shaft angle at which each cylinder fires.",
         ),
     ] = None,
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"crank_angle_deg=1, torque_Nm=M1"',
+            help="Columns of a table that does not say them, by number or heading.",
+        ),
+    ] = None,
+    sheet: Annotated[str | None, typer.Option(help="Sheet of a spreadsheet with several.")] = None,
     csv: Annotated[
         Path | None, typer.Option(metavar="FILE.csv", help="Write the harmonics as a table.")
     ] = None,
@@ -177,7 +187,8 @@ def harmonics(
             "orders count cycles per crankshaft revolution."
         )
     firing = (firing_order, firing_angles)
-    asked = _Request(strokes, orders, cylinder, speed, firing, csv, pictures, sums)
+    reading = _table_reading(columns, sheet)
+    asked = _Request(strokes, orders, cylinder, speed, firing, reading, csv, pictures, sums)
     split = _engine_harmonics if _names_engine(source) else _torque_table_harmonics
     spectra = split(source, asked)
     if csv is not None:
@@ -189,6 +200,22 @@ def harmonics(
     *parts, answer = spectra.parts(out.units)
     files = ((csv, "Table"), (sums, "Sums"), (pictures, "Pictures"))
     out.show(parts, *(f"{kind}: {path}" for path, kind in files if path is not None), answer)
+
+
+def _table_reading(columns: str | None, sheet: str | None) -> "TableReading":
+    """Return how a table is to be read, from options."""
+    from dynamics.sample_tables import TableReading
+
+    named: dict[str, int | str] = {}
+    for part in columns.split(",") if columns is not None else ():
+        name, sign, column = (word.strip() for word in part.partition("="))
+        if not sign or not column:
+            raise InputError(
+                f"--columns: given {columns!r}; allowed are names with the number or heading of their "
+                'column, such as "crank_angle_deg=1, torque_Nm=M1".'
+            )
+        named[name] = int(column) if column.isdecimal() else column
+    return TableReading(columns=named if columns is not None else None, sheet=sheet or "")
 
 
 def _names_engine(source: str) -> bool:
@@ -219,7 +246,9 @@ def _torque_table_harmonics(source: str, asked: _Request) -> "TableHarmonics":
                 f"has no {lacks}."
             )
     path = torque_path(source)
-    table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
+    table = read_torque_table(
+        path, strokes=4 if asked.strokes is None else asked.strokes, reading=asked.reading
+    )
     firing = firing_angles_deg(*asked.firing, strokes=table.strokes)
     _check_resolved(asked.orders, table.harmonics())
     spectra, drawn = table_harmonics(path.name, table, asked.orders, firing)
@@ -247,11 +276,15 @@ def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
 
     mechanism = load_mechanism(source)
     engine, strokes, cylinder = mechanism.layout, asked.strokes, asked.cylinder
-    for option, order in zip(("--firing-order", "--firing-angles"), asked.firing, strict=True):
+    told = {"--columns": asked.reading.columns, "--sheet": asked.reading.sheet or None}
+    for option, order in {
+        **dict(zip(("--firing-order", "--firing-angles"), asked.firing, strict=True)),
+        **told,
+    }.items():
         if order is not None:
             raise InputError(
-                f"{option}: given {order!r} with an engine file; allowed is a torque table, because the file "
-                "defines when its cylinders fire."
+                f"{option}: given {order!r} with an engine file; allowed is a torque table, because the "
+                "engine file defines when its cylinders fire, and its tables."
             )
     turning = parse_speed(asked.speed)
     speed = mechanism.rated_speed if turning is None else turning

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar, Literal, Self
 
@@ -12,7 +13,7 @@ from crankbase.array_checks import refuse_crank_radians, refuse_many_turns
 from crankbase.choices import check_choice
 from crankbase.errors import InputError, quoted
 from crankbase.input_file import InputFile
-from crankbase.model import InputModel, quantity_field
+from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.quantity import PER_MINUTE, format_quantity
 from crankfem.files.reading.toml_file import TomlFile
 from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
@@ -25,6 +26,7 @@ from dynamics.engine.layout import (
     firing_order_from_text,
     firing_order_of_angles,
 )
+from dynamics.sample_tables import TableReading
 
 # Limits are round numbers in the units in which people read them.
 
@@ -368,12 +370,16 @@ class TorqueTable(InputModel):
     section: ClassVar[str] = "torque"
 
     table: str = Field(description="CSV file in the folder of the engine file, or a shipped table")
+    reading: TableReading | None = part_field("how the table is to be read", TableReading)
 
 
 def torque_table_file(content: TomlFile) -> InputFile | None:
     """Return the torque table that a file names, if it names one."""
     section = content.model("torque", TorqueTable)
-    return None if section is None else content.files.named("torque.table", section.table, "tables")
+    if section is None:
+        return None
+    file = content.files.named("torque.table", section.table, "tables")
+    return replace(file, reading=section.reading)
 
 
 class TwoMassInput(InputModel):

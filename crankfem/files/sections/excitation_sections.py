@@ -1,5 +1,7 @@
 """Sections of engine files about excitation: pressure map, misfire and propeller forces."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
 
@@ -14,6 +16,7 @@ from dynamics.excitation.pressure_map import Load, PressureMap, pressure_map, pr
 from dynamics.excitation.propeller import PropellerForces
 from dynamics.gas.pressure import GasPressure, read_pressure_table
 from dynamics.harmonics import TorqueTable, read_torque_table
+from dynamics.sample_tables import TableReading
 
 
 class GasMapPoint(InputModel):
@@ -29,6 +32,7 @@ class GasMapPoint(InputModel):
         description="CSV file of the pressure over the crank angle, in the folder of the engine file, or "
         "shipped"
     )
+    reading: TableReading | None = part_field("how the table is to be read", TableReading)
 
 
 class GasMap(InputModel):
@@ -177,6 +181,7 @@ def gas_map_pressure(
         name = point.pressure_table
         if name not in diagrams:
             table = files.named(f"gas_map.points[{number}].pressure_table", name, "tables")
+            table = replace(table, reading=point.reading)
             diagrams[name] = read_pressure_table(table, strokes, fires=fires)
     try:
         return pressure_map(
@@ -202,19 +207,32 @@ def gas_map_load(section: GasMap, rated_speed: float) -> Load | None:
     return propeller_load(rated_speed, section.rated_load, measure=section.measure)
 
 
-def load_torque_table(path: str | Path, *, strokes: int | None = None) -> TorqueTable:
+def load_torque_table(
+    path: str | Path,
+    *,
+    strokes: int | None = None,
+    columns: Mapping[str, int | str] | None = None,
+    sheet: str = "",
+) -> TorqueTable:
     """Read the torque of one throw over a cycle; `read_torque_table` describes the format.
 
     Parameters
     ----------
     path : path
-        The CSV file, or the name of a shipped one, such as ``yamz5340_torque_one_throw.csv``.
+        The file, CSV or a spreadsheet (.xlsx), or the name of a shipped one, such as
+        ``yamz5340_torque_one_throw.csv``.
     strokes : int, optional
         Strokes per cycle, 2 or 4, if the table does not define it; 4 by default.
+    columns : mapping, optional
+        Column of angle and torque by heading or number from 1, if the header does not say so, such as
+        ``{"crank_angle_deg": 1, "torque_Nm": "M1"}``.
+    sheet : str, optional
+        Of a spreadsheet with several.
 
     Raises
     ------
     InputError
         With file and line, if the table cannot be used.
     """
-    return read_torque_table(torque_path(path), strokes=strokes)
+    reading = TableReading(columns=None if columns is None else dict(columns), sheet=sheet)
+    return read_torque_table(torque_path(path), strokes=strokes, reading=reading)

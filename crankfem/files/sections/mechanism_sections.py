@@ -13,6 +13,7 @@ from dynamics.excitation.pressure_map import LoadPoints
 from dynamics.gas.compressor import CompressorCycle
 from dynamics.gas.gas_cycle import USUAL_VALUES, name_of_field
 from dynamics.gas.pressure import ATMOSPHERE
+from dynamics.sample_tables import TableReading
 
 GRAVITY = 9.80665  # standard [m/s^2]
 
@@ -193,6 +194,7 @@ class Gas(InputModel):
         description="CSV file of the pressure over the crank angle, in the folder of the engine file, or "
         "shipped",
     )
+    reading: TableReading | None = part_field("how the table is to be read", TableReading)
     compression_ratio: float = quantity_field(
         "compression ratio of the cycle", "", 2.0, 40.0, default=14.0
     )
@@ -253,6 +255,11 @@ class Gas(InputModel):
             raise InputError(
                 "gas.peak_pressure: given neither it nor mean_effective_pressure nor pressure_table; allowed "
                 "is one of them, or the first two together, because they define the gas pressure."
+            )
+        if self.reading is not None and self.pressure_table is None:
+            raise InputError(
+                "gas.reading: given without pressure_table; allowed are both, because it says how that is "
+                "read."
             )
         beside = [
             name

@@ -1,0 +1,297 @@
+"""Tables as spreadsheets and measuring systems export them give what a plain table gives, or are refused."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from comparing import close
+from crankbase.errors import InputError, MissingLibraryError
+from dynamics.gas.pressure import read_pressure_table
+from dynamics.harmonics import harmonics, read_torque_table
+from dynamics.sample_tables import TableReading
+
+STEP = 2.0
+ANGLES = STEP * np.arange(360)  # of a four-stroke cycle
+ORDERS = np.array([0.5, 1.0, 1.5, 3.0, 4.5])
+
+
+def torque_at(degrees):
+    """A torque of some orders, with digits that a table prints."""
+    phases = np.radians(np.multiply.outer(ORDERS, np.asarray(degrees)))
+    waves = np.array([40.0, 25.0, 90.0, 35.0, 12.0]) @ np.sin(phases + ORDERS[:, None])
+    return np.round(150.0 + waves, 6)
+
+
+TORQUE = torque_at(ANGLES)
+PLAIN = harmonics(TORQUE, 4)
+
+
+def comma(value):
+    return repr(float(value)).replace(".", ",")
+
+
+def thousands(value):
+    """As 1.234,5 with a point between thousands."""
+    text = f"{value:,.6f}"
+    return text.translate(str.maketrans(",.", ".,"))
+
+
+def lines(separator, write=repr, head="crank_angle_deg{0}torque_Nm", ends="", factor=1.0):
+    rows = [
+        f"{write(float(a))}{separator}{write(float(factor * t))}{ends}"
+        for a, t in zip(ANGLES, TORQUE, strict=True)
+    ]
+    return "\n".join([head.format(separator) + ends, *rows]) + "\n"
+
+
+BY_NUMBER = {"crank_angle_deg": 1, "torque_Nm": 2}
+BY_NAME = {"crank_angle_deg": "CA", "torque_Nm": "M1"}
+UNITS_ROW = "Test bench 7;cycle 12\n\nCA;M1\n°KW;Nm"
+THREE = "\n".join(
+    ["CA;speed;M1;", "deg;1/min;Nm;"]
+    + [f"{comma(a)};1500;{comma(t)};" for a, t in zip(ANGLES, TORQUE, strict=True)]
+)
+EXPORTS = {
+    "comma": (lines(","), None),
+    "semicolon": (lines(";"), None),
+    "semicolon and decimal comma": (lines(";", comma), None),
+    "tab and decimal comma": (lines("\t", comma), None),
+    "spaces and decimal comma": (lines("   ", comma), None),
+    "decimal comma in quotes": (lines(",", lambda value: f'"{comma(value)}"'), None),
+    "points between thousands": (
+        lines(";", lambda value: thousands(value * 1e3 if value > 720.0 else value)),
+        None,
+    ),
+    "Windows line ends and a mark of UTF-8": ("\ufeff" + lines(";").replace("\n", "\r\n"), None),
+    "empty columns at the end": (lines(";", comma, ends=";;;"), None),
+    "empty lines and a comment of another program": ("% bench 7\n\n" + lines(",") + "\n\n", None),
+    "no header": (lines(";", comma).split("\n", 1)[1], BY_NUMBER),
+    "title, names and a row of units": (lines(";", comma, head=UNITS_ROW), BY_NAME),
+    "units in brackets": (lines(",", head="CA [deg]{0}M1 [Nm]"), BY_NAME),
+    "three columns": (THREE, BY_NAME),
+    "three columns by number": (THREE, {"crank_angle_deg": 1, "torque_Nm": 3}),
+    "in kN m": (lines(",", factor=1e-3), {"crank_angle_deg": 1, "torque_kNm": 2}),
+}
+
+
+def check(table, rel=1e-9):
+    found = table.harmonics()
+    size = float(np.max(PLAIN.amplitude))
+    assert found.mean == close(PLAIN.mean, rel=rel)
+    assert np.max(np.abs(found.amplitude[:20] - PLAIN.amplitude[:20])) <= rel * size
+    assert np.max(np.abs(found.sine[:20] - PLAIN.sine[:20])) <= rel * size
+
+
+@pytest.mark.parametrize("export", EXPORTS)
+def test_an_export_gives_the_harmonics_of_the_plain_table(tmp_path, export):
+    text, columns = EXPORTS[export]
+    path = tmp_path / "torque.csv"
+    path.write_bytes(text.encode("utf-8"))
+    reading = None if columns is None else TableReading(columns=columns)
+    check(read_torque_table(path, strokes=4, reading=reading))
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "cp1252"])
+def test_other_encodings(tmp_path, encoding):
+    path = tmp_path / "torque.txt"
+    path.write_bytes(lines("\t", comma, head=UNITS_ROW.replace(";", "\t")).encode(encoding))
+    check(read_torque_table(path, strokes=4, reading=TableReading(columns=BY_NAME)))
+
+
+def write_sheets(path, **sheets):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for name, rows in sheets.items():
+        page = book.create_sheet(name)
+        for row in rows:
+            page.append(row)
+    book.save(path)
+
+
+def test_a_spreadsheet(tmp_path):
+    path = tmp_path / "torque.xlsx"
+    rows = [["CA", "M1", None], ["deg", "Nm"], *zip(ANGLES, TORQUE, strict=True)]
+    write_sheets(path, torque=[[*row] for row in rows], notes=[["bench", 7]])
+    with pytest.raises(InputError, match="several sheets with cells: torque, notes"):
+        read_torque_table(path, strokes=4, reading=TableReading(columns=BY_NAME))
+    check(read_torque_table(path, strokes=4, reading=TableReading(columns=BY_NAME, sheet="torque")))
+
+
+def test_a_spreadsheet_without_openpyxl_names_the_extra(tmp_path, monkeypatch):
+    path = tmp_path / "torque.xlsx"
+    write_sheets(path, torque=[["crank_angle_deg", "torque_Nm"], [0, 1]])
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    with pytest.raises(MissingLibraryError, match=r"pip install 'crankfem\[spreadsheets\]'"):
+        read_torque_table(path)
+
+
+def record(cycles, scatter=0.0, closing=True, restart=False):
+    """Cycles one behind the other, each with its own gain about one; and their samples."""
+    gains = 1.0 + scatter * np.linspace(-1.0, 1.0, cycles)
+    parts, samples = [], []
+    for number, gain in enumerate(gains):
+        begin = 0.0 if restart else 720.0 * number
+        values = 150.0 + gain * (TORQUE - 150.0)
+        parts += [
+            f"{begin + a!r},{t!r}" for a, t in zip(ANGLES.tolist(), values.tolist(), strict=True)
+        ]
+        samples.append(values)
+        if closing and (restart or number == cycles - 1):
+            parts.append(f"{begin + 720.0!r},{float(values[0])!r}")
+    return "\n".join(["crank_angle_deg,torque_Nm", *parts]), np.array(samples)
+
+
+@pytest.mark.parametrize("restart", [False, True])
+@pytest.mark.parametrize("closing", [False, True])
+def test_several_cycles_give_their_mean_and_tell_the_scatter(tmp_path, restart, closing):
+    text, samples = record(9, 0.04, closing, restart)
+    (tmp_path / "torque.csv").write_text(text, encoding="utf-8")
+    table = read_torque_table(tmp_path / "torque.csv", strokes=4)
+    check(table)
+    (remark,) = (remark for remark in table.remarks if "cycles" in remark)
+    largest = np.max(np.std(samples, axis=0, ddof=1))
+    assert f"The mean of 9 cycles is used. They scatter by {largest:.3g} at most" in remark
+
+
+def test_an_incomplete_cycle_at_the_end_is_left_out_and_told(tmp_path):
+    text = record(4, closing=False)[0].rsplit("\n", 100)[0]
+    (tmp_path / "torque.csv").write_text(text, encoding="utf-8")
+    table = read_torque_table(tmp_path / "torque.csv", strokes=4)
+    check(table)
+    assert any("260 samples of an incomplete cycle" in remark for remark in table.remarks)
+
+
+def test_cycles_that_are_no_repetitions_are_refused(tmp_path):
+    """The two revolutions of a four-stroke cycle are none of a two-stroke engine."""
+    (tmp_path / "torque.csv").write_text(lines(","), encoding="utf-8")
+    with pytest.raises(InputError, match="given 2 cycles of 360 deg, which differ"):
+        read_torque_table(tmp_path / "torque.csv", strokes=2)
+
+
+def test_a_closing_row_that_differs_by_noise(tmp_path):
+    noise = 0.3 * np.random.default_rng(3).standard_normal(ANGLES.size + 1)
+    values = np.append(TORQUE, TORQUE[0]) + noise
+    angles = np.append(ANGLES, 720.0)
+
+    def write(closing):
+        rows = zip(angles, np.append(values[:-1], closing), strict=True)
+        text = "\n".join(["crank_angle_deg,torque_Nm", *(f"{a:g},{t:.9g}" for a, t in rows)])
+        (tmp_path / "torque.csv").write_text(text, encoding="utf-8")
+        return tmp_path / "torque.csv"
+
+    table = read_torque_table(write(values[-1]), strokes=4)
+    assert table.torque[0] == close(0.5 * (values[0] + values[-1]), rel=1e-8)
+    assert any("their mean is used" in remark for remark in table.remarks)
+    with pytest.raises(InputError, match="closing sample; allowed is"):
+        read_torque_table(write(values[0] + 3.0), strokes=4)
+
+
+@pytest.mark.parametrize("begin", [0, 14, 100, 250])
+def test_one_revolution_of_a_four_stroke_torque_is_no_cycle(tmp_path, begin):
+    part = slice(begin, begin + 180) if begin <= 180 else slice(0, 180)
+    values = np.roll(TORQUE, -max(begin - 180, 0))[part]
+    rows = zip(STEP * np.arange(180), values, strict=True)
+    text = "\n".join(["crank_angle_deg,torque_Nm", *(f"{a:.9g},{t:.12g}" for a, t in rows)])
+    (tmp_path / "torque.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="one revolution of a four-stroke engine"):
+        read_torque_table(tmp_path / "torque.csv")
+    told = read_torque_table(tmp_path / "torque.csv", strokes=2).remarks
+    assert any("did not close" in remark for remark in told)
+
+
+def test_a_two_stroke_cycle_is_told_to_be_one(tmp_path):
+    angles = np.arange(0.0, 360.0, 2.0)
+    values = np.round(100.0 + 30.0 * np.sin(np.radians(3.0 * angles)), 6)
+    rows = zip(angles.tolist(), values.tolist(), strict=True)
+    text = "\n".join(["crank_angle_deg,torque_Nm", *(f"{a},{t}" for a, t in rows)])
+    (tmp_path / "torque.csv").write_text(text, encoding="utf-8")
+    table = read_torque_table(tmp_path / "torque.csv")
+    assert table.strokes == 2
+    assert any("a four-stroke cycle has 720 deg" in remark for remark in table.remarks)
+
+
+def test_uneven_digitized_points_lie_on_a_spline(tmp_path):
+    """Steps of 1 to 5 deg of orders up to 4.5: a cubic spline is within 5/384 h^4 max |f''''|."""
+    draw = np.random.default_rng(5)
+    angles = np.cumsum(draw.uniform(1.0, 5.0, 400))
+    angles = np.round(angles[angles < 719.0], 3)
+    rows = zip(angles, torque_at(angles), strict=True)
+    text = "\n".join(["crank_angle_deg,torque_Nm", *(f"{a:.9g},{t:.12g}" for a, t in rows)])
+    (tmp_path / "torque.csv").write_text(text, encoding="utf-8")
+    table = read_torque_table(tmp_path / "torque.csv", strokes=4)
+    slope = float(np.sum(np.array([40.0, 25.0, 90.0, 35.0, 12.0]) * ORDERS**4))
+    gap = np.radians(np.max(np.diff(angles, append=angles[0] + 720.0)))
+    bound = 5.0 / 384.0 * slope * gap**4
+    assert np.max(np.abs(table.torque - torque_at(table.crank_angle_deg))) < bound
+    assert any("uneven samples were replaced" in remark for remark in table.remarks)
+
+
+def test_all_faults_are_told_at_once_with_the_cure(tmp_path):
+    """No known header, gaps, a word for a number, and a line that is cut short."""
+    kept = [
+        line
+        for line in THREE.split("\n")
+        if not line.startswith(("100,", "102,", "104,", "106,", "108,"))
+    ]
+    kept[40] = kept[40].rsplit(";", 2)[0].rsplit(";", 1)[0]
+    kept[60] = kept[60].replace(kept[60].split(";")[2], "overload")
+    (tmp_path / "torque.csv").write_text("\n".join(kept), encoding="utf-8")
+    with pytest.raises(InputError) as refused:
+        read_torque_table(tmp_path / "torque.csv", strokes=4)
+    text = str(refused.value)
+    assert 'line 1: given the header "CA,speed,M1"' in text
+    assert 'columns = { crank_angle_deg = "CA", torque_Nm =' in text
+    assert "line 41: given" in text
+    columns = TableReading(columns={"crank_angle_deg": "CA", "torque_Nm": "M1"})
+    with pytest.raises(InputError) as refused:
+        read_torque_table(tmp_path / "torque.csv", strokes=4, reading=columns)
+    text = str(refused.value)
+    assert "line 41: given" in text
+    assert 'torque_Nm: given "overload"' in text
+    del kept[60], kept[40]
+    (tmp_path / "torque.csv").write_text("\n".join(kept), encoding="utf-8")
+    with pytest.raises(InputError, match="gaps of 10 deg"):
+        read_torque_table(tmp_path / "torque.csv", strokes=4, reading=columns)
+
+
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        ({"crank_angle_deg": 1}, "allowed are one of"),
+        ({"crank_angle_deg": 1, "torque_Nm": 7}, "allowed are 1 to 3"),
+        ({"crank_angle_deg": 1, "torque_Nm": "M2"}, "heads none of the columns"),
+        ({"crank_angle_deg": 1, "torque_kNm": 3}, "given in Nm, but named torque_kNm"),
+        ({"angle": 1, "torque_Nm": 3}, "given angle, torque_Nm"),
+    ],
+)
+def test_columns_that_are_not_there(tmp_path, columns, said):
+    (tmp_path / "torque.csv").write_text(THREE, encoding="utf-8")
+    with pytest.raises(InputError, match=said):
+        read_torque_table(tmp_path / "torque.csv", strokes=4, reading=TableReading(columns=columns))
+
+
+def test_points_and_commas_before_decimals_are_refused(tmp_path):
+    text = lines(";", comma).replace("\n10,0;", "\n10.0;")
+    (tmp_path / "torque.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="points and commas before decimals"):
+        read_torque_table(tmp_path / "torque.csv", strokes=4)
+
+
+def test_an_indicator_record_with_its_own_top(tmp_path):
+    """Names, units, decimal commas, three columns, 0 to 720 deg with the firing top at 360 deg."""
+    rows = ["CA;PCYL1;PCYL2", "degCA;bar;bar"]
+    for angle in np.arange(0.0, 720.0, 1.0):
+        pressure = 2.0 + 100.0 * np.exp(-(((angle - 370.0) / 20.0) ** 2))
+        rows.append(f"{comma(angle)};{comma(round(pressure, 6))};1,0")
+    (tmp_path / "p.csv").write_text("\n".join(rows), encoding="utf-8")
+    columns = {"crank_angle_deg": "CA", "absolute_pressure_bar": "PCYL1"}
+    with pytest.raises(InputError, match="looks shifted by 360 deg"):
+        read_pressure_table(tmp_path / "p.csv", 4, reading=TableReading(columns=columns))
+    found = read_pressure_table(
+        tmp_path / "p.csv", 4, reading=TableReading(columns=columns, top=2.0 * np.pi)
+    )
+    assert found.peak_angle_deg == close(10.0)
+    assert found.peak_pressure == close(102.0e5)
+    assert any("'PCYL2'" in remark for remark in found.remarks)
