@@ -491,7 +491,7 @@ def _evaluate(text: str, unit: str, fault: str, limits: Limits, remedy: str) -> 
                 f"{fault}; write a decimal point and no separators, like {either(meant)}{remedy}."
             ) from None
         if error.name and match is not None:
-            like = _in_like_named(match[1], match[2], error.name, unit)
+            like = _in_like_named(match[1], match[2], error.name, unit, limits)
             raise InputError(f"{fault}, in the unknown unit {error.name}; {like}{usual}") from None
         # As behind a sign for a diameter: "Ø180 mm".
         tail = re.sub(r"^[^\d.+\-\u2012-\u2015\u2212]+", "", text[:LONGEST_QUANTITY])
@@ -517,27 +517,32 @@ def _evaluate(text: str, unit: str, fault: str, limits: Limits, remedy: str) -> 
 
 
 def _read_as(text: str, unit: str, limits: Limits) -> tuple[str, ...]:
-    """Return what a quantity with separators in its number may mean, as far as a field can read it."""
-    meant = []
+    """Return what a quantity with separators in its number may mean, as far as a field can read it.
+
+    Only what lies in the field's range, if anything does.
+    """
+    meant, within = [], []
     for reading in readings(text) if len(text) <= LONGEST_QUANTITY else ():
         match = NUMBER_AND_UNIT.fullmatch(reading)
         if match is None or not match[2]:
             meant += [_example(unit, limits, reading)] if match is not None else []
             continue
         with suppress(NoUnitError, OtherKindError):
-            size_in(match[2], unit)
+            size, zero = size_in(match[2], unit)
             meant.append(reading)
-    return tuple(meant)
+            within += [reading] if _is_within(float(match[1]) * size + zero, limits) else []
+    return tuple(within or meant)
 
 
-def _in_like_named(number: str, text: str, name: str, unit: str) -> str:
-    """Return "did you mean ...? " of the quantity with units that differ in capital letters alone."""
+def _in_like_named(number: str, text: str, name: str, unit: str, limits: Limits) -> str:
+    """Return "did you mean ...? " of what is allowed in units that differ in capital letters alone."""
     likely = []
     for other in like_named(name):
         spelling = text.replace(name, other)
         with suppress(NoUnitError, OtherKindError):
-            size_in(spelling, unit)
-            likely.append(f'"{number} {spelling}"')
+            size, zero = size_in(spelling, unit)
+            if _is_within(float(number) * size + zero, limits):
+                likely.append(f'"{number} {spelling}"')
     return f"did you mean {' or '.join(likely)}? " if likely else ""
 
 

@@ -214,7 +214,7 @@ _SIGNS = str.maketrans(
 _POWER = re.compile(r"([^\W\d_])(-?[1-4])(?![\w.])")
 # "kg-m2" and "N.m" are products.
 _JOINED = re.compile(r"(?<=[\w)])[-.](?=[^\W\d_(])")
-_DEGREE = re.compile(r"°\s*([CFKСК])\b")
+_DEGREE = re.compile(r"(?:°|\bdeg(?:rees?|\.)?\s)\s*([CFKСК])\b")
 # What pint may see of a unit: names, ones and brackets with exponents, multiplied and divided. Anything else
 # it would calculate first, however long that takes.
 _NUMBER = r"[+-]?(?!0\d)(?:\d+\.?\d*|\.\d+)"

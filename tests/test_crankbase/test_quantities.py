@@ -1,6 +1,7 @@
 """Quantities with units, angles, and numbers with separators."""
 
 import math
+import re
 from decimal import Decimal
 
 import numpy as np
@@ -317,6 +318,23 @@ def test_zero_has_no_sign_and_round_off_is_zero():
 def test_a_share_has_no_exponent(share, written):
     assert quantity.percent(share, 3) == written
     assert Column("share", "%", 3).text(share) == written
+
+
+@pytest.mark.parametrize(
+    ("text", "limits", "suggested"),
+    [
+        ("1,200 mm", (0.01, 2.0), ["1200 mm"]),
+        ("1,200 mm", (0.0001, 0.01), ["1.2 mm"]),
+        ("1,200 mm", (0.0001, 2.0), ["1.2 mm", "1200 mm"]),
+        ("165 Mm", (0.01, 2.0), ["165 mm"]),
+        ("165 Mm", (0.01, 0.1), []),
+        ("165 MM", (0.01, 2.0), ["165 mm"]),
+    ],
+)
+def test_what_is_suggested_lies_in_the_range(text, limits, suggested):
+    with pytest.raises(InputError) as caught:
+        parse_quantity(text, "m", "f", limits=limits)
+    assert re.findall(r'"([^"]+)"', str(caught.value)) == suggested
 
 
 @pytest.mark.parametrize("given", ["+5,N'%4", "847,e+8Å4*"])

@@ -277,8 +277,8 @@ SPELLINGS = {
 }
 # Temperatures with a zero of their own: 20 of each [K].
 TEMPERATURES = {
-    293.15: "degC | °C | ° C | ℃ | C | celsius | Celsius | °С",
-    (20 + 459.67) / 1.8: "degF | °F | F | fahrenheit | Fahrenheit",
+    293.15: "degC | deg C | degrees C | deg. C | °C | ° C | ℃ | C | celsius | Celsius | °С",
+    (20 + 459.67) / 1.8: "degF | deg F | degree F | °F | F | fahrenheit | Fahrenheit",
     20.0: "K | kelvin | Kelvin | °K | degK",
 }
 # What nobody can know the size of, or the field cannot hold: refused in every field.
