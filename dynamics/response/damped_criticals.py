@@ -35,6 +35,8 @@ LARGE = 0.25
 SEVERAL = 0.25
 # Peaks below this share of the largest one of their place are not worth a row of a table.
 LEAST_PEAK = 0.05
+# A peak is that of a mode that makes at least this part of the amplitude.
+LEAST_PART = 0.05
 # Where springs vary, each order is calculated at so many times the response's speeds.
 VARYING = 8
 # Steps of the golden section: a bracket becomes a millionth of what it was.
@@ -71,8 +73,9 @@ class DampedCritical(Result):
     mode_share : float
         Part of the amplitude from this mode; others may counteract it.
     in_band : bool
-        Whether the mode's magnifier at the peak is half of its largest or more. If not, the
-        exciting forces have a peak, as axial ones have where torsional vibration is large.
+        Whether the mode's magnifier at the peak is half of its largest or more, and the mode makes a
+        twentieth of the amplitude or more. If not, the exciting forces have a peak, as axial ones have where
+        torsional vibration is large, or the mode is a ripple on them.
     mode_frequency : float
         Damped natural frequency of the mode [Hz]; NaN for an overdamped one.
     damping_ratio : float
@@ -512,6 +515,8 @@ class _Vibration:
         mode = np.argmax(bends, axis=1)
         each = np.arange(w.size)
         of_mode = in_band[each, mode] & (bends[each, mode] > 0.0)
+        ripple = of_mode & (np.abs(shares[each, mode]) < LEAST_PART)
+        of_mode &= ~ripple
         first = np.abs(motion @ motion_rows(self.response, [0])[0][0])
         return _Made(
             np.where(unbounded, np.inf, np.abs(value)),
@@ -520,6 +525,7 @@ class _Vibration:
             shares,
             of_mode,
             in_band & (bends >= SEVERAL * np.max(bends, axis=1, keepdims=True)) & (bends > 0.0),
+            ripple,
         )
 
     def _contributions(
@@ -588,6 +594,8 @@ class _Vibration:
         for group in groups:
             largest = np.max(share[group])
             stands = share[group] >= (LARGE * largest if least is None else min(least, largest))
+            ripple = made.ripple[group]
+            stands &= ~ripple | np.all(ripple | ~stands)
             main.append(group[np.argmax(np.where(stands, rank[group], -1.0))])
         chosen = maxima.chosen(np.array(main))
         twice = np.tile(chosen.orders, 2), np.tile(chosen.places, 2)
@@ -644,8 +652,8 @@ class _Vibration:
 class _Made(NamedTuple):
     """What makes maxima (m,): value, that of the first node, mode (index; last: overdamped motions).
 
-    Then the shares of all modes in the value (m, modes + 1), whether the maximum is the mode's own, and all
-    modes that make it (m, modes + 1).
+    Then the shares of all modes in the value (m, modes + 1), whether the maximum is the mode's own, all
+    modes that make it (m, modes + 1), and whether a mode in its band is but a ripple on others.
     """
 
     value: FloatArray
@@ -654,6 +662,7 @@ class _Made(NamedTuple):
     shares: FloatArray
     of_mode: NDArray[np.bool_]
     makers: NDArray[np.bool_]
+    ripple: NDArray[np.bool_]
 
     def chosen(self, which: NDArray[np.bool_]) -> "_Made":
         """Return that of some maxima."""

@@ -306,3 +306,21 @@ def test_the_coupling_swings_below_idle(machine, figure):
     running = forced.speed_parts["running"]
     told = forced.loads.elements.synthesis.amplitude[running, coupling].max()
     assert told < 0.1 * max(torque)
+
+
+@pytest.mark.further
+def test_a_half_order_has_its_critical_speed_where_the_coupling_swings(machine, figure):
+    """The throws' torque of this order is static but for a thousandth, and no peak of the coupling's mode."""
+    if machine.engine.strokes == 2:
+        pytest.skip("a cycle of one revolution has no half orders")
+    model, forced = torsional_model(machine), machine.run.forced_torsional
+    (peak,) = (one for one in forced.resonances if one.order == 0.5 and one.of_load)
+    assert peak.place == "flywheel - pinion"
+    assert peak.mode_share > 0.9
+    row, spring = model[3][forced.loads.elements.names.index(peak.place)]
+    speeds = peak.speed * np.linspace(0.9, 1.1, 2001)
+    torque = [abs(spring * (row @ torsional_motion(machine, model, v, 0.5))) for v in speeds]
+    figure("critical speed, half order", peak.speed, speeds[int(np.argmax(torque))], 2e-4, "rad/s")
+    # What strains the element is its stiffness times its twist, 1.3 % less than with its damping.
+    largest = max(torque) * spring.real / abs(spring)
+    figure("torque of the half order", peak.amplitude, largest, 1e-4, "N m")

@@ -242,8 +242,8 @@ def left_out(answer: ForcedVibration, shown: Sequence[DampedCritical]) -> str:
         worst = max(forced, key=lambda peak: peak.severity)
         texts.append(
             f"{_counted(len(forced), 'peak')} of the exciting forces, where no mode reaches half of its "
-            f"largest magnifier, the main one of order {worst.order:g} at {worst.speed_rpm:.4g} 1/min "
-            f"({worst.place.split(', ')[0]})"
+            "largest magnifier and a twentieth of the amplitude, the main one of order "
+            f"{worst.order:g} at {worst.speed_rpm:.4g} 1/min ({worst.place.split(', ')[0]})"
         )
     if passed:
         texts.append(
