@@ -686,10 +686,10 @@ def critical_lines(run: EngineVibration, kind: str) -> list[CriticalLine]:
 
 def met_while_running(run: EngineVibration, kind: str) -> bool:
     """Whether any critical speed of one kind is a running speed."""
+    running = run.running_range
     return any(
-        known.in_running_range
+        line.speed is not None and not (line.passed(running) or line.above(running))
         for line in critical_lines(run, kind)
-        if (known := line.peak or line.critical) is not None
     )
 
 
