@@ -181,7 +181,7 @@ class TableHarmonics(Result):
     residual_rms: Annotated[FloatArray | None, Quantity("N m", left_out=True)] = None
     residual_largest: Annotated[FloatArray | None, Quantity("N m", left_out=True)] = None
     cylinders: Annotated[SummedCylinders | None, Quantity(left_out=True)] = None
-    remarks: tuple[str, ...] = ()
+    remarks: Annotated[tuple[str, ...] | None, Quantity(left_out=True)] = None
 
     def parts(self, units: OutputUnits = SI) -> Parts:
         """Return tables and sentences; orders above the usual ones only if all are above."""
@@ -191,7 +191,7 @@ class TableHarmonics(Result):
         if harmonics.orders[0] <= USUAL_ORDERS < harmonics.orders[-1]:
             harmonics = harmonics.up_to(USUAL_ORDERS)
         kept = harmonics.orders.size
-        yield from (f"Note: {remark}" for remark in self.remarks)
+        yield from (f"Note: {remark}" for remark in self.remarks or ())
         residuals = {"residual rms": self.residual_rms[:kept], "largest residual": largest[:kept]}
         yield Main(
             f"Mean {_torque(harmonics.mean, units)}; {harmonics.samples} samples resolve orders up to "
