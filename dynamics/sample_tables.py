@@ -218,7 +218,12 @@ def _columns_of(
     if len(known["angle"]) == len(known["value"]) == 1:
         (angle,), (value,) = known["angle"], known["value"]
         places = headings.index(angle.casefold()), headings.index(value.casefold())
-        return angle, value, *places, []
+        faults = [
+            fault
+            for name, place in zip((angle, value), places, strict=True)
+            for fault in _contradiction(table, kind, name, place)
+        ]
+        return angle, value, *places, faults
     where = f"{table.path}, line {table.header_line}: " if headings else f"{table.path}: "
     given = f'given the header "{shortened(",".join(table.headings))}"' if headings else "no header"
     likely_angle, likely_value = _likely_columns(table)
@@ -268,7 +273,7 @@ def _named_columns(
     for name in (angles[0], values[0]):
         place = _place_of(table, name, columns[name], faults)
         places.append(place)
-        if place is not None and table.units[place]:
+        if place is not None:
             faults += _contradiction(table, kind, name, place)
     angle, value = places
     return angles[0], values[0], angle, value, faults
@@ -304,13 +309,15 @@ def _place_of(table: ExportedTable, name: str, column: int | str, faults: list[s
 def _contradiction(table: ExportedTable, kind: TableKind, name: str, place: int) -> list[str]:
     """Return the sentence about a unit in the table that is not the one in the column's name."""
     own = name.rpartition("_")[2]
+    if not table.units[place]:
+        return []
     si, size = ("rad", math.radians(1.0)) if own == "deg" else (kind.si, kind.units[own])
     given = unit_size(table.units[place], si)
     if given is None or math.isclose(given, size, rel_tol=1e-9):
         return []
     return [
         f"{table.path}, line {table.header_line}: {_column_name(table, place)}: given in "
-        f"{table.units[place]}, but named {name} in reading.columns; allowed is the unit that it has."
+        f"{table.units[place]}, but named {name}; allowed is the name with the unit that it has."
     ]
 
 

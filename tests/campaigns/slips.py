@@ -2,7 +2,8 @@
 
 Run by hand: ``python tests/campaigns/slips.py [COUNT] [SEED]`` (about two minutes for 200); what stays
 undetected, and why, is in docs/developers/faults.md. A change counts as found if the file is
-refused, or has a warning that the shipped one lacks.
+refused, or has a warning that the shipped one lacks. What values are taken for (GD2, half an angle, diameter,
+degrees, pressure above ambient) is tried in tests/test_crankfem/test_input_warnings.py.
 """
 
 import random

@@ -178,7 +178,7 @@ MISREADINGS = {
     "fillet's radius for diameter": (r"\w*fillet_radius", "mm", 0.5, 0.0),
     "pressure above ambient": (r"(?:intake|exhaust)_pressure", "bar", 1.0, -1.01325),
 }
-COUNTS = dict(zip(MISREADINGS, (32, 32, 2, 2, 10, 18, 18, 4), strict=True))
+COUNTS = dict(zip(MISREADINGS, (32, 32, 2, 2, 10, 18, 18, 2), strict=True))
 
 
 def misread(text, fields, unit, factor, summand):

@@ -272,6 +272,13 @@ def test_columns_that_are_not_there(tmp_path, columns, said):
         read_torque_table(tmp_path / "torque.csv", strokes=4, reading=TableReading(columns=columns))
 
 
+def test_a_row_of_units_against_the_header_is_refused(tmp_path):
+    text = lines(";").replace("torque_Nm\n", "torque_Nm\ndeg;kNm\n", 1)
+    (tmp_path / "torque.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="given in kNm, but named torque_Nm"):
+        read_torque_table(tmp_path / "torque.csv", strokes=4)
+
+
 def test_points_and_commas_before_decimals_are_refused(tmp_path):
     text = lines(";", comma).replace("\n10,0;", "\n10.0;")
     (tmp_path / "torque.csv").write_text(text, encoding="utf-8")
